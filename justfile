@@ -46,7 +46,7 @@ run record *args: build
         -- "$@"
 
 # Writes 7-predict.mcap of that run again, with the speeds of its pipeline and those asked for, and the report and the summary.
-# The models of a run at other speeds and masses: `just predict runs/crash/default --speed 40km/h,64km/h [--mass 1500kg] [--candidate ID]`.
+# The models of a run at other speeds and masses: `just predict runs/crash/default --speed 40km/h,64km/h [--mass 1500kg] [--candidate ID] [--partner OTHER_RUN]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
@@ -83,6 +83,13 @@ diff a b *args: build
 [no-exit-message]
 show artifact *args: build
     @{{ quote(bin / "crumple-artifact") }} show "$@"
+
+# Static force-deflection curves of a run's recommended candidate: `just curve runs/crash/default [--candidate ID] [--format csv|ls-dyna|madymo|pc-crash] [--to 900mm]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+curve folder *args: build
+    @shift; {{ quote(bin / "crumple-artifact") }} curve {{ quote(folder / "5-parameter-solve.mcap") }} "$@"
 
 # Release build of all binaries. Asks cargo only if a source is newer than the last build: cargo alone takes 0.2 s to see that nothing is to do.
 [group('development')]
@@ -157,7 +164,7 @@ bytes *args:
 interval-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"
 
-# How far predictions of other tests are off, 50 made cars a kind: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [KIND ...]`.
+# How far predictions of other tests are off, 50 made cars a kind: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]`.
 [group('development')]
 prediction-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"

@@ -1,4 +1,4 @@
-//! Why plain files are no artifact.
+//! Why plain files are no artifact, and why a candidate has no curve.
 
 use crumple_artifact::{ReadError, WriteError};
 
@@ -27,6 +27,45 @@ pub enum PlainError {
     #[error(transparent)]
     Record(#[from] WriteError),
     /// A waveform typed as a record is not one.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+}
+
+/// Why a candidate has no force-deflection curve.
+#[derive(Debug, thiserror::Error)]
+pub enum CurveError {
+    /// The artifact recommends none.
+    #[error("no candidate is recommended here; candidates: {candidates}")]
+    NoneRecommended {
+        /// Those that are there.
+        candidates: String,
+    },
+    /// There is no such candidate.
+    #[error("there is no candidate {id:?}; candidates: {candidates}")]
+    NoCandidate {
+        /// The one asked for.
+        id: String,
+        /// Those that are there.
+        candidates: String,
+    },
+    /// Its curve has no last point of its own.
+    #[error("{id} has stiffnesses without an end")]
+    NoEnd {
+        /// The candidate.
+        id: String,
+    },
+    /// No force of it is of the deflection alone.
+    #[error("{id} ({model}) has no element whose force depends on the deflection alone")]
+    NoStaticForce {
+        /// The candidate.
+        id: String,
+        /// Its model.
+        model: String,
+    },
+    /// Its parameters make no model.
+    #[error(transparent)]
+    Model(#[from] crumple_lumped::LumpedError),
+    /// A record cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
 }

@@ -3,15 +3,18 @@
 //!
 //! Everything here works on artifacts and texts in memory; files are the business of the program.
 //!
-//! rooms: checks plain | show
+//! rooms: checks plain curves | show
 
 mod checks;
+mod curves;
 mod error;
 mod plain;
 mod show;
 
 pub use checks::check::{Checked, check};
-pub use error::PlainError;
+pub use curves::static_curve::{StaticCurve, static_curves};
+pub use curves::tables::{CurveFormat, text};
+pub use error::{CurveError, PlainError};
 pub use plain::layout::{PlainInput, PlainProvenance, PlainRecord, PlainWave};
 pub use plain::pack::{NearestSchema, assemble, parse_lines};
 pub use plain::unpack::{f64_bytes, plain_records, plain_waves};

@@ -139,6 +139,24 @@ fn prediction() -> PredictionV1 {
             held: vec!["dynamic_crush_m".to_owned()],
             ..AgainstTestV1::default()
         }),
+        collision: Some(PredictedCollisionV1 {
+            kind: "vehicle".to_owned(),
+            partner_candidate: Some("kelvin/closed-form/1".to_owned()),
+            closing_speed_m_per_s: 30.0,
+            partner_speed_m_per_s: 12.5,
+            partner_mass_kg: 1200.0,
+            mutual_crush_m: Some(1.25),
+            partner_absorbed_j: Some(7.5),
+            momentum_before_n_s: 1e4,
+            momentum_after_n_s: 1e4,
+            ..PredictedCollisionV1::default()
+        }),
+        occupant: Some(PredictedOccupantV1 {
+            time_of_contact_s: Some(0.025),
+            peak_acceleration_m_per_s2: 400.0,
+            ride_down_share: Some(0.5),
+            ..PredictedOccupantV1::default()
+        }),
     }
 }
 
@@ -533,6 +551,13 @@ fn the_layout_of_every_record_type_is_frozen() {
         constant_run: Some(4),
         constant_run_from_s: Some(0.03),
         end_level: Some(-1.5),
+    });
+    freeze(&DamageV1 {
+        residual_crush_m: vec![0.38, 0.466, 0.511, 0.518, 0.489, 0.37],
+        damage_width_m: None,
+        vehicle_width_m: Some(1.839),
+        classification: Some("12FDEW2".into()),
+        from: "DPD1-DPD6, VEHWID".into(),
     });
     freeze(&ChannelFilterV1 {
         cfc: Some(60),

@@ -8,7 +8,7 @@ use crate::formats::reader::{Bundle, stem};
 use crate::pulse::choice;
 use crate::pulse::polarity::{self, Polarity};
 use crate::recording::content::Recording;
-use crate::recording::details::{self, Details, Stated};
+use crate::recording::details::{self, Damage, Details, Stated};
 use crate::recording::read_channel::ReadChannel;
 use crate::recording::wave::Wave;
 use crate::recording::{quality, unheeded_flags};
@@ -22,6 +22,8 @@ pub struct Ingested {
     pub test: TestDescription,
     /// Every channel with data, in the order of the source.
     pub waves: Vec<Wave>,
+    /// What was measured on the vehicle afterwards, where the record says so.
+    pub damage: Option<Damage>,
     /// Remarks.
     pub notes: Notes,
 }
@@ -88,6 +90,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     redundant_sensors::check(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
+    let damage = details.damage;
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
     let test = TestDescription {
         title: words(details.title).unwrap_or_else(|| stem(file).to_owned()),
@@ -101,7 +104,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         notes: details.facts,
         time_zero,
     };
-    Ok(Ingested { test, waves, notes })
+    Ok(Ingested { test, waves, damage, notes })
 }
 
 /// Asks for mass and impact speed, unless they may be missing: because a person allows it, or because the pulse is that

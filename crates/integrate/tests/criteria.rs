@@ -4,7 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{ChannelFilterV1, DiagnosisV1, EventsV1, MetricV1, MetricsV1, NotesV1, TestV1};
+use crumple_artifact::records::{
+    ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, MetricV1, MetricsV1, NotesV1, TestV1,
+};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription};
 use crumple_testkit::program::Program;
@@ -229,6 +231,39 @@ fn width_and_residual_crush_give_the_stiffness_of_crash3() {
         assert!((find(&found, "p", name).value.unwrap() / exact - 1.0).abs() < 1e-12);
     }
     assert_eq!(PROGRAM.run(&input, &["--damage-width", "1.5m"]).status.code(), Some(2));
+}
+
+/// The damage that a file states, handed on by the filter, beside the artifact that is made here.
+#[test]
+fn a_stated_crush_profile_gives_the_energy_of_the_test_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let damage = |classification: &str, width: Option<f64>| DamageV1 {
+        residual_crush_m: vec![0.3, 0.5, 0.6, 0.6, 0.4, -0.05],
+        damage_width_m: None,
+        vehicle_width_m: width,
+        classification: Some(classification.to_owned()),
+        from: "DPD1-DPD6".to_owned(),
+    };
+    let stated = |damage: &DamageV1| {
+        let input = filtered(folder.path(), &occupants(), Some(20.0));
+        let artifact = Artifact::open(&input).unwrap();
+        let mut builder = ArtifactBuilder::new();
+        builder.put("/test", &artifact.record::<TestV1>("/test").unwrap().unwrap()).unwrap();
+        builder.put("/damage", damage).unwrap();
+        for (id, wave) in artifact.waves() {
+            builder.wave(id, wave.quantity, wave.sampled.clone()).unwrap();
+        }
+        let provenance = Provenance::new("filter", "0", "{}".to_owned(), vec![]);
+        builder.write(&input, &provenance, Compression::None).unwrap();
+        metrics(&result(&input, &["--force"]))
+    };
+    let found = stated(&damage("12FDEW2", Some(1.8)));
+    // 1500 kg at 20 m/s.
+    assert!((find(&found, "p", "crush_energy").value.unwrap() / 3e5 - 1.0).abs() < 1e-12);
+    assert!(find(&found, "p", "crush_stiffness_a").definition.contains("width 1.8 m of the vehicle"));
+    for none in [damage("03RDEW2", Some(1.8)), damage("12FDEW2", None)] {
+        assert!(!stated(&none).iter().any(|metric| metric.name == "crush_stiffness_a"));
+    }
 }
 
 #[test]

@@ -39,6 +39,7 @@ fn solved_at(truth: &Model, dt_s: f64) -> Vec<Candidate> {
     let settings = SolveSettings {
         models: vec![ModelKind::ForceDeflection],
         methods: vec![Method::DirectFit],
+        rate_factor_s_per_m: RATE_PRIOR_S_PER_M,
         ..SolveSettings::default()
     };
     solve(&test, &settings, &mut Notes::new()).unwrap()

@@ -4,7 +4,7 @@
 
 use crumple_lumped::{CrushedStructure, Kelvin, Model, ModelKind};
 use crumple_lumped_fit::{
-    AssessmentOptions, Candidate, JointTest, RATE_PRIOR_S_PER_M, SolveSettings, TestData, assess, fit_together,
+    AssessmentOptions, Candidate, JointTest, ONE_MASS_RATE_S_PER_M, SolveSettings, TestData, assess, fit_together,
 };
 use crumple_signal::{Displacement, Notes, Signal};
 
@@ -84,7 +84,7 @@ fn two_speeds_tell_the_rate_factor_and_with_it_the_crush_at_others() {
 fn tests_at_one_speed_leave_the_rate_factor_a_prior_and_it_is_said() {
     let impacts = [(1400.0, 15.0), (1300.0, 15.5)];
     let candidates = fitted(sensitive, &impacts, ModelKind::ForceDeflection, &mut Notes::new());
-    assert!((candidates[0].model.parameters()["rate_s_per_m"] - RATE_PRIOR_S_PER_M).abs() < 1e-15);
+    assert!((candidates[0].model.parameters()["rate_s_per_m"] - ONE_MASS_RATE_S_PER_M).abs() < 1e-15);
     assert!(candidates[0].notes.iter().any(|note| note.text.contains("is a prior")), "{:?}", candidates[0].notes);
 }
 

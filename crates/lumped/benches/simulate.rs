@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use crumple_lumped::{
     CollisionQuestions, DoubleSpringMassDamper, Drive, ForceDeflection, ForceDeflectionParameter, Instants, Model,
-    Place, Structure,
+    Place, Structure, Waves,
 };
 use crumple_testkit::stopwatch::best_us;
 use crumple_testkit::table_5;
@@ -124,9 +124,9 @@ fn time_force_deflection() {
     time("force-deflection, one mass, eight knots, 0.2 s at 10 kHz, three waves", "40", || {
         black_box(plain.motions_at(black_box(15.0), &all).unwrap());
     });
-    let mut picked = vec![0.0; 189];
+    let picked = Instants { first_s: 0.0, dt_s: 1e-3, samples: 189 };
     time("  the same, displacement at 189 instants, as a propagation uses it", "20", || {
-        plain.displacement(black_box(15.0), 0.0, 1e-3, &mut picked).unwrap();
+        black_box(plain.sensitivity_of(Waves::Displacement, black_box(15.0), &picked, &[]).unwrap());
     });
     let questions = CollisionQuestions::default();
     time("  the same, crush, peaks, separation, energies", "40", || {
@@ -214,9 +214,10 @@ fn main() {
     time("nonlinear II, 0.25 s at 10 kHz, three waves", "30", || {
         black_box(Model::Nonlinear2(nonlinear).respond(black_box(9.7222), 1e-4, 2501).unwrap());
     });
-    let mut picked = vec![0.0; 189];
+    let picked = Instants { first_s: 0.0, dt_s: 4e-4, samples: 189 };
     time("  the same, displacement at 189 instants, as a fit uses it", "-", || {
-        nonlinear.displacement(black_box(9.7222), 0.0, 4e-4, &mut picked).unwrap();
+        let structure = nonlinear.structure().unwrap();
+        black_box(structure.sensitivity_of(Waves::Displacement, black_box(9.7222), &picked, &[]).unwrap());
     });
     let curve = |knots: &[f64], values: &[f64], x: f64| {
         let j = knots.partition_point(|k| *k <= x).clamp(1, knots.len() - 1);

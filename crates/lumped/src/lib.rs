@@ -68,24 +68,26 @@ pub use matching::coefficient_matching::{
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
 pub use model::lumped_model::Model;
 pub use model::parameters::{parameter_kind, parameter_kind_of_unit, structure_of};
-pub use motion::collision::{Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Moment, Turn};
+pub use motion::collision::{
+    Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Meeting, MeetingState, Moment, Turn,
+};
 pub use motion::drive::Drive;
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};
-pub use motion::mass_motion::{CrushEvents, Motion, Response, State};
+pub use motion::mass_motion::{CrushEvents, Motion, Response, State, Waves};
 pub use motion::pulse::CrashPulse;
 pub use motion::sensitivity::{Instants, Sensitivity};
 pub use motion::start::Start;
 pub use response::collisions::CollisionQuestions;
 pub use response::element_paths::{Leg, PathPoint, lead};
+pub use response::front_to_front::{CONTACT_SHARE, FrontToFront};
 pub use response::occupants::{Occupant, OccupantMotion, OccupantStop};
 pub use response::partners::{Partner, PartnerCollision, PartnerOutcome, collide};
 pub use structure::connected_masses::{Connection, Node, Place, Structure};
 pub use structure::element::Element;
 pub use structure::elements::crush_curve::Extrapolation;
-pub use structure::elements::damper::Damper;
 pub use structure::elements::force_deflection::{ForceDeflection, ForceDeflectionParameter};
 pub use structure::elements::in_series::InSeries;
 pub use structure::elements::piecewise_linear::PiecewiseLinear;
 pub use structure::elements::plastic_spring::PlasticSpring;
+pub use structure::elements::secant::{Damper, Spring};
 pub use structure::elements::series_spring_damper::SeriesSpringDamper;
-pub use structure::elements::spring::Spring;

@@ -18,12 +18,13 @@ fn truth() -> Chain {
 }
 
 /// What integration leaves of sensors on engine (101), chassis (102) and compartment (103), with displacements as they
-/// are.
-fn write_integrated(path: &Path) {
+/// are; one of them is the pulse.
+fn write_integrated(path: &Path, pulse: &str) {
     let response = truth().respond(&Drive::Impact(V0), 1e-4, 1201).unwrap();
-    let events = truth().events(V0, 1.0).unwrap().pop().unwrap();
     let mut builder = ArtifactBuilder::new();
     let channels = ["101", "102", "103"];
+    let place = channels.iter().position(|channel| *channel == pulse).unwrap();
+    let events = truth().events(V0, 1.0).unwrap()[place];
     let test = TestDescription {
         title: "three masses".to_owned(),
         mass_kg: Some(1500.0),
@@ -34,7 +35,7 @@ fn write_integrated(path: &Path) {
     };
     builder.put("/test", &TestV1::from(&test)).unwrap();
     let crash = EventsV1 {
-        channel: "103".to_owned(),
+        channel: pulse.to_owned(),
         time_zero_rule: "file".to_owned(),
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -51,7 +52,7 @@ fn write_integrated(path: &Path) {
 }
 
 fn run(folder: &Path, pipeline: &str, flags: &[&str]) -> Output {
-    write_integrated(&folder.join("3.mcap"));
+    write_integrated(&folder.join("3.mcap"), if pipeline.contains("occupant") { "102" } else { "103" });
     std::fs::write(folder.join("p.toml"), pipeline).unwrap();
     Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
         .args([folder.join("3.mcap").as_os_str(), "-o".as_ref(), folder.join("5.mcap").as_os_str()])
@@ -98,6 +99,26 @@ fn a_chain_of_the_pipeline_is_fitted_to_its_sensors_beside_the_other_models() {
     assert!(found.notes.contains(&"given: c1_n_s_per_m, m2_kg".to_owned()), "{:?}", found.notes);
     let settings = &artifact.provenance().unwrap().config_json;
     assert!(settings.contains(r#""masses":["engine","chassis","compartment"]"#), "{settings}");
+}
+
+#[test]
+fn an_occupant_is_the_mass_behind_the_compartment() {
+    let folder = tempfile::tempdir().unwrap();
+    let sled = CAR.replace("\"compartment\"", "\"occupant\"").replace("\"chassis\"", "\"compartment\"");
+    let sled = sled.replace("\"chassis=102\"", "\"occupant=103\"");
+    let output = run(folder.path(), &sled, &[]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let found: CandidateV1 = artifact.record("/parameters/chain/car/1").unwrap().unwrap();
+    let sensors: Vec<(String, u32)> =
+        found.fit.as_ref().unwrap().sensors.iter().map(|s| (s.channel.clone(), s.mass)).collect();
+    // The pulse is on the mass in front of the occupant.
+    assert_eq!(sensors, [("102", 2), ("101", 1), ("103", 3)].map(|(channel, mass)| (channel.to_owned(), mass)));
+    for (name, value) in truth().parameters() {
+        // The displacement is the response itself: rounding times the condition.
+        assert!((found.parameters[&name] / value - 1.0).abs() < 1e-6, "{name}: {}", found.parameters[&name]);
+    }
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! Predicts impacts that were not made with the models of a test that was.
 //!
-//! A [`Candidate`] is a structure whose parameters one test gave. [`predict`] lets it meet the wall at other speeds and
-//! with other masses and says what comes out ([`Outcome`]), how sure that is, and whether the model is asked beyond
-//! what was tested. Added mass goes to the rearmost mass, the compartment; springs and dampers stay.
+//! A [`Candidate`] is a structure whose parameters one test gave. [`predict`] lets it meet the wall, another vehicle or
+//! a moving barrier ([`Partner`]) at other speeds and with other masses and says what comes out ([`Outcome`]), how sure
+//! that is, and whether the model is asked beyond what was tested. Added mass goes to the rearmost mass, the
+//! compartment; springs and dampers stay. An occupant rides in the compartment and does not push back on it.
 //!
 //! Intervals hold what is known: the parameters' covariance as measured, the inputs, what adequate models differ by,
 //! a rate effect that one test hardly shows, and the force beyond the tested crush. They do not hold what no model of
@@ -21,7 +22,10 @@ pub use error::PredictError;
 pub use impact::against::MadeTest;
 pub use impact::candidate::{Candidate, ParameterSpread};
 pub use impact::outcome::{Energy, Outcome, Quantity, Wave};
+pub use impact::partner::{BodyOutcome, CollisionOutcome};
 pub use impact::reach::Reach;
+pub use impact::scenario::{Partner, Scenario, Surroundings, TestedImpact};
 pub use intervals::directions::Directions;
+pub use intervals::prediction::{Prediction, Support};
 pub use intervals::sources::{INTERVAL_LEVEL, Inputs, Interval};
-pub use predict::{Prediction, Scenario, TestedImpact, predict};
+pub use predict::predict;

@@ -504,13 +504,27 @@ fn the_choice_and_the_predictions_stand_on_the_page_and_in_the_summary() {
     })));
     run.predictions = vec![record(serde_json::json!({
         "candidate": "elastoplastic/closed-form/1", "recommended": true, "names": ["recommended"],
-        "impact_speed_m_per_s": 17.78, "mass_kg": 1500.0, "partner": null, "dynamic_crush_m": 0.8407,
+        "impact_speed_m_per_s": 17.78, "mass_kg": 1500.0, "partner": "a <car>", "dynamic_crush_m": 0.8407,
         "time_of_dynamic_crush_s": 0.074, "delta_v_m_per_s": 20.0, "coefficient_of_restitution": 0.159,
         "peak_acceleration_m_per_s2": 377.0, "olc_m_per_s2": null, "energy": null, "extrapolates": true,
         "intervals": [
             {"name": "dynamic_crush_m", "level": 0.9, "low": 0.803, "high": 0.878, "interval_by": "rate effect"}
         ],
-        "notes": ["extrapolates: element 1"]
+        "notes": ["extrapolates: element 1"],
+        "collision": {
+            "kind": "vehicle", "partner_candidate": "kelvin/closed-form/1", "closing_speed_m_per_s": 35.0,
+            "partner_speed_m_per_s": 17.22, "partner_mass_kg": 1200.0, "common_velocity_m_per_s": 2.0,
+            "mutual_crush_m": 1.5, "partner_crush_m": 0.6593, "partner_delta_v_m_per_s": null,
+            "partner_peak_acceleration_m_per_s2": null, "partner_olc_m_per_s2": null, "absorbed_j": 2e5,
+            "partner_absorbed_j": 1.5e5, "energy_equivalent_speed_m_per_s": null,
+            "partner_energy_equivalent_speed_m_per_s": null, "velocity_after_m_per_s": null,
+            "partner_velocity_after_m_per_s": null, "momentum_before_n_s": 1e4, "momentum_after_n_s": 1e4
+        },
+        "occupant": {
+            "time_of_contact_s": 0.025, "relative_speed_at_contact_m_per_s": 3.0, "peak_acceleration_m_per_s2": 392.266,
+            "time_of_peak_s": 0.07, "largest_excursion_m": 0.25, "time_of_largest_excursion_s": 0.08,
+            "ride_down_share": 0.4, "restraint_share": 0.6
+        }
     }))];
     let ranking = Ranking::of_run(&run);
     assert_eq!((ranking.best.as_deref(), ranking.order.len()), (Some("elastoplastic/closed-form/1"), 2));
@@ -521,6 +535,9 @@ fn the_choice_and_the_predictions_stand_on_the_page_and_in_the_summary() {
         "plastic &lt; damped",
         "<td class=\"n\">64.0</td><td class=\"n\">1500</td>",
         "841<br><span title=\"rate effect\">[803 to 878]</span>",
+        "against a &lt;car&gt;, 1200 kg, closing at 126.0 km/h: common velocity 7.2 km/h, mutual crush 1500 mm, of \
+         it the partner’s 659 mm; energy 200.0 and 150.0 kJ; partner’s Δv –",
+        "occupant: peak 40.0 g, 250 mm ahead of the compartment, ride-down 40 %",
         "<summary>extrapolates</summary><ul><li>extrapolates: element 1</li></ul>",
     ] {
         assert!(html.contains(text), "{text}");

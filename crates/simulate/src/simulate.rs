@@ -1,6 +1,6 @@
 //! Simulates a model on the grid of a test and compares the two.
 
-use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, Motion, Sensitivity};
+use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, Structure};
 use crumple_lumped_fit::FitQuantity;
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
@@ -54,15 +54,17 @@ pub fn simulate_driven(
         })
     })?;
     simulation.comparison.fit_as_measured_percent =
-        free_flight.then(|| fit_as_measured(test, &simulation, v0, |at| model.sensitivity(v0, at, &[]))).flatten();
+        free_flight.then(|| fit_as_measured(test, &simulation, v0, &model.structure().ok()?)).flatten();
     Ok(simulation)
 }
 
 /// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it
-/// starts from rest unless a speed is given; under a base motion always.
+/// starts from rest unless a speed is given; under a base motion always. `compartment` is the index of the mass that
+/// the test is of; `None`: the last.
 pub fn simulate_chain(
     chain: &Chain,
     speed_m_per_s: Option<f64>,
+    compartment: Option<usize>,
     test: &Measured<'_>,
     window: Window,
     excitation: &Excitation<'_>,
@@ -79,35 +81,35 @@ pub fn simulate_chain(
             }
             (drive, _) => drive,
         };
-        let (motion, masses, mut events, dynamics) = driven(chain.dynamics(&drive, dt, samples)?);
+        let (mut motion, masses, mut events, dynamics) = driven(chain.dynamics(&drive, dt, samples)?);
+        let place = compartment.unwrap_or(masses.len() - 1);
+        if let Some(other) = masses.get(place).filter(|_| compartment.is_some()) {
+            motion = other.clone();
+            events = sampled_events(&motion, dt);
+        }
         if let Excitation::Impact = excitation {
-            events = chain.events(v0, CHAIN_HORIZON_S)?.pop().unwrap_or_default();
+            events = chain.events(v0, CHAIN_HORIZON_S)?.get(place).copied().unwrap_or_default();
         }
         Ok((motion, masses, events, dynamics))
     })?;
+    simulation.compartment = compartment.unwrap_or(simulation.compartment);
     if let Excitation::Impact = excitation {
-        simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, |at| {
-            Ok(Sensitivity { motions: chain.motions_at(v0, at)?, derivatives: Vec::new() })
-        });
+        simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, &chain.structure()?);
     }
     Ok(simulation)
 }
 
 /// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: the samples of
 /// the record from time zero to the end of the window. `None` without two samples, or without a response.
-fn fit_as_measured(
-    test: &Measured<'_>,
-    simulation: &Simulation,
-    v0: f64,
-    respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
-) -> Option<f64> {
+fn fit_as_measured(test: &Measured<'_>, simulation: &Simulation, v0: f64, structure: &Structure) -> Option<f64> {
     let measurement = &test.measurement;
     let first = measurement.contact_index();
     let last = (first..test.displacement.len())
         .take_while(|&k| measurement.time_s(k) <= simulation.comparison.to_s + 1e-6 * measurement.dt_s)
         .last()?;
-    let what = (None, FitQuantity::Displacement);
-    let modelled = measurement.of_motion(what, v0, last, respond).ok()?;
+    let behind = simulation.masses.len() > simulation.compartment + 1;
+    let what = (behind.then_some(simulation.compartment), FitQuantity::Displacement);
+    let modelled = measurement.of_structure(what, v0, last, structure).ok()?;
     fit_percent(test.displacement.samples().get(first..=last)?, modelled.get(first..=last)?)
 }
 
@@ -188,7 +190,8 @@ fn beside_the_test(
         ratings: rated,
     };
     let error_m = xh.iter().zip(x).map(|(model, test)| model - test).collect();
-    Ok(Simulation { motion, events, comparison, masses, error_m, dynamics })
+    let compartment = masses.len().saturating_sub(1);
+    Ok(Simulation { motion, events, comparison, masses, compartment, error_m, dynamics })
 }
 
 /// First zero of the velocity from above, between two samples: `t_m = t[k-1] + T·v[k-1]/(v[k-1] - v[k])`,

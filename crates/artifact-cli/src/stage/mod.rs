@@ -9,8 +9,11 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use crumple_artifact::{Artifact, Compression, ReadError};
-use crumple_artifact_cli::{ShowOptions, Wanted, check, write_json, write_text};
-use crumple_stage::{ExitStatus, Refused, say, tool_main};
+use crumple_artifact_cli::{
+    CurveError, CurveFormat, ShowOptions, Wanted, check, static_curves, text, write_json, write_text,
+};
+use crumple_signal::value::Length;
+use crumple_stage::{ExitStatus, Refused, Usage, say, tool_main};
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
 /// together again.
@@ -40,6 +43,20 @@ enum Command {
         /// Print one JSON object a line: topic, schema, data. With --samples each waveform is one, too.
         #[arg(long)]
         json: bool,
+    },
+    /// Writes the static force-deflection curves of a candidate, for people and for other programs.
+    Curve {
+        /// The artifact of crumple-parameter-solve, 5-parameter-solve.mcap of a run.
+        file: PathBuf,
+        /// Candidate, e.g. "force-deflection/direct-fit/1" [default: the recommended].
+        #[arg(long, value_name = "ID")]
+        candidate: Option<String>,
+        /// How it is written.
+        #[arg(long, value_enum, default_value = "csv")]
+        format: CurveFormat,
+        /// Deflection up to which it is written, e.g. 900mm [default: that of the last knot].
+        #[arg(long, value_name = "LENGTH")]
+        to: Option<Length>,
     },
     /// Reads artifacts whole and says whether they are sound: checksums, digest, every record and sample.
     Check {
@@ -82,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Show { file, topic, samples, json } => {
             show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
         }
+        Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
         Command::Check { files } => check_files(&files),
         Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
         Command::Pack { source, file, zstd, quiet } => pack(&source, &file, zstd, quiet),
@@ -95,6 +113,26 @@ fn open(path: &Path) -> Result<Artifact, Refused> {
 fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitStatus> {
     let artifact = open(path)?;
     to_stdout(|out| if json { write_json(&artifact, options, out) } else { write_text(&artifact, options, out) })?;
+    Ok(ExitStatus::Done)
+}
+
+fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<Length>) -> anyhow::Result<ExitStatus> {
+    let to_m = to.map(Length::si);
+    if to_m.is_some_and(|to| !(to > 0.0 && to.is_finite())) {
+        return Err(Usage::new("--to must be above zero").hint("--to 900mm").into());
+    }
+    let curves = static_curves(&open(path)?, candidate, to_m).map_err(|error| {
+        let hint = match &error {
+            CurveError::NoneRecommended { .. } | CurveError::NoCandidate { .. } => "name one with --candidate",
+            CurveError::NoEnd { .. } => "say up to which deflection: --to 900mm",
+            CurveError::NoStaticForce { .. } => {
+                "take a candidate with a spring or a force-deflection curve: --candidate"
+            }
+            CurveError::Model(_) | CurveError::Read(_) => "crumple-artifact check says what is wrong with the artifact",
+        };
+        Refused::new(format!("{}: {error}", path.display())).hint(hint)
+    })?;
+    to_stdout(|out| Ok(write!(out, "{}", text(&curves, format))))?;
     Ok(ExitStatus::Done)
 }
 

@@ -9,9 +9,10 @@ use crate::layout::codec::Codec;
 use crate::layout::finite::first_non_finite;
 use crate::layout::schema::viewer_safe_schema;
 use crate::records::{
-    ArxScanV1, CandidateV1, ChannelFilterV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1, IdentificationV1,
-    MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1, SelectionV1,
-    ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1, WaveBlockV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
+    IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
+    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
+    WaveBlockV1,
 };
 
 /// A type that may stand in an artifact.
@@ -77,6 +78,7 @@ record! {
     ArxScanV1 => "crumple.ArxScan.v1",
     CandidateV1 => "crumple.Candidate.v1",
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
+    DamageV1 => "crumple.Damage.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",
     EventsV1 => "crumple.Events.v1",
     EvidenceV1 => "crumple.Evidence.v1",

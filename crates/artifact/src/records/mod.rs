@@ -24,8 +24,10 @@ pub use identified::{
     StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 pub use measured::{
-    ChannelFilterV1, ChannelV1, CorridorPointV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MissingIntervalV1,
-    QualityV1, SourceV1, TestV1, WaveBlockV1,
+    ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1,
+    MissingIntervalV1, QualityV1, SourceV1, TestV1, WaveBlockV1,
 };
-pub use predicted::{AgainstTestV1, PredictedEnergyV1, PredictedIntervalV1, PredictionV1};
+pub use predicted::{
+    AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
+};
 pub use run::{DiagnosisV1, NotesV1};

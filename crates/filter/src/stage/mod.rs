@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use crumple_filter::{Applied, Pass, Resampling, resample, resolve_id, resolve_ids};
 use crumple_signal::{Channel, QuantityKind, TestDescription};
-use crumple_stage::records::TestV1;
+use crumple_stage::records::{DamageV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
 
 use crate::stage::align::align;
@@ -98,6 +98,9 @@ impl Stage for Filter {
         }
         out.notes().extend(remarks.into_notes());
         out.put("/test", &TestV1::from(&test))?;
+        if let Some(damage) = input.record_if::<DamageV1>("/damage")? {
+            out.put("/damage", &damage)?;
+        }
         Ok(Outcome::Done)
     }
 }

@@ -383,6 +383,7 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         impact_speed_m_per_s: test.impact_speed_m_per_s.map(stated),
         time_zero_s: None,
         speed_not_taken: None,
+        damage: None,
         no_pulse: false,
         facts,
     };

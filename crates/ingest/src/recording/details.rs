@@ -16,6 +16,21 @@ pub struct Stated<T> {
     pub from: String,
 }
 
+/// Residual crush of the vehicle, measured after the test.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Damage {
+    /// At stations of equal spacing over the width of the damage, left to right, m; negative: bulged out.
+    pub residual_crush_m: Vec<f64>,
+    /// Width of the damage, m.
+    pub damage_width_m: Option<f64>,
+    /// Width of the vehicle, m.
+    pub vehicle_width_m: Option<f64>,
+    /// Collision deformation classification (SAE J224).
+    pub classification: Option<String>,
+    /// The fields that these are from.
+    pub from: String,
+}
+
 /// What the record says of the test.
 #[derive(Debug, Clone, Default)]
 pub struct Details {
@@ -31,6 +46,8 @@ pub struct Details {
     pub impact_speed_m_per_s: Option<Stated<f64>>,
     /// Time of first contact on the file's axis, s.
     pub time_zero_s: Option<Stated<f64>>,
+    /// What was measured on the vehicle afterwards.
+    pub damage: Option<Damage>,
     /// What the record says of the impact speed and is not taken, and why, in words.
     pub speed_not_taken: Option<String>,
     /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and

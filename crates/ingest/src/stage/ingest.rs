@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use crumple_artifact::InputDigest;
-use crumple_artifact::records::{QualityV1, TestV1};
+use crumple_artifact::records::{DamageV1, QualityV1, TestV1};
 use crumple_stage::{Loaded, Outcome, Output, Stage, Usage};
 
-use crumple_ingest::{Bundle, IngestSettings, Ingested, Quality, ingest};
+use crumple_ingest::{Bundle, Damage, IngestSettings, Ingested, Quality, ingest};
 
 use crate::stage::process::{refused, show_progress};
 
@@ -52,12 +52,25 @@ impl Stage for Ingest {
             out.summary(line);
         }
         out.put("/test", &TestV1::from(&ingested.test))?;
+        if let Some(damage) = &ingested.damage {
+            out.put("/damage", &damage_record(damage))?;
+        }
         for wave in ingested.waves {
             out.put(&format!("/quality/{}", wave.id), &quality_record(&wave.quality))?;
             out.wave(&wave.id, wave.quantity, wave.samples)?;
         }
         out.notes().extend(ingested.notes);
         Ok(Outcome::Done)
+    }
+}
+
+fn damage_record(damage: &Damage) -> DamageV1 {
+    DamageV1 {
+        residual_crush_m: damage.residual_crush_m.clone(),
+        damage_width_m: damage.damage_width_m,
+        vehicle_width_m: damage.vehicle_width_m,
+        classification: damage.classification.clone(),
+        from: damage.from.clone(),
     }
 }
 

@@ -97,6 +97,7 @@ impl Stage for Integrate {
             impact_speed_m_per_s: Some(impact_speed_m_per_s),
         };
         metrics.extend(criteria.records(out)?);
+        metrics.extend(criteria.crush_stiffness(out.notes())?);
         metrics.extend(recorded_changes(input, &test, zero.time_s, out));
         out.put("/metrics", &MetricsV1(metrics))?;
         if test.mass_kg.is_none() {

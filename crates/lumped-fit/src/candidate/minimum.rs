@@ -4,7 +4,7 @@ use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Model;
 use nalgebra::DMatrix;
 
-use crate::free::free_model::FreeModel;
+use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::FreeParameter;
 use crate::record::observation::Observation;
 
@@ -38,7 +38,7 @@ impl Minimum {
     }
 
     /// The fit repeated with other waves or values, from these coordinates and without leaving the minimum.
-    pub(crate) fn coordinates(&self) -> FreeModel {
-        FreeModel { template: self.model, free: self.free.clone() }
+    pub(crate) fn coordinates(&self) -> Coordinates<Model> {
+        Coordinates::near(self.model, &self.free)
     }
 }

@@ -12,9 +12,7 @@ use crumple_signal::Note;
 use crate::candidate::minimum::Minimum;
 use crate::candidate::parameter_words::all_in_words;
 use crate::free::free_parameter::mass_of;
-use crate::record::window::Window;
 use crate::{FitQuantity, Method, Observation, ObservedWave, SensorFit};
-use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 
 /// One set of parameters, with how it was found and what was assumed.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,39 +90,6 @@ pub struct Fit<N = &'static str> {
     pub active_bounds: Vec<N>,
     /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
     pub sensors: Vec<SensorFit>,
-}
-
-impl Fit {
-    /// The record of a fit to the displacement of the compartment.
-    ///
-    /// `best.cost` is the sum of squared residuals over the samples of `window`, in squared units of `crush_m`; the
-    /// error in the record is `sqrt(cost/n) crush_m`, m. `names` are the fitted parameters in the order of the
-    /// coordinates of `best`.
-    pub(crate) fn of_displacement(
-        best: &Optimum,
-        window: &Window,
-        evaluations: u64,
-        names: &[&'static str],
-        crush_m: f64,
-    ) -> Self {
-        Self {
-            from_s: window.first_s,
-            to_s: window.last_s(),
-            samples: window.samples.len(),
-            quantity: FitQuantity::Displacement,
-            rmse: (best.cost / window.samples.len() as f64).sqrt() * crush_m,
-            iterations: best.iterations,
-            evaluations,
-            stop_reason: best.stop,
-            active_bounds: names
-                .iter()
-                .zip(&best.on_bound)
-                .filter(|(_, on_bound)| **on_bound)
-                .map(|(name, _)| *name)
-                .collect(),
-            sensors: Vec::new(),
-        }
-    }
 }
 
 impl<N> Fit<N> {

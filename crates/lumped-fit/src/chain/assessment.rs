@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crumple_lumped::{Chain, ParameterKind};
+
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::fit::{ChainSolution, assess_at};
 use crate::fit::as_measured::near;
-use crate::free::free_numbers::FreeNumbers;
-use crate::free::parameterisation::Parameterisation;
+use crate::free::coordinates::Coordinates;
 use crate::uncertainty::assessment::{Assessment, AssessmentOptions};
 use crate::uncertainty::propagation::{
     Errors, InputUncertainty, Propagation, Repetition, over_repetitions, with_errors,
@@ -54,14 +55,15 @@ pub fn assess_chain(
     asked: &ChainAssessmentOptions,
 ) -> Result<ChainAssessment, SolveError> {
     let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
-    let coordinates = ChainCoordinates::new(stated, length_s)?;
+    let coordinates = ChainCoordinates::new(stated, length_s)?.numbers;
     let mut measured = observed.clone();
     let sensors = &solution.fit.sensors;
     for (wave, sensor) in measured.waves.iter_mut().zip(sensors) {
         wave.weight = sensors[0].noise / sensor.noise;
     }
     let (problem, theta) = (near(&coordinates, &measured), &solution.theta);
-    let on_bound: Vec<bool> = coordinates.names.iter().map(|name| solution.fit.active_bounds.contains(name)).collect();
+    let on_bound: Vec<bool> =
+        coordinates.names().iter().map(|name| solution.fit.active_bounds.contains(name)).collect();
     let assessment = assess_at(&problem, (theta, &on_bound), asked.options);
     let repeated = || {
         let mass_kg = stated.total_mass_kg.unwrap_or_else(|| solution.chain.masses_kg().iter().sum());
@@ -79,18 +81,19 @@ pub fn assess_chain(
 /// Gives the value of every free number, in its unit, and `dynamic_crush_m` of the compartment where the chain stops
 /// within [`HORIZON_S`]. `None` without a finite response.
 fn repeat(
-    coordinates: &ChainCoordinates,
+    coordinates: &Coordinates<Chain>,
     waves: &Observation,
     theta: &[f64],
     mass_ratio: f64,
 ) -> Option<BTreeMap<String, f64>> {
     // Without a rest everything is a share of the mass; with one the free masses alone, so that something is
     // left for it.
-    let by = |i: usize| if !coordinates.has_rest() || coordinates.is_mass(i) { mass_ratio.ln() } else { 0.0 };
+    let of_mass = |i: usize| coordinates.rest.is_none() || coordinates.free[i].kind == ParameterKind::Mass;
+    let by = |i: usize| if of_mass(i) { mass_ratio.ln() } else { 0.0 };
     let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
     let minimum = near(coordinates, waves).follow(&start)?;
-    let free = coordinates.names.iter().cloned().zip(minimum.theta.iter().map(|x| x.exp()));
-    let mut values: BTreeMap<String, f64> = free.chain(coordinates.rest(&minimum.theta)).collect();
+    let free = coordinates.names().into_iter().zip(minimum.theta.iter().map(|x| x.exp()));
+    let mut values: BTreeMap<String, f64> = free.chain(coordinates.free_rest(&minimum.theta)).collect();
     let events = coordinates.model(&minimum.theta)?.events(waves.impact_speed_m_per_s, HORIZON_S).ok();
     if let Some(crush) = events.and_then(|mut events| events.pop()?.dynamic_crush_m) {
         values.insert("dynamic_crush_m".to_owned(), crush);

@@ -4,14 +4,13 @@
 //! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
 //! What is left of equal minima and duals is reported with covariance and duals.
 
-use crumple_lumped::Chain;
+use crumple_lumped::{Chain, ParameterKind};
 
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::dual::{ChainDual, DualOf, dual_of, sees_the_last_only};
 use crate::fit::descents::{AS_GOOD, REPORTED, all, bounds, distinct};
 use crate::fit::problem::Problem;
 use crate::fit::search::{Search, search};
-use crate::free::parameterisation::Parameterisation;
 use crate::uncertainty::assessment::{Assessment, AssessmentOptions, AtMinimum};
 use crate::{Fit, Observation, SolveError};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
@@ -77,20 +76,20 @@ pub fn fit_chain(
             expected: "a mass of the chain",
         });
     }
-    let starts = starts.max(6 * coordinates.names.len());
-    let how = Search::Starts(starts, vec![coordinates.start.clone()]);
-    let searched = search(&coordinates, observed, &how).ok_or(SolveError::NoFit { starts })?;
+    let starts = starts.max(6 * coordinates.numbers.free.len());
+    let how = Search::Starts(starts, vec![coordinates.numbers.start()]);
+    let searched = search(&coordinates.numbers, observed, &how).ok_or(SolveError::NoFit { starts })?;
     let mut waves = observed.clone();
     for (wave, found) in waves.waves.iter_mut().zip(&searched.observed.waves) {
         wave.weight = found.weight;
     }
     let (mut minima, mut evaluations) = (searched.minima, searched.evaluations);
     for _ in 0..WEIGHINGS {
-        let problem = Problem::new(&coordinates, &waves, 0.0);
+        let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
         let points = minima.iter().map(|m| m.theta.clone()).collect();
-        let (next, spent) = all(&problem, points, &bounds(&coordinates, 200, 1e-12));
+        let (next, spent) = all(&problem, points, &bounds(&coordinates.numbers, 200, 1e-12));
         evaluations += spent;
-        minima = distinct(&coordinates, next);
+        minima = distinct(&coordinates.numbers, next);
         let Some(best) = minima.first() else { break };
         let rmse = problem.rmse(&best.theta).unwrap_or_default();
         if !waves.weigh(&rmse, WORTH_ANOTHER) {
@@ -99,7 +98,7 @@ pub fn fit_chain(
     }
     let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
     minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
-    let problem = Problem::new(&coordinates, &waves, 0.0);
+    let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
     let mut solutions: Vec<ChainSolution> = Vec::new();
     let mut sets = 0;
     for minimum in &minima {
@@ -149,20 +148,22 @@ impl ChainSolution {
 
 /// A minimum with errors of every wave, noise levels and linearised uncertainty; `None` where the response there is
 /// not finite.
-fn solution(problem: &Problem<'_, ChainCoordinates>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
+fn solution(problem: &Problem<'_, Chain>, minimum: &Optimum, evaluations: u64) -> Option<ChainSolution> {
     let (coordinates, waves) = (problem.coordinates, problem.observed);
     let chain = coordinates.model(&minimum.theta)?;
     let misfit = problem.misfit(&minimum.theta)?;
-    let on_bound = coordinates.names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+    let mut free = coordinates.names();
+    let on_bound = free.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+    let on_bound = on_bound.map(|(name, _)| name.clone()).collect();
     let masses = coordinates.masses();
     let sensors = waves.waves.iter().map(|wave| (String::new(), wave.mass.unwrap_or(masses - 1) + 1)).collect();
     let descent = (minimum.iterations, evaluations, minimum.stop);
-    let fit =
-        Fit::of_waves(waves, &waves.rmse(&misfit), sensors, descent, on_bound.map(|(name, _)| name.clone()).collect());
-    let free_masses = (0..coordinates.names.len()).any(|i| coordinates.is_mass(i));
+    let fit = Fit::of_waves(waves, &waves.rmse(&misfit), sensors, descent, on_bound);
+    let free_masses = coordinates.free.iter().any(|number| number.kind == ParameterKind::Mass);
+    free.extend(coordinates.free_rest(&minimum.theta).map(|(name, _)| name));
     Some(ChainSolution {
         chain,
-        free: coordinates.all_names(),
+        free,
         fit,
         linearised: assess_at(problem, (&minimum.theta, &minimum.on_bound), AssessmentOptions::default()),
         dual: None,
@@ -173,7 +174,7 @@ fn solution(problem: &Problem<'_, ChainCoordinates>, minimum: &Optimum, evaluati
 
 /// The assessment of a minimum at these coordinates, of which these stand on a bound.
 pub(crate) fn assess_at(
-    problem: &Problem<'_, ChainCoordinates>,
+    problem: &Problem<'_, Chain>,
     (theta, on_bound): (&[f64], &[bool]),
     options: AssessmentOptions,
 ) -> Option<Assessment> {

@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use crate::candidate::minimum::Minimum;
 use crate::fit::multistart::weakest_direction;
 use crate::fit::problem::Problem;
-use crate::free::free_model::FreeModel;
+use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::FreeParameter;
-use crate::free::parameterisation::Parameterisation;
+use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
 
@@ -51,15 +51,15 @@ pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observa
 
 /// The minimum near a start that is close already, by one descent; else as [`fit_as_measured`].
 pub(crate) fn fit_nearby(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
-    let coordinates = FreeModel { template: *model, free: free.to_vec() };
+    let coordinates = Coordinates::near(*model, free);
     let problem = near(&coordinates, observed);
     let best = problem.follow(&coordinates.start())?;
-    finish(&problem, &best, best.evaluations)
+    finish(&problem, free, &best, best.evaluations)
 }
 
 /// One descent and the hops from its end, with coordinates fixed to those of `free`.
 fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
-    let coordinates = FreeModel { template: *model, free: free.to_vec() };
+    let coordinates = Coordinates::near(*model, free);
     let problem = near(&coordinates, observed);
     let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
@@ -84,17 +84,16 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
         evaluations += minimum.evaluations;
         best = minimum;
     }
-    finish(&problem, &best, evaluations)
+    finish(&problem, free, &best, evaluations)
 }
 
 /// The fit near a minimum, for repetitions of it: one descent without hops.
-pub(crate) fn near<'a, C: Parameterisation>(coordinates: &'a C, observed: &'a Observation) -> Problem<'a, C> {
+pub(crate) fn near<'a, M: Parametric>(coordinates: &'a Coordinates<M>, observed: &'a Observation) -> Problem<'a, M> {
     Problem::new(coordinates, observed, EXACT)
 }
 
 /// The minimum with misfit and sensitivities at every sample, in the unit of the first wave.
-fn finish(problem: &Problem<'_, FreeModel>, best: &Optimum, evaluations: u64) -> Option<Minimum> {
-    let FreeModel { free, .. } = problem.coordinates;
+fn finish(problem: &Problem<'_, Model>, free: &[FreeParameter], best: &Optimum, evaluations: u64) -> Option<Minimum> {
     let model = problem.coordinates.model(&best.theta)?;
     let misfit_m = problem.misfit(&best.theta)?;
     let sensitivity_m = derivatives(problem, &best.theta)? * problem.unit;
@@ -128,8 +127,8 @@ pub(crate) fn dual_of(minimum: &Minimum, dual: &DoubleSpringMassDamper) -> Optio
     };
     let mut free: Vec<(FreeParameter, bool)> = minimum.free.iter().zip(&minimum.on_bound).map(of_dual).collect();
     free.sort_by_key(|(p, _)| names.iter().position(|name| *name == p.name));
-    let (free, on_bound) = free.into_iter().unzip();
-    let coordinates = FreeModel { template, free };
+    let (free, on_bound): (Vec<_>, Vec<_>) = free.into_iter().unzip();
+    let coordinates = Coordinates::near(template, &free);
     let best = Optimum {
         theta: coordinates.start(),
         cost: 0.0,
@@ -139,7 +138,7 @@ pub(crate) fn dual_of(minimum: &Minimum, dual: &DoubleSpringMassDamper) -> Optio
         evaluations: minimum.evaluations,
         stop: minimum.stop_reason,
     };
-    finish(&near(&coordinates, &minimum.observed), &best, minimum.evaluations)
+    finish(&near(&coordinates, &minimum.observed), &free, &best, minimum.evaluations)
 }
 
 /// The parameter of the dual that follows from this one: it exchanges front and rear.
@@ -232,7 +231,7 @@ mod tests {
             if matches!(model, Model::DoubleSpringMassDamper(_)) {
                 free.extend(free_masses(model, (0.05, 0.6)));
             }
-            let coordinates = FreeModel { template: *model, free };
+            let coordinates = Coordinates::near(*model, &free);
             let problem = near(&coordinates, &observed);
             let theta = coordinates.start();
             let mut analytic = DMatrix::zeros(observed.rows(), theta.len());

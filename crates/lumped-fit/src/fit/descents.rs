@@ -3,7 +3,8 @@
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use rayon::prelude::*;
 
-use crate::free::parameterisation::Parameterisation;
+use crate::free::coordinates::Coordinates;
+use crate::free::parametric::Parametric;
 
 /// Samples that a search runs on; its results are followed on all samples of the window.
 pub(crate) const SEARCH_SAMPLES: usize = 64;
@@ -19,11 +20,11 @@ pub(crate) const APART: f64 = 0.01;
 
 /// Bounds of a descent in the coordinates of a model. `cost_tolerance`: relative decrease of the cost below which it
 /// ends.
-pub(crate) fn bounds(coordinates: &impl Parameterisation, max_iterations: u32, cost_tolerance: f64) -> Bounds {
-    let axes = coordinates.axes();
+pub(crate) fn bounds(coordinates: &Coordinates<impl Parametric>, max_iterations: u32, cost_tolerance: f64) -> Bounds {
+    let axes = || coordinates.free.iter().map(|number| number.axis);
     Bounds {
-        lower: axes.iter().map(|axis| axis.lower).collect(),
-        upper: axes.iter().map(|axis| axis.upper).collect(),
+        lower: axes().map(|axis| axis.lower).collect(),
+        upper: axes().map(|axis| axis.upper).collect(),
         max_iterations,
         cost_tolerance,
     }
@@ -43,10 +44,10 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
 
 /// The best ends that are not at the place of a better one, the numbers of a place all nearer than [`APART`], twice as
 /// many as are reported at most; `sorted` by cost, and so is the result.
-pub(crate) fn distinct(coordinates: &impl Parameterisation, sorted: Vec<Optimum>) -> Vec<Optimum> {
+pub(crate) fn distinct(coordinates: &Coordinates<impl Parametric>, sorted: Vec<Optimum>) -> Vec<Optimum> {
     let mut kept: Vec<(Optimum, Vec<f64>)> = Vec::new();
     for minimum in sorted {
-        let here = coordinates.place(&minimum.theta);
+        let here = coordinates.identity(&minimum.theta);
         let same = |there: &[f64]| here.iter().zip(there).all(|(a, b)| (a - b).abs() < APART);
         if kept.len() < 2 * REPORTED && !kept.iter().any(|(_, there)| same(there)) {
             kept.push((minimum, here));

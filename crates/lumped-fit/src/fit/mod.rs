@@ -2,6 +2,7 @@
 //! May use `candidate`, `free` and `record`.
 
 pub mod as_measured;
+pub mod at_crush;
 pub mod descents;
 pub mod halton_starts;
 pub mod multistart;

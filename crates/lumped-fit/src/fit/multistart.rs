@@ -4,7 +4,8 @@ use crumple_linalg::jacobi_svd;
 
 use crate::fit::descents::{SCREENING_ITERATIONS, all, bounds, distinct};
 use crate::fit::problem::Problem;
-use crate::free::parameterisation::Parameterisation;
+use crate::free::coordinates::Coordinates;
+use crate::free::parametric::Parametric;
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
 /// Relative residual below which a minimum is the exact model: rounding of a response of size one.
@@ -17,14 +18,14 @@ const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
 const ROUNDS: usize = 6;
 
 /// Where the descents of a search stay, and when they end.
-pub(crate) fn bounds_of_search(coordinates: &impl Parameterisation) -> Bounds {
+pub(crate) fn bounds_of_search(coordinates: &Coordinates<impl Parametric>) -> Bounds {
     bounds(coordinates, 200, 1e-15)
 }
 
 /// The distinct minima found, best first, and the evaluations spent.
 ///
 /// A few iterations from every point; the best are followed to convergence; then [`hops`](hop).
-pub(crate) fn multistart(problem: &Problem<'_, impl Parameterisation>, points: Vec<Vec<f64>>) -> (Vec<Optimum>, u64) {
+pub(crate) fn multistart(problem: &Problem<'_, impl Parametric>, points: Vec<Vec<f64>>) -> (Vec<Optimum>, u64) {
     let bounds = bounds_of_search(problem.coordinates);
     let screening = Bounds { max_iterations: SCREENING_ITERATIONS, cost_tolerance: 1e-6, ..bounds.clone() };
     let (screened, mut evaluations) = all(problem, points, &screening);
@@ -40,7 +41,7 @@ pub(crate) fn multistart(problem: &Problem<'_, impl Parameterisation>, points: V
 ///
 /// On exact records of double models with four real poles the last three of twelve digits of error are won by
 /// these hops. The distinct minima, best first, and the evaluations spent.
-pub(crate) fn hop(problem: &Problem<'_, impl Parameterisation>, minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
+pub(crate) fn hop(problem: &Problem<'_, impl Parametric>, minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let (coordinates, exact) = (problem.coordinates, EXACT * EXACT * problem.rows() as f64);
     let mut minima = distinct(coordinates, minima);
     let mut evaluations = 0;

@@ -3,8 +3,7 @@
 use crumple_signal::{Displacement, Signal};
 
 use crate::error::positive;
-use crate::record::window::Window;
-use crate::{FitQuantity, Measurement, ObservedWave, SolveError};
+use crate::{Measurement, Observation, SolveError};
 
 /// Mass, speed, crush and window of a fit of a single mass to its displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,13 +37,11 @@ impl SingleMassFitOptions {
     }
 
     /// The samples of the window, for a search on the motion itself. Errors: a window that is not inside the record.
-    pub(crate) fn window(&self, displacement: &Signal<Displacement>) -> Result<Window, SolveError> {
+    pub(crate) fn observed(&self, displacement: &Signal<Displacement>) -> Result<Observation, SolveError> {
         let measurement = Measurement::of_samples(displacement, self.time_zero_s);
         let to_s = self.to_s.unwrap_or(displacement.end_s() - self.time_zero_s);
-        let what = (None, FitQuantity::Displacement);
-        let window_s = (self.from_s, to_s);
-        let wave = ObservedWave::new(displacement, what, self.time_zero_s, measurement, window_s, self.samples)?;
-        Ok(wave.window())
+        let (v0, window_s) = (self.impact_speed_m_per_s, (self.from_s, to_s));
+        Observation::new(displacement, self.time_zero_s, measurement, v0, window_s, self.samples)
     }
 
     /// Units of spring and damper in which a car is of size one: `m (v0/C)²`, N/m, and `m v0/C`, N s/m.

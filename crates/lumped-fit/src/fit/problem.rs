@@ -4,8 +4,10 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 use nalgebra::DMatrix;
 
 use crate::Observation;
+use crate::fit::at_crush::AtCrush;
 use crate::fit::descents::bounds;
-use crate::free::parameterisation::{Parameterisation, places};
+use crate::free::coordinates::{Coordinates, moved_numbers};
+use crate::free::parametric::Parametric;
 
 /// Iterations of one descent at most.
 const ITERATIONS: u32 = 200;
@@ -18,28 +20,29 @@ const COST_TOLERANCE: f64 = 1e-7;
 ///
 /// The model is sampled, filtered and integrated as each wave was; where that is not known, its motion is compared.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem<'a, C> {
+pub(crate) struct Problem<'a, M> {
     /// The model with its free numbers.
-    pub coordinates: &'a C,
+    pub coordinates: &'a Coordinates<M>,
     /// The waves it is compared with.
     pub observed: &'a Observation,
     /// One unit of residual, in the unit of the first wave.
     pub unit: f64,
     /// Residual below which the model is the record.
-    exact: f64,
+    pub exact: f64,
+    /// Conditions at dynamic crush, two rows more.
+    pub at_crush: Option<AtCrush>,
 }
 
-impl<'a, C: Parameterisation> Problem<'a, C> {
+impl<'a, M: Parametric> Problem<'a, M> {
     /// The comparison of a model with these waves. A descent ends where residuals are below `exact` at every sample;
     /// 0: never for that.
-    pub fn new(coordinates: &'a C, observed: &'a Observation, exact: f64) -> Self {
-        Self { coordinates, observed, unit: observed.scale_m(), exact }
+    pub fn new(coordinates: &'a Coordinates<M>, observed: &'a Observation, exact: f64) -> Self {
+        Self { coordinates, observed, unit: observed.scale_m(), exact, at_crush: None }
     }
 
     /// Weighted misfit at every sample of every wave, in the unit of the first.
     pub fn misfit(&self, theta: &[f64]) -> Option<Vec<f64>> {
-        let model = self.coordinates.model(theta)?;
-        self.observed.misfit_of(|impact, at| self.coordinates.sensitivity_in(&model, impact, at, &[]))
+        self.observed.misfit_of(&self.coordinates.structure(theta)?)
     }
 
     /// Root mean square misfit of every wave, in its unit.
@@ -70,10 +73,10 @@ impl<'a, C: Parameterisation> Problem<'a, C> {
     }
 }
 
-impl<C: Parameterisation> Response for Problem<'_, C> {
-    /// One residual for each sample of each wave.
+impl<M: Parametric> Response for Problem<'_, M> {
+    /// One residual for each sample of each wave, and two for the conditions where they are set.
     fn rows(&self) -> usize {
-        self.observed.rows()
+        self.observed.rows() + if self.at_crush.is_some() { 2 } else { 0 }
     }
 
     /// Sum of squares of a residual that counts as none.
@@ -83,38 +86,56 @@ impl<C: Parameterisation> Response for Problem<'_, C> {
 
     /// `w (model - record)/u`.
     fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
-        let Some(misfit) = self.misfit(theta) else { return false };
-        for (out, misfit) in out.iter_mut().zip(misfit) {
+        let Some(structure) = self.coordinates.structure(theta) else { return false };
+        let Some(misfit) = self.observed.misfit_of(&structure) else { return false };
+        let (of_waves, of_conditions) = out.split_at_mut(misfit.len());
+        for (out, misfit) in of_waves.iter_mut().zip(misfit) {
             *out = misfit / self.unit;
         }
-        true
+        if let Some(at_crush) = &self.at_crush {
+            let Some((rows, _)) = at_crush.rows(&structure, &[]) else { return false };
+            of_conditions.copy_from_slice(&rows);
+        }
+        out.iter().all(|x| x.is_finite())
     }
 
     /// `w/u d(model)/d(theta_j)`, by the chain rule over the parameters that coordinate `j` moves.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool {
-        let Some(model) = self.coordinates.model(theta) else { return false };
-        let derivatives = self.coordinates.derivatives_by_coordinate(theta);
-        let places = places(&derivatives);
+        let Some(structure) = self.coordinates.structure(theta) else { return false };
+        let derivatives = self.coordinates.derivatives(theta);
+        let moved = moved_numbers(&derivatives);
+        let places = self.coordinates.places(&moved);
         let mut first = 0;
         for wave in &self.observed.waves {
             let impact = self.observed.impact_of(wave);
-            let respond = |at: &_, places: &[usize]| self.coordinates.sensitivity_in(&model, impact, at, places);
-            let Ok(by_place) = wave.derivatives(&places, respond) else { return false };
+            let Some(loaded) = impact.structure(&structure) else { return false };
+            let Ok(by_number) = wave.derivatives(impact.speed_m_per_s, &loaded, &places) else { return false };
             let rows = wave.samples.len();
-            if by_place.iter().any(|derivative| derivative.len() != rows) {
+            if by_number.iter().any(|derivative| derivative.len() != rows) {
                 return false;
             }
             let scale = wave.weight / self.unit;
             for (j, by) in derivatives.iter().enumerate() {
                 out.view_mut((first, j), (rows, 1)).fill(0.0);
-                for (place, factor) in by {
-                    let Ok(p) = places.binary_search(place) else { continue };
-                    for (k, derivative) in by_place[p].iter().enumerate() {
+                for (number, factor) in by {
+                    let Ok(p) = moved.binary_search(number) else { continue };
+                    for (k, derivative) in by_number[p].iter().enumerate() {
                         out[(first + k, j)] += factor * derivative * scale;
                     }
                 }
             }
             first += rows;
+        }
+        if let Some(at_crush) = &self.at_crush {
+            let Some((_, by_number)) = at_crush.rows(&structure, &places) else { return false };
+            for (j, by) in derivatives.iter().enumerate() {
+                for row in 0..2 {
+                    let part = |(number, factor): &(usize, f64)| {
+                        moved.binary_search(number).map_or(0.0, |p| factor * by_number[p][row])
+                    };
+                    out[(first + row, j)] = by.iter().map(part).sum();
+                }
+            }
         }
         out.columns(0, derivatives.len()).iter().all(|x| x.is_finite())
     }

@@ -11,7 +11,8 @@ use crate::fit::descents::{SEARCH_SAMPLES, all, distinct};
 use crate::fit::halton_starts::start;
 use crate::fit::multistart::{bounds_of_search, hop, multistart};
 use crate::fit::problem::Problem;
-use crate::free::parameterisation::Parameterisation;
+use crate::free::coordinates::{Axis, Coordinates};
+use crate::free::parametric::Parametric;
 use crate::record::observation::{Observation, ObservedWave};
 
 /// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another.
@@ -49,7 +50,11 @@ pub(crate) struct Searched {
 ///
 /// Deterministic for any number of threads. A global minimum is likely, not proven. `None` without any finite
 /// response.
-pub(crate) fn search(coordinates: &impl Parameterisation, observed: &Observation, how: &Search) -> Option<Searched> {
+pub(crate) fn search(
+    coordinates: &Coordinates<impl Parametric>,
+    observed: &Observation,
+    how: &Search,
+) -> Option<Searched> {
     let mut remarks = Vec::new();
     let mut observed = observed.clone().exact();
     let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
@@ -80,10 +85,9 @@ pub(crate) fn search(coordinates: &impl Parameterisation, observed: &Observation
 }
 
 /// Descents from given points and from Halton points in the box of the starts.
-fn multi_start(problem: &Problem<'_, impl Parameterisation>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
-    let axes = problem.coordinates.axes();
-    let lower: Vec<f64> = axes.iter().map(|axis| axis.box_lower).collect();
-    let upper: Vec<f64> = axes.iter().map(|axis| axis.box_upper).collect();
+fn multi_start(problem: &Problem<'_, impl Parametric>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
+    let axes = problem.coordinates.free.iter().map(|number| number.axis);
+    let (lower, upper): (Vec<f64>, Vec<f64>) = axes.map(|axis| (axis.box_lower, axis.box_upper)).unzip();
     let points = given.iter().cloned().chain((0..count).map(|k| start(k, &lower, &upper))).collect();
     multistart(problem, points)
 }
@@ -91,11 +95,11 @@ fn multi_start(problem: &Problem<'_, impl Parameterisation>, count: usize, given
 /// L-SHADE over the box of the starts, half as wide again on each side within the bounds, then a descent from its
 /// best point and hops. The cost of the search is the sum of squared residuals.
 fn global(
-    problem: &Problem<'_, impl Parameterisation>,
+    problem: &Problem<'_, impl Parametric>,
     options: &LShadeOptions,
     remarks: &mut Vec<String>,
 ) -> (Vec<Optimum>, u64) {
-    let axes = problem.coordinates.axes();
+    let axes: Vec<Axis> = problem.coordinates.free.iter().map(|number| number.axis).collect();
     // The box of the starts, wider by its half on each side where the bounds allow it.
     let edge = |x: f64, other: f64| x + 0.5 * (x - other);
     let lower: Vec<f64> = axes.iter().map(|c| edge(c.box_lower, c.box_upper).max(c.lower)).collect();

@@ -5,6 +5,8 @@
 
 use crumple_lumped::{Model, Parameter, ParameterKind};
 
+use crate::free::coordinates::{Axis, Coordinates, FreeNumber, Map};
+
 /// A parameter that is free, with its coordinate and its bounds. All values in the SI unit of its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeParameter {
@@ -39,28 +41,13 @@ impl FreeParameter {
         Self { value, unit: if logarithmic { value } else { self.scale }, logarithmic, ..*self }
     }
 
-    /// The coordinate of a value.
-    pub fn coordinate(&self, value: f64) -> f64 {
-        if self.logarithmic { (value / self.unit).ln() } else { value / self.unit }
-    }
-
-    /// The value at a coordinate.
-    pub fn at(&self, coordinate: f64) -> f64 {
-        if self.logarithmic { self.unit * coordinate.exp() } else { self.unit * coordinate }
-    }
-
     /// Smallest and largest coordinate.
-    pub fn bounds(&self) -> (f64, f64) {
+    fn bounds(&self) -> (f64, f64) {
         if self.logarithmic {
             ((self.lowest / self.unit).ln().max(-RANGE.ln()), (self.limit / self.unit).ln().min(RANGE.ln()))
         } else {
             (0.0, (self.limit / self.unit).min(RANGE))
         }
-    }
-
-    /// Derivative of the value by the coordinate.
-    pub fn slope(&self, coordinate: f64) -> f64 {
-        if self.logarithmic { self.at(coordinate) } else { self.unit }
     }
 }
 
@@ -115,7 +102,7 @@ pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FreeParamet
 }
 
 /// Names and values of the masses of a model, kg, from the barrier on.
-pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
+fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
     let values = model.parameters();
     let masses = model.kind().parameters().iter().filter(|p| p.kind == ParameterKind::Mass);
     masses.map(|p| (p.name, values[p.name])).collect()
@@ -126,8 +113,23 @@ pub fn mass_of(model: &Model) -> f64 {
     masses_of(model).iter().map(|(_, kg)| kg).sum()
 }
 
-/// Name and value, kg, of the last mass where masses are free: it is the rest of the total. `None` where masses are
-/// given.
-pub(crate) fn rest_mass(model: &Model, free: &[FreeParameter]) -> Option<(&'static str, f64)> {
-    free.iter().any(|p| p.kind == ParameterKind::Mass).then(|| masses_of(model).pop()).flatten()
+impl Coordinates<Model> {
+    /// These parameters of a model free; nothing is searched for. With free masses the last one is the rest of the
+    /// total.
+    pub fn near(template: Model, free: &[FreeParameter]) -> Self {
+        let names = template.kind().parameter_names();
+        let number = |p: &FreeParameter| {
+            let (lower, upper) = p.bounds();
+            Some(FreeNumber {
+                name: p.name.into(),
+                kind: p.kind,
+                index: names.iter().position(|name| *name == p.name)?,
+                map: if p.logarithmic { Map::Logarithm(p.unit) } else { Map::Share(p.unit) },
+                axis: Axis { lower, upper, box_lower: lower, box_upper: upper },
+            })
+        };
+        let coordinates = Self::new(template, free.iter().filter_map(number).collect());
+        let rest = free.iter().any(|p| p.kind == ParameterKind::Mass).then(|| coordinates.masses() - 1);
+        coordinates.with_rest(rest, mass_of(&template))
+    }
 }

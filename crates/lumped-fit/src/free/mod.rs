@@ -1,10 +1,9 @@
 //! Which numbers of a model are free, as coordinates of size one with bounds, and how the mass divides.
-//! May use `record`.
+//! Uses no other room.
 
-pub mod free_model;
-pub mod free_numbers;
+pub mod coordinates;
 pub mod free_parameter;
 pub mod mass_split;
-pub mod model_coordinates;
-pub mod parameterisation;
+pub mod parametric;
 pub mod search_bounds;
+pub mod search_coordinates;

@@ -1,11 +1,10 @@
 //! Models of one mass fitted to several tests together.
 
-use crumple_lumped::{CrushedStructure, MOST_KNOTS, Model, ModelKind};
+use crumple_lumped::{CrushedStructure, Model, ModelKind};
 use crumple_signal::{Note, Notes, Sampled, Severity};
 use rayon::prelude::*;
 
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
-use crate::free::free_model::with_parameters;
 use crate::free::free_parameter::{FreeParameter, free_parameters};
 use crate::joint::rate_factor::{RateFactorSource, free_rate, rate_factor_source};
 use crate::joint::unloading::with_restitution;
@@ -138,19 +137,19 @@ impl Joint<'_> {
         each.into_iter().map(|start| vec![start]).collect()
     }
 
-    /// The same curve with a knot in the middle of every piece but the last, whose slope goes on beyond, and in the
-    /// middle of the first half of the first, where forces rise. `None` where that is too many.
+    /// The same curve with a knot in the middle of every piece but the last, whose slope goes on beyond, and the first,
+    /// which ends early, where forces rise. `None` where that is too many.
     fn with_more_knots(&self, model: &Model) -> Option<Start> {
         let Model::ForceDeflection(curve) = model else { return None };
         let knots = curve.knots();
-        let between =
-            |(a, b): (&(f64, f64), &(f64, f64)), share: f64| (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1));
+        let middle = |a: &(f64, f64), b: &(f64, f64)| (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
         let (last, others) = knots.split_last()?;
-        let mut finer: Vec<(f64, f64)> =
-            others.iter().zip(&others[1..]).flat_map(|(a, b)| [between((a, b), 0.5), *b]).chain([*last]).collect();
-        if finer.len() < MOST_KNOTS {
-            finer.insert(0, between((knots.first()?, knots.get(1)?), 0.25));
-        }
+        let (_, risen) = others.split_first()?;
+        let early = risen.first()?;
+        let finer: Vec<(f64, f64)> = std::iter::once(*early)
+            .chain(risen.iter().zip(&risen[1..]).flat_map(|(a, b)| [middle(a, b), *b]))
+            .chain([*last])
+            .collect();
         let (stiffness, rate) = (curve.unloading_stiffness_n_per_m, curve.rate_s_per_m);
         let model = Model::ForceDeflection(CrushedStructure::new(curve.mass_kg, &finer, stiffness, rate).ok()?);
         let deepest = self.tests.get(deepest_crush(self.tests))?.data;
@@ -222,12 +221,17 @@ impl Joint<'_> {
 
     /// A model of one test with the mass of the deepest crush, its damper up to the fastest, and stiff in unloading.
     fn in_the_deepest_test(&self, model: &Model) -> Option<Model> {
-        let mut values = model.parameters();
-        *values.get_mut("mass_kg")? = self.tests.get(deepest_crush(self.tests))?.data.mass_kg;
-        if let Some(v0) = values.get_mut("v0_m_per_s") {
-            *v0 = self.tests.iter().map(|test| test.data.impact_speed_m_per_s).fold(*v0, f64::max);
+        let (names, mut values) = (model.kind().parameter_names(), model.values());
+        for (name, value) in names.iter().zip(&mut values) {
+            match *name {
+                "mass_kg" => *value = self.tests.get(deepest_crush(self.tests))?.data.mass_kg,
+                "v0_m_per_s" => {
+                    *value = self.tests.iter().map(|test| test.data.impact_speed_m_per_s).fold(*value, f64::max);
+                }
+                _ => {}
+            }
         }
-        match with_parameters(model, &values)? {
+        match model.with_values(&values).ok()? {
             Model::ForceDeflection(mut structure) => {
                 structure.unloading_stiffness_n_per_m *= STIFF;
                 Some(Model::ForceDeflection(structure))

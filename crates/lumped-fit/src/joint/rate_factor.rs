@@ -50,8 +50,8 @@ impl RateFactorSource {
         Some(match self {
             Self::Fitted => format!("rate factor {rate:.4} s/m fitted: the tests are at different speeds"),
             Self::Prior { ratio } => format!(
-                "rate factor {RATE_PRIOR_S_PER_M} s/m is a prior, +- 0.005: the fastest test is {:.1} % faster than \
-                 the slowest, and less than {:.0} % does not tell it",
+                "rate factor {rate} s/m is a prior, +- 0.005: the fastest test is {:.1} % faster than the slowest, \
+                 and less than {:.0} % does not tell it",
                 100.0 * (ratio - 1.0),
                 100.0 * (APART - 1.0)
             ),

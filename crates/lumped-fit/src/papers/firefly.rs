@@ -2,12 +2,12 @@
 
 use crumple_estimation::minimise::StopReason;
 use crumple_estimation::random::RandomNumbers;
-use crumple_lumped::Nonlinear2;
+use crumple_lumped::{Model, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 
 use crate::error::positive;
 use crate::fit::options::SingleMassFitOptions;
-use crate::{Fit, FitQuantity, SolveError};
+use crate::{Fit, SolveError};
 
 /// Units in which distances between fireflies are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,20 +96,15 @@ pub fn firefly_nonlinear2(
     positive("mass_kg", options.mass_kg)?;
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
     let crush = positive("crush_m", options.crush_m)?;
-    let window = options.window(displacement)?;
+    let observed = options.observed(displacement)?;
     let c = COEFFICIENT;
     let range = [c, c, c, crush, c, c, c, c, v0, v0];
     let build = |p: &[f64; 10]| model_at(p, &range, options);
-    let mut buffer = vec![0.0; window.samples.len()];
     let mut evaluations = 0;
     let mut cost = |p: &[f64; 10]| -> f64 {
         evaluations += 1;
-        let model = build(p);
-        if model.check().is_err() || model.displacement(v0, window.first_s, window.dt_s, &mut buffer).is_err() {
-            return f64::INFINITY;
-        }
-        let sum: f64 = buffer.iter().zip(&window.samples).map(|(x, s)| (x - s).powi(2)).sum();
-        if sum.is_finite() { sum } else { f64::INFINITY }
+        let misfit = observed.misfit(&Model::Nonlinear2(build(p)));
+        misfit.map_or(f64::INFINITY, |misfit| misfit.iter().map(|x| x * x).sum())
     };
     let mut random = RandomNumbers::seeded(search.seed);
     // Positions are shares of the range; distances in the units asked for.
@@ -162,18 +157,13 @@ pub fn firefly_nonlinear2(
     }
     Ok(FireflyResult {
         model: build(&best.1),
-        fit: Fit {
-            from_s: window.first_s,
-            to_s: window.last_s(),
-            samples: window.samples.len(),
-            quantity: FitQuantity::Displacement,
-            rmse: (best.0 / window.samples.len() as f64).sqrt(),
-            iterations: u32::try_from(search.generations).unwrap_or(u32::MAX),
-            evaluations,
-            stop_reason: StopReason::IterationLimit,
-            active_bounds: Vec::new(),
-            sensors: Vec::new(),
-        },
+        fit: Fit::of_waves(
+            &observed,
+            &[(best.0 / observed.rows() as f64).sqrt()],
+            Vec::new(),
+            (u32::try_from(search.generations).unwrap_or(u32::MAX), evaluations, StopReason::IterationLimit),
+            Vec::new(),
+        ),
         attraction: if pairs > 0.0 { pulled / pairs } else { 0.0 },
     })
 }

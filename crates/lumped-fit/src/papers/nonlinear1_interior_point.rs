@@ -1,15 +1,19 @@
 //! The first nonlinear model by the method of its paper: an interior point with side constraints.
 
-use crumple_lumped::{Instants, Model, Nonlinear1};
+use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
+use crumple_estimation::minimise::levenberg_marquardt::Response;
+use crumple_lumped::{Model, Nonlinear1};
 use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::error::positive;
+use crate::fit::at_crush::AtCrush;
+use crate::fit::nonlinear::coordinates::{KNOTS, coordinates};
+use crate::fit::nonlinear::nonlinear1::parts;
 use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
-use crate::{Fit, FitQuantity, SolveError};
-use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
+use crate::fit::problem::Problem;
+use crate::free::coordinates::Map;
+use crate::{Fit, SolveError};
 
 /// Names of the free parameters, in the order of `x`.
 const NAMES: [&str; 6] =
@@ -17,8 +21,6 @@ const NAMES: [&str; 6] =
 /// Knots of the damper that the method starts from, shares of the impact speed. Springs and dampers start in the
 /// middle of their range.
 const KNEES: [f64; 5] = [0.1, 0.25, 0.4, 0.6, 0.8];
-/// Bounds of that knot, as in the other fits.
-const KNEE: (f64, f64) = (0.005, 0.995);
 /// The objective in squared hundredths of the crush, so that the method's tolerance of 1e-8 is far below a
 /// millimetre.
 const OBJECTIVE: f64 = 1e4;
@@ -28,61 +30,29 @@ const FEASIBLE: f64 = 1e-7;
 /// The program: `x` holds `k1, k2, c1, c2, c3` over `m (v0/C)²` and `m v0/C`, and the knot over `v0`. The Hessian is
 /// that of Gauss and Newton.
 struct SideConstraints<'a> {
-    /// The record, m.
-    window: &'a Window,
-    /// Mass, speed, crush and its time.
-    options: &'a SingleMassFitOptions,
-    /// Unit of each number of `x`.
-    scale: [f64; 6],
-}
-
-impl SideConstraints<'_> {
-    /// The model at `x`.
-    fn model(&self, x: &DVector<f64>) -> Nonlinear1 {
-        let p: [f64; 6] = std::array::from_fn(|i| x[i] * self.scale[i]);
-        Nonlinear1 {
-            mass_kg: self.options.mass_kg,
-            k1_n_per_m: p[0],
-            k2_n_per_m: p[1],
-            c1_n_s_per_m: p[2],
-            c2_n_s_per_m: p[3],
-            c3_n_s_per_m: p[4],
-            v_thresh_m_per_s: p[5],
-            crush_m: self.options.crush_m,
-            v0_m_per_s: self.options.impact_speed_m_per_s,
-        }
-    }
+    /// The misfit of the displacement in units of the crush.
+    problem: Problem<'a, Model>,
+    /// The conditions at dynamic crush.
+    at_crush: AtCrush,
 }
 
 impl Program for SideConstraints<'_> {
     /// Objective, conditions at dynamic crush and their derivatives, from two simulations with sensitivities.
     fn evaluate(&self, x: &DVector<f64>) -> Option<Evaluated> {
-        let (v0, crush) = (self.options.impact_speed_m_per_s, self.options.crush_m);
-        let model = Model::Nonlinear1(self.model(x));
-        let places = [1, 2, 3, 4, 5, 6];
-        let n = self.window.samples.len();
-        let at = Instants { first_s: self.window.first_s, dt_s: self.window.dt_s, samples: n };
-        let response = model.sensitivity(v0, &at, &places).ok()?;
-        let x = &response.motions[0].displacement_m;
-        let residuals = DVector::from_fn(n, |k, _| (x[k] - self.window.samples[k]) / crush);
-        let columns =
-            DMatrix::from_fn(n, 6, |k, j| response.derivatives[j][0].displacement_m[k] * self.scale[j] / crush);
-        let end = Instants { first_s: self.options.time_of_dynamic_crush_s, dt_s: self.window.dt_s, samples: 1 };
-        let stop = model.sensitivity(v0, &end, &places).ok()?;
-        let jacobian = DMatrix::from_fn(2, 6, |i, j| {
-            let motion = &stop.derivatives[j][0];
-            self.scale[j] * if i == 0 { motion.displacement_m[0] / crush } else { motion.velocity_m_per_s[0] / v0 }
-        });
-        let c = DVector::from_vec(vec![
-            stop.motions[0].displacement_m[0] / crush - 1.0,
-            stop.motions[0].velocity_m_per_s[0] / v0,
-        ]);
+        let (problem, x) = (&self.problem, x.as_slice());
+        let (mut residuals, mut columns) = (DVector::zeros(problem.rows()), DMatrix::zeros(problem.rows(), 6));
+        if !(problem.residuals(x, residuals.as_mut_slice()) && problem.sensitivities(x, &mut columns)) {
+            return None;
+        }
+        let places = problem.coordinates.places(&[1, 2, 3, 4, 5, 6]);
+        let (conditions, derivatives) = self.at_crush.conditions(&problem.coordinates.structure(x)?, &places)?;
+        let slope = |j: usize| problem.coordinates.free[j].slope(x[j]);
         Some(Evaluated {
             f: OBJECTIVE * residuals.norm_squared(),
             gradient: columns.tr_mul(&residuals) * (2.0 * OBJECTIVE),
             hessian: columns.tr_mul(&columns) * (2.0 * OBJECTIVE),
-            c,
-            jacobian,
+            c: DVector::from_row_slice(&conditions),
+            jacobian: DMatrix::from_fn(2, 6, |i, j| slope(j) * derivatives[j][i]),
         })
     }
 }
@@ -97,13 +67,13 @@ pub fn interior_point_nonlinear1(
     displacement: &Signal<Displacement>,
     options: &SingleMassFitOptions,
 ) -> Result<(Nonlinear1, Fit), SolveError> {
-    let m = positive("mass_kg", options.mass_kg)?;
-    let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
-    let rate = v0 / positive("crush_m", options.crush_m)?;
-    positive("time_of_dynamic_crush_s", options.time_of_dynamic_crush_s)?;
-    let window = options.window(displacement)?;
-    let (k, c) = (m * rate * rate, m * rate);
-    let problem = SideConstraints { window: &window, options, scale: [k, k, c, c, c, v0] };
+    options.check()?;
+    let observed = options.observed(displacement)?;
+    let ((k, c), v0) = (options.units(), options.impact_speed_m_per_s);
+    let free: Vec<(usize, Map)> = (1..).zip([k, k, c, c, c, v0].map(Map::Share)).collect();
+    let coordinates = coordinates(parts(options).template, &free);
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+    let program = SideConstraints { problem, at_crush: AtCrush::new(options) };
     #[rustfmt::skip]
     let g = DMatrix::from_row_slice(7, 6, &[
         1.0,  0.0, 0.0,  0.0,  0.0, 0.0, // k1 >= 0
@@ -114,12 +84,12 @@ pub fn interior_point_nonlinear1(
         0.0,  0.0, 0.0,  0.0,  0.0, 1.0,
         0.0,  0.0, 0.0,  0.0,  0.0, -1.0,
     ]);
-    let h = DVector::from_vec(vec![0.0, 0.0, 0.0, 0.0, 0.0, -KNEE.0, KNEE.1]);
+    let h = DVector::from_vec(vec![0.0, 0.0, 0.0, 0.0, 0.0, -KNOTS.0, KNOTS.1]);
     let ends: Vec<Option<InteriorPoint>> = KNEES
         .par_iter()
         .map(|knee| {
             let start = DVector::from_vec(vec![0.4, 0.9, 0.8, 0.3, 0.05, *knee]);
-            interior_point(&problem, &start, (&g, &h))
+            interior_point(&program, &start, (&g, &h))
         })
         .collect();
     let evaluations = ends.iter().flatten().map(|end| end.evaluations).sum();
@@ -133,17 +103,10 @@ pub fn interior_point_nonlinear1(
     // What makes two equal, or zero, holds the first of the two.
     let of_gap = [0, 1, 2, 3, 4, 5, 5];
     let active_bounds = (0..7).filter(|i| gaps[*i] < 1e-6).map(|i| NAMES[of_gap[i]]).collect();
-    let fit = Fit {
-        from_s: window.first_s,
-        to_s: window.last_s(),
-        samples: window.samples.len(),
-        quantity: FitQuantity::Displacement,
-        rmse: (best.f / OBJECTIVE / window.samples.len() as f64).sqrt() * options.crush_m,
-        iterations: best.iterations,
-        evaluations,
-        stop_reason: best.stop,
-        active_bounds,
-        sensors: Vec::new(),
-    };
-    Ok((problem.model(&best.x), fit))
+    let rmse = (best.f / OBJECTIVE / observed.rows() as f64).sqrt() * options.crush_m;
+    let fit = Fit::of_waves(&observed, &[rmse], Vec::new(), (best.iterations, evaluations, best.stop), active_bounds);
+    match coordinates.model(best.x.as_slice()) {
+        Some(Model::Nonlinear1(model)) => Ok((model, fit)),
+        _ => Err(SolveError::NoFit { starts: KNEES.len() }),
+    }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_lumped::Motion;
+use crumple_lumped::{Motion, Waves};
 
 /// What of a motion is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -36,6 +36,15 @@ impl FitQuantity {
             Self::Displacement => "m",
             Self::Velocity => "m/s",
             Self::Acceleration => "m/s^2",
+        }
+    }
+
+    /// What is asked of a motion for it.
+    pub(crate) const fn waves(self) -> Waves {
+        match self {
+            Self::Displacement => Waves::Displacement,
+            Self::Velocity => Waves::Velocity,
+            Self::Acceleration => Waves::Acceleration,
         }
     }
 

@@ -5,7 +5,7 @@
 //! of the acceleration, with no impact speed. Eight waves go through side by side: filter and sums are recursions
 //! that wait for themselves. Where the steps are not known, the motion itself is compared.
 
-use crumple_lumped::{Instants, LumpedError, Model, Motion, Sensitivity};
+use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure, Waves};
 use crumple_signal::{RecordingSteps, Sampled};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -112,7 +112,7 @@ impl Measurement {
         v0_m_per_s: f64,
         last: usize,
     ) -> Result<Vec<f64>, LumpedError> {
-        self.of_motion((mass, quantity), v0_m_per_s, last, |at| model.sensitivity(v0_m_per_s, at, &[]))
+        self.of_structure((mass, quantity), v0_m_per_s, last, &model.structure()?)
     }
 
     /// The same record of which the steps are not known: the motion itself is compared.
@@ -138,27 +138,30 @@ impl Measurement {
         self.rule == IntegrationRule::Exact
     }
 
-    /// [`Self::motion`] of anything that `respond` gives the motion of, mass by mass; derivatives are not needed.
-    pub fn of_motion(
+    /// [`Self::motion`] of any structure.
+    pub fn of_structure(
         &self,
         (mass, quantity): (Option<usize>, FitQuantity),
         v0_m_per_s: f64,
         last: usize,
-        respond: impl FnOnce(&Instants) -> Result<Sensitivity, LumpedError>,
+        structure: &Structure,
     ) -> Result<Vec<f64>, LumpedError> {
+        let respond = |waves, at: Instants| structure.sensitivity_of(waves, v0_m_per_s, &at, &[]);
         let Some(samples) = self.samples_of_the_model(last) else {
             return Ok(self.seen(&[], quantity, v0_m_per_s, last));
         };
         if self.is_exact() {
             let before = self.contact_index();
             let samples = (last + 1).saturating_sub(before);
-            let response = respond(&Instants { first_s: self.time_s(before).max(0.0), dt_s: self.dt_s, samples })?;
+            let at = Instants { first_s: self.time_s(before).max(0.0), dt_s: self.dt_s, samples };
+            let motions = respond(quantity.waves(), at)?.motions;
             let mut seen = vec![if quantity == FitQuantity::Velocity { v0_m_per_s } else { 0.0 }; before];
-            seen.extend(motion_of(&response.motions, mass).map_or(&[][..], |motion| quantity.of(motion)));
+            seen.extend(motion_of(&motions, mass).map_or(&[][..], |motion| quantity.of(motion)));
             return Ok(seen);
         }
-        let response = respond(&Instants { first_s: 0.0, dt_s: self.dt_s, samples })?;
-        let acceleration = motion_of(&response.motions, mass).map_or(&[][..], |m| &m.acceleration_m_per_s2);
+        let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
+        let motions = respond(Waves::Acceleration, at)?.motions;
+        let acceleration = motion_of(&motions, mass).map_or(&[][..], |m| &m.acceleration_m_per_s2);
         Ok(self.seen(acceleration, quantity, v0_m_per_s, last))
     }
 
@@ -167,16 +170,16 @@ impl Measurement {
     pub(crate) fn derivatives(
         &self,
         (mass, quantity): (Option<usize>, FitQuantity),
+        v0_m_per_s: f64,
         last: usize,
-        places: &[usize],
-        respond: impl Fn(&Instants, &[usize]) -> Result<Sensitivity, LumpedError> + Sync,
+        (structure, places): (&Structure, &[Place]),
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let Some(samples) = self.samples_of_the_model(last) else {
             return Ok(places.iter().map(|_| self.seen(&[], quantity, 0.0, last)).collect());
         };
         let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
-        let of_some = |places: &[usize]| -> Result<Vec<Vec<f64>>, LumpedError> {
-            let response = respond(&at, places)?;
+        let of_some = |places: &[Place]| -> Result<Vec<Vec<f64>>, LumpedError> {
+            let response = structure.sensitivity_of(Waves::Acceleration, v0_m_per_s, &at, places)?;
             let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
             let accelerations: Vec<&[f64]> =
                 motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();

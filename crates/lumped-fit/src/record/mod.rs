@@ -6,4 +6,3 @@ pub mod measurement;
 pub mod observation;
 pub mod sensor;
 pub mod test_data;
-pub mod window;

@@ -5,13 +5,13 @@
 //! with `w_i = s_1/s_i`, the noise level of the first wave over its own, which puts all of them into the unit of the
 //! first.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use crumple_lumped::{Instants, LumpedError, Model, Sensitivity};
+use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::record::measurement::motion_of;
-use crate::record::window::{FEWEST, Window};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// The impact that a wave is of.
@@ -21,6 +21,17 @@ pub struct Impact {
     pub speed_m_per_s: f64,
     /// Total mass, kg: what is more or less than the model's is the compartment's; `None`: that of the model.
     pub mass_kg: Option<f64>,
+}
+
+impl Impact {
+    /// A structure with the mass of the impact; `None` where nothing is left for the compartment.
+    pub fn structure<'a>(&self, structure: &'a Structure) -> Option<Cow<'a, Structure>> {
+        let Some(mass_kg) = self.mass_kg else { return Some(Cow::Borrowed(structure)) };
+        let mut masses = structure.masses_kg().to_vec();
+        let others: f64 = masses.iter().rev().skip(1).sum();
+        *masses.last_mut()? = mass_kg - others;
+        Structure::new(masses, structure.connections().to_vec()).ok().map(Cow::Owned)
+    }
 }
 
 /// A wave of a test and the samples of it that are compared.
@@ -112,6 +123,8 @@ pub const UNKNOWN_FILTER_M: f64 = 1e-5;
 /// their largest value.
 const USUAL_CRUSH_M: f64 = 0.5;
 
+/// Fewest samples of a record or wave that are compared.
+pub(crate) const FEWEST: usize = 12;
 /// Least noise level of a wave, as a share of its root mean square.
 const LEAST_LEVEL: f64 = 1e-6;
 
@@ -183,14 +196,8 @@ impl ObservedWave {
         (self.samples.iter().map(|x| x * x).sum::<f64>() / self.samples.len() as f64).sqrt()
     }
 
-    /// The samples with their instants.
-    pub(crate) fn window(&self) -> Window {
-        let dt_s = self.measurement.dt_s * self.stride as f64;
-        Window { first_s: self.time_s(0).max(0.0), dt_s, samples: self.samples.clone() }
-    }
-
     /// The instants of the samples, s after contact.
-    fn instants(&self) -> Instants {
+    pub(crate) fn instants(&self) -> Instants {
         let dt_s = self.measurement.dt_s * self.stride as f64;
         Instants { first_s: self.time_s(0).max(0.0), dt_s, samples: self.samples.len() }
     }
@@ -200,37 +207,37 @@ impl ObservedWave {
         wave.get(self.first..).unwrap_or_default().iter().step_by(self.stride).copied().collect()
     }
 
-    /// What the measurement makes of the motion of the wave's mass, at the samples that are compared. `respond`: the
-    /// motions at given instants.
-    pub(crate) fn response(
-        &self,
-        v0_m_per_s: f64,
-        respond: impl Fn(&Instants) -> Result<Sensitivity, LumpedError>,
-    ) -> Result<Vec<f64>, LumpedError> {
-        if self.measurement.is_exact() {
-            let response = respond(&self.instants())?;
-            let motion = motion_of(&response.motions, self.mass);
-            return Ok(motion.map_or_else(Vec::new, |motion| self.quantity.of(motion).to_vec()));
-        }
+    /// What the measurement makes of the motion of the wave's mass, at the samples that are compared.
+    pub(crate) fn response(&self, v0_m_per_s: f64, structure: &Structure) -> Result<Vec<f64>, LumpedError> {
         let what = (self.mass, self.quantity);
-        Ok(self.picked(&self.measurement.of_motion(what, v0_m_per_s, self.last(), respond)?))
+        if self.measurement.is_exact() {
+            let waves = self.quantity.waves();
+            let motions = structure.sensitivity_of(waves, v0_m_per_s, &self.instants(), &[])?.motions;
+            return Ok(self.of_motions(&motions));
+        }
+        Ok(self.picked(&self.measurement.of_structure(what, v0_m_per_s, self.last(), structure)?))
     }
 
-    /// Its derivatives by the parameters at `places`. `respond`: motions with their derivatives at given instants.
+    /// Its derivatives by the parameters at `places`.
     pub(crate) fn derivatives(
         &self,
-        places: &[usize],
-        respond: impl Fn(&Instants, &[usize]) -> Result<Sensitivity, LumpedError> + Sync,
+        v0_m_per_s: f64,
+        structure: &Structure,
+        places: &[Place],
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
+        let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let response = respond(&self.instants(), places)?;
-            let derivative = |motions: &Vec<_>| {
-                motion_of(motions, self.mass).map_or_else(Vec::new, |motion| self.quantity.of(motion).to_vec())
-            };
-            return Ok(response.derivatives.iter().map(derivative).collect());
+            let waves = self.quantity.waves();
+            let response = structure.sensitivity_of(waves, v0_m_per_s, &self.instants(), places)?;
+            return Ok(response.derivatives.iter().map(|motions| self.of_motions(motions)).collect());
         }
-        let all = self.measurement.derivatives((self.mass, self.quantity), self.last(), places, respond)?;
+        let all = self.measurement.derivatives(what, v0_m_per_s, self.last(), (structure, places))?;
         Ok(all.iter().map(|derivative| self.picked(derivative)).collect())
+    }
+
+    /// Its quantity in the motion of its mass; nothing where there is none.
+    fn of_motions(&self, motions: &[Motion]) -> Vec<f64> {
+        motion_of(motions, self.mass).map_or_else(Vec::new, |motion| self.quantity.of(motion).to_vec())
     }
 }
 
@@ -263,7 +270,7 @@ impl Observation {
     /// `w (model - record)` at every sample of every wave, in the unit of the first; `None` without a finite
     /// response.
     pub fn misfit(&self, model: &Model) -> Option<Vec<f64>> {
-        self.misfit_of(|impact, at| model.sensitivity(impact.speed_m_per_s, at, &[]))
+        self.misfit_of(&model.structure().ok()?)
     }
 
     /// The impact that one of its waves is of.
@@ -271,15 +278,13 @@ impl Observation {
         wave.impact.unwrap_or(Impact { speed_m_per_s: self.impact_speed_m_per_s, mass_kg: None })
     }
 
-    /// The same of anything that `respond` gives the motions of.
-    pub fn misfit_of(
-        &self,
-        respond: impl Fn(Impact, &Instants) -> Result<Sensitivity, LumpedError>,
-    ) -> Option<Vec<f64>> {
+    /// The same of any structure; each wave is of its own impact.
+    pub fn misfit_of(&self, structure: &Structure) -> Option<Vec<f64>> {
         let mut misfit = Vec::with_capacity(self.rows());
         for wave in &self.waves {
             let impact = self.impact_of(wave);
-            let response = wave.response(impact.speed_m_per_s, |at| respond(impact, at)).ok()?;
+            let loaded = impact.structure(structure)?;
+            let response = wave.response(impact.speed_m_per_s, &loaded).ok()?;
             misfit.extend(response.iter().zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
         }
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
@@ -374,21 +379,22 @@ mod tests {
     use super::*;
 
     /// The value is the time in ms.
-    fn picked(from_s: f64, to_s: f64) -> Result<Window, SolveError> {
+    fn picked(from_s: f64, to_s: f64) -> Result<ObservedWave, SolveError> {
         let samples = (0..2501).map(|k| f64::from(k) * 0.1 - 50.0).collect();
         let record = Sampled::new(-0.05, 1e-4, samples).unwrap();
         let measurement = Measurement::of_samples(&record, 0.0);
         let what = (None, FitQuantity::Displacement);
-        ObservedWave::new(&record, what, 0.0, measurement, (from_s, to_s), 250).map(|wave| wave.window())
+        ObservedWave::new(&record, what, 0.0, measurement, (from_s, to_s), 250)
     }
 
     #[test]
     fn picks_samples_of_the_window_only() {
-        let window = picked(0.0, 0.075).unwrap();
+        let wave = picked(0.0, 0.075).unwrap();
+        let Instants { first_s, dt_s, samples } = wave.instants();
         // 751 samples, every fourth.
-        assert_eq!((window.samples.len(), window.dt_s), (188, 4e-4));
-        assert!(window.samples[0].abs() < 1e-9 && window.first_s.abs() < 1e-12);
-        assert!((window.samples[187] - 74.8).abs() < 1e-9 && (window.last_s() - 0.0748).abs() < 1e-12);
+        assert_eq!((samples, dt_s), (188, 4e-4));
+        assert!(wave.samples[0].abs() < 1e-9 && first_s.abs() < 1e-12);
+        assert!((wave.samples[187] - 74.8).abs() < 1e-9 && (wave.time_s(187) - 0.0748).abs() < 1e-12);
     }
 
     #[test]

@@ -44,6 +44,8 @@ pub enum SensorPlace {
     Chassis,
     /// A mass by its number from the barrier on, from 1.
     Mass(usize),
+    /// The occupant, who is the last mass of a chain that says so, behind the compartment.
+    Occupant,
 }
 
 impl SensorPlace {
@@ -55,6 +57,16 @@ impl SensorPlace {
             Self::Front => (masses > 1).then_some(0),
             Self::Chassis => (masses > 1).then(|| masses - 2),
             Self::Mass(number) => (number >= 1 && number <= masses).then(|| number - 1),
+            Self::Occupant => None,
+        }
+    }
+
+    /// The same in a model whose last mass is the occupant, so that the compartment is the one in front of it.
+    pub fn mass_before_occupant(self, masses: usize) -> Option<usize> {
+        match self {
+            Self::Occupant => masses.checked_sub(1).filter(|last| *last > 0),
+            Self::Mass(_) => self.mass(masses),
+            _ => self.mass(masses.saturating_sub(1)),
         }
     }
 }
@@ -66,6 +78,7 @@ impl fmt::Display for SensorPlace {
             Self::Front => f.write_str("front"),
             Self::Chassis => f.write_str("chassis"),
             Self::Mass(number) => write!(f, "m{number}"),
+            Self::Occupant => f.write_str("occupant"),
         }
     }
 }
@@ -78,13 +91,16 @@ impl FromStr for SensorPlace {
             "compartment" => Ok(Self::Compartment),
             "front" | "engine" => Ok(Self::Front),
             "chassis" => Ok(Self::Chassis),
+            "occupant" => Ok(Self::Occupant),
             _ => text
                 .strip_prefix('m')
                 .and_then(|number| number.parse().ok())
                 .filter(|number| *number > 0)
                 .map(Self::Mass)
                 .ok_or_else(|| {
-                    format!("no place of a sensor: {text:?}; expected compartment, front, chassis or m1, m2, ...")
+                    format!(
+                        "no place of a sensor: {text:?}; expected compartment, front, chassis, occupant or m1, m2, ..."
+                    )
                 }),
         }
     }

@@ -6,28 +6,14 @@
 
 use std::cmp::Ordering;
 
-use crate::selection::compared_candidate::ComparedCandidate;
-use crate::selection::evidence::{criterion, independent_samples, visible_misfit};
+use crate::selection::compared_candidate::{ComparedCandidate, EnergyClass};
 use crate::selection::prior::{Prior, SelectionRules};
+use crate::selection::rating::{ComparedRecord, Rated, rate_all};
 
 /// Criteria that differ by less are equal: among them the fewest parameters.
 const EQUAL: f64 = 2.0;
-/// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
-/// smooth.
-const COMPARABLE: f64 = 2.0;
 /// Fits that differ by less, percentage points, are the same: rounding does not decide.
 const FIT_STEP: f64 = 1e-6;
-
-/// What all candidates are compared with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ComparedRecord {
-    /// Root mean square of the record over the window, unit of the misfits.
-    pub rms: f64,
-    /// Independent samples that its filter lets through at most; infinite where it is not known.
-    pub most_samples: f64,
-    /// Restitution that the test shows.
-    pub restitution: Option<f64>,
-}
 
 /// A name of the choice: a candidate, or none, and why.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,29 +22,6 @@ pub struct Choice {
     pub candidate: Option<usize>,
     /// Why, in one sentence.
     pub because: String,
-}
-
-/// One candidate with what was counted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rated {
-    /// Why it is not adequate; `None`: it is.
-    pub not_adequate: Option<String>,
-    /// Root mean square misfit, unit of the record.
-    pub misfit: Option<f64>,
-    /// Criterion without priors.
-    pub aicc: Option<f64>,
-    /// The same above the lowest of the adequate.
-    pub difference: Option<f64>,
-    /// What each prior adds.
-    pub terms: Vec<(&'static str, f64)>,
-    /// Criterion with priors above the lowest of the adequate.
-    pub difference_with_priors: Option<f64>,
-}
-
-impl Rated {
-    fn is_adequate(&self) -> bool {
-        self.not_adequate.is_none()
-    }
 }
 
 /// The three names, and all that was counted for them.
@@ -83,77 +46,15 @@ pub struct CandidateSelection {
 /// *Adequate*: physical, no parameter on a bound of its search, a displacement fit of at least
 /// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines as far
 /// as they are felt at other speeds, and whose wall force is within its limit, the lowest criterion with priors; within
-/// 2 of it the fewest parameters. *Simplest*: of the adequate with all numbers determined the fewest, then the lowest
-/// criterion. *Closest*: of the physical the best displacement fit.
+/// 2 of it the fewest parameters; where that is a plastic structure, the plastic one with the fewest parameters that
+/// has the record's own crush at lower speeds ([`crush_error_at_lower_speeds`](crate::crush_error_at_lower_speeds)).
+/// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
+/// physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
-    let mut rated: Vec<Rated> = candidates
-        .iter()
-        .map(|candidate| Rated {
-            not_adequate: not_adequate(candidate, rules),
-            misfit: candidate.misfit.as_deref().and_then(rms),
-            aicc: None,
-            difference: None,
-            terms: rules.terms(candidate, record.restitution),
-            difference_with_priors: None,
-        })
-        .collect();
-    let samples = shared_samples(candidates, &rated, record);
-    if let Some(samples) = samples {
-        rate(candidates, &mut rated, record, samples);
-    }
+    let (rated, samples) = rate_all(candidates, record, rules);
     let all = ComparedCandidates { candidates, rated: &rated, rules };
     let (recommended, simplest, closest) = (all.recommended(samples), all.simplest(), all.closest());
     CandidateSelection { recommended, simplest, closest, rated, samples, priors: rules.priors(record.restitution) }
-}
-
-fn rms(misfit: &[f64]) -> Option<f64> {
-    let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
-    Some(mean_square.sqrt()).filter(|rms| rms.is_finite())
-}
-
-/// Why a candidate is not adequate.
-fn not_adequate(candidate: &ComparedCandidate, rules: &SelectionRules) -> Option<String> {
-    if !candidate.physical {
-        return Some("it is no passive structure".to_owned());
-    }
-    if !candidate.on_bound.is_empty() {
-        return Some(format!("on a bound of its search: {}", candidate.on_bound.join(", ")));
-    }
-    let limit = rules.adequate_fit_percent;
-    match candidate.fit_percent {
-        Some(fit) if fit >= limit => candidate.misfit.is_none().then(|| "it has no response to compare".to_owned()),
-        Some(fit) => Some(format!("its displacement fit of {fit:.1} % is below {limit} %")),
-        None => Some("it has no displacement to compare".to_owned()),
-    }
-}
-
-/// The smallest number of independent samples among adequate candidates with comparable misfits.
-fn shared_samples(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
-    let adequate = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
-    let misfits: Vec<&[f64]> = adequate.filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
-    let least = misfits.iter().map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)?;
-    misfits
-        .iter()
-        .filter(|misfit| visible_misfit(misfit, record.rms) <= COMPARABLE * least)
-        .map(|misfit| independent_samples(misfit, record.rms, record.most_samples))
-        .reduce(f64::min)
-}
-
-/// Fills in the criteria.
-fn rate(candidates: &[ComparedCandidate], rated: &mut [Rated], record: &ComparedRecord, samples: f64) {
-    for (candidate, rated) in candidates.iter().zip(rated.iter_mut()) {
-        let misfit = candidate.misfit.as_deref();
-        rated.aicc = misfit.and_then(|misfit| criterion(misfit, record.rms, samples, candidate.parameters));
-    }
-    let with_priors = |rated: &Rated| Some(rated.aicc? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
-    let least = |of: &dyn Fn(&Rated) -> Option<f64>| {
-        rated.iter().filter(|rated| rated.is_adequate()).filter_map(of).reduce(f64::min)
-    };
-    let (lowest, lowest_with_priors) = (least(&|rated| rated.aicc), least(&with_priors));
-    for rated in rated.iter_mut() {
-        rated.difference = rated.aicc.zip(lowest).map(|(aicc, lowest)| aicc - lowest);
-        rated.difference_with_priors = with_priors(rated).zip(lowest_with_priors).map(|(total, lowest)| total - lowest);
-    }
 }
 
 /// All that the three names are chosen from.
@@ -179,10 +80,15 @@ impl ComparedCandidates<'_> {
 
     /// Why an adequate candidate is not for prediction.
     fn not_for_prediction(&self, k: usize) -> Option<String> {
-        let candidate = &self.candidates[k];
         if self.rated[k].aicc.is_none() {
-            return Some(format!("{} free numbers are too many for this record", candidate.parameters));
+            return Some(format!("{} free numbers are too many for this record", self.candidates[k].parameters));
         }
+        self.predicts_wrongly(k)
+    }
+
+    /// Why an adequate candidate is not for prediction, whatever its criterion.
+    fn predicts_wrongly(&self, k: usize) -> Option<String> {
+        let candidate = &self.candidates[k];
         if !candidate.open_and_felt.is_empty() {
             let (open, of) = (candidate.open_and_felt.len(), candidate.parameters);
             return Some(format!("{open} of its {of} numbers are not determined and felt at other speeds"));
@@ -202,7 +108,8 @@ impl ComparedCandidates<'_> {
             return Self::none(format!("no adequate candidate qualifies ({})", reasons.join("; ")));
         };
         let equal = qualified.iter().copied().filter(|k| self.total(*k) <= lowest + EQUAL);
-        let best = equal.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(qualified[0]);
+        let by_evidence = equal.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(qualified[0]);
+        let best = self.right_at_lower_speeds(by_evidence);
         let of_others = qualified.iter().copied().filter(|k| *k != best);
         let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)));
         let candidate = &self.candidates[best];
@@ -213,6 +120,7 @@ impl ComparedCandidates<'_> {
             candidate.parameters,
             if candidate.open.is_empty() { "" } else { ", the others hardly felt at other speeds" },
             match next {
+                _ if best != by_evidence => self.beside_the_evidence(best, by_evidence),
                 Some(next) => self.beside_the_next(best, next),
                 None => "the only adequate candidate that qualifies".to_owned(),
             }
@@ -228,6 +136,37 @@ impl ComparedCandidates<'_> {
             because.push_str(&format!("; {id} stands {better:.1} lower, but {why}"));
         }
         Choice { candidate: Some(best), because }
+    }
+
+    /// The plastic candidate for prediction where the evidence is for a plastic one: that one, if it has the record's
+    /// own crush at lower speeds; else of those that have it, or come nearest to it, the one with the fewest numbers.
+    ///
+    /// The criterion charges knots of a curve as if they were to be told from noise. But the curve of a plastic
+    /// structure is an integral of the record, known to what the sensor is.
+    fn right_at_lower_speeds(&self, by_evidence: usize) -> usize {
+        let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
+        let is_plastic = |k: usize| self.candidates[k].class == EnergyClass::Plastic;
+        let limit = self.rules.lower_speed_limit_percent / 100.0;
+        if !is_plastic(by_evidence) || error(by_evidence) <= limit {
+            return by_evidence;
+        }
+        let plastic: Vec<usize> =
+            self.adequate().filter(|k| is_plastic(*k) && self.predicts_wrongly(*k).is_none()).collect();
+        let least = plastic.iter().map(|k| error(*k)).fold(f64::INFINITY, f64::min);
+        let near = plastic.into_iter().filter(|k| error(*k) <= limit.max(least) && error(*k).is_finite());
+        near.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(by_evidence)
+    }
+
+    /// How far both miss the crush at lower speeds that the record itself shows.
+    fn beside_the_evidence(&self, best: usize, by_evidence: usize) -> String {
+        let percent = |k: usize| 100.0 * self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
+        let id = &self.candidates[by_evidence].id;
+        format!(
+            "within {:.1} % of the crush at lower speeds that the energy over crush of the record shows, which {id}, \
+             lower by its criterion, misses by {:.1} %",
+            percent(best),
+            percent(by_evidence)
+        )
     }
 
     /// How the criterion stands to that of the next.
@@ -293,7 +232,6 @@ impl ComparedCandidates<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::selection::compared_candidate::EnergyClass;
 
     /// A misfit of noise of this size that is told apart from sample to sample.
     fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> ComparedCandidate {
@@ -310,6 +248,7 @@ mod tests {
             fit_percent: Some(99.0 - misfit),
             restitution: Some(0.15),
             force_misfit_percent: None,
+            crush_error_at_lower_speeds: (class == EnergyClass::Plastic).then_some(0.0),
         }
     }
 
@@ -399,6 +338,31 @@ mod tests {
         let good = candidate("good", EnergyClass::Plastic, 2, 0.9);
         let names = ids(&[many, wall, good], &SelectionRules::default());
         assert_eq!(names[0].as_deref(), Some("good"));
+    }
+
+    #[test]
+    fn of_plastic_models_the_record_has_the_last_word_on_lower_speeds() {
+        let error = |id: &str, parameters: usize, misfit: f64, error: f64| {
+            let plastic = candidate(id, EnergyClass::Plastic, parameters, misfit);
+            ComparedCandidate { crush_error_at_lower_speeds: Some(error), ..plastic }
+        };
+        // The criterion is for the line; 18 numbers have none, and the curve of 18 is the nearest to the record.
+        let (line, curve) = (error("line", 2, 1.0, 0.06), error("curve", 5, 1.0, 0.008));
+        let (coarse, fine) = (error("coarse", 4, 1.0, 0.03), error("fine", 18, 0.9, 0.002));
+        let rules = SelectionRules::default();
+        let all = [line.clone(), coarse.clone(), curve, fine.clone()];
+        assert_eq!(ids(&all, &rules)[0].as_deref(), Some("curve"));
+        let because = choose(&all, &RECORD, &rules).recommended.because;
+        assert!(
+            because.contains("within 0.8 %") && because.contains("which line, lower by its criterion, misses by 6.0 %")
+        );
+        assert_eq!(ids(&[line.clone(), fine], &rules)[0].as_deref(), Some("fine"));
+        assert_eq!(ids(&[line.clone(), coarse], &rules)[0].as_deref(), Some("coarse"));
+        let wide = SelectionRules { lower_speed_limit_percent: 10.0, ..rules };
+        assert_eq!(ids(&all, &wide)[0].as_deref(), Some("line"));
+        // A damped model that wins is not asked.
+        let damped = candidate("damped", EnergyClass::Damped, 2, 0.1);
+        assert_eq!(ids(&[line, damped], &rules)[0].as_deref(), Some("damped"));
     }
 
     #[test]

@@ -92,6 +92,8 @@ pub struct ComparedCandidate {
     pub restitution: Option<f64>,
     /// Misfit of the wall's force, percent of its root mean square; `None`: the record has no such force.
     pub force_misfit_percent: Option<f64>,
+    /// Of a plastic model, the largest relative error of the crush at lower speeds that the record itself shows.
+    pub crush_error_at_lower_speeds: Option<f64>,
 }
 
 impl ComparedCandidate {

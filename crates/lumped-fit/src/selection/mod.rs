@@ -4,4 +4,6 @@
 pub mod choice;
 pub mod compared_candidate;
 pub mod evidence;
+pub mod lower_speeds;
 pub mod prior;
+pub mod rating;

@@ -18,6 +18,9 @@ pub struct SelectionRules {
     pub adequate_fit_percent: f64,
     /// Misfit of a measured wall force up to which a model is recommended, percent.
     pub force_limit_percent: f64,
+    /// Error of the crush at lower speeds, beside what the record itself shows, up to which a plastic model is taken
+    /// for its criterion, percent.
+    pub lower_speed_limit_percent: f64,
 }
 
 impl Default for SelectionRules {
@@ -28,6 +31,7 @@ impl Default for SelectionRules {
             restitution_deviation: 0.35,
             adequate_fit_percent: 90.0,
             force_limit_percent: 35.0,
+            lower_speed_limit_percent: 1.0,
         }
     }
 }

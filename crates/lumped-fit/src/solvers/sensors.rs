@@ -8,8 +8,8 @@ use crate::fit::descents::{APART, bounds};
 use crate::fit::options::SingleMassFitOptions;
 use crate::fit::problem::Problem;
 use crate::fit::search::{Search, Searched, search};
-use crate::free::model_coordinates::{ModelCoordinates, Scale};
-use crate::free::parameterisation::Parameterisation;
+use crate::free::coordinates::Coordinates;
+use crate::free::search_coordinates::Scale;
 use crate::solvers::explanations::{Ends, explanations, pairs};
 use crate::solvers::fitting::{FitStart, Fitting};
 use crate::solvers::task::Task;
@@ -53,7 +53,8 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         release: settings.release,
         compartment_alone,
     };
-    let coordinates = ModelCoordinates::new(kind, &masses_kg, settings.mass_fit, &scale);
+    let coordinates = Coordinates::of_search(kind, &masses_kg, settings.mass_fit, &scale);
+    let Some(coordinates) = coordinates else { return Ok(Vec::new()) };
     let how = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
@@ -81,7 +82,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     for (wave, found) in fitting.observed.waves.iter_mut().zip(&searched.observed.waves) {
         wave.weight = found.weight;
     }
-    let names = coordinates.names();
+    let names: Vec<&str> = coordinates.free.iter().map(|number| kind.parameter_names()[number.index]).collect();
     let start = |minimum: &Optimum| {
         let on_bound = names.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
         let start = FitStart {
@@ -107,9 +108,9 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
 }
 
 /// Where a descent from the dual of the best double model ends, if that is none of the minima of the search.
-fn minimum_from_dual(coordinates: &ModelCoordinates, searched: &Searched) -> Option<Optimum> {
+fn minimum_from_dual(coordinates: &Coordinates<Model>, searched: &Searched) -> Option<Optimum> {
     let Model::DoubleSpringMassDamper(best) = coordinates.model(&searched.minima.first()?.theta)? else { return None };
-    let dual = coordinates.theta(&Model::DoubleSpringMassDamper(best.dual()));
+    let dual = coordinates.coordinates_of(&Model::DoubleSpringMassDamper(best.dual()));
     let problem = Problem::new(coordinates, &searched.observed, 0.0);
     let end = descend(&problem, &dual, &bounds(coordinates, 200, 1e-15))?;
     let apart = |m: &Optimum| m.theta.iter().zip(&end.theta).any(|(a, b)| (a - b).abs() > APART);
@@ -160,7 +161,7 @@ fn one_soft_pair(
 /// Starts that other solvers give: closed forms of the events, and the fit of a nonlinear model to the displacement.
 fn given_starts(
     task: &Task<'_>,
-    coordinates: &ModelCoordinates,
+    coordinates: &Coordinates<Model>,
     masses_kg: &[f64],
     to_s: Option<f64>,
 ) -> Vec<Vec<f64>> {
@@ -170,7 +171,7 @@ fn given_starts(
     if let (ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper, Some(crush)) = (task.model, events) {
         let places = 0..masses_kg.len();
         let models = places.filter_map(|soft| one_soft_pair(task.model, masses_kg, soft, v0, crush));
-        return models.map(|model| coordinates.theta(&model)).collect();
+        return models.map(|model| coordinates.coordinates_of(&model)).collect();
     }
     let model = match (task.model, events, e.displacement) {
         (ModelKind::Kelvin, Some((t, c)), _) => kelvin_from_events(m, v0, t, c).ok().map(|s| Model::Kelvin(s.model)),
@@ -197,5 +198,5 @@ fn given_starts(
         }
         _ => None,
     };
-    model.iter().map(|model| coordinates.theta(model)).collect()
+    model.iter().map(|model| coordinates.coordinates_of(model)).collect()
 }

@@ -23,6 +23,8 @@ pub struct SolveSettings {
     pub quantity: FitQuantity,
     /// Whether a fitted elastoplastic model leaves the barrier.
     pub release: bool,
+    /// Rate factor of a force-deflection curve of one mass, s/m: a prior, which no single test tells.
+    pub rate_factor_s_per_m: f64,
     /// Start of the fit window, s after time zero.
     pub fit_from_s: f64,
     /// End of the fit window; `None`: dynamic crush, or the record's end without one.

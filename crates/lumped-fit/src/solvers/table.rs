@@ -104,6 +104,7 @@ impl Default for SolveSettings {
             triple: None,
             mass_fit: MassFit::Known,
             quantity: FitQuantity::Displacement,
+            rate_factor_s_per_m: force_deflection::ONE_MASS_RATE_S_PER_M,
             release: true,
             fit_from_s: 0.0,
             fit_to_s: None,

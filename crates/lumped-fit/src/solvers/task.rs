@@ -4,7 +4,7 @@ use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_signal::Sampled;
 
 use crate::candidate::method::Method;
-use crate::free::model_coordinates::MassFit;
+use crate::free::search_coordinates::MassFit;
 use crate::record::fit_quantity::FitQuantity;
 use crate::record::sensor::Sensor;
 use crate::record::test_data::TestData;

@@ -13,7 +13,8 @@ use nalgebra::DMatrix;
 
 use crate::candidate::minimum::Minimum;
 use crate::fit::as_measured::near;
-use crate::free::free_numbers::FreeNumbers;
+use crate::free::coordinates::Coordinates;
+use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
@@ -89,9 +90,9 @@ pub fn assess(minimum: &Minimum, given: Option<&Model>, options: AssessmentOptio
 
 /// A minimum of anything with free numbers. Misfit and sensitivities by the coordinates are weighted, in the unit of
 /// the first wave: one row for each sample, wave after wave.
-pub(crate) struct AtMinimum<'a, C> {
+pub(crate) struct AtMinimum<'a, M> {
     /// The free numbers.
-    pub coordinates: &'a C,
+    pub coordinates: &'a Coordinates<M>,
     /// What they were fitted to.
     pub observed: &'a Observation,
     /// Coordinates of the minimum.
@@ -104,13 +105,13 @@ pub(crate) struct AtMinimum<'a, C> {
     pub sensitivities: &'a DMatrix<f64>,
 }
 
-impl<C: FreeNumbers> AtMinimum<'_, C> {
+impl<M: Parametric> AtMinimum<'_, M> {
     /// See [`assess`]; `given`: values of the free numbers, in their order.
     pub fn assess(&self, given: Option<&[f64]>, options: AssessmentOptions) -> Option<Assessment> {
-        let (free, theta, names) = (self.coordinates, self.theta, self.coordinates.names());
+        let (free, theta, names) = (&self.coordinates.free, self.theta, self.coordinates.names());
         // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
         // Neither is what moves nothing in the window: it stays open on both sides.
-        let on_zero = |i: usize| free.value(i, theta[i]) == 0.0;
+        let on_zero = |i: usize| free[i].value(theta[i]) == 0.0;
         let assessed = |i: &usize| (!self.on_bound[*i] || on_zero(*i)) && self.sensitivities.column(*i).norm() > 0.0;
         let kept: Vec<usize> = (0..theta.len()).filter(assessed).collect();
         let columns = self.sensitivities.select_columns(&kept);
@@ -118,29 +119,29 @@ impl<C: FreeNumbers> AtMinimum<'_, C> {
         let mut standard_deviation = BTreeMap::new();
         let mut interval: Intervals = names.iter().map(|name| (name.clone(), (None, None))).collect();
         for (k, &i) in kept.iter().enumerate() {
-            let value = given.map_or_else(|| free.value(i, theta[i]), |values| values[i]);
-            let coordinate = free.coordinate(i, value);
+            let value = given.map_or_else(|| free[i].value(theta[i]), |values| values[i]);
+            let coordinate = free[i].coordinate(value);
             let away = Some(coordinate - theta[i]).filter(|away| given.is_some() && away.is_finite()).unwrap_or(0.0);
             let deviation = (covariance.matrix[(k, k)].max(0.0) + away * away).sqrt();
             let half = (covariance.half_width[k].powi(2) + (1.96 * away).powi(2)).sqrt();
-            let slope = free.slope(i, coordinate);
+            let slope = free[i].slope(coordinate);
             if half.is_finite() {
                 standard_deviation.insert(names[i].clone(), deviation * slope.abs());
             }
-            interval.insert(names[i].clone(), around(value, half, free.is_logarithmic(i), slope));
+            interval.insert(names[i].clone(), around(value, half, free[i].is_logarithmic(), slope));
         }
         // A mass that a bound holds leaves the rest of the total open too.
-        let is_mass = |i: &usize| free.kind(*i) == ParameterKind::Mass;
+        let is_mass = |i: &usize| free[*i].kind == ParameterKind::Mass;
         let masses: Vec<usize> = (0..theta.len()).filter(is_mass).collect();
-        let rest = free.rest(theta);
+        let rest = self.coordinates.free_rest(theta);
         let with_rest = rest.is_some() && masses.iter().all(|i| kept.contains(i));
         if let Some((name, value)) = &rest {
             let places: Vec<usize> = masses.iter().filter_map(|i| kept.iter().position(|k| k == i)).collect();
-            let slopes: Vec<f64> = masses.iter().map(|&i| free.slope(i, theta[i])).collect();
+            let slopes: Vec<f64> = masses.iter().map(|&i| free[i].slope(theta[i])).collect();
             let mut ends = (None, None);
             if with_rest {
                 let first = interval.get(&names[masses[0]]).copied().unwrap_or_default();
-                let total = value + free.value(masses[0], theta[masses[0]]);
+                let total = value + free[masses[0]].value(theta[masses[0]]);
                 let (deviation, found) = of_the_rest(*value, (&places, &slopes), &covariance, (total, first));
                 standard_deviation.insert(name.clone(), deviation);
                 ends = found;
@@ -167,9 +168,9 @@ impl<C: FreeNumbers> AtMinimum<'_, C> {
     }
 
     fn named(&self, i: usize, names: &[String]) -> NamedCoordinate {
-        let (free, name) = (self.coordinates, names[i].clone());
-        let (kind, logarithmic) = (free.kind(i), free.is_logarithmic(i));
-        NamedCoordinate { name, kind, logarithmic, slope: free.slope(i, self.theta[i]) }
+        let (number, name) = (&self.coordinates.free[i], names[i].clone());
+        let logarithmic = number.is_logarithmic();
+        NamedCoordinate { name, kind: number.kind, logarithmic, slope: number.slope(self.theta[i]) }
     }
 
     /// The profile of every free number, and of the rest of the total.
@@ -180,17 +181,17 @@ impl<C: FreeNumbers> AtMinimum<'_, C> {
         covariance: &Covariance,
         rest: &Option<String>,
     ) -> Vec<Profile> {
-        let (free, theta) = (self.coordinates, self.theta);
-        let problem = near(free, self.observed);
-        let bounds: Vec<(f64, f64)> = free.axes().iter().map(|axis| (axis.lower, axis.upper)).collect();
+        let (free, theta) = (&self.coordinates.free, self.theta);
+        let problem = near(self.coordinates, self.observed);
+        let bounds: Vec<(f64, f64)> = free.iter().map(|number| (number.axis.lower, number.axis.upper)).collect();
         let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
         let expected: Vec<Option<f64>> = (0..theta.len()).map(half_width).collect();
         let mut profiles = Profiled {
             names,
             at: theta,
             bounds: &bounds,
-            value: &|i, coordinate| free.value(i, coordinate),
-            ends_at_zero: &|i| !free.is_logarithmic(i),
+            value: &|i, coordinate| free[i].value(coordinate),
+            ends_at_zero: &|i| !free[i].is_logarithmic(),
             refit: &|fixed, coordinate, others| problem.follow_others(fixed, coordinate, others),
             misfit: self.misfit,
             observed: self.observed,
@@ -205,11 +206,11 @@ impl<C: FreeNumbers> AtMinimum<'_, C> {
     /// The profile of the rest of the total: that of the one free mass mirrored, `m_rest = m - m_free`. `None` with
     /// several free masses.
     fn profile_of_the_rest(&self, rest: &str, profiles: &[Profile]) -> Option<Profile> {
-        let free = self.coordinates;
-        let mut masses = (0..self.theta.len()).filter(|&i| free.kind(i) == ParameterKind::Mass);
+        let free = &self.coordinates.free;
+        let mut masses = (0..self.theta.len()).filter(|&i| free[i].kind == ParameterKind::Mass);
         let (mass, None) = (masses.next()?, masses.next()) else { return None };
         let mirrored = profiles.get(mass)?;
-        let total = free.rest(self.theta)?.1 + free.value(mass, self.theta[mass]);
+        let total = self.coordinates.free_rest(self.theta)?.1 + free[mass].value(self.theta[mass]);
         Some(Profile {
             parameter: rest.to_owned(),
             low: mirrored.high.map(|kg| total - kg),
@@ -219,13 +220,13 @@ impl<C: FreeNumbers> AtMinimum<'_, C> {
     }
 
     fn bootstrap(&self, replicates: usize, mut names: Vec<String>, rest: Option<String>) -> Option<BlockBootstrap> {
-        let free = self.coordinates;
+        let coordinates = self.coordinates;
         let with_rest = rest.is_some();
         names.extend(rest);
         replicate(self.observed, self.misfit, replicates, names, |resampled| {
-            let theta = near(free, resampled).follow(self.theta)?.theta;
-            let values = theta.iter().enumerate().map(|(i, x)| free.value(i, *x));
-            Some(values.chain(free.rest(&theta).filter(|_| with_rest).map(|(_, kg)| kg)).collect())
+            let theta = near(coordinates, resampled).follow(self.theta)?.theta;
+            let values = coordinates.free.iter().zip(&theta).map(|(number, x)| number.value(*x));
+            Some(values.chain(coordinates.free_rest(&theta).filter(|_| with_rest).map(|(_, kg)| kg)).collect())
         })
     }
 }

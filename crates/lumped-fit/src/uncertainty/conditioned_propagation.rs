@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, Nonlinear1, Parameter, ParameterKind};
 
-use crate::fit::nonlinear::nonlinear1::{descend_to_conditions, model_of_parts, parts_of_model};
+use crate::fit::nonlinear::nonlinear1::{descend_to_conditions, parts};
+use crate::fit::problem::Problem;
 use crate::uncertainty::closed_form_propagation::FollowedEvents;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
 use crate::{Observation, SingleMassFitOptions};
@@ -58,9 +59,11 @@ fn repeat_conditioned(
         to_s: None,
         samples: record.samples.len(),
     };
-    let start = parts_of_model(model, &options);
-    let (end, _, met) = descend_to_conditions(&record.window(), &options, &start, (COST_TOLERANCE, MET))?;
-    let fitted = Model::Nonlinear1(model_of_parts(&end.theta, &options).filter(|_| met)?);
+    let (coordinates, observed) = (parts(&options), repetition.observed.clone().exact());
+    let start = coordinates.coordinates_of(&Model::Nonlinear1(*model));
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+    let (end, _, met) = descend_to_conditions(&problem, &options, &start, (COST_TOLERANCE, MET))?;
+    let fitted = coordinates.model(&end.theta).filter(|_| met)?;
     let values = fitted.parameters();
     let free = fitted.kind().parameters().iter().filter(|p| !(p.of_the_test || p.kind == ParameterKind::Mass));
     let scaled = |p: &Parameter| {

@@ -12,11 +12,8 @@ use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_signal::Distribution;
 
 use crate::fit::as_measured::near;
-use crate::free::free_model::{FreeModel, with_parameters};
-use crate::free::free_parameter::rest_mass;
-use crate::free::parameterisation::Parameterisation;
-use crate::record::observation::{Observation, ObservedWave};
-use crate::record::window::FEWEST;
+use crate::free::coordinates::Coordinates;
+use crate::record::observation::{FEWEST, Observation, ObservedWave};
 use crate::uncertainty::block_bootstrap::percentile;
 use crate::{FitQuantity, FreeParameter, Measurement};
 
@@ -237,26 +234,21 @@ pub(crate) fn over_repetitions(
 pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) -> Option<BTreeMap<String, f64>> {
     let v0 = repetition.observed.impact_speed_m_per_s;
     // The last knot of a nonlinear damper is the impact speed.
-    let mut values = model.parameters();
-    let is_last_knot = |p: &&Parameter| p.of_the_test && p.kind == ParameterKind::Rate;
-    if let Some(knot) = model.kind().parameters().iter().find(is_last_knot) {
-        values.insert(knot.name.to_owned(), v0);
+    let mut values = model.values();
+    let is_last_knot = |p: &Parameter| p.of_the_test && p.kind == ParameterKind::Rate;
+    if let Some(knot) = model.kind().parameters().iter().position(is_last_knot) {
+        values[knot] = v0;
     }
-    let template = with_parameters(model, &values)?;
-    let coordinates = FreeModel { template, free: free.to_vec() };
+    let coordinates = Coordinates::near(model.with_values(&values).ok()?, free);
     let optimum = near(&coordinates, &repetition.observed).follow(&coordinates.start())?;
     let fitted = coordinates.model(&optimum.theta)?;
     let mut result: BTreeMap<String, f64> = BTreeMap::new();
-    for (parameter, theta) in free.iter().zip(&optimum.theta) {
-        let by_mass = matches!(parameter.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
-        result.insert(
-            parameter.name.to_owned(),
-            parameter.at(*theta) * if by_mass { repetition.mass_ratio } else { 1.0 },
-        );
+    for (number, x) in coordinates.free.iter().zip(&optimum.theta) {
+        let by_mass = matches!(number.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
+        let ratio = if by_mass { repetition.mass_ratio } else { 1.0 };
+        result.insert(number.name.to_string(), number.value(*x) * ratio);
     }
-    if let Some((rest, kg)) = rest_mass(&fitted, free) {
-        result.insert(rest.to_owned(), kg * repetition.mass_ratio);
-    }
+    result.extend(coordinates.free_rest(&optimum.theta).map(|(rest, kg)| (rest, kg * repetition.mass_ratio)));
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
         result.insert("dynamic_crush_m".to_owned(), crush);
     }

@@ -13,6 +13,7 @@ use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 
 use crate::exact::linear_system::LinearSystem;
+use crate::motion::mass_motion::Waves;
 use crate::structure::connected_masses::Place;
 use crate::{Instants, Motion, Sensitivity, Start};
 
@@ -140,7 +141,7 @@ where
             z = phi * z;
         }
         let (phi, derivatives) = self.exponential(at.dt_s);
-        let empty = || vec![Motion::zeros(at.samples); self.masses];
+        let empty = || vec![Motion::zeros(at.samples, Waves::All); self.masses];
         let mut sensitivity = Sensitivity { motions: empty(), derivatives: (0..parameters).map(|_| empty()).collect() };
         let (n, per_tau) = (self.masses, self.tau_s.recip());
         let fill = |motions: &mut [Motion], k: usize, z: &OVector<f64, D>, rate: &OVector<f64, D>| {
@@ -171,7 +172,7 @@ where
     /// The motion alone. Even and odd instants by steps of twice the interval, side by side: one row of products that
     /// each wait for the one before leaves the processor idle.
     fn march(&self, at: &Instants) -> Vec<Motion> {
-        let mut motions = vec![Motion::zeros(at.samples); self.masses];
+        let mut motions = vec![Motion::zeros(at.samples, Waves::All); self.masses];
         let (n, per_tau) = (self.masses, self.tau_s.recip());
         let start = if at.first_s > 0.0 { self.exponential(at.first_s).0 * &self.start } else { self.start.clone() };
         let (phi, _) = self.exponential(at.dt_s);

@@ -5,9 +5,8 @@ use crumple_lti::{Complex, polynomial_roots};
 use crate::error::{finite, row_of_masses};
 use crate::families::values::check_values;
 use crate::structure::connected_masses::{Place, Structure};
-use crate::structure::elements::damper::Damper;
 use crate::structure::elements::piecewise_linear::PiecewiseLinear;
-use crate::structure::elements::spring::Spring;
+use crate::structure::elements::secant::{Damper, Spring};
 use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, ModelKind, Motion, Response, Sensitivity};
 
 /// Any number of masses in a row: barrier - (k1, c1) - m1 - (k2, c2) - m2 - ... - mN, the compartment last.
@@ -93,6 +92,27 @@ impl Chain {
         let lists = [(0, 0), (1, 0), (0, 1), (1, 1)];
         let of_laws = lists.map(|(side, which)| knots([&self.springs, &self.dampers][side], side, which));
         (0..self.masses_kg.len()).map(Place::Mass).chain(of_laws.into_iter().flatten()).collect()
+    }
+
+    /// Masses, kg, then the values of the springs at their knots, N/m, and of the dampers, N·s/m: the first of
+    /// [`places`](Self::places).
+    pub fn values(&self) -> Vec<f64> {
+        let laws = self.springs.iter().chain(&self.dampers);
+        self.masses_kg.iter().copied().chain(laws.flat_map(PiecewiseLinear::points).map(|(_, value)| value)).collect()
+    }
+
+    /// The same chain with other [`values`](Self::values); knots stay where they are. Errors: masses that are not
+    /// positive, values that are not finite or too few.
+    pub fn with_values(&self, values: &[f64]) -> Result<Self, LumpedError> {
+        let mut values = values.iter().copied();
+        let mut next = || values.next().unwrap_or(f64::NAN);
+        let masses: Vec<f64> = self.masses_kg.iter().map(|_| next()).collect();
+        let mut law = |law: &PiecewiseLinear| {
+            PiecewiseLinear::new(&law.points().map(|(knot, _)| (knot, next())).collect::<Vec<_>>())
+        };
+        let springs = self.springs.iter().map(&mut law).collect::<Result<Vec<_>, _>>()?;
+        let dampers = self.dampers.iter().map(&mut law).collect::<Result<Vec<_>, _>>()?;
+        Self::new(&masses, &springs, &dampers)
     }
 
     /// Motions, forces and energies at `k dt`, k = 0 .. `samples`. Errors: as [`Structure::dynamics`].

@@ -2,9 +2,8 @@
 
 use crate::families::values::{check_values, values};
 use crate::structure::connected_masses::Structure;
-use crate::structure::elements::damper::Damper;
 use crate::structure::elements::piecewise_linear::PiecewiseLinear;
-use crate::structure::elements::spring::Spring;
+use crate::structure::elements::secant::{Damper, Spring};
 use crate::{CrushEvents, LumpedError, ModelKind};
 
 /// One mass on a stiffening spring and a damper that weakens with speed: the first nonlinear model of the single-mass
@@ -105,18 +104,6 @@ fn one_mass(mass_kg: f64, spring: &[(f64, f64)], damper: &[(f64, f64)]) -> Resul
 macro_rules! responses {
     ($model:ty) => {
         impl $model {
-            /// The displacement at `first_s + k dt_s` into `out`. Errors: a motion that leaves the range of numbers or
-            /// needs more than 200,000 steps.
-            pub fn displacement(
-                &self,
-                impact_speed_m_per_s: f64,
-                first_s: f64,
-                dt_s: f64,
-                out: &mut [f64],
-            ) -> Result<(), LumpedError> {
-                self.structure()?.displacement(impact_speed_m_per_s, first_s, dt_s, out)
-            }
-
             /// Dynamic crush and rebound within two seconds, on the series themselves.
             pub fn events(&self, impact_speed_m_per_s: f64) -> Result<CrushEvents, LumpedError> {
                 Ok(self.structure()?.events(impact_speed_m_per_s, 2.0)?[0])

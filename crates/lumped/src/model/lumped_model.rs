@@ -75,7 +75,7 @@ impl Model {
     /// have.
     ///
     /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
-    pub(crate) fn values(&self) -> Vec<f64> {
+    pub fn values(&self) -> Vec<f64> {
         of_family!(self, model => model.values())
     }
 

@@ -58,21 +58,38 @@ impl Model {
             parameters.get(*name).copied().or(optional).ok_or(LumpedError::MissingParameter { model: kind, name })
         };
         let values: Vec<f64> = names.iter().map(value).collect::<Result<_, _>>()?;
-        let model = match kind {
-            ModelKind::Kelvin => Self::Kelvin(Kelvin::from_values(&values)),
-            ModelKind::Elastoplastic => Self::Elastoplastic(Elastoplastic::from_values(&values)),
-            ModelKind::Maxwell => Self::Maxwell(Maxwell::from_values(&values)),
-            ModelKind::Nonlinear1 => Self::Nonlinear1(Nonlinear1::from_values(&values)),
-            ModelKind::Nonlinear2 => Self::Nonlinear2(Nonlinear2::from_values(&values)),
+        let model = Self::of_values(kind, &values)?;
+        model.check()?;
+        Ok(model)
+    }
+
+    /// The model of a family with these values, in the order of [`ModelKind::parameters`]; whether they have a meaning
+    /// is not checked. Errors: a curve with knots that do not rise.
+    pub fn of_values(kind: ModelKind, values: &[f64]) -> Result<Self, LumpedError> {
+        Ok(match kind {
+            ModelKind::Kelvin => Self::Kelvin(Kelvin::from_values(values)),
+            ModelKind::Elastoplastic => Self::Elastoplastic(Elastoplastic::from_values(values)),
+            ModelKind::Maxwell => Self::Maxwell(Maxwell::from_values(values)),
+            ModelKind::Nonlinear1 => Self::Nonlinear1(Nonlinear1::from_values(values)),
+            ModelKind::Nonlinear2 => Self::Nonlinear2(Nonlinear2::from_values(values)),
             ModelKind::DoubleSpringMassDamper => {
-                Self::DoubleSpringMassDamper(DoubleSpringMassDamper::from_values(&values))
+                Self::DoubleSpringMassDamper(DoubleSpringMassDamper::from_values(values))
             }
             ModelKind::TripleSpringMassDamper => {
-                Self::TripleSpringMassDamper(TripleSpringMassDamper::from_values(&values))
+                Self::TripleSpringMassDamper(TripleSpringMassDamper::from_values(values))
             }
-            ModelKind::ForceDeflection => Self::ForceDeflection(CrushedStructure::from_values(&values)?),
-        };
-        model.check()?;
+            ModelKind::ForceDeflection => Self::ForceDeflection(CrushedStructure::from_values(values)?),
+        })
+    }
+
+    /// The same model with other values, in the order of [`values`](Self::values). Whether an elastoplastic model
+    /// leaves the barrier is no parameter, and kept. Whether the values have a meaning is not checked: its
+    /// [`structure`](Self::structure) does. Errors: a curve with knots that do not rise.
+    pub fn with_values(&self, values: &[f64]) -> Result<Self, LumpedError> {
+        let mut model = Self::of_values(self.kind(), values)?;
+        if let (Self::Elastoplastic(new), Self::Elastoplastic(old)) = (&mut model, self) {
+            new.release = old.release;
+        }
         Ok(model)
     }
 

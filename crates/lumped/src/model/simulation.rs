@@ -8,36 +8,36 @@ use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, ModelKin
 /// A crash is over in two seconds or never; linear models are searched until nothing of their motion is left.
 const HORIZON_S: f64 = 2.0;
 
-/// Where the parameters of a model stand in its structure, in the order of [`ModelKind::parameters`].
-fn places(model: &Model) -> Vec<Place> {
-    let knots = |places: &[(usize, usize)]| -> Vec<Place> {
-        let element = |(connection, parameter): &(usize, usize)| Place::Element {
-            connection: *connection,
-            parameter: *parameter,
+impl Model {
+    /// Where its parameters stand in its [`structure`](Self::structure), in the order of [`ModelKind::parameters`].
+    pub fn places(&self) -> Vec<Place> {
+        let knots = |places: &[(usize, usize)]| -> Vec<Place> {
+            let element = |(connection, parameter): &(usize, usize)| Place::Element {
+                connection: *connection,
+                parameter: *parameter,
+            };
+            std::iter::once(Place::Mass(0)).chain(places.iter().map(element)).collect()
         };
-        std::iter::once(Place::Mass(0)).chain(places.iter().map(element)).collect()
-    };
-    match model.kind() {
-        ModelKind::Kelvin => places_of_constants(1),
-        ModelKind::DoubleSpringMassDamper => places_of_constants(2),
-        ModelKind::TripleSpringMassDamper => places_of_constants(3),
-        ModelKind::Maxwell | ModelKind::Elastoplastic => knots(&[(0, 0), (0, 1)]),
-        // Spring 0 and damper 1: value of knot j at 2 j, its place at 2 j + 1.
-        ModelKind::Nonlinear1 => knots(&[(0, 0), (0, 2), (1, 0), (1, 2), (1, 4), (1, 3), (0, 3), (1, 5)]),
-        ModelKind::Nonlinear2 => {
-            knots(&[(0, 0), (0, 2), (0, 4), (0, 3), (1, 0), (1, 2), (1, 4), (1, 6), (1, 3), (1, 5), (0, 5), (1, 7)])
-        }
-        ModelKind::ForceDeflection => {
-            let given = model.values().iter().filter(|value| !value.is_nan()).count();
-            // Force of knot j at 2 (j - 1), its place one further; unloading and rate factor after all of them.
-            let after = given - 3;
-            let (forces, deflections) = ((0..MOST_KNOTS).map(|j| (0, 2 * j)), (0..MOST_KNOTS).map(|j| (0, 2 * j + 1)));
-            knots(&forces.chain([(0, after), (0, after + 1)]).chain(deflections).collect::<Vec<_>>())
+        match self.kind() {
+            ModelKind::Kelvin => places_of_constants(1),
+            ModelKind::DoubleSpringMassDamper => places_of_constants(2),
+            ModelKind::TripleSpringMassDamper => places_of_constants(3),
+            ModelKind::Maxwell | ModelKind::Elastoplastic => knots(&[(0, 0), (0, 1)]),
+            // Spring 0 and damper 1: value of knot j at 2 j, its place at 2 j + 1.
+            ModelKind::Nonlinear1 => knots(&[(0, 0), (0, 2), (1, 0), (1, 2), (1, 4), (1, 3), (0, 3), (1, 5)]),
+            ModelKind::Nonlinear2 => {
+                knots(&[(0, 0), (0, 2), (0, 4), (0, 3), (1, 0), (1, 2), (1, 4), (1, 6), (1, 3), (1, 5), (0, 5), (1, 7)])
+            }
+            ModelKind::ForceDeflection => {
+                let given = self.values().iter().filter(|value| !value.is_nan()).count();
+                // Force of knot j at 2 (j - 1), its place one further; unloading and rate factor after all of them.
+                let after = given - 3;
+                let knot = |which: usize| (0..MOST_KNOTS).map(move |j| (0, 2 * j + which));
+                knots(&knot(0).chain([(0, after), (0, after + 1)]).chain(knot(1)).collect::<Vec<_>>())
+            }
         }
     }
-}
 
-impl Model {
     /// The model's name in an error of its structure.
     fn named(&self) -> impl Fn(LumpedError) -> LumpedError {
         let model = self.kind();
@@ -85,7 +85,7 @@ impl Model {
         at: &Instants,
         parameters: &[usize],
     ) -> Result<Sensitivity, LumpedError> {
-        let places = places(self);
+        let places = self.places();
         if let Some(place) = parameters.iter().find(|p| **p >= places.len()) {
             let expected = "the place of a parameter of the model";
             return Err(LumpedError::Value { name: "parameter", value: *place as f64, expected });

@@ -155,3 +155,23 @@ impl Collision {
         (self.separation_s.is_some() && before != 0.0).then_some(-after / before)
     }
 }
+
+/// An instant of a collision.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeetingState {
+    /// When, s after contact.
+    pub time_s: f64,
+    /// All masses then, in the order of the structure.
+    pub masses: Vec<State>,
+    /// Largest deflection of each element until then, m.
+    pub largest_m: Vec<f64>,
+}
+
+/// When two compartments have the same velocity, and when they part.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Meeting {
+    /// The first zero of their relative velocity; `None`: they do not stop each other.
+    pub common: Option<MeetingState>,
+    /// The first zero of their relative acceleration after it, where a real contact opens.
+    pub parting: Option<MeetingState>,
+}

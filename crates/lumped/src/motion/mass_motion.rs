@@ -22,14 +22,37 @@ pub struct Motion {
     pub acceleration_m_per_s2: Vec<f64>,
 }
 
+/// Waves of a motion that are asked for. What is not asked for may stay empty, and then costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Waves {
+    /// All three.
+    All,
+    /// The displacement.
+    Displacement,
+    /// The velocity.
+    Velocity,
+    /// The acceleration.
+    Acceleration,
+}
+
+impl Waves {
+    /// Which of displacement, velocity and acceleration are asked for.
+    pub(crate) fn asked(self) -> [bool; 3] {
+        [Self::Displacement, Self::Velocity, Self::Acceleration].map(|wave| self == Self::All || self == wave)
+    }
+}
+
 impl Motion {
-    /// This many samples, all zero: to be filled in any order.
-    pub(crate) fn zeros(samples: usize) -> Self {
-        Self {
-            displacement_m: vec![0.0; samples],
-            velocity_m_per_s: vec![0.0; samples],
-            acceleration_m_per_s2: vec![0.0; samples],
-        }
+    /// This many samples of what is asked for, all zero: to be filled in any order.
+    pub(crate) fn zeros(samples: usize, waves: Waves) -> Self {
+        let [displacement_m, velocity_m_per_s, acceleration_m_per_s2] =
+            waves.asked().map(|asked| vec![0.0; if asked { samples } else { 0 }]);
+        Self { displacement_m, velocity_m_per_s, acceleration_m_per_s2 }
+    }
+
+    /// Displacement, velocity and acceleration.
+    pub(crate) fn waves_mut(&mut self) -> [&mut Vec<f64>; 3] {
+        [&mut self.displacement_m, &mut self.velocity_m_per_s, &mut self.acceleration_m_per_s2]
     }
 
     /// Index of the first sample that is not finite.

@@ -177,7 +177,7 @@ impl<'a> Watch<'a> {
         let masses = self.structure.masses_kg().len();
         let change = |p: usize, mass: usize| {
             let [displacement_m, velocity_m_per_s, acceleration_m_per_s2] =
-                changes.series(mass, p).map(|series| value(&series, tau));
+                [0, 1, 2].map(|wave| value(&changes.series(mass, p, wave), tau));
             State { displacement_m, velocity_m_per_s, acceleration_m_per_s2 }
         };
         Moment {

@@ -7,6 +7,7 @@
 use crate::error::positive;
 use crate::exact::driven::{Driven, Instant};
 use crate::exact::linear_system::LinearSystem;
+use crate::motion::mass_motion::Waves;
 use crate::series::instants::Reader;
 use crate::series::step::{LinkSeries, ORDER, Series, Step, integral, product};
 use crate::series::walk::walk;
@@ -98,7 +99,7 @@ impl<'a> Record<'a> {
             .flat_map(|connection| structure.force_names(connection))
             .map(|name| ElementForce { name, force_n: room(), deflection_m: room() })
             .collect();
-        let motions = vec![Motion::zeros(at.samples); masses_kg.len()];
+        let motions = vec![Motion::zeros(at.samples, Waves::All); masses_kg.len()];
         let response = Response { dt_s: at.dt_s, masses_kg, motions };
         let dynamics = Dynamics { response, forces, energy: Vec::with_capacity(at.samples) };
         Self { structure, dynamics, parts, brought_in_j }

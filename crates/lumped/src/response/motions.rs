@@ -6,6 +6,7 @@
 use crate::error::positive;
 use crate::exact::linear_motion;
 use crate::exact::linear_system::LinearSystem;
+use crate::motion::mass_motion::Waves;
 use crate::series::instants::Reader;
 use crate::series::walk::walk;
 use crate::structure::connected_masses::{Place, Structure};
@@ -26,13 +27,24 @@ impl Structure {
         at: &Instants,
         places: &[Place],
     ) -> Result<Sensitivity, LumpedError> {
+        self.sensitivity_of(Waves::All, start, at, places)
+    }
+
+    /// The same of some waves: others may stay empty.
+    pub fn sensitivity_of(
+        &self,
+        waves: Waves,
+        start: impl Into<Start>,
+        at: &Instants,
+        places: &[Place],
+    ) -> Result<Sensitivity, LumpedError> {
         let start = start.into();
         start.check(self.masses_kg().len())?;
         positive("dt_s", at.dt_s)?;
         self.check_places(places)?;
         let sensitivity = match LinearSystem::new(self).filter(|_| self.is_smooth_in(places)) {
             Some(system) => linear_motion::sensitivity(&system, &start, at, places),
-            None => self.by_series(start, at, places)?,
+            None => self.by_series(waves, start, at, places)?,
         };
         let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());
         match motions().filter_map(Motion::first_not_finite).min() {
@@ -46,29 +58,6 @@ impl Structure {
         Ok(self.sensitivity(start, at, &[])?.motions)
     }
 
-    /// The displacement of the last mass at `first_s + k dt_s` into `out`, without its other waves. Errors: as
-    /// [`sensitivity`](Self::sensitivity).
-    pub fn displacement(
-        &self,
-        impact_speed_m_per_s: f64,
-        first_s: f64,
-        dt_s: f64,
-        out: &mut [f64],
-    ) -> Result<(), LumpedError> {
-        let at = Instants { first_s, dt_s, samples: out.len() };
-        let last = self.masses_kg().len() - 1;
-        if self.is_linear() {
-            out.copy_from_slice(&self.motions_at(impact_speed_m_per_s, &at)?[last].displacement_m);
-            return Ok(());
-        }
-        let mut reader = Reader::new(&at);
-        walk(self, &Drive::Impact(impact_speed_m_per_s), dt_s, reader.end_s(), &[], |step, _| {
-            let instants = reader.pass(step);
-            reader.fill_displacement(step, &instants, last, out);
-            reader.goes_on()
-        })
-    }
-
     /// Whether a change of these parameters leaves a linear structure linear: it does not where an element has knots
     /// whose values only happen to be equal.
     fn is_smooth_in(&self, places: &[Place]) -> bool {
@@ -78,21 +67,31 @@ impl Structure {
         })
     }
 
-    fn by_series(&self, start: Start, at: &Instants, places: &[Place]) -> Result<Sensitivity, LumpedError> {
-        let waves = || vec![Motion::zeros(at.samples); self.masses_kg().len()];
-        let mut motions = waves();
-        let mut derivatives: Vec<Vec<Motion>> = places.iter().map(|_| waves()).collect();
+    fn by_series(
+        &self,
+        waves: Waves,
+        start: Start,
+        at: &Instants,
+        places: &[Place],
+    ) -> Result<Sensitivity, LumpedError> {
+        let zeros = || vec![Motion::zeros(at.samples, waves); self.masses_kg().len()];
+        let mut motions = zeros();
+        let mut derivatives: Vec<Vec<Motion>> = places.iter().map(|_| zeros()).collect();
         let mut reader = Reader::new(at);
         walk(self, &Drive::Start(start), at.dt_s, reader.end_s(), places, |step, changes| {
             let instants = reader.pass(step);
             if !instants.is_empty() {
                 reader.fill_motions(step, &instants, &mut motions);
+                let mut changed = Vec::with_capacity(3 * places.len());
                 for (p, derivative) in derivatives.iter_mut().enumerate() {
                     for (mass, motion) in derivative.iter_mut().enumerate() {
-                        let [x, v, a] = &changes.series(mass, p);
-                        reader.fill(step, &instants, [x, v, a], None, motion);
+                        let asked = motion.waves_mut().into_iter().enumerate().filter(|(_, wave)| !wave.is_empty());
+                        let part =
+                            |(k, wave)| (changes.series(mass, p, k), &mut Vec::as_mut_slice(wave)[instants.clone()]);
+                        changed.extend(asked.map(part));
                     }
                 }
+                reader.fill_waves(step, &instants, changed);
             }
             reader.goes_on()
         })?;

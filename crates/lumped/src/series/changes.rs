@@ -202,10 +202,11 @@ impl Changes {
         }
     }
 
-    /// Series of displacement, velocity and acceleration of the change of a mass by a parameter.
-    pub fn series(&self, mass: usize, parameter: usize) -> [Series; 3] {
+    /// Series of the change of a mass by a parameter: of its displacement (`wave` 0), velocity (1) or acceleration (2).
+    pub fn series(&self, mass: usize, parameter: usize, wave: usize) -> Series {
         let node = &self.blocks[parameter / ABREAST].nodes[mass];
-        [&node.x, &node.v, &node.a].map(|series| std::array::from_fn(|k| series[k][parameter % ABREAST]))
+        let series = [&node.x, &node.v, &node.a][wave];
+        std::array::from_fn(|k| series[k][parameter % ABREAST])
     }
 }
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::series::step::{Series, Step, values};
+use crate::series::step::{ORDER, Series, Step, values};
 use crate::structure::form::{Form, Strain};
 use crate::{Instants, Motion};
 
@@ -56,28 +56,38 @@ impl Reader {
         self.next < self.at.samples
     }
 
-    /// Displacement of a mass in `step` at the instants `at`, each at its place in the wave.
-    pub fn fill_displacement(&self, step: &Step, at: &Range<usize>, mass: usize, wave: &mut [f64]) {
-        for from in at.clone().step_by(LANES) {
-            let tau = self.since_start(step, from);
-            put(&mut wave[from..at.end], &values::<LANES>(&step.nodes[mass].x, &tau));
-        }
-    }
-
     /// The motion of every mass in `step` at the instants `at`.
     pub fn fill_motions(&self, step: &Step, at: &Range<usize>, motions: &mut [Motion]) {
         let law = step.law_of_one_mass();
         for (node, motion) in step.nodes.iter().zip(motions) {
-            self.fill(step, at, [&node.x, &node.v, &node.a], law, motion);
+            let out = motion.waves_mut().map(|wave| wave.get_mut(at.clone()).unwrap_or_default());
+            match out {
+                // One wave and few instants: nothing is dispatched for them.
+                [x, [], []] => {
+                    for from in (0..x.len()).step_by(LANES) {
+                        put(&mut x[from..], &values::<LANES>(&node.x, &self.since_start(step, at.start + from)));
+                    }
+                }
+                out => self.fill(step, at, [&node.x, &node.v, &node.a], law, out),
+            }
         }
     }
 
-    /// A motion whose waves have these series; its acceleration by a form of displacement and velocity, if there is
-    /// one.
-    pub fn fill(&self, step: &Step, at: &Range<usize>, series: [&Series; 3], law: Option<Form>, motion: &mut Motion) {
-        let Motion { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: a } = motion;
-        let out = [x, v, a].map(|wave| &mut wave[at.clone()]);
-        self.arch.dispatch(Fill { reader: self, step, first: at.start, series, law, out });
+    /// Waves of which each has its series, three side by side.
+    pub fn fill_waves(&self, step: &Step, at: &Range<usize>, mut waves: Vec<(Series, &mut [f64])>) {
+        for three in waves.chunks_mut(3) {
+            let mut three = three.iter_mut();
+            let mut next =
+                || three.next().map_or((&[0.0; ORDER + 1], &mut [][..]), |(series, out)| (&*series, &mut **out));
+            let [(x, of_x), (v, of_v), (a, of_a)] = [next(), next(), next()];
+            self.fill(step, at, [x, v, a], None, [of_x, of_v, of_a]);
+        }
+    }
+
+    /// Waves of these series; the last by a form of the others, if there is one. What is empty stays so.
+    fn fill(&self, step: &Step, at: &Range<usize>, series: [&Series; 3], law: Option<Form>, out: [&mut [f64]; 3]) {
+        let length = at.len();
+        self.arch.dispatch(Fill { reader: self, step, first: at.start, length, series, law, out });
     }
 
     /// Times after the start of a step of the instants from number `first` on.
@@ -100,6 +110,7 @@ struct Fill<'a> {
     reader: &'a Reader,
     step: &'a Step,
     first: usize,
+    length: usize,
     series: [&'a Series; 3],
     law: Option<Form>,
     out: [&'a mut [f64]; 3],
@@ -122,7 +133,7 @@ impl Fill<'_> {
     /// All instants, the last few by themselves.
     #[inline(always)]
     fn in_blocks_of<const L: usize>(&mut self) {
-        let (mut from, end) = (0, self.out[0].len());
+        let (mut from, end) = (0, self.length);
         while end - from > 2 * LANES {
             self.block::<L>(from);
             from = (from + L).min(end);
@@ -163,7 +174,7 @@ impl Fill<'_> {
             }
         }
         for (out, values) in self.out.iter_mut().zip([&u, &w, &acceleration]) {
-            put(&mut out[from..], values);
+            put(out.get_mut(from..).unwrap_or_default(), values);
         }
     }
 }

@@ -1,10 +1,9 @@
 //! The list of elements: a new one is a file in `elements/` and a line here.
 
-use crate::structure::elements::damper::Damper;
 use crate::structure::elements::force_deflection::ForceDeflection;
 use crate::structure::elements::plastic_spring::PlasticSpring;
+use crate::structure::elements::secant::{Damper, Spring};
 use crate::structure::elements::series_spring_damper::SeriesSpringDamper;
-use crate::structure::elements::spring::Spring;
 use crate::structure::law::Law;
 
 macro_rules! elements {

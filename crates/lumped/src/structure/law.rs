@@ -36,13 +36,17 @@ pub trait Law {
     fn parameters(&self) -> usize;
 
     /// Whether the force is one linear form, for good.
-    fn is_linear(&self) -> bool;
+    fn is_linear(&self) -> bool {
+        !self.has_branches()
+    }
 
     /// Whether its force has more than one branch, whatever the values of its parameters.
     fn has_branches(&self) -> bool;
 
     /// The branch it starts on.
-    fn start(&self, strain: Strain) -> Branch;
+    fn start(&self, _strain: Strain) -> Branch {
+        Branch::default()
+    }
 
     /// Force, N, positive in compression.
     fn force(&self, branch: &Branch) -> Form;

@@ -161,7 +161,8 @@ fn waves(
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);
     let (mut waves, mut sensors) = (Vec::new(), Vec::new());
     for (place, channel) in stated_places(settings, &events.channel) {
-        let Some(mass) = place.mass(masses) else {
+        let mass = if chain.has_occupant() { place.mass_before_occupant(masses) } else { place.mass(masses) };
+        let Some(mass) = mass else {
             out.notes().info(format!(
                 "chain {}: sensor {channel} is on the {place}, which this chain does not have: not fitted",
                 chain.name

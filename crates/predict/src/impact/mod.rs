@@ -1,7 +1,11 @@
-//! One impact of one candidate: its structure with the mass asked for, what comes out, how far it reaches.
-//! Uses no other room.
+//! One impact of one candidate: its structure with the mass asked for, the wall or a partner, an occupant, what comes
+//! out, how far it reaches. Uses no other room.
 
 pub mod against;
 pub mod candidate;
+pub mod occupant;
 pub mod outcome;
+pub mod partner;
 pub mod reach;
+pub mod scenario;
+pub mod setting;

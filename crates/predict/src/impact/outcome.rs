@@ -7,11 +7,11 @@ use crumple_signal::Signal;
 use crate::error::PredictError;
 
 /// A crash is over in two seconds or never.
-const HORIZON_S: f64 = 2.0;
+pub(crate) const HORIZON_S: f64 = 2.0;
 /// How long a motion is followed after the rebound: occupants are still on their way.
-const AFTER_REBOUND_S: f64 = 0.05;
+pub(crate) const AFTER_REBOUND_S: f64 = 0.05;
 /// How long a motion is followed where there is no rebound.
-const WITHOUT_REBOUND_S: f64 = 0.25;
+pub(crate) const WITHOUT_REBOUND_S: f64 = 0.25;
 /// Zero acceleration before contact, as a laboratory records it: the filter looks ahead.
 const BEFORE_CONTACT_S: f64 = 0.04;
 /// Channel frequency class of vehicle structures.
@@ -32,12 +32,56 @@ pub enum Quantity {
     Peak,
     /// Occupant load criterion, m/s².
     Olc,
+    /// Crush of both fronts at common velocity, m.
+    MutualCrush,
+    /// What of it is the partner's, m.
+    PartnerCrush,
+    /// Change of the partner's velocity, m/s.
+    PartnerDeltaV,
+    /// Largest deceleration of the partner's compartment through CFC 60, m/s².
+    PartnerPeak,
+    /// Occupant load criterion of the partner, m/s².
+    PartnerOlc,
+    /// Largest deceleration of the occupant, m/s².
+    OccupantPeak,
+    /// Largest way of the occupant ahead of the compartment, m.
+    OccupantExcursion,
+    /// Share of the occupant's energy taken by riding down.
+    RideDown,
 }
+
+/// Whose front a number depends on in the first place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The vehicle's.
+    Own,
+    /// The partner's.
+    Partner,
+    /// The sum of both.
+    Both,
+}
+
+/// How many numbers an outcome has.
+pub(crate) const QUANTITIES: usize = Quantity::ALL.len();
 
 impl Quantity {
     /// All of them.
-    pub const ALL: [Self; 6] =
-        [Self::DynamicCrush, Self::TimeOfDynamicCrush, Self::DeltaV, Self::Restitution, Self::Peak, Self::Olc];
+    pub const ALL: [Self; 14] = [
+        Self::DynamicCrush,
+        Self::TimeOfDynamicCrush,
+        Self::DeltaV,
+        Self::Restitution,
+        Self::Peak,
+        Self::Olc,
+        Self::MutualCrush,
+        Self::PartnerCrush,
+        Self::PartnerDeltaV,
+        Self::PartnerPeak,
+        Self::PartnerOlc,
+        Self::OccupantPeak,
+        Self::OccupantExcursion,
+        Self::RideDown,
+    ];
 
     /// Its field in the record of a prediction.
     pub fn field(self) -> &'static str {
@@ -48,6 +92,14 @@ impl Quantity {
             Self::Restitution => "coefficient_of_restitution",
             Self::Peak => "peak_acceleration_m_per_s2",
             Self::Olc => "olc_m_per_s2",
+            Self::MutualCrush => "collision.mutual_crush_m",
+            Self::PartnerCrush => "collision.partner_crush_m",
+            Self::PartnerDeltaV => "collision.partner_delta_v_m_per_s",
+            Self::PartnerPeak => "collision.partner_peak_acceleration_m_per_s2",
+            Self::PartnerOlc => "collision.partner_olc_m_per_s2",
+            Self::OccupantPeak => "occupant.peak_acceleration_m_per_s2",
+            Self::OccupantExcursion => "occupant.largest_excursion_m",
+            Self::RideDown => "occupant.ride_down_share",
         }
     }
 
@@ -55,16 +107,46 @@ impl Quantity {
     /// force.
     pub(crate) fn power_of_crush(self) -> f64 {
         match self {
-            Self::DynamicCrush | Self::TimeOfDynamicCrush => 1.0,
-            Self::Peak | Self::Olc => -1.0,
-            Self::DeltaV | Self::Restitution => 0.0,
+            Self::DynamicCrush | Self::TimeOfDynamicCrush | Self::MutualCrush | Self::PartnerCrush => 1.0,
+            Self::Peak | Self::Olc | Self::PartnerPeak | Self::PartnerOlc | Self::OccupantPeak => -1.0,
+            Self::DeltaV | Self::PartnerDeltaV | Self::Restitution | Self::OccupantExcursion | Self::RideDown => 0.0,
+        }
+    }
+
+    /// Whose crush that is.
+    pub(crate) fn side(self) -> Side {
+        match self {
+            Self::MutualCrush => Side::Both,
+            Self::PartnerCrush | Self::PartnerDeltaV | Self::PartnerPeak | Self::PartnerOlc => Side::Partner,
+            _ => Side::Own,
+        }
+    }
+
+    /// The number of the vehicle's own impact on a wall that moves with this one.
+    pub(crate) fn of_own(self) -> Option<Self> {
+        match self {
+            Self::MutualCrush => Some(Self::DynamicCrush),
+            Self::OccupantPeak => Some(Self::Peak),
+            _ => Self::ALL[..6].contains(&self).then_some(self),
+        }
+    }
+
+    /// The same of the partner's own impact on a wall.
+    pub(crate) fn of_partner(self) -> Option<Self> {
+        match self {
+            Self::MutualCrush | Self::PartnerCrush => Some(Self::DynamicCrush),
+            Self::PartnerDeltaV => Some(Self::DeltaV),
+            Self::PartnerPeak => Some(Self::Peak),
+            Self::PartnerOlc => Some(Self::Olc),
+            Self::TimeOfDynamicCrush | Self::Restitution => Some(self),
+            _ => None,
         }
     }
 }
 
 /// Numbers in the order of [`Quantity::ALL`]; what the model never reaches is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Outcome(pub [Option<f64>; 6]);
+pub struct Outcome(pub [Option<f64>; QUANTITIES]);
 
 impl Outcome {
     /// One of its numbers.
@@ -78,7 +160,7 @@ impl Outcome {
 pub struct Energy {
     /// Kinetic energy of all masses at contact.
     pub at_impact_j: f64,
-    /// Kinetic energy of all masses when the compartment stops.
+    /// Kinetic energy of all masses when the compartment stops, or has the velocity of the partner's.
     pub at_rest_j: f64,
 }
 
@@ -89,12 +171,36 @@ pub struct Wave {
     pub dt_s: f64,
     /// Motion of every mass up to the rebound, and free after it; the last is the compartment.
     pub motions: Vec<Motion>,
+    /// The same of the partner, on the same axis, from its front to its compartment; none at the wall.
+    pub partner: Vec<Motion>,
+    /// Where the fronts meet, m; none at the wall.
+    pub contact_m: Vec<f64>,
 }
 
 impl Wave {
     /// The compartment's.
     pub fn compartment(&self) -> Option<&Motion> {
         self.motions.last()
+    }
+
+    /// Velocity at which the compartments stop each other, between samples linear; at the wall zero. `None`: they do
+    /// not.
+    pub(crate) fn common_velocity_m_per_s(&self) -> Option<f64> {
+        let Some(partner) = self.partner.last() else { return Some(0.0) };
+        let own = &self.compartment()?.velocity_m_per_s;
+        let relative = |k: usize| own[k] - partner.velocity_m_per_s[k];
+        let k = (1..own.len()).find(|k| relative(*k) <= 0.0)?;
+        let share = relative(k - 1) / (relative(k - 1) - relative(k));
+        Some(own[k - 1] + share * (own[k] - own[k - 1]))
+    }
+
+    /// Displacement of the masses of the vehicle, or of its partner in its own direction, from where the fronts meet.
+    pub(crate) fn crush_of_masses(&self, side: Side) -> Vec<Vec<f64>> {
+        let (motions, sign) = if side == Side::Partner { (&self.partner, -1.0) } else { (&self.motions, 1.0) };
+        let from = |k: usize| self.contact_m.get(k).copied().unwrap_or(0.0);
+        let of =
+            |motion: &Motion| motion.displacement_m.iter().enumerate().map(|(k, x)| sign * (x - from(k))).collect();
+        motions.iter().map(of).collect()
     }
 }
 
@@ -104,7 +210,7 @@ impl Wave {
 /// and of its acceleration after it, where a real contact opens. After it the wave goes on free of force. The peak is
 /// read from the sampled acceleration through CFC 60, as a laboratory would. Errors: a response that leaves the range
 /// of numbers.
-pub(crate) fn impact(structure: &Structure, speed: f64, dt_s: f64) -> Result<(Outcome, Wave), PredictError> {
+pub(crate) fn at_wall(structure: &Structure, speed: f64, dt_s: f64) -> Result<(Outcome, Wave), PredictError> {
     let events = structure.events(speed, HORIZON_S)?.pop().unwrap_or_default();
     let end_s = events.time_of_rebound_s.map_or(WITHOUT_REBOUND_S, |t| t + AFTER_REBOUND_S);
     let samples = (end_s / dt_s).ceil() as usize + 1;
@@ -112,16 +218,18 @@ pub(crate) fn impact(structure: &Structure, speed: f64, dt_s: f64) -> Result<(Ou
     if let Some(rebound_s) = events.time_of_rebound_s {
         motions.iter_mut().for_each(|motion| let_go(motion, rebound_s, dt_s));
     }
-    let wave = Wave { dt_s, motions };
+    let wave = Wave { dt_s, motions, partner: Vec::new(), contact_m: Vec::new() };
     let restitution = events.rebound_velocity_m_per_s.map(|rebound| -rebound / speed);
-    let outcome = Outcome([
+    let numbers = [
         events.dynamic_crush_m,
         events.time_of_dynamic_crush_s,
         restitution.map(|e| speed * (1.0 + e)),
         restitution,
         wave.compartment().and_then(|motion| peak(motion, dt_s)),
         wave.compartment().and_then(|motion| occupant_load(motion, speed, dt_s)),
-    ]);
+    ];
+    let mut outcome = Outcome::default();
+    outcome.0[..numbers.len()].copy_from_slice(&numbers);
     Ok((outcome, wave))
 }
 
@@ -135,7 +243,7 @@ pub(crate) fn energy(structure: &Structure, speed: f64, outcome: &Outcome) -> Re
 }
 
 /// From the rebound on no force acts.
-fn let_go(motion: &mut Motion, rebound_s: f64, dt_s: f64) {
+pub(crate) fn let_go(motion: &mut Motion, rebound_s: f64, dt_s: f64) {
     let from = (rebound_s / dt_s).ceil() as usize;
     let Some((&x, &v)) = motion.displacement_m.get(from).zip(motion.velocity_m_per_s.get(from)) else { return };
     for k in from..motion.displacement_m.len() {
@@ -155,12 +263,12 @@ pub(crate) fn through_cfc_60(acceleration: &[f64], dt_s: f64) -> Option<Vec<f64>
 }
 
 /// Largest deceleration through CFC 60.
-fn peak(motion: &Motion, dt_s: f64) -> Option<f64> {
+pub(crate) fn peak(motion: &Motion, dt_s: f64) -> Option<f64> {
     let filtered = through_cfc_60(&motion.acceleration_m_per_s2, dt_s)?;
     filtered.into_iter().map(|a| -a).reduce(f64::max).filter(|peak| *peak > 0.0)
 }
 
-fn occupant_load(motion: &Motion, speed: f64, dt_s: f64) -> Option<f64> {
+pub(crate) fn occupant_load(motion: &Motion, speed: f64, dt_s: f64) -> Option<f64> {
     let velocity = Signal::new(0.0, dt_s, motion.velocity_m_per_s.clone()).ok()?;
     let displacement = Signal::new(0.0, dt_s, motion.displacement_m.clone()).ok()?;
     olc(&velocity, &displacement, speed, 0.0, OlcOptions::default()).ok()?.value
@@ -182,7 +290,7 @@ mod tests {
             release: true,
         };
         let structure = Model::Elastoplastic(model).structure().unwrap();
-        let (outcome, wave) = impact(&structure, v0, 1e-4).unwrap();
+        let (outcome, wave) = at_wall(&structure, v0, 1e-4).unwrap();
         let crush = v0 * f64::sqrt(m / k);
         let close = |quantity: Quantity, expected: f64, tolerance: f64| {
             let value = outcome.get(quantity).unwrap();

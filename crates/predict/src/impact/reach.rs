@@ -1,8 +1,8 @@
 //! How far an impact reaches: the largest compression of every element, and the speed.
 
-use crumple_lumped::{Motion, Node, Structure};
+use crumple_lumped::{Node, Structure};
 
-use crate::impact::outcome::Wave;
+use crate::impact::outcome::{Side, Wave};
 
 /// What is not counted as beyond: rounding, and the samples between which a largest compression lies.
 const BEYOND: f64 = 1.001;
@@ -12,19 +12,20 @@ const BEYOND: f64 = 1.001;
 pub struct Reach {
     /// Largest compression of each element, m, in the order of the structure.
     pub compression_m: Vec<f64>,
-    /// Impact speed, m/s.
+    /// Impact speed on a wall, or that of the same energy, m/s.
     pub speed_m_per_s: f64,
 }
 
 impl Reach {
-    /// The reach of an impact.
-    pub(crate) fn new(structure: &Structure, wave: &Wave, speed_m_per_s: f64) -> Self {
+    /// The reach of an impact in the structure of one side.
+    pub(crate) fn new(structure: &Structure, wave: &Wave, side: Side, speed_m_per_s: f64) -> Self {
+        let displacements = wave.crush_of_masses(side);
         let place = |node: Node| match node {
             Node::Wall => None,
-            Node::Mass(i) => wave.motions.get(i),
+            Node::Mass(i) => displacements.get(i),
         };
-        let at = |motion: Option<&Motion>, k: usize| motion.map_or(0.0, |motion| motion.displacement_m[k]);
-        let samples = wave.compartment().map_or(0, |motion| motion.displacement_m.len());
+        let at = |displacement: Option<&Vec<f64>>, k: usize| displacement.map_or(0.0, |displacement| displacement[k]);
+        let samples = displacements.last().map_or(0, Vec::len);
         let compression_m = structure
             .connections()
             .iter()

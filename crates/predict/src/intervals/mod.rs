@@ -3,4 +3,7 @@
 
 pub mod directions;
 pub mod models;
+pub mod partner;
+pub mod prediction;
 pub mod sources;
+pub mod tested;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_predict::{MadeTest, Prediction, Quantity, Scenario};
+use crumple_predict::{MadeTest, Prediction, Quantity};
 use crumple_signal::Sampled;
 use crumple_stage::records::{AgainstTestV1, EventsV1, MetricsV1};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
@@ -11,7 +11,8 @@ use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
 #[derive(Debug)]
 pub struct OtherTest {
     title: String,
-    scenario: Scenario,
+    /// Its impact speed, m/s, and its mass, kg.
+    impact: (f64, Option<f64>),
     made: MadeTest,
 }
 
@@ -43,13 +44,13 @@ fn other_test(input: &Inputs) -> anyhow::Result<OtherTest> {
         peak_m_per_s2: peak.and_then(|metric| metric.value).map(f64::abs),
         acceleration: input.wave_if(&events.channel).and_then(|wave| from_time_zero(&wave.sampled)),
     };
-    Ok(OtherTest { title: test.title, scenario: Scenario { speed_m_per_s, mass_kg: test.mass_kg }, made })
+    Ok(OtherTest { title: test.title, impact: (speed_m_per_s, test.mass_kg), made })
 }
 
 impl OtherTest {
-    /// The impact that it was.
-    pub fn scenario(&self) -> Scenario {
-        self.scenario
+    /// The impact that it was: its speed, m/s, and its mass, kg, if it says one.
+    pub fn impact(&self) -> (f64, Option<f64>) {
+        self.impact
     }
 
     /// The prediction of it beside it.

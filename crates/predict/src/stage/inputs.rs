@@ -2,7 +2,7 @@
 
 use crumple_predict::{Candidate, ParameterSpread};
 use crumple_stage::records::{CandidateV1, RecommendationV1};
-use crumple_stage::unknown_name;
+use crumple_stage::{Usage, unknown_name};
 
 /// A candidate that is to predict.
 #[derive(Debug, PartialEq, Eq)]
@@ -36,6 +36,13 @@ pub fn candidates(records: &[(String, CandidateV1)], choice: Option<&Recommendat
         .collect()
 }
 
+/// Whether a fitted chain has a sensor behind the mass that the pulse is of.
+fn has_occupant(record: &CandidateV1) -> bool {
+    let Some(fit) = &record.fit else { return false };
+    let pulse = fit.sensors.iter().find(|sensor| sensor.channel == fit.channel);
+    pulse.is_some_and(|pulse| fit.sensors.iter().any(|sensor| sensor.mass > pulse.mass))
+}
+
 /// Those asked for; else the recommended, the simplest and the closest. Where nobody chose, every physical candidate
 /// but for duals. Errors: an id that none has, with the nearest.
 pub fn named(
@@ -64,12 +71,20 @@ pub fn named(
             let other = records[k].1.equivalent_to.as_deref();
             other.is_some_and(|other| records[..k].iter().any(|(id, _)| id == other))
         };
-        places.extend((0..records.len()).filter(|k| records[*k].1.physical && !is_dual(*k)));
+        let is_vehicle = |k: &usize| records[*k].1.physical && !has_occupant(&records[*k].1);
+        places.extend((0..records.len()).filter(|k| is_vehicle(k) && !is_dual(*k)));
     }
     for id in asked {
         let ids: Vec<&str> = candidates.iter().map(|candidate| candidate.id.as_str()).collect();
         let unknown = || unknown_name(&format!("the artifacts hold no candidate {id:?}"), id, &ids);
-        places.push(place(id).ok_or_else(unknown)?);
+        let place = place(id).ok_or_else(unknown)?;
+        if has_occupant(&records[place].1) {
+            let problem = format!("the last mass of {id} is an occupant: as a vehicle it predicts nothing");
+            return Err(Usage::new(problem)
+                .hint("name a model of the vehicle, and the restraint with --occupant")
+                .into());
+        }
+        places.push(place);
     }
     let mut named: Vec<Named> = Vec::new();
     for place in places {

@@ -2,23 +2,28 @@
 //! Uses the library and `crumple_stage`.
 
 mod against;
+mod barriers;
+mod described;
 mod inputs;
 mod options;
+mod partner;
 mod records;
+mod restraint;
 mod speeds;
 mod table;
 
 use std::path::PathBuf;
 
-use crumple_predict::{Candidate, Scenario, TestedImpact, predict};
+use crumple_predict::{Candidate, Scenario, Surroundings, TestedImpact, predict};
 use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
 
 use crate::stage::against::OtherTest;
 use crate::stage::inputs::{candidates, named};
 use crate::stage::options::{Options, Settings};
+use crate::stage::partner::ReadPartner;
 use crate::stage::records::{record, write_waves};
-use crate::stage::table::{Row, header, line, what_if};
+use crate::stage::table::{Row, header, line, partner_and_occupant, what_if};
 
 /// The stage.
 pub struct Predict;
@@ -42,10 +47,13 @@ impl Stage for Predict {
             loaded.digests.extend(digests);
             other = Some(test);
         }
-        Ok(loaded.map(|inputs| Read { inputs, other }))
+        let (partner, digests) = settings.partner.read()?;
+        loaded.digests.extend(digests);
+        Ok(loaded.map(|inputs| Read { inputs, other, partner }))
     }
 
-    fn run(settings: &Settings, Read { inputs: input, other }: &Read, out: &mut Output) -> anyhow::Result<Outcome> {
+    fn run(settings: &Settings, read: &Read, out: &mut Output) -> anyhow::Result<Outcome> {
+        let Read { inputs: input, other, partner } = read;
         let test = input.test()?;
         let several: Option<TestsV1> = input.record_if("/tests")?;
         let own_speed = match &several {
@@ -72,13 +80,21 @@ impl Stage for Predict {
             let reason = format!("none of the candidates is for predictions{because}; name one with --candidate");
             return Ok(Outcome::NoAcceptableResult(reason));
         }
-        let scenarios = scenarios(settings, tested_m_per_s, other.as_ref());
+        let scenarios = scenarios(settings, tested_m_per_s, other.as_ref())?;
+        let surroundings = Surroundings {
+            partner: partner.partner.clone(),
+            occupant: settings.occupant.as_ref().map(|settings| settings.occupant.clone()),
+        };
+        for (what, words) in [
+            ("partner", partner.words.as_ref()),
+            ("occupant", settings.occupant.as_ref().map(|settings| &settings.words)),
+        ] {
+            words.into_iter().for_each(|words| out.summary(format!("{what}: {words}")));
+        }
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
         let speeds = several.iter().flat_map(|several| &several.tests).map(|test| test.impact_speed_m_per_s);
-        let range_m_per_s =
-            speeds.fold((tested_m_per_s, tested_m_per_s), |(slowest, fastest), v| (slowest.min(v), fastest.max(v)));
-        let tested = TestedImpact { speed_m_per_s: tested_m_per_s, range_m_per_s };
-        let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios);
+        let tested = TestedImpact::new(tested_m_per_s, speeds);
+        let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios, &surroundings);
         out.summary(header());
         let mut rows = Vec::new();
         for (place, (scenario, of_named)) in scenarios.iter().zip(predictions).enumerate() {
@@ -94,11 +110,12 @@ impl Stage for Predict {
                         continue;
                     }
                 };
-                let mut record = record(candidate, &name.names, *scenario, &prediction);
+                let mut record = record(candidate, &name.names, *scenario, &prediction, partner);
                 record.against = other.map(|other| other.beside(&prediction));
                 let n = rows.len() + 1;
                 out.put(&format!("/prediction/{n}"), &record)?;
                 out.summary(line(&record));
+                partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
                 record.against.iter().for_each(|against| out.summary(against::words(against)));
                 write_waves(n, prediction.wave, out)?;
                 rows.push(Row { speed_m_per_s: scenario.speed_m_per_s, record });
@@ -118,17 +135,36 @@ pub struct Read {
     inputs: Inputs,
     /// The test that predictions are compared with.
     other: Option<OtherTest>,
+    partner: ReadPartner,
 }
 
-/// Every mass with every speed, and last the impact of another test.
-fn scenarios(settings: &Settings, tested_m_per_s: f64, other: Option<&OtherTest>) -> Vec<Scenario> {
+/// Every mass with every speed and closing speed, and last the impact of another test, which met the partner that is
+/// asked for. Errors: a partner that runs away.
+fn scenarios(
+    settings: &Settings,
+    tested_m_per_s: f64,
+    other: Option<&OtherTest>,
+) -> Result<Vec<Scenario>, crumple_stage::Usage> {
     let masses: Vec<Option<f64>> = match settings.masses_kg[..] {
         [] => vec![None],
         _ => settings.masses_kg.iter().copied().map(Some).collect(),
     };
     let own = [tested_m_per_s];
-    let none_asked = settings.speeds_m_per_s.is_empty() && other.is_none();
-    let speeds = if none_asked { &own[..] } else { &settings.speeds_m_per_s };
-    let at = |mass_kg| speeds.iter().map(move |speed_m_per_s| Scenario { speed_m_per_s: *speed_m_per_s, mass_kg });
-    masses.into_iter().flat_map(at).chain(other.map(OtherTest::scenario)).collect()
+    let (speeds, closing) = (&settings.speeds_m_per_s, &settings.closing_speeds_m_per_s);
+    let none_asked = speeds.is_empty() && closing.is_empty() && other.is_none();
+    let speeds = if none_asked { &own[..] } else { speeds };
+    let partner = &settings.partner;
+    let mut scenarios = Vec::new();
+    for mass_kg in masses {
+        for speed in speeds {
+            scenarios.push(partner.at_speed(*speed, mass_kg)?);
+        }
+        for closing in closing {
+            scenarios.push(partner.at_closing_speed(*closing, mass_kg)?);
+        }
+    }
+    if let Some((speed, mass_kg)) = other.map(OtherTest::impact) {
+        scenarios.push(partner.at_speed(speed, mass_kg)?);
+    }
+    Ok(scenarios)
 }

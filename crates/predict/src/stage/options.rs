@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
+use crumple_lumped::Occupant;
 use crumple_predict::Inputs;
 use crumple_signal::value::{Mass, Speed};
 use crumple_signal::{Distribution, Uncertain};
 use crumple_stage::Usage;
 use serde::{Deserialize, Serialize};
 
+use crate::stage::described::Described;
+use crate::stage::partner::PartnerSettings;
+use crate::stage::restraint::{occupant, words};
 use crate::stage::speeds::speeds;
 
 /// Speeds closer than this are one, m/s.
@@ -38,6 +42,33 @@ pub struct Options {
     #[arg(long, value_name = "FOLDER")]
     pub against: Option<PathBuf>,
 
+    /// What the vehicle runs into: wall, the run folder of another vehicle, mpdb, fmvss-214, or a moving barrier such
+    /// as "barrier mass=1400kg area=0.57m2 pressure=342kPa depth=250mm" [default: wall]
+    #[arg(long, value_name = "WHAT")]
+    pub partner: Option<Described>,
+
+    /// Speed of the partner towards the vehicle; negative: it runs ahead [default: that of the vehicle for another
+    /// vehicle and mpdb, else 0 km/h]
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub partner_speed: Option<Speed>,
+
+    /// Mass of the other vehicle [default: that of its test]
+    #[arg(long, value_name = "MASS")]
+    pub partner_mass: Option<Mass>,
+
+    /// Candidate of the other vehicle's run [default: the recommended]
+    #[arg(long, value_name = "ID")]
+    pub partner_candidate: Option<String>,
+
+    /// Closing speeds, or a range, in place of the standing list: the partner has its --partner-speed of it, the
+    /// vehicle the rest; without one equal shares where both move [default: none]
+    #[arg(long, value_name = "SPEED", value_delimiter = ',')]
+    pub closing_speed: Vec<String>,
+
+    /// Occupant of the compartment, e.g. "stiffness=60kN/m slack=30mm force_limit=5kN" [default: none]
+    #[arg(long, value_name = "RESTRAINT")]
+    pub occupant: Option<Described>,
+
     /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform" (half width) or "0.1 km/h normal" (standard deviation)
     /// [default: 0.1 km/h uniform]
     #[arg(long, value_name = "SPEED")]
@@ -65,19 +96,32 @@ pub struct Settings {
     /// Whether a range came without a unit.
     #[serde(skip)]
     pub taken_as_km_per_h: bool,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub closing_speeds_m_per_s: Vec<f64>,
+    #[serde(skip_serializing_if = "PartnerSettings::is_wall")]
+    pub partner: PartnerSettings,
+    /// The occupant as it was stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub occupant: Option<OccupantSettings>,
+}
+
+/// The occupant, and its words.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct OccupantSettings {
+    pub words: String,
+    #[serde(skip)]
+    pub occupant: Occupant,
 }
 
 impl Settings {
     /// The settings with defaults filled in and values checked.
     pub fn new(options: Options) -> anyhow::Result<Self> {
-        let (mut all, mut taken_as_km_per_h) = (Vec::new(), false);
-        for text in options.speeds.iter().chain(&options.speed) {
-            let (speeds, without_unit) = speeds(text)?;
-            all.extend(speeds);
-            taken_as_km_per_h |= without_unit;
-        }
-        all.sort_by(f64::total_cmp);
-        all.dedup_by(|a, b| (*a - *b).abs() < SAME);
+        let closing = read_speeds(&options.closing_speed)?;
+        // Closing speeds stand in place of the standing list.
+        let standing = if closing.0.is_empty() { &options.speeds[..] } else { &[] };
+        let asked: Vec<String> = standing.iter().chain(&options.speed).cloned().collect();
+        let all = read_speeds(&asked)?;
         let masses_kg: Vec<f64> = options.mass.iter().map(|mass| mass.si()).collect();
         if let Some(mass) = masses_kg.iter().find(|mass| !(**mass > 0.0 && mass.is_finite())) {
             return Err(Usage::new(format!("mass is {mass} kg, expected a positive mass")).into());
@@ -86,13 +130,16 @@ impl Settings {
         let speed = options.speed_uncertainty.unwrap_or(usual);
         let mass = options.mass_uncertainty.map_or(0.0, |mass| deviation(mass.size.si(), mass.distribution));
         Ok(Self {
-            speeds_m_per_s: all,
+            speeds_m_per_s: all.0,
+            closing_speeds_m_per_s: closing.0,
+            taken_as_km_per_h: all.1 || closing.1,
+            partner: partner(&options)?,
+            occupant: options.occupant.as_ref().map(restraint).transpose()?,
             masses_kg,
             candidates: options.candidate,
             against: options.against,
             speed_deviation_m_per_s: deviation(speed.size.si(), speed.distribution),
             mass_deviation_kg: mass,
-            taken_as_km_per_h,
         })
     }
 
@@ -100,6 +147,36 @@ impl Settings {
     pub fn inputs(&self) -> Inputs {
         Inputs { speed_m_per_s: self.speed_deviation_m_per_s, mass_kg: self.mass_deviation_kg }
     }
+}
+
+/// All speeds of several texts, rising, and whether a range came without a unit.
+fn read_speeds(texts: &[String]) -> Result<(Vec<f64>, bool), Usage> {
+    let (mut all, mut taken_as_km_per_h) = (Vec::new(), false);
+    for text in texts {
+        let (speeds, without_unit) = speeds(text)?;
+        all.extend(speeds);
+        taken_as_km_per_h |= without_unit;
+    }
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| (*a - *b).abs() < SAME);
+    Ok((all, taken_as_km_per_h))
+}
+
+fn partner(options: &Options) -> anyhow::Result<PartnerSettings> {
+    if let Some(mass) = options.partner_mass.filter(|mass| !(mass.si() > 0.0 && mass.si().is_finite())) {
+        return Err(Usage::new(format!("the partner's mass is {mass}, expected a positive mass")).into());
+    }
+    PartnerSettings::new(
+        options.partner.as_ref(),
+        options.partner_speed.map(Speed::si),
+        options.partner_mass,
+        options.partner_candidate.clone(),
+    )
+}
+
+fn restraint(described: &Described) -> Result<OccupantSettings, Usage> {
+    let occupant = occupant(&described.read("occupant", "occupant")?)?;
+    Ok(OccupantSettings { words: words(&occupant), occupant })
 }
 
 /// Standard deviation; of a uniform distribution the half width over the root of 3.

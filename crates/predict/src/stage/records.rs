@@ -1,12 +1,25 @@
 //! Predictions as they stand in the artifact.
 
-use crumple_predict::{Candidate, INTERVAL_LEVEL, Prediction, Quantity, Scenario, Wave};
+use crumple_lumped::{CONTACT_SHARE, OccupantMotion};
+use crumple_predict::{
+    Candidate, CollisionOutcome, INTERVAL_LEVEL, Partner, Prediction, Quantity, Scenario, Support, Wave,
+};
 use crumple_signal::{QuantityKind, Sampled};
 use crumple_stage::Output;
-use crumple_stage::records::{PredictedEnergyV1, PredictedIntervalV1, PredictionV1};
+use crumple_stage::records::{
+    PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
+};
+
+use crate::stage::partner::ReadPartner;
 
 /// What goes to `/prediction/<n>`.
-pub fn record(candidate: &Candidate, names: &[&str], scenario: Scenario, prediction: &Prediction) -> PredictionV1 {
+pub fn record(
+    candidate: &Candidate,
+    names: &[&str],
+    scenario: Scenario,
+    prediction: &Prediction,
+    partner: &ReadPartner,
+) -> PredictionV1 {
     let number = |quantity: Quantity| prediction.outcome.get(quantity);
     let intervals = Quantity::ALL.iter().zip(&prediction.intervals).filter_map(|(quantity, interval)| {
         let interval = interval.as_ref()?;
@@ -24,7 +37,7 @@ pub fn record(candidate: &Candidate, names: &[&str], scenario: Scenario, predict
         names: names.iter().map(|name| (*name).to_owned()).collect(),
         impact_speed_m_per_s: scenario.speed_m_per_s,
         mass_kg: prediction.mass_kg,
-        partner: None,
+        partner: partner.words.clone(),
         dynamic_crush_m: number(Quantity::DynamicCrush),
         time_of_dynamic_crush_s: number(Quantity::TimeOfDynamicCrush),
         delta_v_m_per_s: number(Quantity::DeltaV),
@@ -36,59 +49,151 @@ pub fn record(candidate: &Candidate, names: &[&str], scenario: Scenario, predict
             kinetic_at_rest_j: energy.at_rest_j,
             absorbed_j: energy.at_impact_j - energy.at_rest_j,
         }),
-        extrapolates: prediction.beyond.is_some() || prediction.faster,
+        extrapolates: [Some(prediction.support), prediction.partner_support]
+            .into_iter()
+            .flatten()
+            .any(|support| support.beyond.is_some() || support.faster),
         intervals: intervals.collect(),
-        notes: notes(candidate, prediction),
+        notes: notes(candidate, prediction, partner),
         against: None,
+        collision: prediction.collision.as_ref().map(|both| collision(both, scenario, prediction, partner)),
+        occupant: prediction.occupant.as_ref().map(occupant),
+    }
+}
+
+/// What the collision makes of both.
+fn collision(
+    both: &CollisionOutcome,
+    scenario: Scenario,
+    prediction: &Prediction,
+    partner: &ReadPartner,
+) -> PredictedCollisionV1 {
+    let number = |quantity: Quantity| prediction.outcome.get(quantity);
+    PredictedCollisionV1 {
+        kind: if partner.candidate.is_some() { "vehicle" } else { "barrier" }.to_owned(),
+        partner_candidate: partner.candidate.clone(),
+        closing_speed_m_per_s: both.closing_speed_m_per_s,
+        partner_speed_m_per_s: scenario.partner_speed_m_per_s,
+        partner_mass_kg: both.partner.mass_kg,
+        common_velocity_m_per_s: both.common_velocity_m_per_s,
+        mutual_crush_m: number(Quantity::MutualCrush),
+        partner_crush_m: number(Quantity::PartnerCrush),
+        partner_delta_v_m_per_s: number(Quantity::PartnerDeltaV),
+        partner_peak_acceleration_m_per_s2: number(Quantity::PartnerPeak),
+        partner_olc_m_per_s2: number(Quantity::PartnerOlc),
+        absorbed_j: both.own.absorbed_j,
+        partner_absorbed_j: both.partner.absorbed_j,
+        energy_equivalent_speed_m_per_s: both.own.energy_equivalent_speed_m_per_s,
+        partner_energy_equivalent_speed_m_per_s: both.partner.energy_equivalent_speed_m_per_s,
+        velocity_after_m_per_s: both.own.velocity_after_m_per_s,
+        partner_velocity_after_m_per_s: both.partner.velocity_after_m_per_s,
+        momentum_before_n_s: both.momentum_n_s[0],
+        momentum_after_n_s: both.momentum_n_s[1],
+    }
+}
+
+/// What becomes of an occupant.
+fn occupant(motion: &OccupantMotion) -> PredictedOccupantV1 {
+    PredictedOccupantV1 {
+        time_of_contact_s: motion.contact.map(|[time, _]| time),
+        relative_speed_at_contact_m_per_s: motion.contact.map(|[_, speed]| speed),
+        peak_acceleration_m_per_s2: motion.peak_deceleration.value,
+        time_of_peak_s: motion.peak_deceleration.time_s,
+        largest_excursion_m: motion.largest_excursion.value,
+        time_of_largest_excursion_s: motion.largest_excursion.time_s,
+        ride_down_share: motion.stop.map(|stop| stop.ridedown_share),
+        restraint_share: motion.stop.map(|stop| stop.restraint_share),
     }
 }
 
 /// What a reader of the prediction should know.
-fn notes(candidate: &Candidate, prediction: &Prediction) -> Vec<String> {
-    let mut notes = Vec::new();
-    let rule = candidate.rule_beyond_the_test();
-    if let Some((element, factor)) = prediction.beyond {
-        let percent = 100.0 * (factor - 1.0);
-        notes.push(format!(
-            "extrapolates: element {element} is compressed {percent:.1} % further than in the test; there the model \
-             goes on with {rule}"
-        ));
+fn notes(candidate: &Candidate, prediction: &Prediction, partner: &ReadPartner) -> Vec<String> {
+    let mut notes = of_test(candidate, &prediction.support, "");
+    if let (Partner::Vehicle { candidates, place, .. }, Some(support)) = (&partner.partner, &prediction.partner_support)
+    {
+        notes.extend(of_test(&candidates[*place], support, "partner: "));
     }
-    if prediction.faster {
-        notes.push("extrapolates: its dampers are faster than in the test".to_owned());
+    if let Some(both) = &prediction.collision {
+        of_collision(both, partner, &mut notes);
     }
-    if prediction.limited > 0 {
-        let many = if prediction.limited == 1 { "direction" } else { "directions" };
-        notes.push(format!(
-            "{} {many} of its parameters are not determined by the test: taken as known to a factor of 2, beside what \
-             they change in the test itself",
-            prediction.limited
-        ));
-    }
-    if candidate.spread.is_none() {
-        notes.push("nobody says how well its parameters are known: the intervals hold nothing of them".to_owned());
-    }
-    if prediction.models == 0 {
-        notes.push("no adequate model to compare with: the intervals hold no spread of models".to_owned());
-    }
-    if prediction.outcome.get(Quantity::DynamicCrush).is_none() {
+    let outcome = &prediction.outcome;
+    if outcome.get(Quantity::DynamicCrush).is_none() {
         notes.push("the velocity of the model never reaches zero: it has no dynamic crush".to_owned());
-    } else if prediction.outcome.get(Quantity::Restitution).is_none() {
+    } else if outcome.get(Quantity::Restitution).is_none() {
         notes.push("the model does not come back from the wall: no restitution, no change of velocity".to_owned());
+    }
+    if prediction.occupant.is_some() && outcome.get(Quantity::RideDown).is_none() {
+        notes.push("the occupant does not stop with the vehicle: no share of ride-down".to_owned());
     }
     notes
 }
 
-/// The motion of the compartment, from contact on.
+/// What the test of a vehicle leaves open.
+fn of_test(candidate: &Candidate, support: &Support, whose: &str) -> Vec<String> {
+    let mut notes = Vec::new();
+    let rule = candidate.rule_beyond_the_test();
+    if let Some((element, factor)) = support.beyond {
+        let percent = 100.0 * (factor - 1.0);
+        notes.push(format!(
+            "{whose}extrapolates: element {element} is compressed {percent:.1} % further than in the test; there the \
+             model goes on with {rule}"
+        ));
+    }
+    if support.faster {
+        notes.push(format!("{whose}extrapolates: its dampers are faster than in the test"));
+    }
+    if support.limited > 0 {
+        let many = if support.limited == 1 { "direction" } else { "directions" };
+        notes.push(format!(
+            "{whose}{} {many} of its parameters are not determined by the test: taken as known to a factor of 2, \
+             beside what they change in the test itself",
+            support.limited
+        ));
+    }
+    if candidate.spread.is_none() {
+        notes.push(format!("{whose}nobody says how well its parameters are known: the intervals hold nothing of them"));
+    }
+    if support.models == 0 {
+        notes.push(format!("{whose}no adequate model to compare with: the intervals hold no spread of models"));
+    }
+    notes
+}
+
+/// What is not in the numbers of a collision.
+fn of_collision(both: &CollisionOutcome, partner: &ReadPartner, notes: &mut Vec<String>) {
+    if let Some(contact_kg) = both.contact_mass_kg {
+        notes.push(format!(
+            "a mass of {contact_kg:.1} kg lies between the fronts, whose forces depend on a rate, fall or share \
+             several elements: it changes the numbers by about {:.1} %",
+            100.0 * CONTACT_SHARE
+        ));
+    }
+    if both.is_share_open {
+        notes.push(
+            "both fronts crush at the same force: how they share the crush is open, taken in proportion".to_owned(),
+        );
+    }
+    if partner.candidate.is_none() {
+        notes.push("the intervals take mass and face of the barrier as exact".to_owned());
+    }
+    notes.push(
+        "one axis, full overlap: the curve of a full-width test holds neither for a part of the front nor for a turn"
+            .to_owned(),
+    );
+}
+
+/// The motion of the compartment, and of that of the partner, from contact on.
 pub fn write_waves(n: usize, wave: Wave, out: &mut Output) -> anyhow::Result<()> {
-    let Wave { dt_s, mut motions } = wave;
-    let Some(motion) = motions.pop() else { return Ok(()) };
-    for (what, quantity, samples) in [
-        ("displacement", QuantityKind::Displacement, motion.displacement_m),
-        ("velocity", QuantityKind::Velocity, motion.velocity_m_per_s),
-        ("acceleration", QuantityKind::Acceleration, motion.acceleration_m_per_s2),
-    ] {
-        out.wave(&format!("prediction/{n}/{what}"), quantity, Sampled::new(0.0, dt_s, samples)?)?;
+    let Wave { dt_s, mut motions, mut partner, .. } = wave;
+    for (of, motion) in [("", motions.pop()), ("partner-", partner.pop())] {
+        let Some(motion) = motion else { continue };
+        for (what, quantity, samples) in [
+            ("displacement", QuantityKind::Displacement, motion.displacement_m),
+            ("velocity", QuantityKind::Velocity, motion.velocity_m_per_s),
+            ("acceleration", QuantityKind::Acceleration, motion.acceleration_m_per_s2),
+        ] {
+            out.wave(&format!("prediction/{n}/{of}{what}"), quantity, Sampled::new(0.0, dt_s, samples)?)?;
+        }
     }
     Ok(())
 }

@@ -42,6 +42,40 @@ pub fn line(record: &PredictionV1) -> String {
     )
 }
 
+/// A line each for the collision with a partner and for the occupant.
+pub fn partner_and_occupant(record: &PredictionV1) -> Vec<String> {
+    let number = |value: Option<f64>, factor: f64, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", factor * value))
+    };
+    let collision = record.collision.as_ref().map(|both| {
+        format!(
+            "        closing {:.1} km/h, common {} km/h; mutual crush {} mm, partner {} mm; energy {} and {} kJ; \
+             partner {:.0} kg, dv {}, peak {} g; after {} and {} km/h",
+            3.6 * both.closing_speed_m_per_s,
+            number(both.common_velocity_m_per_s, 3.6, 1),
+            number(both.mutual_crush_m, 1e3, 1),
+            number(both.partner_crush_m, 1e3, 1),
+            number(both.absorbed_j, 1e-3, 1),
+            number(both.partner_absorbed_j, 1e-3, 1),
+            both.partner_mass_kg,
+            number(both.partner_delta_v_m_per_s, 3.6, 1),
+            number(both.partner_peak_acceleration_m_per_s2, 1.0 / G, 1),
+            number(both.velocity_after_m_per_s, 3.6, 1),
+            number(both.partner_velocity_after_m_per_s, 3.6, 1),
+        )
+    });
+    let occupant = record.occupant.as_ref().map(|occupant| {
+        format!(
+            "        occupant: peak {:.1} g at {:.1} ms, excursion {:.0} mm, ride-down {} %",
+            occupant.peak_acceleration_m_per_s2 / G,
+            1e3 * occupant.time_of_peak_s,
+            1e3 * occupant.largest_excursion_m,
+            number(occupant.ride_down_share, 1e2, 0),
+        )
+    });
+    collision.into_iter().chain(occupant).collect()
+}
+
 /// Crush in mm of the first candidate over speed and mass, where several of both were asked for.
 pub fn what_if(rows: &[Row]) -> Vec<String> {
     let Some(first) = rows.first() else { return Vec::new() };

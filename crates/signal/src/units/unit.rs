@@ -21,6 +21,8 @@ pub enum Dimension {
     Stiffness,
     /// Force over speed; SI unit N·s/m.
     Damping,
+    /// Area; SI unit m².
+    Area,
 }
 
 impl Dimension {
@@ -34,6 +36,15 @@ impl Dimension {
             Self::Share => "%",
             Self::Stiffness => "N/m",
             Self::Damping => "N*s/m",
+            Self::Area => "m2",
+        }
+    }
+
+    /// Symbol of the unit that people type most, for messages.
+    pub fn usual_unit(self) -> &'static str {
+        match self {
+            Self::Signal(QuantityKind::Velocity) => "km/h",
+            _ => self.si_unit(),
         }
     }
 
@@ -49,6 +60,7 @@ impl Dimension {
             Self::Share => "share",
             Self::Stiffness => "stiffness",
             Self::Damping => "damping",
+            Self::Area => "area",
         }
     }
 }
@@ -59,7 +71,7 @@ const FOOT_M: f64 = 0.3048;
 const POUND_KG: f64 = 0.453_592_37;
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
-use Dimension::{Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
+use Dimension::{Area, Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
 use QuantityKind as Q;
 
 /// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
@@ -100,6 +112,8 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["Pa", "PAS"], Signal(Q::Pressure), 1.0),
     (&["kPa", "KPA"], Signal(Q::Pressure), 1e3),
     (&["bar"], Signal(Q::Pressure), 1e5),
+    (&["MPa", "N/mm2", "N/mm^2", "N/mm²"], Signal(Q::Pressure), 1e6),
+    (&["psi"], Signal(Q::Pressure), POUND_KG * STANDARD_GRAVITY_M_PER_S2 / (INCH_M * INCH_M)),
     (&["V", "VOL", "volt", "volts"], Signal(Q::Voltage), 1.0),
     (&["mV"], Signal(Q::Voltage), 1e-3),
     (&["kg"], Mass, 1.0),
@@ -121,6 +135,9 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["N*s/m", "N·s/m", "Ns/m", "N.s/m", "N/(m/s)"], Damping, 1.0),
     (&["N*s/mm", "N·s/mm", "Ns/mm", "N.s/mm"], Damping, 1e3),
     (&["lbf*s/in"], Damping, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
+    (&["m2", "m^2", "m²"], Area, 1.0),
+    (&["cm2", "cm^2", "cm²"], Area, 1e-4),
+    (&["mm2", "mm^2", "mm²"], Area, 1e-6),
 ];
 
 fn squeeze(text: &str) -> String {
@@ -223,7 +240,7 @@ pub enum UnitError {
         text: String,
         /// What is needed.
         dimension: &'static str,
-        /// The SI unit.
+        /// The unit that people type most.
         example: &'static str,
         /// All known units.
         choices: String,
@@ -279,7 +296,7 @@ pub fn parse_value(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
         return Err(UnitError::Bare {
             text: trimmed.to_owned(),
             dimension: dimension.name(),
-            example: dimension.si_unit(),
+            example: dimension.usual_unit(),
             choices: choices(dimension),
         });
     }
@@ -342,7 +359,7 @@ mod tests {
         let error = parse_value("35", SPEED).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "\"35\" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, mm/s, ft/s)"
+            "\"35\" has no unit: write a speed, e.g. 35 km/h (units: m/s, km/h, mph, mm/s, ft/s)"
         );
     }
 

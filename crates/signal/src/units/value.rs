@@ -75,6 +75,12 @@ value! {
     Stiffness(Dimension::Stiffness, "N/m"),
     /// A damping, N·s/m.
     Damping(Dimension::Damping, "N*s/m"),
+    /// A force, N.
+    Force(Dimension::Signal(QuantityKind::Force), "N"),
+    /// A pressure, Pa.
+    Pressure(Dimension::Signal(QuantityKind::Pressure), "Pa"),
+    /// An area, m².
+    Area(Dimension::Area, "m2"),
 }
 
 /// Takes text, and bare numbers as text so that the answer to them is about the unit.

@@ -47,7 +47,7 @@ pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, d
     if sensor.on_engine && simulation.masses.len() == 1 {
         return None;
     }
-    beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.masses.len() }, time_zero_s, dt_s)
+    beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.compartment + 1 }, time_zero_s, dt_s)
 }
 
 /// As [`beside`], with the mass that the sensor sits on, counted from the barrier, from 1. `None` for mass 0 and for a

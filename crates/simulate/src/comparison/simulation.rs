@@ -75,8 +75,10 @@ pub struct Simulation {
     pub events: CrushEvents,
     /// Beside the test.
     pub comparison: Comparison,
-    /// Motion of every mass, from the barrier on; the last is the compartment.
+    /// Motion of every mass, from the barrier on.
     pub masses: Vec<Motion>,
+    /// Which of them is the compartment, from 0: the last, unless a chain has an occupant behind it.
+    pub compartment: usize,
     /// Displacement of the model minus that of the test at every sample of the window, m.
     pub error_m: Vec<f64>,
     /// The force in every spring and damper, and the energy; `None` where the heat leaves the range of numbers.

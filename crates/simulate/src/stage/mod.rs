@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use crate::stage::chain_table::ChainSettings;
 use crate::stage::fitted_parameters::fitted_parameters;
 use crate::stage::options::{Options, Settings};
-use crate::stage::other_sensors::{other_sensors, was_fitted};
+use crate::stage::other_sensors::{mass_of_occupant, mass_of_pulse, other_sensors, was_fitted};
 use crate::stage::records::{sensor_record, summary_line, write_simulation};
 
 /// The stage.
@@ -85,14 +85,17 @@ impl Stage for Simulate {
         let window = Window { to_s: settings.to_s.or(end_of_event_s) };
         let results: Vec<Result<Simulation, SimulateError>> = candidates
             .par_iter()
-            .map(|(_, candidate)| simulate_candidate(candidate, settings.stay_attached, &measured, window, &excitation))
+            .map(|(_, candidate)| {
+                let pulse = mass_of_pulse(candidate, channel);
+                simulate_candidate(candidate, pulse, settings.stay_attached, &measured, window, &excitation)
+            })
             .collect();
         let chains: Vec<Result<Simulation, SimulateError>> = settings
             .chain
             .iter()
             .map(|stated| {
                 let excitation = stated.driven.excitation(input, channel)?;
-                Ok(simulate_chain(&stated.chain()?, stated.speed_m_per_s, &measured, window, &excitation))
+                Ok(simulate_chain(&stated.chain()?, stated.speed_m_per_s, None, &measured, window, &excitation))
             })
             .collect::<anyhow::Result<_>>()?;
 
@@ -108,6 +111,9 @@ impl Stage for Simulate {
         let mut simulated = 0;
         for ((id, candidate), result) in candidates.iter().zip(results) {
             simulated += comparison.write(id, candidate, result, drive.clone(), out, |simulation, sensor, dt_s| {
+                if let Some(mass) = mass_of_occupant(candidate, &sensor.channel, simulation.compartment + 1) {
+                    return beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s);
+                }
                 let seen = was_fitted(candidate, &sensor.channel);
                 if seen { None } else { beside(simulation, sensor, events.time_zero_s, dt_s) }
             })?;
@@ -144,9 +150,10 @@ fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[(String, Candidat
     Ok(())
 }
 
-/// The response of a candidate.
+/// The response of a candidate; of a chain the mass of number `pulse` is compared with the test, else the last.
 fn simulate_candidate(
     candidate: &CandidateV1,
+    pulse: Option<usize>,
     stay_attached: bool,
     measured: &Measured<'_>,
     window: Window,
@@ -154,7 +161,9 @@ fn simulate_candidate(
 ) -> Result<Simulation, SimulateError> {
     if candidate.model == CHAIN {
         let chain = Chain::from_parameters(&candidate.parameters)?;
-        return simulate_chain(&chain, None, measured, window, excitation);
+        // The number comes from a file: one that the chain does not have is none.
+        let compartment = pulse.filter(|mass| (1..=chain.masses_kg().len()).contains(mass)).map(|mass| mass - 1);
+        return simulate_chain(&chain, None, compartment, measured, window, excitation);
     }
     let kind: ModelKind = candidate.model.parse()?;
     let mut model = Model::from_parameters(kind, &candidate.parameters)?;

@@ -20,6 +20,20 @@ pub fn other_sensors(input: &Inputs, test: &TestDescription, pulse: &str) -> any
     Ok(sensors)
 }
 
+/// Number of the mass, from 1, that the pulse is of in a candidate whose fit says so.
+pub fn mass_of_pulse(candidate: &CandidateV1, pulse: &str) -> Option<usize> {
+    let sensors = &candidate.fit.as_ref()?.sensors;
+    Some(sensors.iter().find(|sensor| sensor.channel == pulse)?.mass as usize)
+}
+
+/// Number of the mass behind the compartment that the candidate's fit put this channel on: an occupant's, whose motion
+/// no other number of the simulation is about.
+pub fn mass_of_occupant(candidate: &CandidateV1, channel: &str, compartment: usize) -> Option<usize> {
+    let sensors = &candidate.fit.as_ref()?.sensors;
+    let mass = sensors.iter().find(|sensor| sensor.channel == channel)?.mass as usize;
+    (mass > compartment).then_some(mass)
+}
+
 /// Whether the candidate's own fit saw this channel: it says nothing new then.
 pub fn was_fitted(candidate: &CandidateV1, channel: &str) -> bool {
     candidate.fit.as_ref().is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.channel == channel))

@@ -17,7 +17,7 @@ pub fn write_simulation(
     (grid, time_zero_s): (&Sampled, f64),
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let Simulation { motion, mut events, comparison, dynamics, .. } = simulation;
+    let Simulation { motion, mut events, comparison, compartment, dynamics, .. } = simulation;
     let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid, time_zero_s);
     let record = SimulationV1 {
         dynamic_crush_m: events.dynamic_crush_m,
@@ -54,10 +54,9 @@ pub fn write_simulation(
     };
     write_motion("", motion)?;
     let Some(dynamics) = dynamics else { return Ok(()) };
-    // The last mass is the compartment, written above.
-    let mut motions = dynamics.response.motions;
-    motions.pop();
-    for (k, motion) in motions.into_iter().enumerate() {
+    // The compartment is written above.
+    let motions = dynamics.response.motions.into_iter().enumerate();
+    for (k, motion) in motions.filter(|(k, _)| *k != compartment) {
         write_motion(&format!("m{}/", k + 1), motion)?;
     }
     for element in dynamics.forces {

@@ -204,7 +204,7 @@ mod tests {
         "#);
         assert_eq!(
             text("[filter]\nimpact_speed = 35"),
-            "error: p.toml, options of filter: \"35\" has no unit: write a speed, e.g. 35 m/s (units: m/s, km/h, mph, \
+            "error: p.toml, options of filter: \"35\" has no unit: write a speed, e.g. 35 km/h (units: m/s, km/h, mph, \
              mm/s, ft/s) in `impact_speed`"
         );
     }

@@ -1,6 +1,7 @@
-//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [KIND ...]`: how far predictions of other
-//! tests are off, for N made cars a kind from number K on, by the programs in the folder BIN, as Markdown. A kind is
-//! named by a part of its name. `--tests`: speeds in km/h at which each car is tested; several are joined to one model.
+//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]`: how far
+//! predictions of other tests are off, for N made cars a kind from number K on, by the programs in the folder BIN, as
+//! Markdown. A kind is named by a part of its name. `--tests`: speeds in km/h at which each car is tested; several are
+//! joined to one model. `--keep` leaves the records and artifacts of every car in FOLDER.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -10,7 +11,8 @@ use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [KIND ...]";
+const USAGE: &str =
+    "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]";
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -25,6 +27,7 @@ fn main() -> ExitCode {
 fn benchmark() -> Result<(), Failure> {
     let mut bin = workspace().join("target/release");
     let (mut cars, mut first, mut tests) = (50, 0, vec![56.0]);
+    let mut keep: Option<PathBuf> = None;
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -36,21 +39,26 @@ fn benchmark() -> Result<(), Failure> {
                 let speeds = arguments.next().ok_or(USAGE)?;
                 tests = speeds.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>()?;
             }
+            "--keep" => keep = Some(PathBuf::from(arguments.next().ok_or(USAGE)?)),
             flag if flag.starts_with('-') => return Err(USAGE.into()),
             kind => wanted.push(kind.to_owned()),
         }
     }
-    let folder = std::env::temp_dir().join(format!("prediction-benchmark-{}", std::process::id()));
+    let made_here = std::env::temp_dir().join(format!("prediction-benchmark-{}", std::process::id()));
+    let folder = keep.clone().unwrap_or_else(|| made_here.clone());
     let pipeline = workspace().join("pipelines/default.toml");
     let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
     let mut all = Vec::new();
     for kind in KINDS.iter().filter(|kind| asked(kind.name)) {
+        let folder = folder.join(kind.name.replace([',', ' '], "-"));
         all.extend(outcomes(kind, first..first + cars, &tests, (&bin, &pipeline), &folder)?);
     }
     if all.is_empty() {
         return Err(format!("no kind has one of these in its name: {}", wanted.join(", ")).into());
     }
     print!("{}", tables(&all));
-    std::fs::remove_dir_all(&folder)?;
+    if keep.is_none() {
+        std::fs::remove_dir_all(&made_here)?;
+    }
     Ok(())
 }

@@ -36,8 +36,9 @@ impl std::error::Error for TrialError {}
 
 /// Cars of a kind, those of the numbers given, through the programs in `bin` with the pipeline in `pipeline`.
 ///
-/// `tests`: speeds at which each is tested, km/h; with several, one model is fitted to all of them. A car and its noise
-/// follow from its kind and number alone. Errors: a program that is missing or fails.
+/// `tests`: speeds at which each is tested, km/h; with several, one model is fitted to all of them. Every car leaves
+/// its records and artifacts in a folder of its own. A car and its noise follow from its kind and number alone. Errors:
+/// a program that is missing or fails.
 pub fn outcomes(
     kind: &Kind,
     numbers: std::ops::Range<usize>,
@@ -50,9 +51,7 @@ pub fn outcomes(
         .map(|number| {
             let folder = folder.join(number.to_string());
             let programs = Programs { bin, pipeline, folder: &folder };
-            let outcome = trial(kind, number, tests, &programs)?;
-            fs::remove_dir_all(&folder).map_err(|error| TrialError::File(folder.clone(), error))?;
-            Ok(outcome)
+            trial(kind, number, tests, &programs)
         })
         .collect()
 }

@@ -1,7 +1,9 @@
-//! Records of ingest, filter and integrate: the test, waveforms, filters, quality, events, metrics.
+//! Records of ingest, filter and integrate: the test, its damage, waveforms, filters, quality, events,
+//! metrics.
 //! Uses error only.
 
 mod channel_filter;
+mod damage;
 mod events;
 mod metrics;
 mod quality;
@@ -9,6 +11,7 @@ mod test;
 mod wave;
 
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
+pub use damage::DamageV1;
 pub use events::{EventIntervalV1, EventsV1, MissingIntervalV1};
 pub use metrics::{MetricV1, MetricsV1};
 pub use quality::QualityV1;

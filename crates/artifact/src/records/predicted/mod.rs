@@ -3,4 +3,6 @@
 
 mod prediction;
 
-pub use prediction::{AgainstTestV1, PredictedEnergyV1, PredictedIntervalV1, PredictionV1};
+pub use prediction::{
+    AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
+};

@@ -13,19 +13,19 @@ pub struct PredictionV1 {
     /// Names it has in the choice of candidates: `recommended`, `simplest`, `closest`.
     #[serde(default)]
     pub names: Vec<String>,
-    /// Impact speed, m/s.
+    /// Impact speed over ground, m/s.
     pub impact_speed_m_per_s: f64,
     /// Mass of the vehicle, kg.
     pub mass_kg: f64,
     /// What it meets; `null`: the rigid wall of the test.
     pub partner: Option<String>,
-    /// Dynamic crush, m; `null` if the model never stops.
+    /// Dynamic crush, m, against a partner that of the vehicle at common velocity; `null` if the model never stops.
     pub dynamic_crush_m: Option<f64>,
     /// Time of dynamic crush, s after contact.
     pub time_of_dynamic_crush_s: Option<f64>,
     /// Change of velocity up to the rebound, m/s.
     pub delta_v_m_per_s: Option<f64>,
-    /// Rebound velocity of the compartment over the impact speed.
+    /// Rebound velocity of the compartment over the impact speed; against a partner both relative to it.
     pub coefficient_of_restitution: Option<f64>,
     /// Largest deceleration of the compartment through CFC 60, m/s².
     pub peak_acceleration_m_per_s2: Option<f64>,
@@ -44,23 +44,95 @@ pub struct PredictionV1 {
     /// The prediction beside a test that was made.
     #[serde(default)]
     pub against: Option<AgainstTestV1>,
+    /// What the collision with a partner makes of both; `null`: the wall.
+    #[serde(default)]
+    pub collision: Option<PredictedCollisionV1>,
+    /// What becomes of the occupant; `null`: none was asked for.
+    #[serde(default)]
+    pub occupant: Option<PredictedOccupantV1>,
 }
 
 /// Where the energy of an impact goes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictedEnergyV1 {
-    /// Kinetic energy of all masses at contact, J.
+    /// Kinetic energy of all masses at contact, J; those of a partner among them.
     pub kinetic_at_impact_j: f64,
-    /// Kinetic energy of all masses when the compartment stops, J.
+    /// Kinetic energy of all masses when the compartment stops, or has the velocity of the partner's, J.
     pub kinetic_at_rest_j: f64,
-    /// Taken by the structure until then, stored or not, J.
+    /// Taken by the structures until then, stored or not, J.
     pub absorbed_j: f64,
+}
+
+/// A collision with another vehicle or a moving barrier. Velocities are over ground, positive in the direction of the
+/// vehicle; a change of velocity is a size.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PredictedCollisionV1 {
+    /// What the partner is: `vehicle` or `barrier`.
+    pub kind: String,
+    /// Candidate of the partner's run; `null` of a barrier.
+    pub partner_candidate: Option<String>,
+    /// Speed at which they approach, m/s.
+    pub closing_speed_m_per_s: f64,
+    /// Speed of the partner towards the vehicle, m/s.
+    pub partner_speed_m_per_s: f64,
+    /// Mass of the partner, kg.
+    pub partner_mass_kg: f64,
+    /// Velocity of both compartments at the time of dynamic crush, m/s.
+    pub common_velocity_m_per_s: Option<f64>,
+    /// Crush of both then, m.
+    pub mutual_crush_m: Option<f64>,
+    /// What of it is the partner's, m.
+    pub partner_crush_m: Option<f64>,
+    /// Change of the partner's velocity up to the parting, m/s.
+    pub partner_delta_v_m_per_s: Option<f64>,
+    /// Largest deceleration of the partner's compartment through CFC 60, m/s².
+    pub partner_peak_acceleration_m_per_s2: Option<f64>,
+    /// Occupant load criterion of the partner, m/s².
+    pub partner_olc_m_per_s2: Option<f64>,
+    /// Energy that the vehicle has taken until common velocity, J.
+    pub absorbed_j: Option<f64>,
+    /// Energy that the partner has taken, J.
+    pub partner_absorbed_j: Option<f64>,
+    /// Speed at which the mass of the vehicle has the energy it has taken, m/s.
+    pub energy_equivalent_speed_m_per_s: Option<f64>,
+    /// The same of the partner, m/s.
+    pub partner_energy_equivalent_speed_m_per_s: Option<f64>,
+    /// Velocity of the vehicle after the parting, m/s.
+    pub velocity_after_m_per_s: Option<f64>,
+    /// Velocity of the partner after it, m/s.
+    pub partner_velocity_after_m_per_s: Option<f64>,
+    /// Momentum of all masses before, N·s.
+    pub momentum_before_n_s: f64,
+    /// Momentum of all masses after, N·s.
+    pub momentum_after_n_s: f64,
+}
+
+/// An occupant behind a restraint in the compartment.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PredictedOccupantV1 {
+    /// When the slack is used up, s after contact.
+    pub time_of_contact_s: Option<f64>,
+    /// Speed ahead of the compartment then, m/s.
+    pub relative_speed_at_contact_m_per_s: Option<f64>,
+    /// Largest deceleration, m/s².
+    pub peak_acceleration_m_per_s2: f64,
+    /// Its time, s after contact.
+    pub time_of_peak_s: f64,
+    /// Largest way ahead of the compartment, m.
+    pub largest_excursion_m: f64,
+    /// Its time, s after contact.
+    pub time_of_largest_excursion_s: f64,
+    /// Share of the occupant's energy that crush of the vehicle takes, until the occupant stops over ground, or has
+    /// the common velocity; `null`: it does not stop.
+    pub ride_down_share: Option<f64>,
+    /// Share that the restraint takes.
+    pub restraint_share: Option<f64>,
 }
 
 /// An interval of a predicted number.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictedIntervalV1 {
-    /// Field of the prediction, e.g. `dynamic_crush_m`.
+    /// Field of the prediction, e.g. `dynamic_crush_m` or `collision.mutual_crush_m`.
     pub name: String,
     /// Share of cases that it is to hold, e.g. 0.9.
     pub level: f64,

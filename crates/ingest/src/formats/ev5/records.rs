@@ -53,10 +53,16 @@ pub struct Vehicle {
     pub year: Option<String>,
     /// 11 VEHTWT, kg.
     pub test_mass_kg: Option<f64>,
+    /// 15 VEHWID, mm.
+    pub width_mm: Option<f64>,
     /// 42 VEHSPD, km/h.
     pub speed_km_per_h: Option<f64>,
     /// 48-53 DPD1-DPD6, crush profile, mm; may be negative.
     pub crush_profile_mm: Vec<f64>,
+    /// 54 VDI, collision deformation classification.
+    pub damage_classification: Option<String>,
+    /// 55 LENCNT, length of the contact damage, mm.
+    pub damage_width_mm: Option<f64>,
     /// 57 CRHDST, largest static crush, mm.
     pub static_crush_mm: Option<f64>,
     /// 81 VEHCOM.
@@ -70,8 +76,11 @@ impl Vehicle {
             make_and_model: [fields.words(2), fields.words(3)],
             year: fields.words(4),
             test_mass_kg: fields.positive(11),
+            width_mm: fields.positive(15),
             speed_km_per_h: fields.positive(42),
             crush_profile_mm: (48..=53).filter_map(|k| fields.number(k)).collect(),
+            damage_classification: fields.words(54),
+            damage_width_mm: fields.positive(55),
             static_crush_mm: fields.positive(57),
             // A lone 0 is "nothing recorded" here, too.
             comment: fields.words(81).filter(|c| c != "0"),

@@ -1,7 +1,10 @@
 //! Details of a test from the records of its specification.
 
 use crate::formats::ev5::records::{Barrier, Test, Vehicle};
-use crate::recording::details::{Details, Stated};
+use crate::recording::details::{Damage, Details, Stated};
+
+/// Stations of a crush profile.
+const STATIONS: usize = 6;
 
 /// Facts of the test from its records.
 pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Details {
@@ -17,6 +20,7 @@ pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Det
         mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
         time_zero_s: None,
+        damage: damage(vehicle),
         speed_not_taken: None,
         no_pulse: false,
         facts: facts(test, vehicle),
@@ -34,6 +38,19 @@ fn vehicle_words(test: &Test, vehicle: &Vehicle) -> Option<String> {
     from_title.or_else(|| {
         let [make, model] = &vehicle.make_and_model;
         Some(format!("{year}, make code {}, model code {}", make.as_deref()?, model.as_deref()?))
+    })
+}
+
+/// The crush profile DPD1 to DPD6; all zero is nothing recorded.
+fn damage(vehicle: &Vehicle) -> Option<Damage> {
+    let stations = &vehicle.crush_profile_mm;
+    let is_recorded = stations.len() == STATIONS && stations.iter().any(|crush| *crush != 0.0);
+    is_recorded.then(|| Damage {
+        residual_crush_m: stations.iter().map(|mm| mm / 1e3).collect(),
+        damage_width_m: vehicle.damage_width_mm.map(|mm| mm / 1e3),
+        vehicle_width_m: vehicle.width_mm.map(|mm| mm / 1e3),
+        classification: vehicle.damage_classification.clone(),
+        from: "DPD1-DPD6, LENCNT, VEHWID, VDI".to_owned(),
     })
 }
 

@@ -49,6 +49,7 @@ pub fn details(file: &str, header: &Header, settings: &IngestSettings, notes: &m
         impact_speed_m_per_s,
         time_zero_s: None,
         speed_not_taken,
+        damage: None,
         no_pulse: false,
         facts,
     }

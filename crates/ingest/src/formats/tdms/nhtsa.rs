@@ -118,7 +118,10 @@ pub fn test(all: &[&Properties], vehicle: u32) -> Option<Details> {
         year: words(of_vehicle, "YEAR"),
         test_mass_kg: positive(of_vehicle, "VEHTWT"),
         speed_km_per_h: positive(of_vehicle, "VEHSPD"),
-        crush_profile_mm: Vec::new(),
+        width_mm: positive(of_vehicle, "VEHWID"),
+        crush_profile_mm: (1..=6).filter_map(|k| number(of_vehicle, &format!("DPD{k}"))).collect(),
+        damage_classification: words(of_vehicle, "VDI"),
+        damage_width_mm: positive(of_vehicle, "LENCNT"),
         static_crush_mm: positive(of_vehicle, "CRHDST"),
         comment: words(of_vehicle, "VEHCOM").filter(|c| c != "0"),
     };

@@ -1,6 +1,7 @@
-//! Numbers beside the motion: occupants, roadside hardware, load cells of the barrier, event data recorders.
-//! May use `stage/options` and `stage/metric_record`.
+//! Numbers beside the motion: occupants, roadside hardware, the stiffness of CRASH3, load cells of the barrier, event
+//! data recorders. May use `stage/options` and `stage/metric_record`.
 
+pub mod crush_stiffness;
 pub mod load_cells;
 pub mod occupants_and_roadside;
 pub mod recorder;

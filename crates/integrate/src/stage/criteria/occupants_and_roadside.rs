@@ -1,8 +1,8 @@
 //! Criteria of occupants and of roadside hardware, from the channels a test has for them.
 
 use crumple_metrics::{
-    AsiLimits, AsiMethod, CLIP_3MS_S, CrushStiffness, FlailSpace, HIC15_WINDOW_S, HIC36_WINDOW_S, Metric, asi,
-    clip_contiguous, clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
+    AsiLimits, AsiMethod, CLIP_3MS_S, FlailSpace, HIC15_WINDOW_S, HIC36_WINDOW_S, Metric, asi, clip_contiguous,
+    clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
 };
 use crumple_signal::{
     Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal,
@@ -68,7 +68,6 @@ impl Criteria<'_> {
         if self.takes(MetricGroup::Roadside) {
             records.extend(self.roadside(notes)?);
         }
-        records.extend(self.crush_stiffness(notes));
         lines.into_iter().for_each(|line| out.summary(line));
         Ok(records)
     }
@@ -140,7 +139,7 @@ impl Criteria<'_> {
 
     /// The record of a criterion under the ids of its channels together, with what is to be said of their class and
     /// axes.
-    fn record(&self, channels: &[&Channel], metric: Metric, remarks: &[String]) -> MetricV1 {
+    pub(super) fn record(&self, channels: &[&Channel], metric: Metric, remarks: &[String]) -> MetricV1 {
         let ids: Vec<&str> = channels.iter().map(|channel| channel.id.as_str()).collect();
         let metric =
             remarks.iter().fold(metric.counted_from(self.time_zero_s), |metric, remark| metric.remarked(remark));
@@ -302,29 +301,6 @@ impl Criteria<'_> {
         let fits =
             |channel: &&Channel| of_vehicle(channel, quantity, axis) && self.input.wave_if(&channel.id).is_some();
         self.test.channels.iter().filter(fits).collect()
-    }
-
-    fn crush_stiffness(&self, notes: &mut Notes) -> Vec<MetricV1> {
-        let Some(damage) = self.settings.damage else { return Vec::new() };
-        let (Some(mass_kg), Some(v0)) = (self.test.mass_kg, self.impact_speed_m_per_s) else {
-            notes.warning("crush stiffness: the mass is not known (give it to ingest with --mass)");
-            return Vec::new();
-        };
-        let b0 = damage.no_damage_speed_m_per_s;
-        let stiffness = CrushStiffness::from_barrier_test(mass_kg, damage.width_m, v0, damage.residual_crush_m, b0);
-        let Some(stiffness) = stiffness else {
-            notes.warning(format!(
-                "crush stiffness: width, residual crush and impact speed above {b0} m/s must be positive, none computed"
-            ));
-            return Vec::new();
-        };
-        let remark = format!(
-            "width {} m, residual crush {} m, b0 = {b0} m/s; from the impact speed and what was measured afterwards",
-            damage.width_m, damage.residual_crush_m
-        );
-        let at_impact = |metric: Metric| metric.over(self.time_zero_s, self.time_zero_s);
-        let record = |metric: Metric| self.record(&[self.pulse], at_impact(metric), std::slice::from_ref(&remark));
-        stiffness.metrics().into_iter().map(record).collect()
     }
 }
 

@@ -87,11 +87,12 @@ pub struct Options {
     #[arg(long, value_enum, value_name = "GROUP", value_delimiter = ',')]
     pub metrics: Vec<MetricGroup>,
 
-    /// Width of the damage, e.g. 1.6m: with the residual crush, CRASH3 stiffness A, B and G [default: not stated]
+    /// Width of the damage, e.g. 1.6m: with the residual crush, CRASH3 stiffness A, B and G [default: as the file
+    /// states it]
     #[arg(long, value_name = "LENGTH")]
     pub damage_width: Option<Length>,
 
-    /// Residual crush measured on the vehicle, e.g. 520mm, for CRASH3 [default: not stated]
+    /// Residual crush measured on the vehicle, e.g. 520mm, for CRASH3 [default: as the file states it]
     #[arg(long, value_name = "LENGTH")]
     pub residual_crush: Option<Length>,
 

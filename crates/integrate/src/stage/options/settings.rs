@@ -34,7 +34,10 @@ pub struct StageSettings {
     /// Empty: auto.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<MetricGroup>,
-    /// `None`: no CRASH3 stiffness.
+    /// Speed of no damage, for CRASH3.
+    #[serde(skip_serializing_if = "is_usual_speed")]
+    pub no_damage_speed_m_per_s: f64,
+    /// For CRASH3; `None`: what the file of the test states.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<Damage>,
     /// `None`: no intervals.
@@ -47,12 +50,15 @@ pub struct StageSettings {
 pub struct Damage {
     pub width_m: f64,
     pub residual_crush_m: f64,
-    pub no_damage_speed_m_per_s: f64,
 }
 
 /// Options that are not used stay out of the provenance, so that results from before they existed stay up to date.
 fn is_default(cells: &BarrierCells) -> bool {
     *cells == BarrierCells::default()
+}
+
+fn is_usual_speed(speed: &f64) -> bool {
+    *speed == NO_DAMAGE_SPEED_M_PER_S
 }
 
 impl TryFrom<Options> for StageSettings {
@@ -76,12 +82,8 @@ impl TryFrom<Options> for StageSettings {
             return Err(Usage::new("metrics none stands beside other groups").hint("leave out either"));
         }
         let damage = match (options.damage_width, options.residual_crush) {
-            (Some(width), Some(crush)) => Some(Damage {
-                width_m: width.si(),
-                residual_crush_m: crush.si(),
-                no_damage_speed_m_per_s: options.no_damage_speed.map_or(NO_DAMAGE_SPEED_M_PER_S, Speed::si),
-            }),
-            (None, None) if options.no_damage_speed.is_none() => None,
+            (Some(width), Some(crush)) => Some(Damage { width_m: width.si(), residual_crush_m: crush.si() }),
+            (None, None) => None,
             _ => {
                 return Err(Usage::new("damage-width and residual-crush belong together")
                     .hint("give both, e.g. --damage-width 1.6m --residual-crush 520mm"));
@@ -103,6 +105,7 @@ impl TryFrom<Options> for StageSettings {
             }),
             barrier_cells: options.barrier_cells.unwrap_or_default(),
             metrics,
+            no_damage_speed_m_per_s: options.no_damage_speed.map_or(NO_DAMAGE_SPEED_M_PER_S, Speed::si),
             damage,
         })
     }

@@ -1,7 +1,7 @@
 //! Both nonlinear models of a single mass fitted to its displacement, from starts by the momentum.
-//! May use `fit/descents`, `fit/options`, `candidate` and `record`.
+//! May use `fit/at_crush`, `fit/problem`, `fit/descents`, `fit/options`, `candidate`, `free` and `record`.
 
+pub mod coordinates;
 pub mod momentum_starts;
 pub mod nonlinear1;
 pub mod nonlinear2;
-pub mod problem;

@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
+use crate::record::observation::ObservedWave;
 use crumple_linalg::nonnegative_least_squares;
 
 /// Places of the knots of the damper, shares of the impact speed: quadratic, since most of the motion near rest is
@@ -44,25 +44,20 @@ pub(crate) struct Momentum {
 }
 
 impl Momentum {
-    /// Reads a window. The speed is a central difference of the displacement, off by `O(dt²)` and by the noise over
-    /// `dt`: only starting values depend on it.
-    pub fn of(window: &Window, options: &SingleMassFitOptions) -> Self {
+    /// Reads a displacement. The speed is a central difference of it, off by `O(dt²)` and by the noise over `dt`: only
+    /// starting values depend on it.
+    pub fn of(wave: &ObservedWave, options: &SingleMassFitOptions) -> Self {
         let (crush, v0) = (options.crush_m, options.impact_speed_m_per_s);
-        let n = window.samples.len();
-        let s = &window.samples;
+        let (s, dt_s) = (&wave.samples, wave.instants().dt_s);
+        let n = s.len();
         let speed = |k: usize| match k {
-            0 => (s[1] - s[0]) / window.dt_s,
-            k if k + 1 == n => (s[k] - s[k - 1]) / window.dt_s,
-            k => (s[k + 1] - s[k - 1]) / (2.0 * window.dt_s),
+            0 => (s[1] - s[0]) / dt_s,
+            k if k + 1 == n => (s[k] - s[k - 1]) / dt_s,
+            k => (s[k + 1] - s[k - 1]) / (2.0 * dt_s),
         };
         let v: Vec<f64> = (0..n).map(|k| speed(k) / v0).collect();
         let first = v[0];
-        Self {
-            dt_s: window.dt_s,
-            x: s.iter().map(|x| x / crush).collect(),
-            lost: v.iter().map(|v| first - v).collect(),
-            v,
-        }
+        Self { dt_s, x: s.iter().map(|x| x / crush).collect(), lost: v.iter().map(|v| first - v).collect(), v }
     }
 
     /// One column for each knot: the integrals of `hat_j(|y|) y` by trapezoids over the window, with `y` the

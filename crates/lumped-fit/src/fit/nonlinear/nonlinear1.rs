@@ -1,14 +1,16 @@
 //! The first nonlinear model fitted to the compartment's displacement, under the side constraints of its paper.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response, descend};
 use crumple_lumped::{Model, Nonlinear1};
 use crumple_signal::{Displacement, Signal};
 
-use crate::fit::descents::all;
+use crate::fit::at_crush::AtCrush;
+use crate::fit::descents::{all, bounds};
+use crate::fit::nonlinear::coordinates::{coordinates, record_of_fit};
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
-use crate::fit::nonlinear::problem::{Displacements, conditions_at_crush, derivatives1};
 use crate::fit::options::SingleMassFitOptions;
-use crate::record::window::Window;
+use crate::fit::problem::Problem;
+use crate::free::coordinates::{Coordinates, Map};
 use crate::{Fit, SolveError};
 
 /// Rounds of the augmented Lagrangian.
@@ -32,8 +34,8 @@ pub fn fit_nonlinear1(
     constrained: bool,
 ) -> Result<(Nonlinear1, Fit), SolveError> {
     options.check()?;
-    let window = options.window(displacement)?;
-    let momentum = Momentum::of(&window, options);
+    let observed = options.observed(displacement)?;
+    let momentum = Momentum::of(&observed.waves[0], options);
     let springs = momentum.columns(&momentum.x, &[0.0, 1.0]);
     let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
     // k = k1 + (k2 - k1) ramp; c = c3 + (c2 - c3) [first two hats] + (c1 - c2) [first hat].
@@ -51,18 +53,20 @@ pub fn fit_nonlinear1(
     starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     starts.truncate(REFINED);
     let rate = options.impact_speed_m_per_s / options.crush_m;
-    let points = starts.iter().map(|s| s.values.iter().map(|x| x / rate).chain([s.knots[0]]).collect()).collect();
-    let problem = parts_problem(&window, options, None);
-    let (ends, mut evaluations) = all(&problem, points, &bounds(30, 1e-4));
+    // Of the dampers the smallest first, on which the others stand.
+    let point = |s: &Start| [0, 1, 4, 3, 2].map(|i| s.values[i] / rate).into_iter().chain([s.knots[0]]).collect();
+    let coordinates = parts(options);
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+    let (ends, mut evaluations) = all(&problem, starts.iter().map(point).collect(), &bounds(&coordinates, 30, 1e-4));
     let hopeful = ends.into_iter().take(FOLLOWED).map(|m| m.theta).collect();
-    let (mut ends, more) = all(&problem, hopeful, &bounds(120, 1e-10));
+    let (mut ends, more) = all(&problem, hopeful, &bounds(&coordinates, 120, 1e-10));
     evaluations += more;
     if ends.is_empty() {
         return Err(SolveError::NoFit { starts: REFINED });
     }
     let mut best = ends.remove(0);
     if constrained {
-        if let Some((end, spent, _)) = descend_to_conditions(&window, options, &best.theta, (1e-10, 1e-9)) {
+        if let Some((end, spent, _)) = descend_to_conditions(&problem, options, &best.theta, (1e-10, 1e-9)) {
             evaluations += spent;
             best = end;
         }
@@ -72,88 +76,64 @@ pub fn fit_nonlinear1(
             best.cost = residuals.iter().map(|x| x * x).sum();
         }
     }
-    let model = model_of_parts(&best.theta, options).ok_or(SolveError::NoFit { starts: REFINED })?;
     // A part on its bound makes two coefficients equal.
-    let names = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m", "c3_n_s_per_m", "v_thresh_m_per_s"];
-    Ok((model, Fit::of_displacement(&best, &window, evaluations, &names, options.crush_m)))
+    let fit = record_of_fit(&coordinates, &observed, &best, evaluations, options);
+    match coordinates.model(&best.theta) {
+        Some(Model::Nonlinear1(model)) => Ok((model, fit)),
+        _ => Err(SolveError::NoFit { starts: REFINED }),
+    }
 }
 
-/// The model of six coordinates: parts of springs, parts of dampers, all over their units, and the knot over the impact
-/// speed. `None` if it is not physical.
-pub(crate) fn model_of_parts(theta: &[f64], options: &SingleMassFitOptions) -> Option<Nonlinear1> {
-    let ((spring, damper), v0) = (options.units(), options.impact_speed_m_per_s);
-    let model = Nonlinear1 {
+/// Springs and dampers as sums of parts that are not negative, over their units, and the knot over the impact speed.
+pub(crate) fn parts(options: &SingleMassFitOptions) -> Coordinates<Model> {
+    let ((k, c), v0) = (options.units(), options.impact_speed_m_per_s);
+    let template = Model::Nonlinear1(Nonlinear1 {
         mass_kg: options.mass_kg,
-        k1_n_per_m: theta[0] * spring,
-        k2_n_per_m: (theta[0] + theta[1]) * spring,
-        c1_n_s_per_m: (theta[2] + theta[3] + theta[4]) * damper,
-        c2_n_s_per_m: (theta[3] + theta[4]) * damper,
-        c3_n_s_per_m: theta[4] * damper,
-        v_thresh_m_per_s: theta[5] * v0,
+        k1_n_per_m: k,
+        k2_n_per_m: k,
+        c1_n_s_per_m: c,
+        c2_n_s_per_m: c,
+        c3_n_s_per_m: c,
+        v_thresh_m_per_s: 0.5 * v0,
         crush_m: options.crush_m,
         v0_m_per_s: v0,
-    };
-    model.check().is_ok().then_some(model)
-}
-
-/// The coordinates of a model.
-pub(crate) fn parts_of_model(m: &Nonlinear1, options: &SingleMassFitOptions) -> [f64; 6] {
-    let (k, c) = options.units();
-    [
-        m.k1_n_per_m / k,
-        (m.k2_n_per_m - m.k1_n_per_m) / k,
-        (m.c1_n_s_per_m - m.c2_n_s_per_m) / c,
-        (m.c2_n_s_per_m - m.c3_n_s_per_m) / c,
-        m.c3_n_s_per_m / c,
-        m.v_thresh_m_per_s / options.impact_speed_m_per_s,
-    ]
-}
-
-/// No part is negative; the knot stays inside the range of speeds.
-fn bounds(max_iterations: u32, cost_tolerance: f64) -> Bounds {
-    let (mut lower, mut upper) = (vec![0.0; 6], vec![1e3; 6]);
-    (lower[5], upper[5]) = (0.005, 0.995);
-    Bounds { lower, upper, max_iterations, cost_tolerance }
-}
-
-/// The residuals of these parts, with the conditions at dynamic crush or without.
-fn parts_problem<'a>(
-    window: &'a Window,
-    options: &'a SingleMassFitOptions,
-    conditions: Option<(f64, [f64; 2])>,
-) -> Displacements<'a, impl Fn(&[f64]) -> Option<Model>> {
-    let model = move |theta: &[f64]| model_of_parts(theta, options).map(Model::Nonlinear1);
-    Displacements { window, options, model, derivatives: derivatives1, conditions }
+    });
+    // k1, k2 - k1, c3, c2 - c3, c1 - c2 and the knot.
+    let springs = [(1, Map::Share(k)), (2, Map::Above(1, k))];
+    let dampers = [(5, Map::Share(c)), (4, Map::Above(5, c)), (3, Map::Above(4, c)), (6, Map::Share(v0))];
+    coordinates(template, &[&springs[..], &dampers].concat())
 }
 
 /// Descends from `start` under the two conditions at dynamic crush, by an augmented Lagrangian, until they are met to
 /// `met` of crush and speed or twelve rounds are over. The end, the evaluations spent, and whether they are met; `None`
 /// without a finite response.
 pub(crate) fn descend_to_conditions(
-    window: &Window,
+    problem: &Problem<'_, Model>,
     options: &SingleMassFitOptions,
     start: &[f64],
     (cost_tolerance, met): (f64, f64),
 ) -> Option<(Optimum, u64, bool)> {
     // Residuals are of size one times the number of samples.
-    let mut weight = window.samples.len() as f64;
-    let mut multipliers = [0.0; 2];
+    let mut at_crush = AtCrush::new(options);
+    at_crush.weight = problem.observed.rows() as f64;
+    let bounds = bounds(problem.coordinates, 120, cost_tolerance);
     let (mut end, mut evaluations): (Option<Optimum>, u64) = (None, 0);
     for _ in 0..ROUNDS {
-        let problem = parts_problem(window, options, Some((weight, multipliers)));
+        let problem = Problem { at_crush: Some(at_crush), ..problem.clone() };
         let from = end.as_ref().map_or(start, |end| &end.theta);
-        let Some(next) = descend(&problem, from, &bounds(120, cost_tolerance)) else { break };
+        let Some(next) = descend(&problem, from, &bounds) else { break };
         evaluations += next.evaluations;
-        let left = model_of_parts(&next.theta, options).and_then(|model| conditions_at_crush(&model, options));
+        let structure = problem.coordinates.structure(&next.theta);
+        let left = structure.and_then(|structure| at_crush.conditions(&structure, &[]));
         end = Some(next);
-        let Some(left) = left else { break };
+        let Some((left, _)) = left else { break };
         if left.iter().all(|condition| condition.abs() <= met) {
             return Some((end?, evaluations, true));
         }
-        for (multiplier, condition) in multipliers.iter_mut().zip(left) {
-            *multiplier += weight * condition;
+        for (multiplier, condition) in at_crush.multipliers.iter_mut().zip(left) {
+            *multiplier += at_crush.weight * condition;
         }
-        weight = (weight * 4.0).min(1e8);
+        at_crush.weight = (at_crush.weight * 4.0).min(1e8);
     }
     Some((end?, evaluations, false))
 }

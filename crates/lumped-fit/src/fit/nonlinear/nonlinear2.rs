@@ -1,14 +1,15 @@
 //! The search for the second nonlinear model in the compartment's displacement.
 
-use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 use crumple_lumped::{Model, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 
-use crate::fit::descents::all;
+use crate::fit::descents::{all, bounds};
+use crate::fit::nonlinear::coordinates::{coordinates, record_of_fit};
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
-use crate::fit::nonlinear::problem::{Displacements, derivatives2};
 use crate::fit::options::SingleMassFitOptions;
+use crate::fit::problem::Problem;
+use crate::free::coordinates::{Coordinates, Map};
 use crate::{Fit, SolveError};
 
 /// Places of the middle knot of the spring that are tried, shares of the crush.
@@ -28,8 +29,8 @@ pub fn search_nonlinear2(
     options: &SingleMassFitOptions,
 ) -> Result<(Nonlinear2, Fit), SolveError> {
     options.check()?;
-    let window = options.window(displacement)?;
-    let momentum = Momentum::of(&window, options);
+    let observed = options.observed(displacement)?;
+    let momentum = Momentum::of(&observed.waves[0], options);
     let springs: Vec<_> = SPRING_KNOTS.iter().map(|x1| momentum.columns(&momentum.x, &[0.0, *x1, 1.0])).collect();
     let pairs: Vec<(f64, f64)> = DAMPER_KNOTS
         .iter()
@@ -55,45 +56,20 @@ pub fn search_nonlinear2(
     starts.truncate(REFINED);
 
     // Momentum over v0: a spring coefficient is in units of m v0/C a second, a damper one of m a second.
-    let (spring, damper) = options.units();
     let to_theta = |start: &Start| -> Vec<f64> {
         let rate = options.impact_speed_m_per_s / options.crush_m;
         let v: Vec<f64> = start.values.iter().map(|x| x / rate).collect();
         vec![v[0], v[1], v[2], start.knots[0], v[3], v[4], v[5], v[6], start.knots[1], start.knots[2]]
     };
-    let build = |theta: &[f64]| nonlinear2(theta, options, spring, damper);
-    let problem = Displacements {
-        window: &window,
-        options,
-        model: |theta: &[f64]| build(theta).map(Model::Nonlinear2),
-        derivatives: derivatives2,
-        conditions: None,
-    };
-    let mut bounds = Bounds { lower: vec![0.0; 10], upper: vec![1e3; 10], max_iterations: 12, cost_tolerance: 1e-4 };
-    for knot in [3, 8, 9] {
-        bounds.lower[knot] = 0.005;
-        bounds.upper[knot] = 0.995;
-    }
-    let (mut ends, mut evaluations) = all(&problem, starts.iter().map(to_theta).collect(), &bounds);
+    let coordinates = shares(options);
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+    let points = starts.iter().map(to_theta).collect();
+    let (mut ends, mut evaluations) = all(&problem, points, &bounds(&coordinates, 12, 1e-4));
     ends.truncate(FOLLOWED);
-    bounds.max_iterations = 120;
-    bounds.cost_tolerance = 1e-9;
-    let (ends, more) = all(&problem, ends.into_iter().map(|m| m.theta).collect(), &bounds);
+    let ends = ends.into_iter().map(|m| m.theta).collect();
+    let (ends, more) = all(&problem, ends, &bounds(&coordinates, 120, 1e-9));
     evaluations += more;
     let best = ends.first().ok_or(SolveError::NoFit { starts: REFINED })?;
-    let model = build(&best.theta).ok_or(SolveError::NoFit { starts: REFINED })?;
-    let names = [
-        "k1_n_per_m",
-        "k2_n_per_m",
-        "k3_n_per_m",
-        "x1_m",
-        "c1_n_s_per_m",
-        "c2_n_s_per_m",
-        "c3_n_s_per_m",
-        "c4_n_s_per_m",
-        "v1_m_per_s",
-        "v2_m_per_s",
-    ];
     // The knots of the damper stand in rising order in the model.
     let mut ordered = best.clone();
     if best.theta[8] > best.theta[9] {
@@ -102,31 +78,35 @@ pub fn search_nonlinear2(
             ordered.on_bound.swap(i, j);
         }
     }
-    Ok((model, Fit::of_displacement(&ordered, &window, evaluations, &names, options.crush_m)))
+    let fit = record_of_fit(&coordinates, &observed, &ordered, evaluations, options);
+    match coordinates.model(&best.theta) {
+        Some(Model::Nonlinear2(model)) => Ok((model, fit)),
+        _ => Err(SolveError::NoFit { starts: REFINED }),
+    }
 }
 
-/// The model at a point of the search; the knots of the damper in rising order, each with its value. `None` if it is
-/// not physical.
-fn nonlinear2(theta: &[f64], options: &SingleMassFitOptions, spring: f64, damper: f64) -> Option<Nonlinear2> {
-    let (mut first, mut second) = ((theta[8], theta[5]), (theta[9], theta[6]));
-    if first.0 > second.0 {
-        std::mem::swap(&mut first, &mut second);
-    }
-    let v0 = options.impact_speed_m_per_s;
-    let model = Nonlinear2 {
+/// Springs and dampers over their units, knots over the crush and the impact speed; those of the damper in either
+/// order.
+fn shares(options: &SingleMassFitOptions) -> Coordinates<Model> {
+    let ((k, c), v0) = (options.units(), options.impact_speed_m_per_s);
+    let template = Model::Nonlinear2(Nonlinear2 {
         mass_kg: options.mass_kg,
-        k1_n_per_m: theta[0] * spring,
-        k2_n_per_m: theta[1] * spring,
-        k3_n_per_m: theta[2] * spring,
-        x1_m: theta[3] * options.crush_m,
-        c1_n_s_per_m: theta[4] * damper,
-        c2_n_s_per_m: first.1 * damper,
-        c3_n_s_per_m: second.1 * damper,
-        c4_n_s_per_m: theta[7] * damper,
-        v1_m_per_s: first.0 * v0,
-        v2_m_per_s: second.0 * v0,
+        k1_n_per_m: k,
+        k2_n_per_m: k,
+        k3_n_per_m: k,
+        x1_m: 0.5 * options.crush_m,
+        c1_n_s_per_m: c,
+        c2_n_s_per_m: c,
+        c3_n_s_per_m: c,
+        c4_n_s_per_m: c,
+        v1_m_per_s: 0.3 * v0,
+        v2_m_per_s: 0.6 * v0,
         crush_m: options.crush_m,
         v0_m_per_s: v0,
-    };
-    model.check().is_ok().then_some(model)
+    });
+    let units = [k, k, k, options.crush_m, c, c, c, c, v0, v0];
+    let free: Vec<(usize, Map)> = (1..).zip(units.map(Map::Share)).collect();
+    let mut coordinates = coordinates(template, &free);
+    coordinates.either_order = Some([[9, 6], [10, 7]]);
+    coordinates
 }

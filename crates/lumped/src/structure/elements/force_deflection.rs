@@ -249,10 +249,6 @@ impl Law for ForceDeflection {
         2 * (self.curve.knots.len() - 1) + OF_ELEMENT.len()
     }
 
-    fn is_linear(&self) -> bool {
-        false
-    }
-
     fn has_branches(&self) -> bool {
         true
     }

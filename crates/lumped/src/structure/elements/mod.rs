@@ -2,10 +2,9 @@
 //! May use `structure/form`, `structure/law` and `motion`.
 
 pub mod crush_curve;
-pub mod damper;
 pub mod force_deflection;
 pub mod in_series;
 pub mod piecewise_linear;
 pub mod plastic_spring;
+pub mod secant;
 pub mod series_spring_damper;
-pub mod spring;

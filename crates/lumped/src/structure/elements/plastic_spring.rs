@@ -38,10 +38,6 @@ impl Law for PlasticSpring {
         2
     }
 
-    fn is_linear(&self) -> bool {
-        false
-    }
-
     fn has_branches(&self) -> bool {
         true
     }

@@ -19,16 +19,8 @@ impl Law for SeriesSpringDamper {
         2
     }
 
-    fn is_linear(&self) -> bool {
-        true
-    }
-
     fn has_branches(&self) -> bool {
         false
-    }
-
-    fn start(&self, _: Strain) -> Branch {
-        Branch::default()
     }
 
     fn force(&self, _: &Branch) -> Form {

@@ -35,6 +35,11 @@ impl FittedChain {
         Ok(Self { name: name.to_owned(), masses, elements })
     }
 
+    /// Whether its last mass is an occupant, behind the compartment: whether it is called so.
+    pub fn has_occupant(&self) -> bool {
+        self.masses.len() > 1 && self.masses.last().is_some_and(|name| name == "occupant")
+    }
+
     /// Its id among the candidates.
     pub fn id(&self, index: usize) -> String {
         format!("chain/{}/{index}", self.name)

@@ -82,8 +82,9 @@ pub struct Options {
     /// Sensors to fit together, as place=channel: compartment=93,front=103 [default: compartment=<the pulse>]
     ///
     /// Places: compartment (the last mass), front or engine (the mass next to the barrier), chassis (the one in front
-    /// of the compartment), m1, m2, ... A sensor in front tells the two dual double models apart. The motion of every
-    /// channel comes from crumple-integrate (--channels there).
+    /// of the compartment), occupant (the last mass of a chain where it is called so, behind the compartment), m1, m2,
+    /// ... A sensor in front tells the two dual double models apart. The motion of every channel comes from
+    /// crumple-integrate (--channels there).
     #[arg(long, value_name = "PLACE=CHANNEL", value_delimiter = ',')]
     pub sensors: Vec<String>,
 
@@ -182,6 +183,15 @@ pub struct Options {
     /// Choice of candidates: displacement fit as measured from which a model is adequate, percent [default: 90]
     #[arg(long, value_name = "PERCENT")]
     pub adequate_fit: Option<f64>,
+
+    /// Choice of candidates: error of the crush at lower speeds, beside what the record itself shows, up to which a
+    /// plastic model is taken for its criterion, percent [default: 1]
+    #[arg(long, value_name = "PERCENT")]
+    pub lower_speed_limit: Option<f64>,
+
+    /// Rate factor of a force-deflection curve, s/m: a prior, force grows by this share for each m/s [default: 0.004]
+    #[arg(long, value_name = "S_PER_M")]
+    pub rate_factor: Option<f64>,
 
     /// Chains of masses to be fitted, stated in the pipeline file: `[parameter-solve.chain.<name>]`.
     #[arg(skip)]

@@ -43,6 +43,8 @@ struct Provenance<'a> {
     restitution_prior: f64,
     restitution_deviation: f64,
     adequate_fit_percent: f64,
+    lower_speed_limit_percent: f64,
+    rate_factor_s_per_m: f64,
     #[serde(skip_serializing_if = "is_empty")]
     chain: &'a [FittedChain],
 }
@@ -94,6 +96,8 @@ impl<'a> Provenance<'a> {
             restitution_prior: settings.selection.restitution_prior,
             restitution_deviation: settings.selection.restitution_deviation,
             adequate_fit_percent: settings.selection.adequate_fit_percent,
+            lower_speed_limit_percent: settings.selection.lower_speed_limit_percent,
+            rate_factor_s_per_m: settings.solve.rate_factor_s_per_m,
             chain: &settings.chain,
         }
     }

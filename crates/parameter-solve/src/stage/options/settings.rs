@@ -3,7 +3,7 @@
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
     DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
-    Method, REPETITIONS, SelectionRules, SensorPlace, SolveSettings,
+    Method, ONE_MASS_RATE_S_PER_M, REPETITIONS, SelectionRules, SensorPlace, SolveSettings,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -18,6 +18,8 @@ const FIT_STARTS: usize = 24;
 /// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
 const FRONT_MASS_FRACTION: f64 = 0.25;
 
+/// Rate factor at most, s/m: the force is doubled at 10 m/s.
+const MOST_RATE_S_PER_M: f64 = 0.1;
 /// Shares of masses that are free.
 const FREE_SHARES: (f64, f64) = (0.02, 0.95);
 
@@ -101,6 +103,7 @@ impl TryFrom<Options> for StageSettings {
             triple,
             mass_fit,
             quantity,
+            rate_factor_s_per_m: rate_factor(options.rate_factor)?,
             release: !options.stay_attached.unwrap_or(false),
             l_shade,
             models,
@@ -182,6 +185,16 @@ fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
     })
 }
 
+/// Rate factor of a force-deflection curve, s/m.
+fn rate_factor(given: Option<f64>) -> Result<f64, Usage> {
+    match given {
+        Some(rate) if !(0.0..=MOST_RATE_S_PER_M).contains(&rate) => {
+            Err(Usage::new(format!("rate-factor is {rate}, expected s/m from 0 to {MOST_RATE_S_PER_M}")))
+        }
+        given => Ok(given.unwrap_or(ONE_MASS_RATE_S_PER_M)),
+    }
+}
+
 /// How a candidate is chosen.
 fn selection_rules(options: &Options) -> Result<SelectionRules, Usage> {
     let default = SelectionRules::default();
@@ -204,6 +217,12 @@ fn selection_rules(options: &Options) -> Result<SelectionRules, Usage> {
             options.restitution_deviation,
             default.restitution_deviation,
             (0.0, 10.0),
+        )?,
+        lower_speed_limit_percent: number(
+            "lower-speed-limit",
+            options.lower_speed_limit,
+            default.lower_speed_limit_percent,
+            (0.0, 100.0),
         )?,
         adequate_fit_percent: number("adequate-fit", options.adequate_fit, default.adequate_fit_percent, (0.0, 100.0))?,
         ..default
@@ -317,6 +336,8 @@ mod tests {
             Options { restitution_prior: Some(0.1), ..Options::default() },
             Options { restitution_deviation: Some(0.5), ..Options::default() },
             Options { adequate_fit: Some(95.0), ..Options::default() },
+            Options { rate_factor: Some(0.008), ..Options::default() },
+            Options { lower_speed_limit: Some(2.0), ..Options::default() },
         ] {
             assert_ne!(json(options), default);
         }

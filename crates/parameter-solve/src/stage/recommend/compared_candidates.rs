@@ -1,8 +1,9 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record leaves open.
 
-use crumple_lumped::{Instants, ParameterKind, Sensitivity, Structure, parameter_kind, structure_of};
+use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, Measurement, Observation, ObservedWave,
+    crush_error_at_lower_speeds,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, EventsV1};
@@ -38,8 +39,8 @@ struct ComparedTest {
     /// Displacement of the pulse: what closest means.
     displacement: Observation,
     tested_restitution: Option<f64>,
-    /// Its mass, kg, where several tests have their own; `None`: that of the candidates.
-    mass_kg: Option<f64>,
+    /// Its mass, kg: where several tests stand side by side, each has its own; else it is that of the candidates.
+    mass_kg: f64,
 }
 
 impl Comparison {
@@ -61,27 +62,26 @@ impl Comparison {
             let measurement: Measurement = input.recording_steps(events, channel, wave)?.into();
             let (window, what) = ((settings.solve.fit_from_s, to_s), (None, quantity));
             let wave = ObservedWave::new(wave, what, events.time_zero_s, measurement, window, usize::MAX).ok();
-            let impact = Some(Impact { speed_m_per_s: impact_speed_m_per_s, mass_kg: Some(mass_kg) });
-            Ok(wave.map(|mut wave| {
-                wave.impact = impact;
-                Observation { impact_speed_m_per_s, waves: vec![wave] }
-            }))
+            Ok(wave.map(|wave| Observation { impact_speed_m_per_s, waves: vec![wave] }))
         };
         let displacement = observe(&displacement, FitQuantity::Displacement)?;
         let acceleration = observe(&acceleration, FitQuantity::Acceleration)?;
         let tested_restitution = events.coefficient_of_restitution.filter(|e| *e > 0.0);
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
-            tests: vec![ComparedTest { acceleration, displacement, tested_restitution, mass_kg: None }],
+            tests: vec![ComparedTest { acceleration, displacement, tested_restitution, mass_kg }],
         }))
     }
 
     /// Several tests side by side, each with its own mass.
     pub fn of_several(each: Vec<Self>) -> Self {
-        let with_mass = |test: ComparedTest| {
-            let mass_kg = test.acceleration.waves[0].impact.and_then(|impact| impact.mass_kg);
-            ComparedTest { mass_kg, ..test }
-        };
-        Self { tests: each.into_iter().flat_map(|comparison| comparison.tests).map(with_mass).collect() }
+        let mut tests: Vec<ComparedTest> = each.into_iter().flat_map(|comparison| comparison.tests).collect();
+        for test in &mut tests {
+            let impact = Impact { speed_m_per_s: test.acceleration.impact_speed_m_per_s, mass_kg: Some(test.mass_kg) };
+            for wave in test.acceleration.waves.iter_mut().chain(&mut test.displacement.waves) {
+                wave.impact = Some(impact);
+            }
+        }
+        Self { tests }
     }
 
     /// What is compared, in words.
@@ -122,7 +122,8 @@ impl Comparison {
 
     fn candidate(&self, candidate: &Submitted<'_>) -> ComparedCandidate {
         let record = candidate.record;
-        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(record)).collect();
+        let class = EnergyClass::of(&record.model, &record.parameters);
+        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(record, class)).collect();
         let one = self.tests.len() == 1;
         let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
             let unit = if one { 1.0 } else { test.wave().size() };
@@ -131,6 +132,7 @@ impl Comparison {
         let misfit: Option<Vec<Vec<f64>>> = misfits.collect();
         let fits: Option<Vec<f64>> = each.iter().map(|in_test| in_test.fit_percent).collect();
         let restitutions: Option<Vec<f64>> = each.iter().map(|in_test| in_test.restitution).collect();
+        let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
         let speed = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).fold(0.0, f64::max);
         let is_zero = |name: &str| record.parameters.get(name).is_some_and(|value| *value == 0.0);
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
@@ -142,7 +144,7 @@ impl Comparison {
         }
         ComparedCandidate {
             id: candidate.id.to_owned(),
-            class: EnergyClass::of(&record.model, &record.parameters),
+            class,
             parameters: free_numbers(record).max(open.len()),
             open,
             open_and_felt,
@@ -156,6 +158,8 @@ impl Comparison {
                 _ => geometric_mean(each.into_iter()),
             }),
             force_misfit_percent: None,
+            // The largest too: what the record of one test says of slower ones holds for all.
+            crush_error_at_lower_speeds: crush_errors.and_then(|errors| errors.into_iter().reduce(f64::max)),
         }
     }
 }
@@ -176,6 +180,7 @@ struct InTest {
     misfit: Option<Vec<f64>>,
     fit_percent: Option<f64>,
     restitution: Option<f64>,
+    crush_error_at_lower_speeds: Option<f64>,
 }
 
 impl ComparedTest {
@@ -197,18 +202,30 @@ impl ComparedTest {
         most.unwrap_or(f64::INFINITY)
     }
 
-    fn candidate(&self, record: &CandidateV1) -> InTest {
+    fn candidate(&self, record: &CandidateV1, class: EnergyClass) -> InTest {
         let structure = structure_of(&record.model, &record.parameters).ok();
-        let structure = structure.and_then(|structure| with_mass(structure, self.mass_kg));
-        let misfit = |observed: &Observation| misfit(observed, structure.as_ref()?);
-        let speed = self.acceleration.impact_speed_m_per_s;
-        let events = structure.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
+        let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
+        let impact = self.acceleration.impact_of(self.wave());
+        let speed = impact.speed_m_per_s;
+        let loaded = structure.as_ref().and_then(|structure| impact.structure(structure));
+        let events = loaded.and_then(|structure| structure.events(speed, HORIZON_S).ok());
         let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
+        let of_displacement = misfit(&self.displacement);
         InTest {
             misfit: misfit(&self.acceleration),
-            fit_percent: misfit(&self.displacement).and_then(|misfit| self.fit_percent(&misfit)),
+            fit_percent: of_displacement.as_ref().and_then(|misfit| self.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
+            crush_error_at_lower_speeds: of_displacement
+                .filter(|_| class == EnergyClass::Plastic)
+                .and_then(|misfit| self.crush_error_at_lower_speeds(&misfit)),
         }
+    }
+
+    fn crush_error_at_lower_speeds(&self, misfit: &[f64]) -> Option<f64> {
+        let wave = &self.displacement.waves[0];
+        let model: Vec<f64> = wave.samples.iter().zip(misfit).map(|(x, misfit)| x + misfit).collect();
+        let spacing_s = wave.time_s(1) - wave.time_s(0);
+        crush_error_at_lower_speeds(&wave.samples, &model, spacing_s, self.displacement.impact_speed_m_per_s)
     }
 
     /// `100 (1 - |x - xh| / |x - mean x|)` of the displacement.
@@ -219,22 +236,6 @@ impl ComparedTest {
         let size = norm(&mut samples.iter().map(|x| x - mean));
         (size > 0.0).then(|| 100.0 * (1.0 - norm(&mut misfit.iter().copied()) / size))
     }
-}
-
-/// The structure with this total mass, what is more or less in the last; `None`: nothing is left for it.
-fn with_mass(structure: Structure, mass_kg: Option<f64>) -> Option<Structure> {
-    let Some(mass_kg) = mass_kg else { return Some(structure) };
-    let mut masses = structure.masses_kg().to_vec();
-    let more = mass_kg - masses.iter().sum::<f64>();
-    *masses.last_mut()? += more;
-    Structure::new(masses, structure.connections().to_vec()).ok()
-}
-
-/// Model less record as measured.
-fn misfit(observed: &Observation, structure: &Structure) -> Option<Vec<f64>> {
-    observed.misfit_of(|impact: Impact, at: &Instants| {
-        Ok(Sensitivity { motions: structure.motions_at(impact.speed_m_per_s, at)?, derivatives: Vec::new() })
-    })
 }
 
 /// Numbers that the record was asked for; of a candidate that nobody assessed all but its masses.

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
+mod collisions;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -104,6 +106,17 @@ fn predictions(folder: &Path) -> Vec<PredictionV1> {
     (1..).map_while(|n| artifact.record(&format!("/prediction/{n}")).unwrap()).collect()
 }
 
+/// A run folder of the same models with other masses, for a partner.
+fn run_folder(folder: &Path, candidates: &[(&str, CandidateV1)]) {
+    std::fs::create_dir_all(folder).unwrap();
+    write(folder, candidates, Some(&choice()));
+    std::fs::rename(folder.join("5.mcap"), folder.join("5-parameter-solve.mcap")).unwrap();
+    let events = KELVIN.events(IMPACT_SPEED_M_PER_S);
+    let builder = integrated(&Model::Kelvin(KELVIN), Some(873.0), &events, None).unwrap();
+    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
+    builder.write(&folder.join("3-integrate.mcap"), &provenance, Compression::None).unwrap();
+}
+
 fn predicted(more: &[&str]) -> Vec<PredictionV1> {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &both(), Some(&choice()));
@@ -201,6 +214,8 @@ fn a_candidate_that_does_not_exist_is_answered_with_the_nearest() {
 fn speeds_and_masses_that_are_none_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &both(), Some(&choice()));
+    let output = run(folder.path(), &["--speed", "40"]);
+    assert!(stderr(&output).contains("e.g. 40 km/h"), "{}", stderr(&output));
     for flags in [["--speed", "0km/h"], ["--speed", "40"], ["--speed", "80..20/5 km/h"], ["--mass", "0 kg"]] {
         let output = run(folder.path(), &flags);
         assert_eq!(output.status.code(), Some(2), "{flags:?}: {}", stderr(&output));

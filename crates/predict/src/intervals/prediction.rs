@@ -1,0 +1,282 @@
+//! One candidate in one impact: its numbers, and the variances of each of them.
+
+use std::collections::BTreeMap;
+
+use crumple_lumped::{OccupantMotion, Structure};
+use crumple_lumped_fit::EnergyClass;
+use rayon::prelude::*;
+
+use crate::error::PredictError;
+use crate::impact::outcome::{Energy, Outcome, QUANTITIES, Quantity, Side, Wave, energy};
+use crate::impact::partner::{CollisionOutcome, Opponent, collision};
+use crate::impact::reach::Reach;
+use crate::impact::scenario::Scenario;
+use crate::impact::setting::Setting;
+use crate::intervals::directions::Direction;
+use crate::intervals::partner::PreparedPartner;
+use crate::intervals::sources::{
+    Inputs, Interval, Variances, by_extrapolation, by_masses_in_front, by_rate_effect, interval,
+};
+use crate::intervals::tested::{COARSE_S, SAMPLING_S, Tested, at_crush, half_difference, relative};
+
+/// Relative step of speed and mass for their derivatives.
+const STEP: f64 = 0.01;
+
+/// What the test of a vehicle supports of a prediction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Support {
+    /// Element, from 1, and factor of its compression beyond the tested one.
+    pub beyond: Option<(usize, f64)>,
+    /// Whether forces that depend on a rate are asked for beyond the tested rates.
+    pub faster: bool,
+    /// Directions of the parameters that the record leaves open.
+    pub limited: usize,
+    /// Adequate models whose difference is in the intervals.
+    pub models: usize,
+}
+
+/// What a candidate says of an impact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Mass of the vehicle, kg.
+    pub mass_kg: f64,
+    /// Its numbers.
+    pub outcome: Outcome,
+    /// Their intervals, in the order of [`Quantity::ALL`].
+    pub intervals: [Option<Interval>; QUANTITIES],
+    /// Where the energy goes, of both vehicles together; `None`: it never stops.
+    pub energy: Option<Energy>,
+    /// The motion.
+    pub wave: Wave,
+    /// What a collision makes of both; `None`: the wall.
+    pub collision: Option<CollisionOutcome>,
+    /// The occupant's motion; `None` without one.
+    pub occupant: Option<OccupantMotion>,
+    /// What the test supports of it.
+    pub support: Support,
+    /// What the partner's test supports; `None` of a wall or a barrier.
+    pub partner_support: Option<Support>,
+}
+
+/// One candidate in one impact.
+pub(crate) struct Impact<'a> {
+    pub tested: &'a Tested<'a>,
+    pub partner: &'a PreparedPartner<'a>,
+    pub setting: Setting<'a>,
+    pub scenario: Scenario,
+}
+
+/// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force
+/// beyond the tested crush and by masses in front of the compartment, and the crush, m.
+#[derive(Clone, Copy, Default)]
+struct CrushDoubt {
+    shares: [f64; 3],
+    crush_m: f64,
+}
+
+impl Impact<'_> {
+    /// The numbers with their intervals; `others` are those of the adequate models, with their weights. Errors: a
+    /// response that leaves the range of numbers, no closing speed.
+    pub fn prediction(&self, inputs: Inputs, others: &[(Outcome, f64)]) -> Result<Prediction, PredictError> {
+        let structure = self.tested.candidate.structure(self.scenario.mass_kg)?;
+        let speed = self.scenario.speed_m_per_s;
+        let mass_kg: f64 = structure.masses_kg().iter().sum();
+        let (outcome, wave) = self.setting.impact(&structure, speed, SAMPLING_S)?;
+        let both = self.setting.opponent.map(|opponent| collision(&structure, speed, opponent)).transpose()?;
+        let partner_others = self.partner_others(&structure);
+        let own_speed = both.map_or(Some(speed), |both| both.own.energy_equivalent_speed_m_per_s).unwrap_or(speed);
+        let own = self.support(self.tested, &structure, &wave, Side::Own, own_speed, others.len());
+        let partner =
+            self.partner.tested.as_ref().zip(self.setting.opponent).zip(both).map(|((tested, opponent), both)| {
+                let speed = both.partner.energy_equivalent_speed_m_per_s.unwrap_or(both.closing_speed_m_per_s);
+                let models = partner_others.len();
+                (tested, speed, self.support(tested, &opponent.structure, &wave, Side::Partner, speed, models))
+            });
+        let variances = self.by_parameters(&structure, &outcome);
+        let by_speed = self.by_speed(&structure, inputs.speed_m_per_s);
+        let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
+        let own_doubt = doubt(self.tested, (own_speed, mass_kg), own.beyond.is_some(), &wave, &outcome, Side::Own);
+        let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, support)| {
+            let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
+            doubt(tested, (*speed, partner_kg), support.beyond.is_some(), &wave, &outcome, Side::Partner)
+        });
+        let intervals = Quantity::ALL.map(|quantity| {
+            let value = outcome.get(quantity)?;
+            let q = quantity as usize;
+            let models = others.iter().chain(&partner_others);
+            let models =
+                models.filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
+            let by_crush = [0, 1, 2].map(|k| {
+                let scaled = |doubt: &CrushDoubt| (quantity.power_of_crush() * doubt.shares[k] * value).powi(2);
+                match quantity.side() {
+                    Side::Own => scaled(&own_doubt),
+                    Side::Partner => scaled(&partner_doubt),
+                    Side::Both => {
+                        [own_doubt, partner_doubt].iter().map(|doubt| (doubt.shares[k] * doubt.crush_m).powi(2)).sum()
+                    }
+                }
+            });
+            let all: Variances = [variances[q], by_speed[q], by_mass[q], models, by_crush[0], by_crush[1], by_crush[2]];
+            interval(value, &all)
+        });
+        let energy = match &both {
+            Some(both) => both.energy,
+            None => energy(&structure, speed, &outcome)?,
+        };
+        let occupant = self.setting.ride(&wave, speed)?;
+        let partner_support = partner.map(|(_, _, support)| support);
+        Ok(Prediction {
+            mass_kg,
+            outcome,
+            intervals,
+            energy,
+            wave,
+            collision: both,
+            occupant,
+            support: own,
+            partner_support,
+        })
+    }
+
+    fn support(
+        &self,
+        tested: &Tested<'_>,
+        structure: &Structure,
+        wave: &Wave,
+        side: Side,
+        speed: f64,
+        models: usize,
+    ) -> Support {
+        let reach = Reach::new(structure, wave, side, speed);
+        let faster = tested.candidate.depends_on_rate() && reach.is_faster(&tested.reach);
+        Support { beyond: reach.beyond(&tested.reach), faster, limited: tested.directions.limited(), models }
+    }
+
+    /// The numbers where the opponent is another, coarsely sampled.
+    fn against(&self, structure: &Structure, opponent: Option<Opponent>) -> Option<Outcome> {
+        let opponent = opponent?;
+        let setting = self.setting.against(Some(&opponent));
+        Some(setting.impact(structure, self.scenario.speed_m_per_s, COARSE_S).ok()?.0)
+    }
+
+    /// The numbers where the partner is another of its adequate models, with their weights.
+    fn partner_others(&self, structure: &Structure) -> Vec<(Outcome, f64)> {
+        let Some(opponent) = self.setting.opponent else { return Vec::new() };
+        let others = self.partner.others(opponent);
+        others
+            .into_par_iter()
+            .filter_map(|(other, weight)| {
+                let setting = self.setting.against(Some(&other));
+                Some((setting.impact(structure, self.scenario.speed_m_per_s, SAMPLING_S).ok()?.0, weight))
+            })
+            .collect()
+    }
+
+    /// Variances by the parameters of both vehicles.
+    fn by_parameters(&self, structure: &Structure, outcome: &Outcome) -> [f64; QUANTITIES] {
+        let own = |factors: &BTreeMap<String, f64>| {
+            let structure = self.tested.candidate.changed(factors, self.scenario.mass_kg).ok()?;
+            Some(self.setting.impact(&structure, self.scenario.speed_m_per_s, COARSE_S).ok()?.0)
+        };
+        let of_own = along_directions(self.tested, outcome, own, Quantity::of_own);
+        let Some((tested, opponent)) = self.partner.tested.as_ref().zip(self.setting.opponent) else { return of_own };
+        let partner =
+            |factors: &BTreeMap<String, f64>| self.against(structure, self.partner.changed(opponent, factors));
+        let of_partner = along_directions(tested, outcome, partner, Quantity::of_partner);
+        std::array::from_fn(|q| of_own[q] + of_partner[q])
+    }
+
+    /// Variances by the speeds of both, of each that moves.
+    fn by_speed(&self, structure: &Structure, deviation: f64) -> [f64; QUANTITIES] {
+        let (speed, partner_speed) = (self.scenario.speed_m_per_s, self.scenario.partner_speed_m_per_s);
+        let own =
+            by_step(deviation / speed, |factor| Some(self.setting.impact(structure, factor * speed, COARSE_S).ok()?.0));
+        let partner = by_step(deviation / partner_speed, |factor| {
+            let opponent = self.setting.opponent?.clone();
+            self.against(structure, Some(Opponent { speed_m_per_s: factor * partner_speed, ..opponent }))
+        });
+        std::array::from_fn(|q| own[q] + partner[q])
+    }
+
+    /// Variances by the masses of both vehicles; that of a barrier is exact.
+    fn by_mass(&self, mass_kg: f64, deviation: f64) -> [f64; QUANTITIES] {
+        let own = by_step(deviation / mass_kg, |factor| {
+            let structure = self.tested.candidate.structure(Some(factor * mass_kg)).ok()?;
+            Some(self.setting.impact(&structure, self.scenario.speed_m_per_s, COARSE_S).ok()?.0)
+        });
+        let Some(opponent) = self.setting.opponent.filter(|_| self.partner.tested.is_some()) else { return own };
+        let partner_kg: f64 = opponent.structure.masses_kg().iter().sum();
+        let structure = self.tested.candidate.structure(self.scenario.mass_kg).ok();
+        let partner = by_step(deviation / partner_kg, |factor| {
+            self.against(structure.as_ref()?, self.partner.heavier(opponent, factor))
+        });
+        std::array::from_fn(|q| own[q] + partner[q])
+    }
+}
+
+/// Variances along the directions of a candidate. What the record leaves open moves the test itself too, where the
+/// record holds it fast: of an open direction only what it changes beyond that counts. `in_test` names the number of
+/// the test that holds a number of the impact.
+fn along_directions(
+    tested: &Tested<'_>,
+    outcome: &Outcome,
+    at: impl Fn(&BTreeMap<String, f64>) -> Option<Outcome> + Sync,
+    in_test: fn(Quantity) -> Option<Quantity>,
+) -> [f64; QUANTITIES] {
+    let pairs: Vec<(&Direction, &[f64; QUANTITIES])> = tested.directions.0.iter().zip(&tested.changes).collect();
+    let changes: Vec<[f64; QUANTITIES]> = pairs
+        .into_par_iter()
+        .map(|(direction, changes)| {
+            let [up, down] = &direction.ends;
+            let difference = half_difference(at(up), at(down));
+            if !direction.limited {
+                return difference;
+            }
+            let here = relative(difference, outcome);
+            let held = Quantity::ALL.map(|quantity| in_test(quantity).map_or(0.0, |other| changes[other as usize]));
+            std::array::from_fn(|q| (here[q] - held[q]) * outcome.0[q].unwrap_or(0.0))
+        })
+        .collect();
+    std::array::from_fn(|q| changes.iter().map(|change| change[q] * change[q]).sum())
+}
+
+/// Variances by a relative standard deviation of an input, from a difference of one percent; of an input of zero none.
+fn by_step(deviation: f64, at: impl Fn(f64) -> Option<Outcome>) -> [f64; QUANTITIES] {
+    if deviation == 0.0 || !deviation.is_finite() {
+        return [0.0; QUANTITIES];
+    }
+    half_difference(at(1.0 + STEP), at(1.0 - STEP)).map(|change| (change / STEP * deviation).powi(2))
+}
+
+/// What the front of one side makes unsure: `speed` is that of an impact on a wall with the energy it takes, `mass_kg`
+/// the mass of the side.
+fn doubt(
+    tested: &Tested<'_>,
+    (speed, mass_kg): (f64, f64),
+    beyond: bool,
+    wave: &Wave,
+    outcome: &Outcome,
+    side: Side,
+) -> CrushDoubt {
+    let candidate = tested.candidate;
+    let one_mass = tested.masses == 1;
+    let rate = if candidate.depends_on_rate() || candidate.rate_factor_is_fitted() {
+        0.0
+    } else {
+        by_rate_effect(speed, tested.test.nearest_m_per_s(speed), beyond, candidate.has_rate_factor(), one_mass)
+    };
+    let crush = if side == Side::Partner { Quantity::PartnerCrush } else { Quantity::DynamicCrush };
+    let (crush_m, tested_m) = (outcome.get(crush), tested.outcome.get(Quantity::DynamicCrush));
+    let pair = crush_m.zip(tested_m).filter(|(crush, tested)| crush > tested && *tested > 0.0);
+    // By the slope of the force from the tested crush on to the one predicted.
+    let extrapolation = pair.map_or(0.0, |(crush, tested_m)| {
+        let ends = at_crush(wave, side, outcome).zip(tested.deceleration).filter(|(here, _)| *here > 0.0);
+        let slope = ends.map_or(1.0, |(here, there)| (1.0 - there / here) / (1.0 - tested_m / crush));
+        by_extrapolation(crush / tested_m, slope)
+    });
+    let in_front = crush_m
+        .zip(tested_m)
+        .filter(|(crush, _)| *crush > 0.0 && one_mass && candidate.class() == EnergyClass::Plastic)
+        .map_or(0.0, |(crush, tested_m)| by_masses_in_front(crush / tested_m, mass_kg / tested.mass_kg));
+    CrushDoubt { shares: [rate, extrapolation, in_front], crush_m: crush_m.unwrap_or(0.0) }
+}

@@ -1,0 +1,84 @@
+//! A candidate in its own test: what it reaches there, and what its open parameters would change in it.
+
+use rayon::prelude::*;
+
+use crate::error::PredictError;
+use crate::impact::candidate::Candidate;
+use crate::impact::outcome::{Outcome, QUANTITIES, Quantity, Side, Wave};
+use crate::impact::reach::Reach;
+use crate::impact::scenario::TestedImpact;
+use crate::impact::setting::Setting;
+use crate::intervals::directions::Directions;
+
+/// Sampling interval of the waves, s: 10 kHz, as a laboratory records.
+pub(crate) const SAMPLING_S: f64 = 1e-4;
+/// Sampling interval of impacts that only a difference is taken of.
+pub(crate) const COARSE_S: f64 = 2e-4;
+
+/// A candidate with the directions of its parameters, in the test that it is from.
+pub(crate) struct Tested<'a> {
+    pub candidate: &'a Candidate,
+    pub test: TestedImpact,
+    pub directions: Directions,
+    pub reach: Reach,
+    pub outcome: Outcome,
+    /// How many masses it has.
+    pub masses: usize,
+    /// Their sum, kg.
+    pub mass_kg: f64,
+    /// Deceleration of the compartment at the end of the crush, m/s².
+    pub deceleration: Option<f64>,
+    /// For each direction the relative changes of the numbers in the test.
+    pub changes: Vec<[f64; QUANTITIES]>,
+}
+
+impl<'a> Tested<'a> {
+    /// Lets the candidate meet the wall at the speed of its test. Errors: a response that leaves the range of numbers.
+    pub fn new(candidate: &'a Candidate, test: TestedImpact) -> Result<Self, PredictError> {
+        let directions = Directions::of(candidate);
+        let (structure, speed) = (candidate.structure(None)?, test.speed_m_per_s);
+        let (outcome, wave) = Setting::default().impact(&structure, speed, SAMPLING_S)?;
+        let at = |factors: &_| {
+            let structure = candidate.changed(factors, None).ok()?;
+            Some(Setting::default().impact(&structure, speed, COARSE_S).ok()?.0)
+        };
+        let changes = directions
+            .0
+            .par_iter()
+            .map(|direction| {
+                let [up, down] = &direction.ends;
+                if direction.limited {
+                    relative(half_difference(at(up), at(down)), &outcome)
+                } else {
+                    [0.0; QUANTITIES]
+                }
+            })
+            .collect();
+        let reach = Reach::new(&structure, &wave, Side::Own, speed);
+        let deceleration = at_crush(&wave, Side::Own, &outcome);
+        let masses = structure.masses_kg();
+        let (masses, mass_kg) = (masses.len(), masses.iter().sum());
+        Ok(Self { candidate, test, directions, reach, outcome, masses, mass_kg, deceleration, changes })
+    }
+}
+
+/// Deceleration of a compartment at the dynamic crush, m/s².
+pub(crate) fn at_crush(wave: &Wave, side: Side, outcome: &Outcome) -> Option<f64> {
+    let sample = (outcome.get(Quantity::TimeOfDynamicCrush)? / wave.dt_s) as usize;
+    let acceleration = |motion: &crumple_lumped::Motion| motion.acceleration_m_per_s2.get(sample).copied();
+    match side {
+        Side::Partner => acceleration(wave.partner.last()?),
+        _ => acceleration(wave.compartment()?).map(|a| -a),
+    }
+}
+
+/// Half the difference of two outcomes; zero where one of them lacks the number.
+pub(crate) fn half_difference(up: Option<Outcome>, down: Option<Outcome>) -> [f64; QUANTITIES] {
+    let (up, down) = (up.unwrap_or_default(), down.unwrap_or_default());
+    std::array::from_fn(|q| up.0[q].zip(down.0[q]).map_or(0.0, |(up, down)| 0.5 * (up - down)))
+}
+
+/// Changes over the numbers themselves.
+pub(crate) fn relative(changes: [f64; QUANTITIES], outcome: &Outcome) -> [f64; QUANTITIES] {
+    std::array::from_fn(|q| outcome.0[q].filter(|value| *value != 0.0).map_or(0.0, |value| changes[q] / value))
+}
