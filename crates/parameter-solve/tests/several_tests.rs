@@ -116,7 +116,7 @@ fn tests_at_one_speed_keep_the_prior_with_a_warning() {
     write_test(&folder.path().join("b.mcap"), 1250.0, 15.2);
     let artifact = solved(folder.path(), &["a:a.mcap", "b:b.mcap"]);
     let candidate: CandidateV1 = artifact.record("/parameters/force-deflection/direct-fit/1").unwrap().unwrap();
-    assert!((candidate.parameters["rate_s_per_m"] - 0.008).abs() < 1e-15);
+    assert!((candidate.parameters["rate_s_per_m"] - 0.004).abs() < 1e-15);
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
     assert!(notes.notes.iter().any(|note| note.contains("does not tell the rate effect")), "{notes:?}");
     assert_eq!(artifact.record::<TestsV1>("/tests").unwrap().unwrap().rate_factor, "prior");
