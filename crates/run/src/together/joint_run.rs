@@ -36,7 +36,7 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let folder = LockedFolder::lock(&path)?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let joint = JointRun { options: &options, pipeline: &pipeline, folder: folder.path() };
-    let status = joint.model(&runs, folder.path(), "")?;
+    let status = joint.model(&runs, folder.path(), Vec::new())?;
     if status != ExitStatus::Done {
         return Ok(status);
     }
@@ -55,11 +55,11 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
             [alone] => (alone.own_candidates().to_vec(), ExitStatus::Done),
             _ => {
                 let of_others: Vec<TestRun> = others.iter().map(|other| (*other).clone()).collect();
-                (vec![own.join(SOLVED)], joint.model(&of_others, &own, "-q")?)
+                (vec![own.join(SOLVED)], joint.model(&of_others, &own, joint.quiet())?)
             }
         };
         let predicted = match solved {
-            ExitStatus::Done => joint.prediction(&inputs, Some(&run.folder), &own, &["-q".into()])?,
+            ExitStatus::Done => joint.prediction(&inputs, Some(&run.folder), &own, &joint.quiet())?,
             other => other,
         };
         if !matches!(predicted, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
@@ -81,12 +81,18 @@ struct JointRun<'a> {
 }
 
 impl JointRun<'_> {
+    /// What keeps a stage quiet, where the flags of all stages do not: it may be said once.
+    fn quiet(&self) -> Vec<OsString> {
+        let is_said = self.options.flags.split_whitespace().any(|word| matches!(word, "-q" | "--quiet"));
+        if is_said { Vec::new() } else { vec!["-q".into()] }
+    }
+
     /// Fits one model to these tests, into `own`.
-    fn model(&self, runs: &[TestRun], own: &Path, quiet: &str) -> anyhow::Result<ExitStatus> {
+    fn model(&self, runs: &[TestRun], own: &Path, flags: Vec<OsString>) -> anyhow::Result<ExitStatus> {
         let mut arguments: Vec<OsString> = runs.iter().flat_map(TestRun::named_artifacts).map(OsString::from).collect();
         let made_from_it = [self.folder.join(SUMMARY), own.join(PREDICTED)];
         arguments.extend(self.ending(&own.join(SOLVED), &made_from_it));
-        arguments.extend([quiet].into_iter().filter(|word| !word.is_empty()).map(OsString::from));
+        arguments.extend(flags);
         self.step(&self.options.parameter_solve, &arguments)
     }
 
