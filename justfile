@@ -58,6 +58,18 @@ predict folder *args: build
                  6-simulate.mcap 7-predict.mcap -o report.html summary.json \
         -- "$@"
 
+# Runs every record, fits one model to all of them into runs/together/NAME, and predicts every test from the others.
+# One model for several tests: `just together A.EV5 B.EV5 ... [--name NAME] [--speed 64km/h]`; a run folder stands for its record.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+together *args: build
+    @{{ quote(bin / "crumple-together") }} --project {{ quote(justfile_directory()) }} \
+        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
+        --parameter-solve {{ quote(parameter_solve) }} --predict {{ quote(predict) }} \
+        --run {{ quote(quote(just_executable()) + " --justfile " + quote(justfile()) + " bin=" + quote(bin) + " pipeline=" + quote(pipeline) + " flags=" + quote(flags) + " run") }} \
+        -- "$@"
+
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
 [group('pipeline')]
 [no-cd]
@@ -152,7 +164,7 @@ bytes *args:
 interval-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"
 
-# How far predictions of other tests are off, 50 made cars a kind: `just prediction-benchmark [--cars N] [--first K] [KIND ...]`.
+# How far predictions of other tests are off, 50 made cars a kind: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]`.
 [group('development')]
 prediction-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"

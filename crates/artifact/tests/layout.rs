@@ -473,6 +473,20 @@ fn the_layout_of_every_record_type_is_frozen() {
         peak_acceleration_m_per_s2: Some(-400.0),
     });
     freeze(&recommendation());
+    freeze(&TestsV1 {
+        tests: vec![JointTestV1 {
+            name: "a".to_owned(),
+            title: "a car".to_owned(),
+            digest: "blake3:00".to_owned(),
+            channel: "93".to_owned(),
+            mass_kg: 873.0,
+            impact_speed_m_per_s: 9.72,
+            dynamic_crush_m: Some(0.5),
+            time_of_dynamic_crush_s: Some(0.075),
+            coefficient_of_restitution: None,
+        }],
+        rate_factor: "fitted".to_owned(),
+    });
     freeze(&prediction());
     freeze(&MatchingV1 {
         m1_kg: 284.4,

@@ -23,8 +23,8 @@
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
 //!
-//! rooms: solvers | papers chain | matching uncertainty | fit | closed_form candidate selection extraction | free |
-//! record
+//! rooms: joint | solvers | papers chain | matching uncertainty | fit | closed_form candidate selection extraction |
+//! free | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
@@ -37,6 +37,7 @@ mod error;
 mod extraction;
 mod fit;
 mod free;
+mod joint;
 mod matching;
 mod papers;
 mod record;
@@ -73,6 +74,8 @@ pub use fit::options::SingleMassFitOptions;
 pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 pub use free::mass_split::{MassSplit, masses, triple_masses};
 pub use free::search_coordinates::MassFit;
+pub use joint::joint_fit::{JointTest, deepest_crush, fit_together};
+pub use joint::rate_factor::{RateFactorSource, rate_factor_source};
 pub use matching::coefficient_matching::{Identified, Matched, Quartic, match_identified};
 pub use matching::coefficient_spread::CoefficientSpread;
 pub use papers::era_amplitude_ratios::{front_from_amplitudes, rear_from_amplitudes};
@@ -83,7 +86,7 @@ pub use papers::nonlinear1_interior_point::interior_point_nonlinear1;
 pub use papers::tfest::match_as_the_paper_typed;
 pub use record::fit_quantity::FitQuantity;
 pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
-pub use record::observation::{Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
+pub use record::observation::{Impact, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
 pub use record::wall_force::WallForce;

@@ -85,7 +85,7 @@ mod tests {
         other
     }
 
-    const TEST: TestedImpact = TestedImpact { speed_m_per_s: 15.0 };
+    const TEST: TestedImpact = TestedImpact { speed_m_per_s: 15.0, range_m_per_s: (15.0, 15.0) };
 
     fn at(candidates: &[Candidate], inputs: Inputs, speed: f64, mass_kg: Option<f64>) -> Prediction {
         let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg };

@@ -4,13 +4,18 @@
 //! was given, and it keeps the promises of a run folder: one run at a time, no results of two records side by side at
 //! any moment, nothing lost by a run that fails, and a plain word where a program breaks the contract of a stage.
 //!
-//! rooms: messages | steps | folder | command
+//! [`together`] fits one model to several tests after their runs.
+//!
+//! rooms: together | messages | steps | folder | command
 
 mod command;
 mod folder;
 mod messages;
 mod run;
 mod steps;
+mod together;
 
 pub use command::options::Options;
 pub use run::run;
+pub use together::joint_run::together;
+pub use together::options::TogetherOptions;

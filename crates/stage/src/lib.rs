@@ -16,6 +16,7 @@ mod terminal;
 
 pub use artifacts::inputs::{Inputs, Loaded, load_artifacts};
 pub use artifacts::output::Output;
+pub use artifacts::several_tests::{Tests, load_tests};
 pub use chain_table::chain_total::total_mass_remark;
 pub use chain_table::keys::typed;
 pub use chain_table::masses_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain};

@@ -11,7 +11,8 @@ use crate::layout::schema::viewer_safe_schema;
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
     IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
-    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
+    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
+    WaveBlockV1,
 };
 
 /// A type that may stand in an artifact.
@@ -97,6 +98,7 @@ record! {
     StabilizationV1 => "crumple.Stabilization.v1",
     StateSpaceV1 => "crumple.StateSpace.v1",
     TestV1 => "crumple.Test.v1",
+    TestsV1 => "crumple.Tests.v1",
     TransferFunctionV1 => "crumple.TransferFunction.v1",
     WaveBlockV1 => "crumple.WaveBlock.v1",
 }

@@ -107,8 +107,9 @@ impl<M: Parametric> Response for Problem<'_, M> {
         let places = self.coordinates.places(&moved);
         let mut first = 0;
         for wave in &self.observed.waves {
-            let by_number = wave.derivatives(self.observed.impact_speed_m_per_s, &structure, &places);
-            let Ok(by_number) = by_number else { return false };
+            let impact = self.observed.impact_of(wave);
+            let Some(loaded) = impact.structure(&structure) else { return false };
+            let Ok(by_number) = wave.derivatives(impact.speed_m_per_s, &loaded, &places) else { return false };
             let rows = wave.samples.len();
             if by_number.iter().any(|derivative| derivative.len() != rows) {
                 return false;

@@ -5,6 +5,7 @@
 //! with `w_i = s_1/s_i`, the noise level of the first wave over its own, which puts all of them into the unit of the
 //! first.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
@@ -12,6 +13,26 @@ use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::record::wall_response::{motion_of, response_of};
 use crate::{FitQuantity, Measurement, SolveError};
+
+/// The impact that a wave is of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact {
+    /// Speed at contact, m/s.
+    pub speed_m_per_s: f64,
+    /// Total mass, kg: what is more or less than the model's is the compartment's; `None`: that of the model.
+    pub mass_kg: Option<f64>,
+}
+
+impl Impact {
+    /// A structure with the mass of the impact; `None` where nothing is left for the compartment.
+    pub fn structure<'a>(&self, structure: &'a Structure) -> Option<Cow<'a, Structure>> {
+        let Some(mass_kg) = self.mass_kg else { return Some(Cow::Borrowed(structure)) };
+        let mut masses = structure.masses_kg().to_vec();
+        let others: f64 = masses.iter().rev().skip(1).sum();
+        *masses.last_mut()? = mass_kg - others;
+        Structure::new(masses, structure.connections().to_vec()).ok().map(Cow::Owned)
+    }
+}
 
 /// A wave of a test and the samples of it that are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +55,8 @@ pub struct ObservedWave {
     pub weight: f64,
     /// Its noise level where that is stated, in its unit; `None`: its root mean square misfit.
     pub noise: Option<f64>,
+    /// The impact it is of, where waves of several tests stand side by side; `None`: that of the observation.
+    pub impact: Option<Impact>,
     /// The wave as it was measured, window or not: where another time zero finds the motion at contact.
     pub(crate) record: Arc<WholeWave>,
 }
@@ -157,7 +180,8 @@ impl ObservedWave {
         let first_s = wave.t0_s() - time_zero_s;
         let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
         let (weight, noise) = (1.0, None);
-        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight, noise, record })
+        let impact = None;
+        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight, noise, impact, record })
     }
 
     /// Index of the last sample on the grid of the measurement.
@@ -262,11 +286,18 @@ impl Observation {
         self.misfit_of(&model.structure().ok()?)
     }
 
-    /// The same of any structure.
+    /// The impact that one of its waves is of.
+    pub fn impact_of(&self, wave: &ObservedWave) -> Impact {
+        wave.impact.unwrap_or(Impact { speed_m_per_s: self.impact_speed_m_per_s, mass_kg: None })
+    }
+
+    /// The same of any structure; each wave is of its own impact.
     pub fn misfit_of(&self, structure: &Structure) -> Option<Vec<f64>> {
         let mut misfit = Vec::with_capacity(self.rows());
         for wave in &self.waves {
-            let response = wave.response(self.impact_speed_m_per_s, structure).ok()?;
+            let impact = self.impact_of(wave);
+            let loaded = impact.structure(structure)?;
+            let response = wave.response(impact.speed_m_per_s, &loaded).ok()?;
             misfit.extend(response.iter().zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
         }
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)

@@ -50,7 +50,14 @@ pub fn from_events(
     events: &EventsV1,
     out: &mut Output,
 ) -> anyhow::Result<Vec<Candidate>> {
-    let sensors: Vec<Sensor<'_>> = record
+    let sensors = sensors_of(settings, record);
+    let test_data = test_data(record, events, &sensors);
+    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// The sensors to fit together.
+pub fn sensors_of<'a>(settings: &StageSettings, record: &'a Record) -> Vec<Sensor<'a>> {
+    record
         .sensors
         .iter()
         .map(|wave| Sensor {
@@ -61,8 +68,12 @@ pub fn from_events(
             measurement: Some(wave.measurement),
             noise: None,
         })
-        .collect();
-    let test_data = TestData {
+        .collect()
+}
+
+/// What the solvers start from.
+pub fn test_data<'a>(record: &'a Record, events: &EventsV1, sensors: &'a [Sensor<'a>]) -> TestData<'a> {
+    TestData {
         mass_kg: record.mass_kg,
         impact_speed_m_per_s: record.impact_speed_m_per_s,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -72,9 +83,8 @@ pub fn from_events(
         time_of_rebound_s: events.time_of_rebound_s,
         displacement: record.displacement.as_ref().map(|(x, _)| x),
         measurement: record.displacement.as_ref().map(|(_, measurement)| *measurement),
-        sensors: &sensors,
-    };
-    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+        sensors,
+    }
 }
 
 /// The coefficient of restitution; zero where its interval holds zero.

@@ -1,7 +1,8 @@
 //! The program: reads the events and the motion, solves, assesses, writes the candidates.
 //! May use `crumple_stage` and the estimators of `crumple-lumped-fit`.
 //!
-//! rooms: chains from_events from_exponentials from_models | records recommend | assess | inputs | options
+//! rooms: several_tests | chains from_events from_exponentials from_models | records recommend | assess | inputs |
+//! options
 
 mod assess;
 mod chains;
@@ -12,13 +13,14 @@ mod inputs;
 mod options;
 mod recommend;
 mod records;
+mod several_tests;
 
 use std::path::PathBuf;
 
 use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, in_words, match_as_the_paper_typed};
 use crumple_signal::TestDescription;
 use crumple_stage::records::{EventsV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage, Tests};
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
 use crate::stage::assess::candidates::assess_all;
@@ -34,17 +36,19 @@ use crate::stage::recommend::recommendation::recommend;
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::matching::matching_record;
 use crate::stage::records::uncertainty::summary_text;
+use crate::stage::several_tests::from_several;
 
 /// The stage.
 pub struct ParameterSolve;
 
 impl Stage for ParameterSolve {
     const NAME: &'static str = "parameter-solve";
-    const ABOUT: &'static str =
-        "Finds the springs and dampers of lumped crash models from the crash events and the displacement of a test.";
+    const ABOUT: &'static str = "Finds the springs and dampers of lumped crash models from the crash events and the \
+         displacement of a test, or one model for several tests: each path then has the name of \
+         its test in front, NAME:PATH.";
     type Options = Options;
     type Settings = StageSettings;
-    type Input = Inputs;
+    type Input = Tests;
 
     fn resolve(mut options: Options) -> anyhow::Result<StageSettings> {
         let chains = std::mem::take(&mut options.chain);
@@ -53,11 +57,15 @@ impl Stage for ParameterSolve {
         Ok(settings)
     }
 
-    fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Inputs>> {
-        crumple_stage::load_artifacts(paths)
+    fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Tests>> {
+        crumple_stage::load_tests(paths)
     }
 
-    fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
+    fn run(settings: &StageSettings, input: &Tests, out: &mut Output) -> anyhow::Result<Outcome> {
+        let input = match input {
+            Tests::One(input) => input,
+            Tests::Several(tests) => return from_several(settings, tests, out),
+        };
         let events = input.record_if::<EventsV1>("/events")?;
         let windowed = events.and_then(|events| up_to_the_end_of_the_event(settings, &events, out));
         let settings = windowed.as_ref().unwrap_or(settings);

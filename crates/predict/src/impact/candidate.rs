@@ -52,6 +52,12 @@ impl Candidate {
         self.parameters.iter().any(|(name, value)| is_one(name) && *value != 0.0)
     }
 
+    /// Whether its rate factor was fitted to tests at several speeds: then its deviation is known.
+    pub fn rate_factor_is_fitted(&self) -> bool {
+        let Some(spread) = &self.spread else { return false };
+        spread.order.iter().any(|name| parameter_kind(&self.model, name) == Some(ParameterKind::RateFactor))
+    }
+
     /// Its structure, with a total mass where one is asked for: what is added or taken away is the compartment's.
     /// Errors: parameters without meaning, a mass that leaves the compartment none.
     pub fn structure(&self, mass_kg: Option<f64>) -> Result<Structure, PredictError> {

@@ -4,11 +4,28 @@ use crumple_lumped::{Occupant, Structure};
 
 use crate::impact::candidate::Candidate;
 
-/// The test that the candidates are from.
+/// The test that the candidates are from; of several the one with the deepest crush.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TestedImpact {
     /// Its impact speed, m/s.
     pub speed_m_per_s: f64,
+    /// Slowest and fastest test, m/s; of one test its speed twice.
+    pub range_m_per_s: (f64, f64),
+}
+
+impl TestedImpact {
+    /// A test at this speed, with further ones of the same vehicle at these, m/s.
+    pub fn new(speed_m_per_s: f64, others_m_per_s: impl IntoIterator<Item = f64>) -> Self {
+        let range = (speed_m_per_s, speed_m_per_s);
+        let range_m_per_s =
+            others_m_per_s.into_iter().fold(range, |(slowest, fastest), v| (slowest.min(v), fastest.max(v)));
+        Self { speed_m_per_s, range_m_per_s }
+    }
+
+    /// The speed within those of the tests that is nearest to another, m/s.
+    pub(crate) fn nearest_m_per_s(&self, speed_m_per_s: f64) -> f64 {
+        speed_m_per_s.max(self.range_m_per_s.0).min(self.range_m_per_s.1)
+    }
 }
 
 /// An impact to be predicted.

@@ -260,10 +260,10 @@ fn doubt(
 ) -> CrushDoubt {
     let candidate = tested.candidate;
     let one_mass = tested.masses == 1;
-    let rate = if candidate.depends_on_rate() {
+    let rate = if candidate.depends_on_rate() || candidate.rate_factor_is_fitted() {
         0.0
     } else {
-        by_rate_effect(speed, tested.reach.speed_m_per_s, beyond, candidate.has_rate_factor(), one_mass)
+        by_rate_effect(speed, tested.test.nearest_m_per_s(speed), beyond, candidate.has_rate_factor(), one_mass)
     };
     let crush = if side == Side::Partner { Quantity::PartnerCrush } else { Quantity::DynamicCrush };
     let (crush_m, tested_m) = (outcome.get(crush), tested.outcome.get(Quantity::DynamicCrush));

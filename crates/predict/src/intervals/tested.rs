@@ -18,6 +18,7 @@ pub(crate) const COARSE_S: f64 = 2e-4;
 /// A candidate with the directions of its parameters, in the test that it is from.
 pub(crate) struct Tested<'a> {
     pub candidate: &'a Candidate,
+    pub test: TestedImpact,
     pub directions: Directions,
     pub reach: Reach,
     pub outcome: Outcome,
@@ -57,7 +58,7 @@ impl<'a> Tested<'a> {
         let deceleration = at_crush(&wave, Side::Own, &outcome);
         let masses = structure.masses_kg();
         let (masses, mass_kg) = (masses.len(), masses.iter().sum());
-        Ok(Self { candidate, directions, reach, outcome, masses, mass_kg, deceleration, changes })
+        Ok(Self { candidate, test, directions, reach, outcome, masses, mass_kg, deceleration, changes })
     }
 }
 

@@ -167,7 +167,7 @@ impl PartnerSettings {
             partner: Partner::Vehicle {
                 place: chosen.place,
                 candidates,
-                test: TestedImpact { speed_m_per_s },
+                test: TestedImpact::new(speed_m_per_s, []),
                 mass_kg: self.mass_kg,
             },
         })

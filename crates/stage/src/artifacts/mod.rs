@@ -4,4 +4,5 @@
 pub mod inputs;
 pub mod output;
 pub mod recording_steps;
+pub mod several_tests;
 pub mod wall_force;

@@ -12,7 +12,8 @@ pub(crate) fn stage_order(stage: Option<&str>) -> usize {
 
 /// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
 pub(crate) fn writer_of(topic: &str) -> &'static str {
-    const WRITERS: [(&str, &str); 21] = [
+    const WRITERS: [(&str, &str); 22] = [
+        ("/tests", "crumple-parameter-solve"),
         ("/test", "crumple-ingest"),
         ("/quality/", "crumple-ingest"),
         ("/filter/", "crumple-filter"),

@@ -16,6 +16,7 @@ use serde::de::DeserializeOwned;
 
 use crate::artifacts::inputs::{Loaded, open};
 use crate::artifacts::output::Output;
+use crate::artifacts::several_tests::path_of;
 use crate::command_line::args::{Cli, SharedFlags};
 use crate::command_line::pipeline::{canonical_json, is_flag, merge};
 use crate::error::{ExitStatus, MissingTopic, Usage, find_in_chain};
@@ -158,7 +159,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
 /// An output that is an input, or something else than an artifact, would be lost.
 fn refuse_to_overwrite(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
     let Ok(existing) = output.canonicalize() else { return Ok(()) };
-    let problem = if inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
+    let problem = if inputs.iter().any(|input| path_of(input).canonicalize().is_ok_and(|path| path == existing)) {
         "is an input too"
     } else if !existing.is_file() {
         "exists and is no regular file"

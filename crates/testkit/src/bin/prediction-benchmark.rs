@@ -1,6 +1,7 @@
-//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [--keep FOLDER] [KIND ...]`: how far predictions of other
-//! tests are off, for N made cars a kind from number K on, by the programs in the folder BIN, as Markdown. A kind is
-//! named by a part of its name. `--keep` leaves the records and artifacts of every car in FOLDER.
+//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]`: how far
+//! predictions of other tests are off, for N made cars a kind from number K on, by the programs in the folder BIN, as
+//! Markdown. A kind is named by a part of its name. `--tests`: speeds in km/h at which each car is tested; several are
+//! joined to one model. `--keep` leaves the records and artifacts of every car in FOLDER.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -10,7 +11,8 @@ use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [--keep FOLDER] [KIND ...]";
+const USAGE: &str =
+    "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]";
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -24,7 +26,7 @@ fn main() -> ExitCode {
 
 fn benchmark() -> Result<(), Failure> {
     let mut bin = workspace().join("target/release");
-    let (mut cars, mut first) = (50, 0);
+    let (mut cars, mut first, mut tests) = (50, 0, vec![56.0]);
     let mut keep: Option<PathBuf> = None;
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
@@ -33,6 +35,10 @@ fn benchmark() -> Result<(), Failure> {
             "--bin" => bin = PathBuf::from(arguments.next().ok_or(USAGE)?),
             "--cars" => cars = arguments.next().ok_or(USAGE)?.parse()?,
             "--first" => first = arguments.next().ok_or(USAGE)?.parse()?,
+            "--tests" => {
+                let speeds = arguments.next().ok_or(USAGE)?;
+                tests = speeds.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+            }
             "--keep" => keep = Some(PathBuf::from(arguments.next().ok_or(USAGE)?)),
             flag if flag.starts_with('-') => return Err(USAGE.into()),
             kind => wanted.push(kind.to_owned()),
@@ -45,7 +51,7 @@ fn benchmark() -> Result<(), Failure> {
     let mut all = Vec::new();
     for kind in KINDS.iter().filter(|kind| asked(kind.name)) {
         let folder = folder.join(kind.name.replace([',', ' '], "-"));
-        all.extend(outcomes(kind, first..first + cars, &bin, &pipeline, &folder)?);
+        all.extend(outcomes(kind, first..first + cars, &tests, (&bin, &pipeline), &folder)?);
     }
     if all.is_empty() {
         return Err(format!("no kind has one of these in its name: {}", wanted.join(", ")).into());

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::car::Truth;
-use super::kind::{Kind, TESTED_M_PER_S};
+use super::kind::Kind;
 use super::record::record;
 use super::score::{ASKED, Answer, Outcome, Prediction};
 
@@ -36,13 +36,14 @@ impl std::error::Error for TrialError {}
 
 /// Cars of a kind, those of the numbers given, through the programs in `bin` with the pipeline in `pipeline`.
 ///
-/// Every car leaves its records and artifacts in a folder of its own. A car and its noise follow from its kind and
-/// number alone. Errors: a program that is missing or fails.
+/// `tests`: speeds at which each is tested, km/h; with several, one model is fitted to all of them. Every car leaves
+/// its records and artifacts in a folder of its own. A car and its noise follow from its kind and number alone. Errors:
+/// a program that is missing or fails.
 pub fn outcomes(
     kind: &Kind,
     numbers: std::ops::Range<usize>,
-    bin: &Path,
-    pipeline: &Path,
+    tests: &[f64],
+    (bin, pipeline): (&Path, &Path),
     folder: &Path,
 ) -> Result<Vec<Outcome>, TrialError> {
     numbers
@@ -50,7 +51,7 @@ pub fn outcomes(
         .map(|number| {
             let folder = folder.join(number.to_string());
             let programs = Programs { bin, pipeline, folder: &folder };
-            trial(kind, number, &programs)
+            trial(kind, number, tests, &programs)
         })
         .collect()
 }
@@ -88,14 +89,14 @@ impl Programs<'_> {
     }
 
     /// Predictions at every speed and mass that is asked for, by a candidate or by the one that is recommended.
-    fn predictions(&self, candidate: Option<&str>, mass_kg: f64) -> Result<Vec<Value>, TrialError> {
+    fn predictions(&self, inputs: &[&str], candidate: Option<&str>, mass_kg: f64) -> Result<Vec<Value>, TrialError> {
         let mut answers = Vec::new();
         for factor in [1.0, 0.8, 1.25] {
             let speeds: Vec<String> =
                 ASKED.iter().filter(|asked| asked.1 == factor).map(|asked| format!("{}km/h", asked.0)).collect();
             let (speeds, mass) = (speeds.join(","), format!("{}kg", mass_kg * factor));
-            let mut arguments =
-                vec!["3.mcap", "5.mcap", "--json", "--force", "-o", "7.mcap", "--speed", &speeds, "--mass", &mass];
+            let mut arguments = inputs.to_vec();
+            arguments.extend(["--json", "--force", "-o", "7.mcap", "--speed", &speeds, "--mass", &mass]);
             arguments.extend(candidate.iter().flat_map(|id| ["--candidate", id]));
             answers.extend(records(&self.step("predict", &arguments)?, "/prediction/").map(|(_, data)| data));
         }
@@ -112,16 +113,28 @@ fn records(printed: &str, below: &str) -> impl Iterator<Item = (String, Value)> 
     })
 }
 
-fn trial(kind: &Kind, number: usize, programs: &Programs<'_>) -> Result<Outcome, TrialError> {
+fn trial(kind: &Kind, number: usize, tests: &[f64], programs: &Programs<'_>) -> Result<Outcome, TrialError> {
     let car = kind.car(number);
     let at = |error| TrialError::File(programs.folder.to_owned(), error);
-    fs::create_dir_all(programs.folder).map_err(at)?;
-    fs::write(programs.folder.join("crash.csv"), record(&car, TESTED_M_PER_S)).map_err(at)?;
-    programs.step("ingest", &["crash.csv", "--time-zero", "0s", "-o", "1.mcap"])?;
-    programs.step("filter", &["1.mcap", "-o", "2.mcap"])?;
-    programs.step("integrate", &["2.mcap", "-o", "3.mcap"])?;
-    programs.step("identify", &["2.mcap", "3.mcap", "-o", "4.mcap"])?;
-    let solved = programs.step("parameter-solve", &["2.mcap", "3.mcap", "4.mcap", "--json", "-o", "5.mcap"])?;
+    let mut of_all: Vec<String> = Vec::new();
+    for (k, km_per_h) in tests.iter().enumerate() {
+        fs::create_dir_all(programs.folder.join(k.to_string())).map_err(at)?;
+        let [crash, raw, filtered, integrated] =
+            ["crash.csv", "1.mcap", "2.mcap", "3.mcap"].map(|f| format!("{k}/{f}"));
+        fs::write(programs.folder.join(&crash), record(&car, km_per_h / 3.6, k)).map_err(at)?;
+        programs.step("ingest", &[&crash, "--time-zero", "0s", "-o", &raw])?;
+        programs.step("filter", &[&raw, "-o", &filtered])?;
+        programs.step("integrate", &[&filtered, "-o", &integrated])?;
+        of_all.extend([filtered, integrated].map(|path| format!("{k}:{path}")));
+    }
+    let (mut arguments, inputs) = if let [_] = tests {
+        programs.step("identify", &["0/2.mcap", "0/3.mcap", "-o", "4.mcap"])?;
+        (vec!["0/2.mcap", "0/3.mcap", "4.mcap"], &["0/3.mcap", "5.mcap"][..])
+    } else {
+        (of_all.iter().map(String::as_str).collect(), &["5.mcap"][..])
+    };
+    arguments.extend(["--json", "-o", "5.mcap"]);
+    let solved = programs.step("parameter-solve", &arguments)?;
     // The first candidate of each model and method.
     let mut first: BTreeMap<String, String> = BTreeMap::new();
     for (id, _) in records(&solved, "/parameters/") {
@@ -130,7 +143,7 @@ fn trial(kind: &Kind, number: usize, programs: &Programs<'_>) -> Result<Outcome,
     }
     let truths: Vec<Truth> = ASKED.iter().map(|(speed, factor)| car.truth(speed / 3.6, *factor)).collect();
     let mass_kg = car.mass_kg();
-    let mut answers: Vec<Value> = programs.predictions(None, mass_kg)?;
+    let mut answers: Vec<Value> = programs.predictions(inputs, None, mass_kg)?;
     answers.retain(|answer| answer["recommended"] == true);
     let recommended = answers.first().and_then(|answer| answer["candidate"].as_str());
     let mut outcome = Outcome {
@@ -140,7 +153,7 @@ fn trial(kind: &Kind, number: usize, programs: &Programs<'_>) -> Result<Outcome,
         predictions: vec![(Answer::Recommended, scored(&answers, mass_kg, &truths))],
     };
     for (method, id) in first {
-        let answers = programs.predictions(Some(&id), mass_kg)?;
+        let answers = programs.predictions(inputs, Some(&id), mass_kg)?;
         outcome.predictions.push((Answer::Candidate(method), scored(&answers, mass_kg, &truths)));
     }
     Ok(outcome)

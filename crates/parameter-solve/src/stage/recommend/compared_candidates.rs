@@ -2,8 +2,8 @@
 
 use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
-    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Measurement, Observation, ObservedWave, WallForce,
-    crush_error_at_lower_speeds,
+    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, Measurement, Observation, ObservedWave,
+    WallForce, crush_error_at_lower_speeds,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, EventsV1};
@@ -26,13 +26,21 @@ pub struct Submitted<'a> {
     pub division_undecided: bool,
 }
 
-/// The record that all candidates are compared with, from contact to dynamic crush.
+/// The records that all candidates are compared with, from contact to dynamic crush: one test, or several whose
+/// evidence adds up.
 pub struct Comparison {
+    tests: Vec<ComparedTest>,
+}
+
+/// The record of one test.
+struct ComparedTest {
     /// Acceleration of the pulse: what the evidence is of.
     acceleration: Observation,
     /// Displacement of the pulse: what closest means.
     displacement: Observation,
     tested_restitution: Option<f64>,
+    /// Its mass, kg: where several tests stand side by side, each has its own; else it is that of the candidates.
+    mass_kg: f64,
     /// Force on the wall up to separation.
     wall: Option<WallForce>,
 }
@@ -66,33 +74,50 @@ impl Comparison {
             WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok()
         });
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
-            acceleration,
-            displacement,
-            tested_restitution,
-            wall,
+            tests: vec![ComparedTest { acceleration, displacement, tested_restitution, mass_kg, wall }],
         }))
     }
 
-    /// The wave that the evidence is of.
-    pub fn wave(&self) -> &ObservedWave {
-        &self.acceleration.waves[0]
+    /// Several tests side by side, each with its own mass.
+    pub fn of_several(each: Vec<Self>) -> Self {
+        let mut tests: Vec<ComparedTest> = each.into_iter().flat_map(|comparison| comparison.tests).collect();
+        for test in &mut tests {
+            let impact = Impact { speed_m_per_s: test.acceleration.impact_speed_m_per_s, mass_kg: Some(test.mass_kg) };
+            for wave in test.acceleration.waves.iter_mut().chain(&mut test.displacement.waves) {
+                wave.impact = Some(impact);
+            }
+        }
+        Self { tests }
     }
 
-    /// Whether the models are sampled and filtered as the record was.
+    /// What is compared, in words.
+    pub fn quantity(&self) -> String {
+        let name = self.tests[0].wave().quantity.name();
+        if self.tests.len() == 1 { name.to_owned() } else { format!("{name} over its root mean square") }
+    }
+
+    /// The compared window, s after time zero: the longest of several.
+    pub fn window_s(&self) -> (f64, f64) {
+        let ends = self.tests.iter().map(ComparedTest::window_s);
+        ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+    }
+
+    /// Samples compared.
+    pub fn samples(&self) -> usize {
+        self.tests.iter().map(|test| test.wave().samples.len()).sum()
+    }
+
+    /// Whether the models are sampled and filtered as the records were.
     pub fn is_as_measured(&self) -> bool {
-        self.acceleration.is_as_measured()
+        self.tests.iter().all(|test| test.acceleration.is_as_measured())
     }
 
-    /// The record in numbers.
+    /// The records in numbers. Those of several tests are shares of the root mean square of each.
     pub fn record(&self) -> ComparedRecord {
-        let wave = self.wave();
-        let length_s = wave.time_s(wave.samples.len() - 1) - wave.time_s(0);
-        let measurement = &wave.measurement;
-        let most = measurement.filter.map(|filter| 2.0 * filter.noise_bandwidth_hz(measurement.dt_s) * length_s);
         ComparedRecord {
-            rms: wave.size(),
-            most_samples: most.unwrap_or(f64::INFINITY),
-            restitution: self.tested_restitution,
+            rms: if self.tests.len() == 1 { self.tests[0].wave().size() } else { 1.0 },
+            most_samples: self.tests.iter().map(ComparedTest::most_samples).sum(),
+            restitution: geometric_mean(self.tests.iter().filter_map(|test| test.tested_restitution)),
         }
     }
 
@@ -103,16 +128,19 @@ impl Comparison {
 
     fn candidate(&self, candidate: &Submitted<'_>) -> ComparedCandidate {
         let record = candidate.record;
-        let structure = structure_of(&record.model, &record.parameters).ok();
-        let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
-        let speed = self.acceleration.impact_speed_m_per_s;
-        let events = structure.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
-        let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
-        let force_misfit_percent = self
-            .wall
-            .as_ref()
-            .zip(structure.as_ref())
-            .and_then(|(wall, structure)| wall.misfit_percent(structure, speed));
+        let class = EnergyClass::of(&record.model, &record.parameters);
+        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(record, class)).collect();
+        let one = self.tests.len() == 1;
+        let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
+            let unit = if one { 1.0 } else { test.wave().size() };
+            in_test.misfit.as_ref().map(|misfit| misfit.iter().map(|e| e / unit).collect::<Vec<f64>>())
+        });
+        let misfit: Option<Vec<Vec<f64>>> = misfits.collect();
+        let fits: Option<Vec<f64>> = each.iter().map(|in_test| in_test.fit_percent).collect();
+        let restitutions: Option<Vec<f64>> = each.iter().map(|in_test| in_test.restitution).collect();
+        let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
+        let force_misfits: Vec<f64> = each.iter().filter_map(|in_test| in_test.force_misfit_percent).collect();
+        let speed = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).fold(0.0, f64::max);
         let is_zero = |name: &str| record.parameters.get(name).is_some_and(|value| *value == 0.0);
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
@@ -121,8 +149,6 @@ impl Comparison {
             open.push("the division of the mass".to_owned());
             open_and_felt.extend(open.last().cloned());
         }
-        let class = EnergyClass::of(&record.model, &record.parameters);
-        let of_displacement = misfit(&self.displacement);
         ComparedCandidate {
             id: candidate.id.to_owned(),
             class,
@@ -131,10 +157,78 @@ impl Comparison {
             open_and_felt,
             on_bound: bounds.iter().filter(|name| !is_zero(name)).cloned().collect(),
             physical: record.physical,
+            misfit: misfit.map(|misfits| misfits.concat()),
+            // The worst of several: a model is to follow all.
+            fit_percent: fits.and_then(|fits| fits.into_iter().reduce(f64::min)),
+            restitution: restitutions.and_then(|each| match each[..] {
+                [one] => Some(one),
+                _ => geometric_mean(each.into_iter()),
+            }),
+            // The largest of the tests that have such a force.
+            force_misfit_percent: force_misfits.into_iter().reduce(f64::max),
+            // The largest too: what the record of one test says of slower ones holds for all.
+            crush_error_at_lower_speeds: crush_errors.and_then(|errors| errors.into_iter().reduce(f64::max)),
+        }
+    }
+}
+
+/// The geometric mean; `None` of nothing, or where one is not positive.
+fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.collect();
+    match values[..] {
+        [] => None,
+        [one] => Some(one),
+        _ if values.iter().any(|value| *value <= 0.0) => None,
+        _ => Some((values.iter().map(|value| value.ln()).sum::<f64>() / values.len() as f64).exp()),
+    }
+}
+
+/// A candidate in one test.
+struct InTest {
+    misfit: Option<Vec<f64>>,
+    force_misfit_percent: Option<f64>,
+    fit_percent: Option<f64>,
+    restitution: Option<f64>,
+    crush_error_at_lower_speeds: Option<f64>,
+}
+
+impl ComparedTest {
+    /// The wave that the evidence is of.
+    fn wave(&self) -> &ObservedWave {
+        &self.acceleration.waves[0]
+    }
+
+    fn window_s(&self) -> (f64, f64) {
+        let wave = self.wave();
+        (wave.time_s(0), wave.time_s(wave.samples.len() - 1))
+    }
+
+    /// Independent samples that the filter lets through at most.
+    fn most_samples(&self) -> f64 {
+        let (from_s, to_s) = self.window_s();
+        let measurement = &self.wave().measurement;
+        let most = measurement.filter.map(|filter| 2.0 * filter.noise_bandwidth_hz(measurement.dt_s) * (to_s - from_s));
+        most.unwrap_or(f64::INFINITY)
+    }
+
+    fn candidate(&self, record: &CandidateV1, class: EnergyClass) -> InTest {
+        let structure = structure_of(&record.model, &record.parameters).ok();
+        let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
+        let impact = self.acceleration.impact_of(self.wave());
+        let speed = impact.speed_m_per_s;
+        let loaded = structure.as_ref().and_then(|structure| impact.structure(structure));
+        let events = loaded.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
+        let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
+        let of_displacement = misfit(&self.displacement);
+        InTest {
             misfit: misfit(&self.acceleration),
             fit_percent: of_displacement.as_ref().and_then(|misfit| self.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
-            force_misfit_percent,
+            force_misfit_percent: self
+                .wall
+                .as_ref()
+                .zip(loaded.as_ref())
+                .and_then(|(wall, structure)| wall.misfit_percent(structure, speed)),
             crush_error_at_lower_speeds: of_displacement
                 .filter(|_| class == EnergyClass::Plastic)
                 .and_then(|misfit| self.crush_error_at_lower_speeds(&misfit)),

@@ -28,6 +28,18 @@ pub fn recommend(
             return out.put("/recommendation", &without(&because));
         }
     };
+    let record = chosen(settings, &comparison, candidates, undecided, out);
+    out.put("/recommendation", &record)
+}
+
+/// The choice by this comparison, its words added to the summary.
+pub fn chosen(
+    settings: &StageSettings,
+    comparison: &Comparison,
+    candidates: &[(String, CandidateV1)],
+    undecided: &[String],
+    out: &mut Output,
+) -> RecommendationV1 {
     let submitted: Vec<Submitted<'_>> = candidates
         .iter()
         .enumerate()
@@ -36,7 +48,7 @@ pub fn recommend(
         .collect();
     let candidates = comparison.candidates(&submitted);
     let selection = choose(&candidates, &comparison.record(), &settings.selection);
-    let record = recommendation_record(&candidates, &selection, &comparison);
+    let record = recommendation_record(&candidates, &selection, comparison);
     for (name, id, because) in [
         ("recommended", &record.recommended, &record.recommended_because),
         ("simplest", &record.simplest, &record.simplest_because),
@@ -44,7 +56,7 @@ pub fn recommend(
     ] {
         out.summary(format!("{name}: {}, {because}", id.as_deref().unwrap_or("none")));
     }
-    out.put("/recommendation", &record)
+    record
 }
 
 /// What the candidates are compared with, or why they are not.
@@ -74,7 +86,8 @@ fn is_dual(record: &CandidateV1, earlier: &[(String, CandidateV1)]) -> bool {
     record.equivalent_to.as_ref().is_some_and(|other| earlier.iter().any(|(id, _)| id == other))
 }
 
-fn without(because: &str) -> RecommendationV1 {
+/// No choice, and why.
+pub fn without(because: &str) -> RecommendationV1 {
     RecommendationV1 {
         recommended_because: because.to_owned(),
         simplest_because: because.to_owned(),
@@ -89,13 +102,13 @@ fn recommendation_record(
     comparison: &Comparison,
 ) -> RecommendationV1 {
     let id = |choice: &Choice| choice.candidate.map(|k| candidates[k].id.clone());
-    let wave = comparison.wave();
+    let (from_s, to_s) = comparison.window_s();
     let evidence = selection.samples.map(|effective_samples| RecommendationEvidenceV1 {
-        quantity: wave.quantity.name().to_owned(),
+        quantity: comparison.quantity(),
         as_measured: comparison.is_as_measured(),
-        from_s: wave.time_s(0),
-        to_s: wave.time_s(wave.samples.len() - 1),
-        samples: wave.samples.len() as u64,
+        from_s,
+        to_s,
+        samples: comparison.samples() as u64,
         effective_samples,
     });
     let priors = selection.priors.iter().map(|prior| PriorV1 {

@@ -1,0 +1,212 @@
+//! One model for several tests: their records, the joint candidates, the choice among them.
+
+use crumple_lumped_fit::{
+    Candidate, FitQuantity, JointTest, Measurement, RateFactorSource, SelectionRules, Sensor, assess, deepest_crush,
+    fit_together, in_words, rate_factor_source,
+};
+use crumple_signal::{Axis, Sampled, TestDescription};
+use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
+use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage};
+use rayon::prelude::*;
+
+use crate::stage::assess::candidate_assessment::CandidateAssessment;
+use crate::stage::from_events::{sensors_of, speeds_up, test_data};
+use crate::stage::inputs::motions::motion;
+use crate::stage::inputs::record::Record;
+use crate::stage::options::settings::StageSettings;
+use crate::stage::recommend::compared_candidates::Comparison;
+use crate::stage::recommend::recommendation::{chosen, without};
+use crate::stage::records::candidate::{parameters_line, record};
+use crate::stage::records::uncertainty::summary_text;
+
+/// Displacement fit in every test from which a joint model is adequate, percent.
+const FOLLOWS_ALL_PERCENT: f64 = 97.0;
+
+/// What the artifacts say of one of the tests.
+struct OneTest<'a> {
+    name: &'a str,
+    input: &'a Inputs,
+    described: TestDescription,
+    events: EventsV1,
+    record: Record,
+    /// Acceleration of the pulse, where it is at hand.
+    acceleration: Option<(Sampled, Measurement)>,
+}
+
+/// Fits, assesses, chooses and writes: `/test` of the joint model, `/tests`, `/parameters/...`, `/recommendation`.
+pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &mut Output) -> anyhow::Result<Outcome> {
+    refuse_what_is_of_one_test(settings)?;
+    let tests =
+        tests.iter().map(|(name, input)| read(settings, name, input, out)).collect::<anyhow::Result<Vec<_>>>()?;
+    let unsolvable = tests.iter().map(without_crush).collect::<anyhow::Result<Vec<_>>>()?;
+    if let Some(reason) = unsolvable.into_iter().flatten().next() {
+        return Ok(Outcome::NoAcceptableResult(reason));
+    }
+    let sensors: Vec<Vec<Sensor<'_>>> = tests.iter().map(|test| sensors_of(settings, &test.record)).collect();
+    let names: Vec<String> = tests.iter().map(|test| format!("{}:{}", test.name, test.events.channel)).collect();
+    let joint: Vec<JointTest<'_>> = tests
+        .iter()
+        .zip(&sensors)
+        .zip(&names)
+        .map(|((test, sensors), name)| JointTest {
+            name,
+            data: test_data(&test.record, &test.events, sensors),
+            acceleration: test.acceleration.as_ref().map(|(wave, measurement)| (wave, *measurement)),
+        })
+        .collect();
+    let reference = &tests[deepest_crush(&joint)];
+    let record_of_tests = tests_record(&tests);
+    out.put("/test", &joint_test(&tests, reference))?;
+    out.put("/tests", &record_of_tests)?;
+    warn_of_the_rate(&record_of_tests, out);
+    let candidates =
+        fit_together(&joint, &settings.solve, out.notes()).refuse_with_hint("see --models, --fit-from and --fit-to")?;
+    let assessed: Vec<Option<CandidateAssessment>> = candidates.par_iter().map(|c| assessment(settings, c)).collect();
+    let mut records = Vec::with_capacity(candidates.len());
+    for (candidate, assessed) in candidates.iter().zip(&assessed) {
+        let record = record(candidate, assessed.as_ref(), &names.join(" and "));
+        out.put(&format!("/parameters/{}", candidate.id()), &record)?;
+        out.summary(parameters_line(&candidate.id(), &record));
+        let words = |name: &str| in_words(&candidate.model, name);
+        let text = assessed.as_ref().map(|assessed| summary_text(&candidate.id(), assessed, words));
+        text.into_iter().filter(|text| !text.is_empty()).for_each(|text| out.summary(text));
+        records.push((candidate.id(), record));
+    }
+    if records.is_empty() {
+        let reason = "no model could be fitted to all tests; the notes say why";
+        return Ok(Outcome::NoAcceptableResult(reason.to_owned()));
+    }
+    let compared = tests
+        .iter()
+        .map(|test| Comparison::read(settings, test.input, &test.events, of_impact(&test.record)))
+        .collect::<anyhow::Result<Option<Vec<_>>>>()?;
+    let choice = match compared {
+        Some(each) => chosen(&following_all(settings), &Comparison::of_several(each), &records, &[], out),
+        None => {
+            let because = "no acceleration and displacement of every pulse up to dynamic crush";
+            out.summary(format!("none recommended: {because}"));
+            without(because)
+        }
+    };
+    out.put("/recommendation", &choice)?;
+    Ok(Outcome::Done)
+}
+
+/// The rules of the choice for several tests: where no other limit is asked for, a model follows each of them closer
+/// than one test would demand. One that misses the motion of a test it was fitted to does not say how the car depends
+/// on the speed, whatever the evidence: damped models miss crushes of 40 km/h by 8 % at 90 to 95 % of fit.
+fn following_all(settings: &StageSettings) -> StageSettings {
+    let mut settings = settings.clone();
+    let limit = &mut settings.selection.adequate_fit_percent;
+    if *limit == SelectionRules::default().adequate_fit_percent {
+        *limit = FOLLOWS_ALL_PERCENT;
+    }
+    settings
+}
+
+fn of_impact(record: &Record) -> (f64, f64) {
+    (record.mass_kg, record.impact_speed_m_per_s)
+}
+
+/// A mass and an end of the window are of one test; several have their own.
+fn refuse_what_is_of_one_test(settings: &StageSettings) -> anyhow::Result<()> {
+    if settings.mass_kg.is_some() {
+        return Err(Usage::new("--mass is of one test, and several have masses of their own")
+            .hint("--mass at crumple-ingest, or '# mass: 873 kg' in the header of each record")
+            .into());
+    }
+    Ok(())
+}
+
+fn read<'a>(
+    settings: &StageSettings,
+    name: &'a str,
+    input: &'a Inputs,
+    out: &mut Output,
+) -> anyhow::Result<OneTest<'a>> {
+    let of_test = |error: anyhow::Error| error.context(format!("test {name}"));
+    let events: EventsV1 = input.record("/events").map_err(of_test)?;
+    let described = input.test().map_err(of_test)?;
+    let record = Record::read(settings, input, &described, &events, out).map_err(of_test)?;
+    let acceleration = motion(input, &events.channel, FitQuantity::Acceleration, record.mass_kg).ok();
+    let acceleration = acceleration
+        .map(|wave| input.recording_steps(&events, &events.channel, &wave).map(|steps| (wave, steps.into())))
+        .transpose()
+        .map_err(of_test)?;
+    Ok(OneTest { name, input, described, events, record, acceleration })
+}
+
+/// Why a test cannot take part; `None`: it can.
+fn without_crush(test: &OneTest<'_>) -> anyhow::Result<Option<String>> {
+    let OneTest { name, input, described, events, .. } = test;
+    let axis = described.channel(&events.channel).and_then(|channel| channel.axis);
+    if let Some(axis) = axis.filter(|axis| *axis != Axis::X) {
+        let channel = &events.channel;
+        return Ok(Some(format!("{name}: channel {channel} is along {axis}, and the models are of a crush along x")));
+    }
+    if speeds_up(input, events)? {
+        return Ok(Some(format!("{name}: the vehicle moves further than its impact speed alone would carry it")));
+    }
+    let stops = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
+    Ok((!stops).then(|| format!("{name}: the velocity of the record never reaches zero; leave this test out")))
+}
+
+/// What the joint model is of: mass and speed of the test with the deepest crush.
+fn joint_test(tests: &[OneTest<'_>], reference: &OneTest<'_>) -> TestV1 {
+    let titles: Vec<&str> = tests.iter().map(|test| test.described.title.as_str()).collect();
+    let names: Vec<&str> = tests.iter().map(|test| test.name).collect();
+    TestV1 {
+        title: titles.join(" + "),
+        mass_kg: Some(reference.record.mass_kg),
+        impact_speed_m_per_s: Some(reference.record.impact_speed_m_per_s),
+        source: SourceV1 { format: "several tests".to_owned(), name: names.join(" + "), digest: String::new() },
+        channels: Vec::new(),
+        pulse: None,
+        notes: vec![format!("mass and impact speed are those of {}, the deepest crush", reference.name)],
+        time_zero: None,
+        ..TestV1::from(&reference.described)
+    }
+}
+
+fn tests_record(tests: &[OneTest<'_>]) -> TestsV1 {
+    let speeds: Vec<f64> = tests.iter().map(|test| test.record.impact_speed_m_per_s).collect();
+    let rate_factor = match rate_factor_source(&speeds) {
+        RateFactorSource::Fitted => "fitted",
+        RateFactorSource::Prior { .. } => "prior",
+    };
+    let of_test = |test: &OneTest<'_>| JointTestV1 {
+        name: test.name.to_owned(),
+        title: test.described.title.clone(),
+        digest: test.described.source.digest.clone(),
+        channel: test.events.channel.clone(),
+        mass_kg: test.record.mass_kg,
+        impact_speed_m_per_s: test.record.impact_speed_m_per_s,
+        dynamic_crush_m: test.events.dynamic_crush_m,
+        time_of_dynamic_crush_s: test.events.time_of_dynamic_crush_s,
+        coefficient_of_restitution: test.events.coefficient_of_restitution,
+    };
+    TestsV1 { tests: tests.iter().map(of_test).collect(), rate_factor: rate_factor.to_owned() }
+}
+
+fn warn_of_the_rate(tests: &TestsV1, out: &mut Output) {
+    if tests.rate_factor == "prior" {
+        let speeds: Vec<String> =
+            tests.tests.iter().map(|test| format!("{:.1} km/h", 3.6 * test.impact_speed_m_per_s)).collect();
+        out.notes().warning(format!(
+            "the tests are at nearly one speed ({}), which does not tell the rate effect: it stays the prior of a \
+             single test; speeds a tenth apart tell it",
+            speeds.join(", ")
+        ));
+    }
+}
+
+/// How well the parameters are known: through the filters of all tests, their residuals apart.
+fn assessment(settings: &StageSettings, candidate: &Candidate) -> Option<CandidateAssessment> {
+    let minimum = candidate.minimum.as_ref()?;
+    Some(CandidateAssessment {
+        assessment: assess(minimum, None, settings.assessment.options())?,
+        propagation: None,
+        repeated: "fit",
+        through_filter: minimum.observed.is_as_measured(),
+    })
+}

@@ -1,0 +1,7 @@
+//! `crumple-together`: one model for several tests, see the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    crumple_stage::tool_main(crumple_run::together)
+}

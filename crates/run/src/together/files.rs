@@ -1,0 +1,8 @@
+//! Names of what the joint stages write.
+
+/// Joint candidates.
+pub(crate) const SOLVED: &str = "5-parameter-solve.mcap";
+/// Predictions.
+pub(crate) const PREDICTED: &str = "7-predict.mcap";
+/// All of it for scripts.
+pub(crate) const SUMMARY: &str = "summary.json";

@@ -1,0 +1,131 @@
+//! The joint stages into one folder.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crumple_stage::{ExitStatus, say};
+
+use crate::command::pipeline::Pipeline;
+use crate::folder::lock::LockedFolder;
+use crate::steps::ending::Ending;
+use crate::steps::start::run_in_shell;
+use crate::together::each_run::{TestRun, run_each, test_runs};
+use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
+use crate::together::leave_one_out::{Left, folder_without, remove_of_others};
+use crate::together::options::{Asked, TogetherOptions};
+use crate::together::summary::write_summary;
+
+/// Runs every record, fits one model to all of them, predicts with it, and predicts every test from the others.
+///
+/// A record or program that fails ends it with its exit code, named; what stands in the folder is then that of an
+/// earlier run or of the steps before, each file whole. Exit code 4: no acceptable joint model.
+pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
+    let asked = Asked::read(&options.rest)?;
+    let runs = test_runs(&asked.records, &options)?;
+    if let Some(failed) = run_each(&runs, &options)? {
+        return Ok(failed);
+    }
+    let names: Vec<&str> = runs.iter().map(|run| run.name.as_str()).collect();
+    let name = asked.name.clone().unwrap_or_else(|| names.join("+"));
+    let path = match options.out.is_empty() {
+        true => options.project.join("runs/together").join(name),
+        false => PathBuf::from(&options.out),
+    };
+    let folder = LockedFolder::lock(&path)?;
+    let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
+    let joint = JointRun { options: &options, pipeline: &pipeline, folder: folder.path() };
+    let status = joint.model(&runs, folder.path(), Vec::new())?;
+    if status != ExitStatus::Done {
+        return Ok(status);
+    }
+    let status = joint.prediction(&[folder.path().join(SOLVED)], None, folder.path(), &asked.flags)?;
+    if !matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
+        return Ok(status);
+    }
+    remove_of_others(folder.path(), &names)?;
+    let mut left_out = Vec::new();
+    for (k, run) in runs.iter().enumerate() {
+        let others: Vec<&TestRun> = runs.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, run)| run).collect();
+        let own = folder_without(folder.path(), &run.name);
+        fs::create_dir_all(&own).with_context(|| format!("cannot make {}", own.display()))?;
+        let (inputs, solved) = match others[..] {
+            // What one test says alone is in its own run.
+            [alone] => (alone.own_candidates().to_vec(), ExitStatus::Done),
+            _ => {
+                let of_others: Vec<TestRun> = others.iter().map(|other| (*other).clone()).collect();
+                (vec![own.join(SOLVED)], joint.model(&of_others, &own, joint.quiet())?)
+            }
+        };
+        let predicted = match solved {
+            ExitStatus::Done => joint.prediction(&inputs, Some(&run.folder), &own, &joint.quiet())?,
+            other => other,
+        };
+        if !matches!(predicted, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
+            say(format_args!("error: {} could not be predicted from the others", run.name));
+            return Ok(predicted);
+        }
+        let from = others.iter().map(|other| other.name.clone()).collect();
+        left_out.push(Left { test: run.name.clone(), from, folder: own });
+    }
+    write_summary(folder.path(), &pipeline.name, &left_out)?;
+    Ok(status)
+}
+
+/// The joint stages with what they share.
+struct JointRun<'a> {
+    options: &'a TogetherOptions,
+    pipeline: &'a Pipeline,
+    folder: &'a Path,
+}
+
+impl JointRun<'_> {
+    /// What keeps a stage quiet, where the flags of all stages do not: it may be said once.
+    fn quiet(&self) -> Vec<OsString> {
+        let is_said = self.options.flags.split_whitespace().any(|word| matches!(word, "-q" | "--quiet"));
+        if is_said { Vec::new() } else { vec!["-q".into()] }
+    }
+
+    /// Fits one model to these tests, into `own`.
+    fn model(&self, runs: &[TestRun], own: &Path, flags: Vec<OsString>) -> anyhow::Result<ExitStatus> {
+        let mut arguments: Vec<OsString> = runs.iter().flat_map(TestRun::named_artifacts).map(OsString::from).collect();
+        let made_from_it = [self.folder.join(SUMMARY), own.join(PREDICTED)];
+        arguments.extend(self.ending(&own.join(SOLVED), &made_from_it));
+        arguments.extend(flags);
+        self.step(&self.options.parameter_solve, &arguments)
+    }
+
+    /// Predicts with the candidates of these artifacts, into `own`.
+    fn prediction(
+        &self,
+        inputs: &[PathBuf],
+        against: Option<&Path>,
+        own: &Path,
+        flags: &[OsString],
+    ) -> anyhow::Result<ExitStatus> {
+        let mut arguments: Vec<OsString> = inputs.iter().map(OsString::from).collect();
+        arguments.extend(self.ending(&own.join(PREDICTED), &[self.folder.join(SUMMARY)]));
+        arguments.extend(against.into_iter().flat_map(|folder| ["--against".into(), folder.as_os_str().to_owned()]));
+        arguments.extend_from_slice(flags);
+        self.step(&self.options.predict, &arguments)
+    }
+
+    /// Pipeline, output, and what is made from it.
+    fn ending(&self, output: &Path, made_from_it: &[PathBuf]) -> Vec<OsString> {
+        let mut words: Vec<OsString> = vec!["--pipeline".into(), self.pipeline.file.clone().into()];
+        words.extend(["-o".into(), output.into()]);
+        words.extend(made_from_it.iter().flat_map(|file| ["--dependent".into(), file.into()]));
+        words
+    }
+
+    fn step(&self, command: &str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
+        Ok(match Ending::of(run_in_shell(command, arguments, &self.options.flags)?) {
+            Ending::WithResult(status) | Ending::Failed(status) => status,
+            Ending::Unforeseen(_) => {
+                say(format_args!("error: {command} ended in an unforeseen way"));
+                ExitStatus::Failure
+            }
+        })
+    }
+}

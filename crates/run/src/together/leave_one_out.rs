@@ -1,0 +1,65 @@
+//! Every test predicted from the others: where it is, and what it says.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crumple_stage::load_artifacts;
+use crumple_stage::records::{DiagnosisV1, PredictionV1};
+
+use crate::together::files::{PREDICTED, SOLVED};
+
+/// How the folders begin in which one test is left out.
+const WITHOUT: &str = "without-";
+
+/// A test that was left out.
+#[derive(Debug)]
+pub(crate) struct Left {
+    /// Its name.
+    pub(crate) test: String,
+    /// The tests that it was predicted from.
+    pub(crate) from: Vec<String>,
+    /// Where the prediction is.
+    pub(crate) folder: PathBuf,
+}
+
+/// Where a test is left out.
+pub(crate) fn folder_without(folder: &Path, test: &str) -> PathBuf {
+    folder.join(format!("{WITHOUT}{test}"))
+}
+
+/// Removes what an earlier run into this folder left out and this one does not.
+pub(crate) fn remove_of_others(folder: &Path, tests: &[&str]) -> anyhow::Result<()> {
+    let entries = fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    for entry in entries {
+        let path = entry.with_context(|| format!("cannot read {}", folder.display()))?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let Some(test) = name.strip_prefix(WITHOUT).filter(|test| !tests.contains(test)) else { continue };
+        for file in [PREDICTED, SOLVED] {
+            let file = folder_without(folder, test).join(file);
+            if file.exists() {
+                fs::remove_file(&file).with_context(|| format!("cannot remove {}", file.display()))?;
+            }
+        }
+        // One that holds something else stays.
+        let _ = fs::remove_dir(&path);
+    }
+    Ok(())
+}
+
+impl Left {
+    /// The predictions of the test itself, the recommended first, or why there is none.
+    pub(crate) fn predictions(&self) -> anyhow::Result<Result<Vec<PredictionV1>, String>> {
+        let predicted = self.folder.join(PREDICTED);
+        let path = if predicted.is_file() { predicted } else { self.folder.join(SOLVED) };
+        let input = load_artifacts(&[path])?.input;
+        if let Some(diagnosis) = input.record_if::<DiagnosisV1>("/diagnosis")? {
+            return Ok(Err(diagnosis.reason));
+        }
+        let all: Vec<(String, PredictionV1)> = input.records("/prediction/")?;
+        let mut of_the_test: Vec<PredictionV1> =
+            all.into_iter().map(|(_, prediction)| prediction).filter(|p| p.against.is_some()).collect();
+        of_the_test.sort_by_key(|prediction| !prediction.recommended);
+        Ok(Ok(of_the_test))
+    }
+}
