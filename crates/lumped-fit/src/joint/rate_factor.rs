@@ -3,7 +3,7 @@
 use crumple_lumped::{Model, ModelKind, ParameterKind};
 
 use crate::free::free_parameter::FreeParameter;
-use crate::solvers::force_deflection::RATE_PRIOR_S_PER_M;
+use crate::solvers::crush_curves::assumptions::RATE_PRIOR_S_PER_M;
 
 /// Ratio of the fastest to the slowest impact from which a rate factor is fitted. The force at equal crush differs by
 /// `r` times the difference of the speeds there: at 56 and 50 km/h by 2 % for `r` of 1 % per m/s, about what a zero

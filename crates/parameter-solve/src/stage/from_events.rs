@@ -50,13 +50,13 @@ pub fn from_events(
     events: &EventsV1,
     out: &mut Output,
 ) -> anyhow::Result<Vec<Candidate>> {
-    let sensors = sensors_of(settings, record);
+    let sensors = sensors_of(record);
     let test_data = test_data(record, events, &sensors);
     solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
 }
 
 /// The sensors to fit together.
-pub fn sensors_of<'a>(settings: &StageSettings, record: &'a Record) -> Vec<Sensor<'a>> {
+pub fn sensors_of<'a>(record: &'a Record) -> Vec<Sensor<'a>> {
     record
         .sensors
         .iter()

@@ -42,7 +42,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     if let Some(reason) = unsolvable.into_iter().flatten().next() {
         return Ok(Outcome::NoAcceptableResult(reason));
     }
-    let sensors: Vec<Vec<Sensor<'_>>> = tests.iter().map(|test| sensors_of(settings, &test.record)).collect();
+    let sensors: Vec<Vec<Sensor<'_>>> = tests.iter().map(|test| sensors_of(&test.record)).collect();
     let names: Vec<String> = tests.iter().map(|test| format!("{}:{}", test.name, test.events.channel)).collect();
     let joint: Vec<JointTest<'_>> = tests
         .iter()
@@ -208,5 +208,6 @@ fn assessment(settings: &StageSettings, candidate: &Candidate) -> Option<Candida
         propagation: None,
         repeated: "fit",
         through_filter: minimum.observed.is_as_measured(),
+        front_mass_uncertainty: 0.0,
     })
 }
