@@ -57,8 +57,8 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
     }
 }
 
-/// The closed intervals from the assumed share on, both ways, up to the first that is not closed; none where that at the
-/// assumed share is open.
+/// The closed intervals from the assumed share on, both ways, up to the first that is not closed; none where that at
+/// the assumed share is open.
 fn around_the_assumed(nodes: &[Option<[f64; 3]>], assumed: usize) -> Vec<[f64; 3]> {
     let first = nodes[..=assumed].iter().rposition(Option::is_none).map_or(0, |open| open + 1);
     nodes[first..].iter().map_while(|node| *node).take(if first > assumed { 0 } else { nodes.len() }).collect()
