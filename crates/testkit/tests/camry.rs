@@ -66,7 +66,7 @@ fn check_all(summary: &Value) {
     let named = |name: &str| all.iter().find(|c| c["id"] == summary[name]).unwrap();
     let best = named("best");
     // The front of a car is plastic: that is what predictions are made with.
-    assert_eq!((&summary["best"], &best["model"]), (&summary["recommended"], &Value::from("elastoplastic")));
+    assert_eq!((&summary["best"], &best["model"]), (&summary["recommended"], &Value::from("force-deflection")));
     // Both follow the crush within 1 %, the closest over the whole loading phase.
     for model in [best, named("closest")] {
         let error = number(model, &["simulation", "dynamic_crush_error_m"]);

@@ -74,9 +74,10 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
 
 /// [`threshold_crossing`] of the moving mean, block by block: a long record is not copied.
 fn smoothed_crossing(pulse: &Sampled, zero_level: f64) -> Option<f64> {
-    let half = (SMOOTHING_S / pulse.dt_s() / 2.0) as usize;
+    // An interval of next to nothing makes them longer than any record.
+    let half = ((SMOOTHING_S / pulse.dt_s() / 2.0) as usize).min(pulse.len());
     // A run that reaches over the start of a block is found again in it.
-    let overlap = (HOLD_S / pulse.dt_s()).round().max(1.0) as usize + 2;
+    let overlap = (HOLD_S / pulse.dt_s()).round().clamp(1.0, pulse.len() as f64) as usize + 2;
     (0..pulse.len()).step_by(BLOCK).find_map(|start| {
         let (from, to) = (start.saturating_sub(overlap), (start + BLOCK).min(pulse.len()));
         let (low, high) = (from.saturating_sub(half), (to + half).min(pulse.len()));

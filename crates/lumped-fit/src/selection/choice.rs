@@ -153,6 +153,10 @@ impl ComparedCandidates<'_> {
         let plastic: Vec<usize> =
             self.adequate().filter(|k| is_plastic(*k) && self.predicts_wrongly(*k).is_none()).collect();
         let least = plastic.iter().map(|k| error(*k)).fold(f64::INFINITY, f64::min);
+        // One that misses nearly as much is no reason to leave the evidence.
+        if least > limit && least > 0.5 * error(by_evidence) {
+            return by_evidence;
+        }
         let near = plastic.into_iter().filter(|k| error(*k) <= limit.max(least) && error(*k).is_finite());
         near.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(by_evidence)
     }
@@ -358,6 +362,7 @@ mod tests {
         );
         assert_eq!(ids(&[line.clone(), fine], &rules)[0].as_deref(), Some("fine"));
         assert_eq!(ids(&[line.clone(), coarse], &rules)[0].as_deref(), Some("coarse"));
+        assert_eq!(ids(&[line.clone(), error("hardly", 4, 1.0, 0.04)], &rules)[0].as_deref(), Some("line"));
         let wide = SelectionRules { lower_speed_limit_percent: 10.0, ..rules };
         assert_eq!(ids(&all, &wide)[0].as_deref(), Some("line"));
         // A damped model that wins is not asked.
