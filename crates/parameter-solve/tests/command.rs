@@ -71,7 +71,7 @@ fn a_missing_mass_is_named_in_the_diagnosis_and_a_flag_supplies_it() {
 fn no_candidate_at_all_is_exit_4_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     write_integrated(&folder.path().join("3.mcap"), Some(873.0), false);
-    let output = run(folder.path(), &["--models", "kelvin"]);
+    let output = run(folder.path(), &["--models", "kelvin", "--method", "closed-form"]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{stderr}");
     assert!(stderr.contains("never reaches zero"), "{stderr}");
@@ -110,7 +110,7 @@ fn closed_forms_need_the_events_only_and_are_exact() {
     let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
     builder.write(&folder.path().join("3.mcap"), &provenance, Compression::None).unwrap();
 
-    assert_eq!(run(folder.path(), &["--models", "kelvin"]).status.code(), Some(0));
+    assert_eq!(run(folder.path(), &["--models", "kelvin", "--method", "closed-form"]).status.code(), Some(0));
     let solved = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let candidate: CandidateV1 = solved.record("/parameters/kelvin/closed-form/1").unwrap().unwrap();
     // The inversion is a closed form with one bracketed root: rounding only.

@@ -256,7 +256,7 @@ fn a_flag_without_effect_is_named() {
         .arg(folder.path().join("events.mcap"))
         .arg("-o")
         .arg(folder.path().join("5.mcap"))
-        .args(["--models", "kelvin", "--profile", "--mass-uncertainty", "14kg"])
+        .args(["--models", "kelvin", "--method", "closed-form", "--profile", "--mass-uncertainty", "14kg"])
         .output()
         .unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -36,7 +36,7 @@ fn a_run_predicts_the_speeds_of_its_pipeline_and_more_when_asked() {
     let folder = tempfile::tempdir().unwrap();
     let of_run = summary_of(&["flags=-q"], folder.path(), &fixture("kelvin"), &[]);
     let recommended = of_run["recommended"].as_str().unwrap();
-    assert_eq!((of_run["best"].as_str(), recommended), (Some(recommended), "kelvin/closed-form/1"));
+    assert_eq!((of_run["best"].as_str(), recommended), (Some(recommended), "kelvin/direct-fit/1"));
     let mut speeds: Vec<f64> = asked(&of_run).iter().map(|(speed, ..)| *speed).collect();
     speeds.dedup();
     assert_eq!(speeds, [40.0, 48.0, 56.0, 64.0]);
@@ -50,8 +50,9 @@ fn a_run_predicts_the_speeds_of_its_pipeline_and_more_when_asked() {
     assert_eq!(asked(&own).iter().map(|(speed, ..)| *speed).collect::<Vec<_>>(), [35.0, 40.0, 48.0, 56.0, 64.0]);
     let crush = number(&own["predictions"][0], &["dynamic_crush_m"]);
     let measured = number(&own, &["events", "dynamic_crush_m"]);
-    // The closed form meets the crush of the filtered record.
-    assert!((crush / measured - 1.0).abs() < 1e-4, "{crush} of {measured}");
+    // The fit through the filter has the vehicle's own crush, 0.02 % from that of the filtered record: CFC 60 spreads
+    // the jump of acceleration at contact over 10 ms on both sides.
+    assert!((crush / measured - 1.0).abs() < 5e-4, "{crush} of {measured}");
     assert_eq!(own["pipeline"], "default");
 
     let output = predict(folder.path(), &["--mass", "1100kg"]);

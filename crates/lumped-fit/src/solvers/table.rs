@@ -45,7 +45,7 @@ pub(crate) const SOLVERS: &[Solver] = {
     const DOUBLE: ModelKind = K::DoubleSpringMassDamper;
     &[
         solver(K::Kelvin, Method::ClosedForm, Events, true, closed_forms::kelvin),
-        solver(K::Kelvin, Method::DirectFit, Motion, false, sensors::fit),
+        solver(K::Kelvin, Method::DirectFit, Motion, true, sensors::fit),
         solver(K::Kelvin, Method::LShade, Motion, false, sensors::fit),
         solver(K::Elastoplastic, Method::ClosedForm, Events, true, closed_forms::elastoplastic),
         solver(K::Elastoplastic, Method::DirectFit, Motion, false, sensors::fit),
@@ -183,6 +183,6 @@ mod tests {
         let both = [Method::CoefficientMatching, Method::DirectFit, Method::Firefly];
         let methods: Vec<_> = solvers_of(ModelKind::DoubleSpringMassDamper, &both).iter().map(|s| s.method).collect();
         assert_eq!(methods, both[..2]);
-        assert_eq!(solvers_of(ModelKind::Kelvin, &[]).len(), 1);
+        assert_eq!(solvers_of(ModelKind::Kelvin, &[]).len(), 2);
     }
 }
