@@ -121,7 +121,12 @@ fn made_and_opened(path: &Path) -> anyhow::Result<File> {
     let mut tries = 0;
     loop {
         tries += 1;
-        let is_gone = |error: &io::Error| error.kind() == io::ErrorKind::NotFound && tries < TRIES;
+        // Found there by one call and gone for the next, it is said to exist; what is no folder stays in the way.
+        let is_gone = |error: &io::Error| match error.kind() {
+            io::ErrorKind::NotFound => tries < TRIES,
+            io::ErrorKind::AlreadyExists => tries < TRIES && (path.is_dir() || !path.exists()),
+            _ => false,
+        };
         match fs::create_dir_all(path) {
             Err(error) if is_gone(&error) => continue,
             Err(error) => {
