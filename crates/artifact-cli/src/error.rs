@@ -34,6 +34,9 @@ pub enum PlainError {
 /// Why a candidate has no force-deflection curve.
 #[derive(Debug, thiserror::Error)]
 pub enum CurveError {
+    /// The artifact is of another stage.
+    #[error("there are no candidates here")]
+    NoCandidates,
     /// The artifact recommends none.
     #[error("no candidate is recommended here; candidates: {candidates}")]
     NoneRecommended {

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, RecommendationV1};
+use crumple_artifact::records::{CandidateV1, NotesV1, RecommendationV1};
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 
 fn candidate(model: &str, parameters: &[(&str, f64)]) -> CandidateV1 {
@@ -86,4 +86,13 @@ fn what_has_no_curve_is_refused_with_what_to_do() {
         assert!(stderr.contains(said), "{stderr}");
     }
     assert_eq!(curve(&artifact, &["--to", "0m"]).status.code(), Some(2));
+    let other = folder.path().join("3-integrate.mcap");
+    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), vec![]);
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/notes", &NotesV1 { stage: "integrate".to_owned(), notes: Vec::new() }).unwrap();
+    builder.write(&other, &provenance, Compression::None).unwrap();
+    let output = curve(&other, &[]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(stderr.contains("no candidates here") && stderr.contains("5-parameter-solve.mcap of a run"), "{stderr}");
 }

@@ -31,12 +31,16 @@ pub struct StaticCurve {
 /// The curves of a candidate of an artifact of `crumple-parameter-solve`: of all elements that have one.
 ///
 /// `candidate`: its id; without one the recommended. `to_m`: deflection up to which curves without a last knot are
-/// written, m. Errors: no such candidate, none recommended, parameters without meaning, no element with a static force.
+/// written, m. Errors: no candidates at all, no such candidate, none recommended, parameters without meaning, no
+/// element with a static force.
 pub fn static_curves(
     artifact: &Artifact,
     candidate: Option<&str>,
     to_m: Option<f64>,
 ) -> Result<Vec<StaticCurve>, CurveError> {
+    if !artifact.records().iter().any(|raw| raw.topic.starts_with("/parameters/")) {
+        return Err(CurveError::NoCandidates);
+    }
     let id = match candidate {
         Some(id) => id.to_owned(),
         None => {
@@ -107,6 +111,5 @@ fn between(front: Node, rear: Node) -> String {
 
 fn ids(artifact: &Artifact) -> String {
     let topics = artifact.records().iter().filter_map(|raw| raw.topic.strip_prefix("/parameters/"));
-    let ids: Vec<&str> = topics.collect();
-    if ids.is_empty() { "none".to_owned() } else { ids.join(", ") }
+    topics.collect::<Vec<&str>>().join(", ")
 }

@@ -123,6 +123,7 @@ fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<L
     }
     let curves = static_curves(&open(path)?, candidate, to_m).map_err(|error| {
         let hint = match &error {
+            CurveError::NoCandidates => "give the artifact of crumple-parameter-solve, 5-parameter-solve.mcap of a run",
             CurveError::NoneRecommended { .. } | CurveError::NoCandidate { .. } => "name one with --candidate",
             CurveError::NoEnd { .. } => "say up to which deflection: --to 900mm",
             CurveError::NoStaticForce { .. } => {
