@@ -52,7 +52,7 @@ pub fn static_curves(
     let record = artifact
         .record::<CandidateV1>(&format!("/parameters/{id}"))?
         .ok_or_else(|| CurveError::NoCandidate { id: id.clone(), candidates: ids(artifact) })?;
-    let structure = structure_of(&record.model, &record.parameters)?;
+    let structure = structure_of(&record.model, &record.parameters)?.with_trends_beyond();
     let mut needs_end = false;
     let mut curves = Vec::new();
     for (k, connection) in structure.connections().iter().enumerate() {

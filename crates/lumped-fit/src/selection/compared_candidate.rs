@@ -73,6 +73,8 @@ pub struct ComparedCandidate {
     pub id: String,
     /// What takes the energy.
     pub class: EnergyClass,
+    /// How many masses it has.
+    pub masses: usize,
     /// Free numbers.
     pub parameters: usize,
     /// Of these, what the record does not determine, in words.
@@ -92,6 +94,8 @@ pub struct ComparedCandidate {
     pub restitution: Option<f64>,
     /// Misfit of the wall's force, percent of its root mean square; `None`: the record has no such force.
     pub force_misfit_percent: Option<f64>,
+    /// Largest relative error of the dynamic crush over the tests; `None`: it does not stop.
+    pub crush_error: Option<f64>,
     /// Of a plastic model, the largest relative error of the crush at lower speeds that the record itself shows.
     pub crush_error_at_lower_speeds: Option<f64>,
 }

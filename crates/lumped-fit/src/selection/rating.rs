@@ -80,6 +80,10 @@ fn not_adequate(candidate: &ComparedCandidate, rules: &SelectionRules) -> Option
     if !candidate.on_bound.is_empty() {
         return Some(format!("on a bound of its search: {}", candidate.on_bound.join(", ")));
     }
+    let (crush, limit) = (100.0 * candidate.crush_error.unwrap_or(f64::INFINITY), rules.crush_limit_percent);
+    if crush > limit {
+        return Some(format!("it misses the dynamic crush of a test by {crush:.1} %, more than {limit} %"));
+    }
     let limit = rules.adequate_fit_percent;
     match candidate.fit_percent {
         Some(fit) if fit >= limit => candidate.misfit.is_none().then(|| "it has no response to compare".to_owned()),

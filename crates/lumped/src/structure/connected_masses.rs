@@ -3,6 +3,9 @@
 use crate::LumpedError;
 use crate::error::positive;
 use crate::structure::element::Element;
+use crate::structure::elements::crush_curve::Extrapolation;
+#[cfg(doc)]
+use crate::structure::elements::force_deflection::ForceDeflection;
 
 /// What an element is fixed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -117,6 +120,22 @@ impl Structure {
         };
         let connections = elements.into_iter().map(join).collect::<Result<_, LumpedError>>()?;
         Self::new(masses.iter().map(|(_, kg)| *kg).collect(), connections)
+    }
+
+    /// The structure for impacts beyond what its curves were read from: each force-deflection element that goes on with
+    /// the slope of its last piece goes on with its [trend](ForceDeflection::trend_beyond_n_per_m) instead.
+    pub fn with_trends_beyond(mut self) -> Self {
+        for connection in &mut self.connections {
+            let Element::ForceDeflection(element) = &mut connection.element else { continue };
+            if element.extrapolation() == Extrapolation::Slope {
+                let trend = Extrapolation::Stiffness(element.trend_beyond_n_per_m());
+                // Not steeper than the steepest piece: the unloading stiffness is above it.
+                if let Ok(extrapolated) = element.clone().with_extrapolation(trend) {
+                    *element = extrapolated;
+                }
+            }
+        }
+        self
     }
 
     /// Masses, kg.

@@ -1,8 +1,8 @@
 //! One model for several tests: their records, the joint candidates, the choice among them.
 
 use crumple_lumped_fit::{
-    Candidate, FitQuantity, JointTest, Measurement, RateFactorSource, SelectionRules, Sensor, assess, deepest_crush,
-    fit_together, in_words, rate_factor_source,
+    Candidate, FitQuantity, JointTest, Measurement, RateFactorSource, Sensor, assess, deepest_crush, fit_together,
+    in_words, rate_factor_source,
 };
 use crumple_signal::{Axis, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
@@ -19,8 +19,8 @@ use crate::stage::recommend::recommendation::{chosen, without};
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::uncertainty::summary_text;
 
-/// Displacement fit in every test from which a joint model is adequate, percent.
-const FOLLOWS_ALL_PERCENT: f64 = 97.0;
+/// Error of the dynamic crush of every test up to which a joint model is adequate, percent.
+const CRUSH_OF_ALL_PERCENT: f64 = 3.0;
 
 /// What the artifacts say of one of the tests.
 struct OneTest<'a> {
@@ -92,15 +92,12 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     Ok(Outcome::Done)
 }
 
-/// The rules of the choice for several tests: where no other limit is asked for, a model follows each of them closer
-/// than one test would demand. One that misses the motion of a test it was fitted to does not say how the car depends
-/// on the speed, whatever the evidence: damped models miss crushes of 40 km/h by 8 % at 90 to 95 % of fit.
+/// The rules of the choice for several tests: a model has the dynamic crush of each of them. One that misses the crush
+/// of a test it was fitted to does not say how the car depends on the speed, whatever the evidence: damped models miss
+/// those of 40 km/h by 8 %.
 fn following_all(settings: &StageSettings) -> StageSettings {
     let mut settings = settings.clone();
-    let limit = &mut settings.selection.adequate_fit_percent;
-    if *limit == SelectionRules::default().adequate_fit_percent {
-        *limit = FOLLOWS_ALL_PERCENT;
-    }
+    settings.selection.crush_limit_percent = CRUSH_OF_ALL_PERCENT;
     settings
 }
 

@@ -61,7 +61,7 @@ impl Candidate {
     /// Its structure, with a total mass where one is asked for: what is added or taken away is the compartment's.
     /// Errors: parameters without meaning, a mass that leaves the compartment none.
     pub fn structure(&self, mass_kg: Option<f64>) -> Result<Structure, PredictError> {
-        with_mass(structure_of(&self.model, &self.parameters)?, mass_kg)
+        with_mass(structure_of(&self.model, &self.parameters)?.with_trends_beyond(), mass_kg)
     }
 
     /// The same with some parameters multiplied by factors.
@@ -76,7 +76,7 @@ impl Candidate {
                 *value *= factor;
             }
         }
-        with_mass(structure_of(&self.model, &parameters)?, mass_kg)
+        with_mass(structure_of(&self.model, &parameters)?.with_trends_beyond(), mass_kg)
     }
 
     /// How it goes on beyond what was tested, in words.
@@ -88,7 +88,7 @@ impl Candidate {
                 "constant stiffness and damping"
             }
             "chain" => "the last values of its stiffnesses and dampings",
-            _ => "the slope of its last piece",
+            _ => "its mean slope, or that of its last piece where its force rises all the way",
         }
     }
 }

@@ -17,6 +17,9 @@ use crate::stage::recommend::felt::is_felt;
 /// A crash is over in two seconds or never.
 const HORIZON_S: f64 = 2.0;
 
+/// Share of the largest force of a curve below which a force at a knot is none.
+const NO_FORCE: f64 = 1e-3;
+
 /// A candidate with what its record does not say.
 #[derive(Debug)]
 pub struct Submitted<'a> {
@@ -138,13 +141,23 @@ impl Comparison {
         let misfit: Option<Vec<Vec<f64>>> = misfits.collect();
         let fits: Option<Vec<f64>> = each.iter().map(|in_test| in_test.fit_percent).collect();
         let restitutions: Option<Vec<f64>> = each.iter().map(|in_test| in_test.restitution).collect();
+        let of_crush: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error).collect();
         let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
         let force_misfits: Vec<f64> = each.iter().filter_map(|in_test| in_test.force_misfit_percent).collect();
-        let speed = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).fold(0.0, f64::max);
-        let is_zero = |name: &str| record.parameters.get(name).is_some_and(|value| *value == 0.0);
+        let speeds: Vec<f64> = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).collect();
+        // A force at a knot has zero as its limit, which the search in logarithms only comes near to.
+        let size = |name: &str| record.parameters.get(name).map(|value| value.abs());
+        let is_force = |name: &str| parameter_kind(&record.model, name) == Some(ParameterKind::Force);
+        let forces = record.parameters.keys().filter(|name| is_force(name)).filter_map(|name| size(name));
+        let smallest = NO_FORCE * forces.fold(0.0, f64::max);
+        let is_zero = |name: &str| size(name).is_some_and(|v| v == 0.0 || is_force(name) && v <= smallest);
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
-        let mut open_and_felt: Vec<String> = open.iter().filter(|name| is_felt(record, name, speed)).cloned().collect();
+        // A rate factor is free in a fit to several tests alone: however little they say of it, it is more than the
+        // prior of one test, and its deviation is in the intervals of predictions.
+        let is_rate = |name: &str| parameter_kind(&record.model, name) == Some(ParameterKind::RateFactor);
+        let felt = open.iter().filter(|name| !is_rate(name) && is_felt(record, name, &speeds));
+        let mut open_and_felt: Vec<String> = felt.cloned().collect();
         if candidate.division_undecided {
             open.push("the division of the mass".to_owned());
             open_and_felt.extend(open.last().cloned());
@@ -152,6 +165,7 @@ impl Comparison {
         ComparedCandidate {
             id: candidate.id.to_owned(),
             class,
+            masses: structure_of(&record.model, &record.parameters).map_or(1, |structure| structure.masses_kg().len()),
             parameters: free_numbers(record).max(open.len()),
             open,
             open_and_felt,
@@ -166,6 +180,7 @@ impl Comparison {
             }),
             // The largest of the tests that have such a force.
             force_misfit_percent: force_misfits.into_iter().reduce(f64::max),
+            crush_error: of_crush.and_then(|errors| errors.into_iter().reduce(f64::max)),
             // The largest too: what the record of one test says of slower ones holds for all.
             crush_error_at_lower_speeds: crush_errors.and_then(|errors| errors.into_iter().reduce(f64::max)),
         }
@@ -189,6 +204,7 @@ struct InTest {
     force_misfit_percent: Option<f64>,
     fit_percent: Option<f64>,
     restitution: Option<f64>,
+    crush_error: Option<f64>,
     crush_error_at_lower_speeds: Option<f64>,
 }
 
@@ -218,12 +234,16 @@ impl ComparedTest {
         let speed = impact.speed_m_per_s;
         let loaded = structure.as_ref().and_then(|structure| impact.structure(structure));
         let events = loaded.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
-        let rebound = events.and_then(|events| events.last()?.rebound_velocity_m_per_s);
+        let of_compartment = events.as_ref().and_then(|events| events.last());
+        let rebound = of_compartment.and_then(|events| events.rebound_velocity_m_per_s);
+        let crush_m = self.displacement.waves[0].samples.iter().copied().fold(0.0, f64::max);
+        let crush = of_compartment.and_then(|events| events.dynamic_crush_m);
         let of_displacement = misfit(&self.displacement);
         InTest {
             misfit: misfit(&self.acceleration),
             fit_percent: of_displacement.as_ref().and_then(|misfit| self.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
+            crush_error: crush.map(|crush| (crush / crush_m - 1.0).abs()).filter(|error| error.is_finite()),
             force_misfit_percent: self
                 .wall
                 .as_ref()
