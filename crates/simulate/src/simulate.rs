@@ -29,8 +29,8 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
 /// As [`simulate`], moved by something else than the impact speed alone. The events of a driven model are those of its
 /// samples, interpolated between two: right to about `dt²` times the rate of the deceleration.
 ///
-/// A drive is a record of the test, interpolated linearly to the model's instants and zero outside. Where the
-/// drive needs the mass of the vehicle ([`Excitation::PulseAsForce`]), it is the sum of the model's masses.
+/// A drive is a record of the test, interpolated linearly to the model's instants and zero outside, or a pulse of a
+/// family, exact in between. Where the drive needs the mass of the vehicle ([`Excitation::PulseAsForce`]), it is the sum of the model's masses.
 pub fn simulate_driven(
     model: &Model,
     test: &Measured<'_>,
@@ -38,9 +38,7 @@ pub fn simulate_driven(
     excitation: &Excitation<'_>,
 ) -> Result<Simulation, SimulateError> {
     let v0 = test.impact_speed_m_per_s;
-    if !(v0.is_finite() && v0 > 0.0) {
-        return Err(SimulateError::Speed(v0));
-    }
+    check_speed(v0, excitation)?;
     let mass_kg = model.masses_kg().iter().sum();
     let free_flight = matches!(excitation, Excitation::Impact);
     let mut simulation = beside_the_test(test, window, |dt, samples| {
@@ -70,9 +68,7 @@ pub fn simulate_chain(
     excitation: &Excitation<'_>,
 ) -> Result<Simulation, SimulateError> {
     let v0 = speed_m_per_s.unwrap_or(test.impact_speed_m_per_s);
-    if !(v0.is_finite() && v0 > 0.0) {
-        return Err(SimulateError::Speed(v0));
-    }
+    check_speed(v0, excitation)?;
     let mass_kg = chain.masses_kg().iter().sum();
     let mut simulation = beside_the_test(test, window, |dt, samples| {
         let drive = match (excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples), speed_m_per_s) {
@@ -97,6 +93,12 @@ pub fn simulate_chain(
         simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, &chain.structure()?);
     }
     Ok(simulation)
+}
+
+/// Refuses a speed that is not positive where models start at it.
+fn check_speed(speed_m_per_s: f64, excitation: &Excitation<'_>) -> Result<(), SimulateError> {
+    let positive = speed_m_per_s.is_finite() && speed_m_per_s > 0.0;
+    if positive || !excitation.from_impact_speed() { Ok(()) } else { Err(SimulateError::Speed(speed_m_per_s)) }
 }
 
 /// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: the samples of

@@ -5,6 +5,8 @@
 
 use crumple_linalg::dot;
 
+use super::distributions::chi_square_95;
+
 /// Whiteness of residuals and their independence of the input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTests {
@@ -46,12 +48,6 @@ pub fn residual_tests(residual: &[f64], input: Option<&[f64]>, lags: usize) -> O
         input_correlation,
         lags,
     })
-}
-
-/// 95 % point of chi-square with `n` degrees of freedom (Wilson & Hilferty 1931, within 1 % for n >= 2).
-pub fn chi_square_95(n: f64) -> f64 {
-    let h = 2.0 / (9.0 * n);
-    n * (1.0 - h + 1.644_853_6 * h.sqrt()).powi(3)
 }
 
 #[cfg(test)]

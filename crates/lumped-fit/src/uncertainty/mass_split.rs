@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use crumple_estimation::statistics::normal_distribution;
+
 use crate::candidate::minimum::Minimum;
 use crate::fit::as_measured::fit_nearby;
 use crate::free::free_parameter::{FreeParameter, masses_of};
@@ -134,12 +136,6 @@ fn mixture(nodes: &[[f64; 3]]) -> Ends {
     (Some(end(0.025)), Some(end(0.975)))
 }
 
-/// The normal distribution function within 2e-4: a logistic curve (Bowling et al., J. Industrial Engineering and
-/// Management 2(1), 2009).
-fn normal_distribution(z: f64) -> f64 {
-    1.0 / (1.0 + (-(1.5976 * z + 0.070_56 * z.powi(3))).exp())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_mixture_is_the_interval_where_the_share_does_nothing_and_the_share_where_noise_does_nothing() {
-        // Not in logarithms, since an end is below zero: one interval, to the 2e-4 of the distribution function.
+        // Not in logarithms, since an end is below zero: one interval, to the difference of 1.96 and the normal point.
         let (low, high) = mixture(&[node(1.0, 2.0); 9]);
         assert!((low.unwrap() + 1.0).abs() < 0.01 && (high.unwrap() - 3.0).abs() < 0.01, "{low:?} {high:?}");
         // Evenly spread from -4 to 4: 95 % of it, to half of the 80th part between two shares.

@@ -1,6 +1,6 @@
 //! What moves the models: the impact, or a record of the test.
 
-use crumple_lumped::Drive;
+use crumple_lumped::{CrashPulse, Drive};
 use crumple_signal::Sampled;
 
 /// What moves the models. Records are on the time axis of the test; what they say before time zero is not used, and
@@ -21,6 +21,11 @@ pub enum Excitation<'a> {
         /// Its acceleration, m/s², positive in the direction of crush.
         record: &'a Sampled,
     },
+    /// The same by a pulse of a family, from time zero on.
+    BasePulse {
+        /// The acceleration of the barrier, positive in the direction of crush.
+        pulse: &'a CrashPulse,
+    },
     /// The impact speed and, as a force on the mass next to the barrier, the whole mass times the measured
     /// acceleration: the forced simulation of the transfer-function paper. Circular: the answer goes in as the
     /// question, and a model that is one rigid mass integrates it to the measured motion.
@@ -31,6 +36,11 @@ pub enum Excitation<'a> {
 }
 
 impl Excitation<'_> {
+    /// Whether models start at the impact speed.
+    pub(crate) fn from_impact_speed(&self) -> bool {
+        matches!(self, Self::Impact | Self::PulseAsForce { .. })
+    }
+
     /// The drive of a model of `mass_kg` in all at `k dt` after time zero, k = 0 .. `samples`; records are interpolated
     /// linearly, zero outside. Forces are in N, accelerations in m/s². `mass_kg` is used by
     /// [`Excitation::PulseAsForce`] alone, whose force is `mass_kg·a`, negative while the vehicle slows down.
@@ -49,6 +59,7 @@ impl Excitation<'_> {
             Self::Impact => Drive::Impact(impact_speed_m_per_s),
             Self::Force { record, mass } => Drive::Force { mass, samples: on_grid(record, 1.0) },
             Self::Base { record } => Drive::BaseAcceleration(on_grid(record, 1.0)),
+            Self::BasePulse { pulse } => Drive::BasePulse(pulse.clone()),
             Self::PulseAsForce { record } => Drive::ImpactAndForce {
                 speed_m_per_s: impact_speed_m_per_s,
                 mass: 0,

@@ -1,9 +1,12 @@
 //! `--drive` and its companions: what moves the models, checked, and found in the inputs.
 
+use crumple_lumped::CrashPulse;
 use crumple_signal::QuantityKind;
 use crumple_simulate::Excitation;
 use crumple_stage::{Inputs, Refused, Usage, nearest, unknown_name};
 use serde::Serialize;
+
+use crate::stage::pulse::pulse_of;
 
 /// Waveforms that a refusal lists.
 const SHOWN: usize = 12;
@@ -16,6 +19,9 @@ pub struct Driven {
     pub drive: &'static str,
     drive_wave: Option<String>,
     drive_mass: usize,
+    /// The pulse that `drive_wave` names; `None` where that is a waveform.
+    #[serde(skip)]
+    pulse: Option<CrashPulse>,
 }
 
 impl Driven {
@@ -27,8 +33,9 @@ impl Driven {
         let takes_a_wave = matches!(drive, "force" | "base");
         if takes_a_wave != drive_wave.is_some() {
             return Err(if takes_a_wave {
-                Usage::new(format!("{place}drive {drive} needs a waveform"))
-                    .hint("--drive-wave barrier/force, or drive_wave in a pipeline file")
+                Usage::new(format!("{place}drive {drive} needs a waveform")).hint(
+                    "--drive-wave barrier/force, or drive_wave in a pipeline file; base also \"half-sine 20g 90ms\"",
+                )
             } else {
                 Usage::new(format!("{place}drive {drive} takes no drive-wave")).hint("force and base do")
             }
@@ -37,11 +44,19 @@ impl Driven {
         if drive_mass == 0 {
             return Err(Usage::new("drive-mass is 0, expected 1 for the mass next to the barrier, or more").into());
         }
-        Ok(Self { drive, drive_wave, drive_mass })
+        let pulse = drive_wave.as_deref().map(pulse_of).transpose()?.flatten();
+        if pulse.is_some() && drive != "base" {
+            let problem = format!("{place}drive {drive} takes a waveform of the inputs, no pulse of a family");
+            return Err(Usage::new(problem).hint("drive base moves the barrier by it").into());
+        }
+        Ok(Self { drive, drive_wave, drive_mass, pulse })
     }
 
     /// The same with its waveform.
-    pub fn excitation<'a>(&self, input: &'a Inputs, pulse: &str) -> anyhow::Result<Excitation<'a>> {
+    pub fn excitation<'a>(&'a self, input: &'a Inputs, pulse: &str) -> anyhow::Result<Excitation<'a>> {
+        if let Some(pulse) = &self.pulse {
+            return Ok(Excitation::BasePulse { pulse });
+        }
         let record = match &self.drive_wave {
             Some(id) => {
                 let wanted = if self.drive == "force" { QuantityKind::Force } else { QuantityKind::Acceleration };
@@ -65,10 +80,15 @@ impl Driven {
         })
     }
 
+    /// Whether models start from rest.
+    pub fn from_rest(&self) -> bool {
+        matches!(self.drive, "force" | "base")
+    }
+
     /// How far the comparison with the test holds where it is not the impact that moves the models. Of a pulse given
     /// back as a force [`Driven::words`] say all.
     pub fn caution(&self) -> Option<&'static str> {
-        matches!(self.drive, "force" | "base").then_some(
+        self.from_rest().then_some(
             "fits and errors still compare with the test as recorded: they assess and rank no model unless the test \
              was driven in the same way, and under a displacement fit of 50 % no model is called the best",
         )

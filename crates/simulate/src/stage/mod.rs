@@ -6,6 +6,7 @@ mod drive;
 mod fitted_parameters;
 mod options;
 mod other_sensors;
+mod pulse;
 mod records;
 
 use std::path::PathBuf;
@@ -54,9 +55,13 @@ impl Stage for Simulate {
             return Err(input.missing("/parameters/"));
         }
         refuse_fitted_names(&settings.chain, &candidates)?;
-        let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
-            Refused::new("neither the events nor the test have an impact speed")
-                .hint("--impact-speed 35km/h at crumple-ingest")
+        let stated_speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
+        // What starts from rest needs none.
+        let impact_speed_m_per_s = stated_speed.or(settings.all_from_rest().then_some(0.0)).ok_or_else(|| {
+            Refused::new("neither the events nor the test have an impact speed").hint(
+                "--impact-speed 35km/h at crumple-ingest; a sled: --drive base --drive-wave \"half-sine 20g 90ms\", or \
+                 the id of its acceleration",
+            )
         })?;
         let channel = &events.channel;
         let displacement = input.wave(&format!("{channel}/displacement"))?.signal::<Displacement>().refuse()?;

@@ -21,13 +21,14 @@ pub struct Options {
     pub stay_attached: Option<bool>,
 
     /// What moves the models: impact (the impact speed), force (a waveform of the inputs, N, from rest), base (the
-    /// barrier's acceleration, a waveform of the inputs, from rest), pulse-as-force (the impact speed, and the mass
+    /// barrier's acceleration, a waveform of the inputs or a sled pulse, from rest), pulse-as-force (the impact speed, and the mass
     /// times the measured acceleration as a force on the front mass: the transfer-function paper's simulation,
     /// circular) [default: impact]
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,
 
-    /// Waveform for --drive force or base, by its id, e.g. barrier/force
+    /// Waveform for --drive force or base, by its id, e.g. barrier/force; for base also a pulse: "half-sine 20g 90ms"
+    /// (peak, duration), "triangle 24g 35ms 100ms" (peak, time of it, duration), positive in the direction of crush
     #[arg(long, value_name = "ID")]
     pub drive_wave: Option<String>,
 
@@ -52,6 +53,12 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Whether every model starts from rest.
+    pub fn all_from_rest(&self) -> bool {
+        let stated = self.chain.iter().map(|stated| &stated.driven);
+        stated.chain([&self.driven]).all(Driven::from_rest)
+    }
+
     /// The settings with defaults filled in and names checked.
     pub fn new(options: Options) -> anyhow::Result<Self> {
         let name = options.drive.as_deref().unwrap_or("impact");

@@ -69,6 +69,33 @@ fn a_chain_is_moved_by_a_force_on_a_named_mass_or_by_the_barrier() {
 }
 
 #[test]
+fn a_sled_is_moved_by_a_pulse_of_a_family() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder.path().join("5.mcap"), &[]);
+    let text = "[simulate.chain.dummy]\ndrive = 'base'\ndrive_wave = 'half-sine 200m/s^2 80ms'\n\
+                masses = [{ name = 'chest', mass = '40 kg', stiffness = '60 kN/m' }]\n";
+    let pipeline = folder.path().join("p.toml");
+    std::fs::write(&pipeline, text).unwrap();
+    let output = run_with(folder.path(), &["--pipeline", pipeline.to_str().unwrap()]);
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("half-sine 200m/s^2 80ms"), "{stderr}");
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let x = artifact.waves()["chain/dummy/1/displacement"].sampled.samples().to_vec();
+    // Undamped, z = x - y: z'' + w² z = -A sin(W t) from rest, and y = A/W (t - sin(W t)/W) while the pulse lasts.
+    let (a, big, w) = (200.0, std::f64::consts::PI / 0.08, (60e3_f64 / 40.0).sqrt());
+    for k in [100, 400, 800] {
+        let t = f64::from(k) * 1e-4;
+        let z = -a / (w * w - big * big) * ((big * t).sin() - big / w * (w * t).sin());
+        let y = a / big * (t - (big * t).sin() / big);
+        // Exact but for rounding.
+        assert!((x[k as usize] - (y + z)).abs() < 1e-12, "{} {}", x[k as usize], y + z);
+    }
+    let usage = run_with(folder.path(), &["--drive", "force", "--drive-wave", "half-sine 200m/s^2 80ms"]);
+    assert_eq!(usage.status.code(), Some(2));
+}
+
+#[test]
 fn a_nonlinear_and_an_elastoplastic_model_are_driven_by_a_force() {
     let folder = tempfile::tempdir().unwrap();
     let nonlinear = Model::Nonlinear1(Nonlinear1 {

@@ -1,15 +1,16 @@
-//! `interval-benchmark --bin BIN [--records N] [--first K] [FAMILY ...]`: how often the 95 % intervals of fitted
+//! `interval-benchmark --bin BIN [--choice] [--records N] [--first K] [FAMILY ...]`: how often the 95 % intervals of fitted
 //! parameters hold the truth, by the programs in the folder BIN, as a Markdown table. Records are numbered from K on,
-//! 0 by default: another K draws other cars. A family is named by a part of its name.
+//! 0 by default: another K draws other cars. A family is named by a part of its name. With `--choice`: how often the
+//! model that the record was made of, or one that the record cannot tell from it, is recommended or the simplest.
 
 use std::process::ExitCode;
 
-use crumple_testkit::interval_cover::{FAMILIES, cover_of};
+use crumple_testkit::interval_cover::{DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: interval-benchmark [--bin BIN] [--records N] [--first K] [FAMILY ...]";
+const USAGE: &str = "usage: interval-benchmark [--bin BIN] [--choice] [--records N] [--first K] [FAMILY ...]";
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -23,12 +24,13 @@ fn main() -> ExitCode {
 
 fn benchmark() -> Result<ExitCode, Failure> {
     let mut bin = workspace().join("target/release");
-    let (mut first, mut records) = (0, 300);
+    let (mut first, mut records, mut choice) = (0, 300, false);
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--bin" => bin = std::path::absolute(arguments.next().ok_or(USAGE)?)?,
+            "--choice" => choice = true,
             "--records" => records = arguments.next().ok_or(USAGE)?.parse()?,
             "--first" => first = arguments.next().ok_or(USAGE)?.parse()?,
             flag if flag.starts_with('-') => return Err(USAGE.into()),
@@ -36,11 +38,22 @@ fn benchmark() -> Result<ExitCode, Failure> {
         }
     }
     let folder = std::env::temp_dir().join(format!("interval-benchmark-{}", std::process::id()));
-    println!("| family | parameter | closed | cover, % | open | records without a candidate |");
-    println!("|---|---|---|---|---|---|");
     let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
-    for family in FAMILIES.iter().filter(|family| asked(family.name)) {
-        print!("{}", cover_of(family, first..first + records, &bin, &folder)?.rows(family.name));
+    let records = first..first + records;
+    if choice {
+        println!("| made of | held, % | recommended: it / not told apart / other / none | simplest | others |");
+        println!("|---|---|---|---|---|");
+        let pipeline = workspace().join("pipelines/default.toml");
+        for drawn in DRAWN.iter().filter(|drawn| asked(drawn.name)) {
+            let choices = choices_of(drawn, records.clone(), (&bin, &pipeline), &folder)?;
+            print!("{}", choices.row(drawn.name));
+        }
+    } else {
+        println!("| family | parameter | closed | cover, % | open | records without a candidate |");
+        println!("|---|---|---|---|---|---|");
+        for family in FAMILIES.iter().filter(|family| asked(family.name)) {
+            print!("{}", cover_of(family, records.clone(), &bin, &folder)?.rows(family.name));
+        }
     }
     std::fs::remove_dir_all(&folder)?;
     Ok(ExitCode::SUCCESS)

@@ -2,7 +2,8 @@
 
 use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{
-    DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, Nonlinear1, Nonlinear2,
+    CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, Nonlinear1,
+    Nonlinear2, TripleSpringMassDamper,
 };
 
 /// What is drawn.
@@ -13,6 +14,8 @@ pub(super) enum Draw {
     Maxwell,
     Nonlinear1,
     Nonlinear2,
+    ForceDeflection,
+    Triple,
     /// Share of the mass in front, between these; whether the front carries a sensor too.
     Double {
         front: (f64, f64),
@@ -112,6 +115,18 @@ impl Draw {
                     v0,
                 )?
             }
+            Self::ForceDeflection => {
+                let forces = [between(0.2, 0.5), between(0.2, 0.6), between(0.3, 0.8), between(0.4, 1.2)];
+                let at: [f64; 4] = std::array::from_fn(|j| (j as f64 + between(0.3, 0.7)) * crush / 3.0);
+                let knots: Vec<(f64, f64)> = at.iter().zip(forces).map(|(x, force)| (*x, force * k * crush)).collect();
+                let unloading = k / between(0.08, 0.2).powi(2);
+                Model::ForceDeflection(CrushedStructure::new(mass_kg, &knots, unloading, between(0.0, 0.008))?)
+            }
+            Self::Triple => Model::TripleSpringMassDamper(TripleSpringMassDamper {
+                masses_kg: [0.125, 0.125, 0.75].map(|share| share * mass_kg),
+                springs_n_per_m: std::array::from_fn(|_| k * between(1.5, 4.0)),
+                dampers_n_s_per_m: std::array::from_fn(|_| c * between(0.05, 0.4)),
+            }),
             Self::Double { front, engine: with_engine } => {
                 engine = with_engine;
                 let m1_kg = between(front.0, front.1) * mass_kg;

@@ -1,12 +1,14 @@
-//! How often the intervals of fitted parameters hold the truth: cars of known parameters, recorded as a laboratory
-//! does, through the programs. May use `random`.
+//! Cars of known parameters, recorded as a laboratory does, through the programs: how often the intervals of fitted
+//! parameters hold the truth, and how often the true model is chosen. May use `programs` and `random`.
 
 mod car;
+mod choice;
 mod cover;
 mod family;
 mod record;
 mod trial;
 
+pub use choice::{Choices, DRAWN, choices_of};
 pub use cover::Cover;
 pub use family::FAMILIES;
 pub use trial::{CoverError, cover_of};

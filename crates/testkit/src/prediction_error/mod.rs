@@ -1,5 +1,5 @@
 //! How far predictions of other tests are off: cars that no family equals, tested once as a laboratory does, asked at
-//! other speeds and masses through the programs. May use `random`.
+//! other speeds and masses through the programs. May use `programs` and `random`.
 
 mod car;
 mod channel_class;
@@ -14,4 +14,4 @@ mod trial;
 pub use kind::{KINDS, Kind};
 pub use score::{Answer, Outcome, Prediction};
 pub use table::tables;
-pub use trial::{TrialError, outcomes};
+pub use trial::outcomes;

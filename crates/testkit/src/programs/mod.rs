@@ -3,3 +3,6 @@
 
 pub mod pipeline;
 pub mod program;
+pub(crate) mod steps;
+
+pub use steps::StepError;

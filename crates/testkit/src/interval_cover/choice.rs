@@ -1,0 +1,168 @@
+//! How often the model that a record was made of is the one that is recommended, or the simplest.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::ops::Range;
+use std::path::Path;
+
+use rayon::prelude::*;
+use serde_json::Value;
+
+use super::car::Draw;
+use super::trial::{CoverError, measured};
+use crate::programs::steps::{Steps, records};
+
+/// A model that cars are made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn {
+    /// Name in the table.
+    pub name: &'static str,
+    /// Model name of its candidates.
+    model: &'static str,
+    draw: Draw,
+}
+
+/// All of them.
+pub const DRAWN: &[Drawn] = &[
+    Drawn { name: "kelvin", model: "kelvin", draw: Draw::Kelvin },
+    Drawn { name: "elastoplastic", model: "elastoplastic", draw: Draw::Elastoplastic },
+    Drawn { name: "maxwell", model: "maxwell", draw: Draw::Maxwell },
+    Drawn { name: "nonlinear-1", model: "nonlinear-1", draw: Draw::Nonlinear1 },
+    Drawn { name: "nonlinear-2", model: "nonlinear-2", draw: Draw::Nonlinear2 },
+    Drawn {
+        name: "double",
+        model: "double-spring-mass-damper",
+        draw: Draw::Double { front: (0.25, 0.25), engine: false },
+    },
+    Drawn {
+        name: "double, split 15 to 35 % taken as 25 %",
+        model: "double-spring-mass-damper",
+        draw: Draw::Double { front: (0.15, 0.35), engine: false },
+    },
+    Drawn { name: "triple", model: "triple-spring-mass-damper", draw: Draw::Triple },
+    Drawn { name: "force-deflection", model: "force-deflection", draw: Draw::ForceDeflection },
+];
+
+/// A record tells two candidates apart where their criteria differ by more (Burnham & Anderson 2002, section 2.6:
+/// essentially no support above 10).
+const TOLD_APART: f64 = 10.0;
+
+/// What a record's choice is, beside the model it was made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Choice {
+    /// That model.
+    True,
+    /// Another, whose criterion is not worse by more than [`TOLD_APART`].
+    NotToldApart,
+    /// Another.
+    Other,
+    /// None.
+    Nothing,
+}
+
+/// Counts of choices.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Choices {
+    records: usize,
+    /// Records with the true model, or one not told apart, as recommended or simplest.
+    held: usize,
+    /// By name in the recommendation and choice.
+    counts: BTreeMap<(&'static str, Choice), usize>,
+    /// Models recommended where the record tells them from the true one.
+    others: BTreeMap<String, usize>,
+}
+
+/// The choices over the cars of these numbers, by the programs in `bin` with a pipeline.
+///
+/// A car and its noise follow from its number and model alone. Errors: a program that is missing or fails.
+pub fn choices_of(
+    drawn: &Drawn,
+    numbers: Range<usize>,
+    (bin, pipeline): (&Path, &Path),
+    folder: &Path,
+) -> Result<Choices, CoverError> {
+    let recommendations = numbers.into_par_iter().map(|number| -> Result<Value, CoverError> {
+        let folder = folder.join(number.to_string());
+        let programs = Steps { bin, folder: &folder, pipeline: None };
+        measured(drawn.name, drawn.draw, number, &programs)?;
+        let programs = Steps { pipeline: Some(pipeline), ..programs };
+        programs.run("identify", &["2.mcap", "3.mcap", "-o", "4.mcap"])?;
+        let printed = programs.run("parameter-solve", &["2.mcap", "3.mcap", "4.mcap", "--json", "-o", "5.mcap"])?;
+        programs.remove_folder()?;
+        Ok(records(&printed, "/recommendation").next().map(|(_, record)| record).unwrap_or_default())
+    });
+    let recommendations: Vec<Value> = recommendations.collect::<Result<_, _>>()?;
+    let mut choices = Choices::default();
+    for recommendation in &recommendations {
+        choices.count(recommendation, drawn.model);
+    }
+    Ok(choices)
+}
+
+/// The model of a candidate's id.
+fn model_of(id: &str) -> &str {
+    id.split_once('/').map_or(id, |(model, _)| model)
+}
+
+impl Choices {
+    fn count(&mut self, recommendation: &Value, model: &str) {
+        let candidates = recommendation["candidates"].as_array().map_or(&[][..], Vec::as_slice);
+        let criterion = |of: &dyn Fn(&str) -> bool| {
+            let of = candidates.iter().filter(|candidate| candidate["id"].as_str().is_some_and(of));
+            of.filter_map(|candidate| candidate["aicc"].as_f64()).min_by(f64::total_cmp)
+        };
+        let truth = criterion(&|id| model_of(id) == model);
+        let choice = |name: &str| match recommendation[name].as_str() {
+            None => Choice::Nothing,
+            Some(id) if model_of(id) == model => Choice::True,
+            Some(id) => match criterion(&|other| other == id).zip(truth) {
+                Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::NotToldApart,
+                _ => Choice::Other,
+            },
+        };
+        let named = ["recommended", "simplest"].map(|name| (name, choice(name)));
+        self.records += 1;
+        self.held += usize::from(named.iter().any(|(_, choice)| *choice <= Choice::NotToldApart));
+        for key in named {
+            *self.counts.entry(key).or_default() += 1;
+        }
+        if let (Choice::Other, Some(id)) = (named[0].1, recommendation["recommended"].as_str()) {
+            *self.others.entry(model_of(id).to_owned()).or_default() += 1;
+        }
+    }
+
+    /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, then the counts
+    /// of the recommended and of the simplest: true, not told apart, other, none; others that are recommended.
+    pub fn row(&self, name: &str) -> String {
+        let mut row = format!("| {name} | {:.1} |", 100.0 * self.held as f64 / self.records as f64);
+        for of in ["recommended", "simplest"] {
+            let count = |choice| self.counts.get(&(of, choice)).copied().unwrap_or_default();
+            let [truth, not_told_apart, other, nothing] =
+                [Choice::True, Choice::NotToldApart, Choice::Other, Choice::Nothing].map(count);
+            let _infallible = write!(row, " {truth} / {not_told_apart} / {other} / {nothing} |");
+        }
+        let others: Vec<String> = self.others.iter().map(|(model, count)| format!("{model} {count}")).collect();
+        let _infallible = writeln!(row, " {} |", others.join(", "));
+        row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_that_cannot_tell_two_models_apart_counts_for_both() {
+        let candidate = |id: &str, aicc: f64| serde_json::json!({ "id": id, "aicc": aicc });
+        let mut choices = Choices::default();
+        for (recommended, simplest) in [("a/fit/1", "b/fit/1"), ("b/fit/1", "c/fit/1"), ("c/fit/1", "c/fit/1")] {
+            let candidates = [candidate("a/fit/1", 0.0), candidate("b/fit/1", 9.0), candidate("c/fit/1", 11.0)];
+            let record = serde_json::json!({
+                "recommended": recommended, "simplest": simplest, "candidates": candidates
+            });
+            choices.count(&record, "a");
+        }
+        choices.count(&serde_json::json!({ "recommended": null, "simplest": null }), "a");
+        assert_eq!(choices.row("a"), "| a | 50.0 | 1 / 1 / 1 / 1 | 0 / 1 / 2 / 1 | c 1 |\n");
+    }
+}
