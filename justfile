@@ -184,6 +184,11 @@ ci-full:
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
     just bytes --compare target/bytes-1.txt target/bytes-4.txt
 
+# Mutated files and tampered artifacts through the programs, 1000 of each: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
+[group('development')]
+fuzz *args: build
+    @cargo run --quiet --release --package crumple-testkit --bin fuzz -- --bin {{ quote(bin) }} "$@"
+
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]
 shell-files: build

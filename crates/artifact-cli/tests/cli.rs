@@ -191,6 +191,84 @@ fn unpacking_and_packing_gives_the_same_content_and_provenance() {
 }
 
 #[test]
+fn what_was_edited_is_not_the_stages_own_any_more() {
+    let folder = folder();
+    assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain"]).code, 0);
+    let records = folder.path().join("plain/records.ndjson");
+    let edited = fs::read_to_string(&records).unwrap().replace("a note", "another note");
+    fs::write(&records, edited).unwrap();
+    assert_eq!(artifact(folder.path(), &["pack", "plain", "edited.mcap"]).code, 0);
+    let edited = Artifact::open(&folder.path().join("edited.mcap")).unwrap();
+    assert_eq!(edited.stage(), Some("filter"), "later stages look for it");
+    let stated = edited.provenance().unwrap();
+    assert_eq!((stated.build.as_str(), stated.made_by.as_str()), ("", "crumple-artifact pack"));
+    let shown = artifact(folder.path(), &["show", "edited.mcap"]).stdout;
+    assert!(shown.contains("made by  crumple-artifact pack, of content that is not the stage's own"), "{shown}");
+
+    // and stays so, packed again as it is
+    assert_eq!(artifact(folder.path(), &["unpack", "edited.mcap", "again"]).code, 0);
+    assert_eq!(artifact(folder.path(), &["pack", "again", "again.mcap"]).code, 0);
+    let again = Artifact::open(&folder.path().join("again.mcap")).unwrap();
+    assert_eq!(again.provenance(), Some(stated));
+}
+
+#[test]
+fn no_file_of_another_kind_is_overwritten() {
+    let folder = folder();
+    assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain"]).code, 0);
+    let record = folder.path().join("crash.csv");
+    fs::write(&record, "time_s,accel_g\n").unwrap();
+    let output = artifact(folder.path(), &["pack", "plain", "crash.csv"]);
+    assert_eq!(output.code, 2, "{}", output.stderr);
+    insta::assert_snapshot!(output.stderr, @"
+    error: the output crash.csv exists and is no artifact of this project
+      hint: give it another name
+    ");
+    assert_eq!(fs::read(&record).unwrap(), b"time_s,accel_g\n");
+
+    let records = folder.path().join("plain/records.ndjson");
+    fs::write(&records, "topic,schema\n").unwrap();
+    assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--force"]).code, 2);
+    assert_eq!(fs::read(&records).unwrap(), b"topic,schema\n");
+}
+
+#[test]
+fn completions_and_the_man_page_are_printed_without_a_command() {
+    let folder = folder();
+    for (kind, word) in [("bash", "_crumple-artifact"), ("zsh", "#compdef"), ("fish", "complete -c"), ("man", ".TH")] {
+        let output = artifact(folder.path(), &["--generate", kind]);
+        assert_eq!(output.code, 0, "{}", output.stderr);
+        assert!(output.stdout.contains(word), "{kind}");
+    }
+    assert_eq!(artifact(folder.path(), &[]).code, 2, "a command is needed else");
+    let help = artifact(folder.path(), &["--help"]).stdout;
+    assert!(help.contains("--generate") && help.contains("--memory-limit"), "{help}");
+}
+
+#[test]
+fn what_needs_more_memory_than_its_limit_is_refused_by_name() {
+    let folder = folder();
+    let output = artifact(folder.path(), &["show", "2-filter.mcap", "--memory-limit", "400KiB"]);
+    assert_eq!(output.code, 3, "{}", output.stderr);
+    insta::assert_snapshot!(output.stderr, @"
+    error: 2-filter.mcap: this needs more than 400 KiB of memory, the limit of --memory-limit
+      hint: where the input is right all the same, give it more: --memory-limit 1MiB
+    ");
+    assert_eq!(artifact(folder.path(), &["check", "2-filter.mcap", "--memory-limit", "64MiB"]).code, 0);
+    assert_eq!(artifact(folder.path(), &["check", "2-filter.mcap", "--memory-limit", "64"]).code, 2);
+}
+
+#[test]
+fn a_title_does_not_command_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1 { title: "\u{9b}31m".into(), ..test() }).unwrap();
+    builder.write(&folder.path().join("x.mcap"), &provenance(), Compression::None).unwrap();
+    let shown = artifact(folder.path(), &["show", "x.mcap"]).stdout;
+    assert!(shown.contains("\\u{9b}31m") && !shown.contains('\u{9b}'), "{shown}");
+}
+
+#[test]
 fn plain_files_that_make_no_sense_are_refused_with_their_place() {
     let folder = folder();
     assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain"]).code, 0);

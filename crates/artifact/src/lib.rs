@@ -25,3 +25,4 @@ pub use layout::wave::Wave;
 pub use read::reader::{Artifact, RawRecord};
 pub use write::atomic::{remove_in_order, replace_atomically, write_atomically};
 pub use write::builder::{ArtifactBuilder, Compression};
+pub use write::output_kind::OutputKind;

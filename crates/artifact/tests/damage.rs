@@ -195,6 +195,33 @@ fn foreign_newer_wrong_and_unreadable_content_is_told_apart() {
 }
 
 #[test]
+fn a_stated_digest_that_is_not_that_of_the_messages_is_refused() {
+    let notes = [("/notes", NotesV1::SCHEMA, "json", br#"{"stage":"python","notes":[]}"#.as_slice())];
+    let stating = |digest: &str| {
+        let content = BTreeMap::from([("digest".to_owned(), digest.to_owned())]);
+        read(&foreign(&notes, &[("content", content)]))
+    };
+    let digest = read(&foreign(&notes, &[])).unwrap().digest().to_owned();
+    assert_eq!(stating(&digest).unwrap().digest(), digest);
+    let error = stating("blake3:00").unwrap_err().to_string();
+    let expected =
+        format!("x.mcap: corrupted: metadata record \"content\": it states blake3:00, the messages give {digest}");
+    assert_eq!(error, expected);
+}
+
+#[test]
+fn a_start_that_nanoseconds_do_not_reach_is_not_written() {
+    let start_at = |t0_s: f64| {
+        let wave = Sampled::new(t0_s, 1e-4, vec![1.0; 3]).unwrap();
+        ArtifactBuilder::new().wave("93", QuantityKind::Acceleration, wave).map_err(|error| error.to_string())
+    };
+    assert_eq!(start_at(-9.1e9), Ok(()));
+    for t0_s in [1e300, -1e10] {
+        assert!(start_at(t0_s).unwrap_err().contains("times go from -292 to 292 years"));
+    }
+}
+
+#[test]
 fn a_nan_is_neither_written_nor_read() {
     let mut builder = ArtifactBuilder::new();
     let metric = MetricV1 {

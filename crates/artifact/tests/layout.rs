@@ -9,6 +9,10 @@ use std::fmt::Write;
 
 use crumple_artifact::records::*;
 use crumple_artifact::{Codec, Record, SCHEMAS};
+use serde_json::Value;
+
+#[global_allocator]
+static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
 
 /// Sixteen bytes a line, so that a difference points at a place.
 fn hex(bytes: &[u8]) -> String {
@@ -27,10 +31,48 @@ fn freeze<R: Record + PartialEq + std::fmt::Debug>(record: &R) {
     let bincode = Codec::Bincode.encode(record).unwrap();
     assert_eq!(&Codec::Json.decode::<R>(&json).unwrap(), record, "JSON round trip");
     assert_eq!(&Codec::Bincode.decode::<R>(&bincode).unwrap(), record, "bincode round trip");
+    replace_every_u64::<R>(&bincode);
+    let written: Value = serde_json::from_slice(&record.to_json().unwrap()).unwrap();
+    let schema: Value = serde_json::from_slice(&R::schema_json()).unwrap();
+    assert_eq!(fault(&schema, &written, R::SCHEMA), None);
     let text = format!("{}\n\n{}", String::from_utf8(json).unwrap(), hex(&bincode));
     insta::with_settings!({ omit_expression => true, prepend_module_to_snapshot => false }, {
         insta::assert_snapshot!(R::SCHEMA, text);
     });
+}
+
+/// Where a value is not what a schema of the part that viewers read says of it: plain types, properties and items.
+fn fault(schema: &Value, value: &Value, place: &str) -> Option<String> {
+    let is_it = match schema["type"].as_str()? {
+        "number" => value.is_number(),
+        "integer" => value.is_u64() || value.is_i64(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "array" => value.is_array(),
+        "object" => value.is_object(),
+        other => return Some(format!("{place}: unknown type {other}")),
+    };
+    if !is_it {
+        return Some(format!("{place}: {value} is no {}", schema["type"]));
+    }
+    let items = value.as_array().into_iter().flatten().map(|item| fault(&schema["items"], item, place));
+    let fields = value.as_object().into_iter().flatten();
+    let fields = fields.map(|(key, field)| fault(&schema["properties"][key], field, &format!("{place}.{key}")));
+    items.chain(fields).flatten().next()
+}
+
+/// Whatever length or number stands at any place of the bytes: they are read or refused, with little memory.
+fn replace_every_u64<R: Record>(bytes: &[u8]) {
+    let before = crumple_memory::used();
+    for place in 0..=bytes.len().saturating_sub(8) {
+        for number in [0, 1, 0xff, 1 << 16, 1 << 26, 1 << 31, 1 << 40, u64::MAX / 2, u64::MAX / 8, u64::MAX] {
+            let mut changed = bytes.to_vec();
+            changed[place..place + 8].copy_from_slice(&u64::to_le_bytes(number));
+            let _ = Codec::Bincode.decode::<R>(&changed);
+        }
+    }
+    let most = crumple_memory::peak() - before;
+    assert!(most < 1 << 24, "{}: {most} bytes for a record of {}", R::SCHEMA, bytes.len());
 }
 
 fn names(pairs: &[(&str, f64)]) -> BTreeMap<String, f64> {

@@ -2,6 +2,10 @@
 
 mod stage;
 
+/// Keeps the budget of memory, `--memory-limit`.
+#[global_allocator]
+static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
+
 fn main() -> std::process::ExitCode {
     stage::main()
 }

@@ -4,6 +4,10 @@ mod stage;
 
 use std::process::ExitCode;
 
+/// Keeps the budget of memory, `--memory-limit`.
+#[global_allocator]
+static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
+
 fn main() -> ExitCode {
     crumple_stage::main::<stage::Predict>()
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, Usage, say};
+use crumple_stage::{ExitStatus, Usage, memory_limit_flag, say};
 
 use crate::command::options::Options;
 use crate::command::pipeline::Pipeline;
@@ -25,7 +25,10 @@ use crate::steps::take_over::take_over;
 
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
 /// shows the diagnosis, and the last stage decides. Any other failure does.
-pub fn run(options: Options) -> anyhow::Result<ExitStatus> {
+pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
+    if let Some(limit) = memory_limit_flag() {
+        options.flags = format!("{} {limit}", options.flags).trim_start().to_owned();
+    }
     let Some(first) = options.stages.0.first() else { return Err(Usage::new("a stage is needed").into()) };
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());

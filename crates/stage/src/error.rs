@@ -201,7 +201,20 @@ pub(crate) fn render(error: &anyhow::Error) -> String {
     }
     lines.extend(expected.map(|text| format!("  expected: {text}")));
     lines.extend(hint.map(|text| format!("  hint: {text}")));
-    lines.join("\n")
+    lines.iter().map(|line| shortened(line)).collect::<Vec<_>>().join("\n")
+}
+
+/// A text as people read it: what is longer than a screen was quoted from a file, and its ends tell enough.
+fn shortened(text: &str) -> String {
+    const LONGEST: usize = 2000;
+    const END: usize = 400;
+    let characters = text.chars().count();
+    if characters <= LONGEST {
+        return text.to_owned();
+    }
+    let place_of = |n: usize| text.char_indices().nth(n).map_or(text.len(), |(place, _)| place);
+    let (start, end) = (&text[..place_of(LONGEST - END)], &text[place_of(characters - END)..]);
+    format!("{start} ... ({} characters left out) ... {end}", characters - LONGEST)
 }
 
 #[cfg(test)]
@@ -222,6 +235,10 @@ mod tests {
           expected: a number
           hint: mend it
         "#);
+        let long = anyhow::anyhow!("{} is no name", "ä".repeat(100_000));
+        let text = render(&long);
+        assert!(text.chars().count() < 2100 && text.starts_with("error: ää") && text.ends_with("ää is no name"));
+        assert!(text.contains("... (98018 characters left out) ..."), "{text}");
         assert_eq!(status_of(&error), ExitStatus::Refused);
         assert_eq!(status_of(&Usage::new("no such key").into()), ExitStatus::Usage);
         assert_eq!(status_of(&anyhow::anyhow!("disk on fire")), ExitStatus::Failure);

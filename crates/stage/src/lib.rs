@@ -16,16 +16,18 @@ mod terminal;
 
 pub use artifacts::inputs::{Inputs, Loaded, load_artifacts};
 pub use artifacts::output::Output;
+pub use artifacts::overwriting::refuse_to_overwrite;
 pub use artifacts::several_tests::{Tests, load_tests};
 pub use chain_table::chain_total::total_mass_remark;
 pub use chain_table::keys::typed;
 pub use chain_table::masses_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain};
+pub use command_line::memory_limit::{keep_budget, memory_limit_flag};
 pub use command_line::pipeline::{check_pipeline, unknown_name};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage};
 pub use names::nearest::nearest;
 pub use process::run::{Outcome, Stage, main};
 pub use process::tool::tool_main;
 pub use terminal::progress::{Progress, be_quiet};
-pub use terminal::say::say;
+pub use terminal::say::{printable, say, to_stdout};
 
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};

@@ -1,9 +1,10 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 //!
-//! rooms: bytes interval_cover prediction_error | programs records | random places benchmark
+//! rooms: bytes fuzz interval_cover prediction_error | programs records | random places benchmark
 
 mod benchmark;
 pub mod bytes;
+pub mod fuzz;
 pub mod interval_cover;
 mod places;
 pub mod prediction_error;

@@ -8,6 +8,8 @@ use crumple_artifact::records::{
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
 
+use crate::show::json::json_of;
+
 /// What an artifact without fault holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checked {
@@ -62,7 +64,11 @@ pub fn check(artifact: &Artifact) -> Result<Checked, Vec<String>> {
             Ok(None) if raw.schema.starts_with("crumple.") => {
                 faults.push(format!("topic {} holds {}, which is no type of the format", raw.topic, raw.schema));
             }
-            Ok(None) => foreign += 1,
+            // What `show` prints must be readable too.
+            Ok(None) => match json_of(artifact, raw, JsonForm::Line) {
+                Err(error) => faults.push(error.to_string()),
+                Ok(_) => foreign += 1,
+            },
         }
     }
     if !faults.is_empty() {

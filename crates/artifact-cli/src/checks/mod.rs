@@ -1,4 +1,4 @@
 //! Checks that an intact artifact says what the format demands.
-//! Uses no other room.
+//! Uses show.
 
 pub mod check;

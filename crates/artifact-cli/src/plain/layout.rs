@@ -46,6 +46,15 @@ pub struct PlainProvenance {
     pub config: Value,
     /// What it was made from.
     pub inputs: Vec<PlainInput>,
+    /// Digest of the sources of the program that made it.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub build: String,
+    /// What put it together, where that was not the stage.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub made_by: String,
+    /// Digest of the content that all this is said of; the artifact packed of other content is not the stage's.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub content: String,
 }
 
 /// An input, in `provenance.json`.
@@ -58,8 +67,9 @@ pub struct PlainInput {
     pub digest: String,
 }
 
-impl From<&Provenance> for PlainProvenance {
-    fn from(provenance: &Provenance) -> Self {
+impl PlainProvenance {
+    /// What an artifact of the content `digest` says of itself.
+    pub fn of_content(provenance: &Provenance, digest: &str) -> Self {
         let input = |i: &InputDigest| PlainInput { kind: i.kind.clone(), digest: i.digest.clone() };
         Self {
             stage: provenance.stage.clone(),
@@ -67,12 +77,27 @@ impl From<&Provenance> for PlainProvenance {
             config: serde_json::from_str(&provenance.config_json)
                 .unwrap_or_else(|_| provenance.config_json.clone().into()),
             inputs: provenance.inputs.iter().map(input).collect(),
+            build: provenance.build.clone(),
+            made_by: provenance.made_by.clone(),
+            content: digest.to_owned(),
         }
+    }
+
+    /// What is said of an artifact packed of content `digest`: all of it where that is the content it was said of, else
+    /// that it was packed.
+    pub fn of_packed(self, digest: &str) -> Provenance {
+        let is_unchanged = self.content == digest;
+        let provenance = Provenance::from(self);
+        if is_unchanged { provenance } else { provenance.made_by(PACK) }
     }
 }
 
+/// What made an artifact that was put together of plain files.
+const PACK: &str = "crumple-artifact pack";
+
 impl From<PlainProvenance> for Provenance {
     fn from(plain: PlainProvenance) -> Self {
+        let (build, made_by) = (plain.build, plain.made_by);
         let config = match plain.config {
             Value::Null => "{}".to_owned(),
             Value::String(text) => text,
@@ -80,6 +105,6 @@ impl From<PlainProvenance> for Provenance {
             other => other.to_string(),
         };
         let inputs = plain.inputs.into_iter().map(|i| InputDigest { kind: i.kind, digest: i.digest }).collect();
-        Self::new(&plain.stage, &plain.stage_version, config, inputs)
+        Self { made_by, ..Self::new(&plain.stage, &plain.stage_version, config, inputs).with_build(&build) }
     }
 }

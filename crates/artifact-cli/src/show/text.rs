@@ -43,6 +43,9 @@ fn head(artifact: &Artifact) -> String {
         Some(provenance) => {
             let stage = artifact.stage().unwrap_or("not stated");
             lines.push(format!("stage    {stage} {}", provenance.stage_version).trim_end().to_owned());
+            if !provenance.made_by.is_empty() {
+                lines.push(format!("made by  {}, of content that is not the stage's own", provenance.made_by));
+            }
             lines.push(format!("config   {}", provenance.config_json));
             lines.extend(provenance.inputs.iter().map(|input| format!("input    {} {}", input.kind, input.digest)));
         }

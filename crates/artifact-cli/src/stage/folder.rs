@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::Context;
-use crumple_artifact::{Artifact, ArtifactBuilder, Provenance, SCHEMAS, Wave, write_atomically};
+use crumple_artifact::{Artifact, ArtifactBuilder, OutputKind, SCHEMAS, Wave, write_atomically};
 use crumple_artifact_cli::{
     PlainError, PlainProvenance, PlainWave, assemble, f64_bytes, parse_lines, plain_records, plain_waves,
 };
-use crumple_stage::{Refused, Usage, nearest};
+use crumple_stage::{Refused, Usage, nearest, refuse_to_overwrite};
 
 const RECORDS: &str = "records.ndjson";
 const WAVES: &str = "waves.ndjson";
@@ -21,23 +21,24 @@ pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<
         let problem = format!("{} exists and is not empty", folder.display());
         return Err(Usage::new(problem).hint("give a new folder, or --force").into());
     }
-    let put = |name: &str, bytes: &[u8]| {
+    let put = |name: &str, kind: OutputKind, bytes: &[u8]| {
         let path = folder.join(name);
-        write_atomically(&path, |file| io_write(file, bytes))
+        refuse_to_overwrite(&path, kind, &[artifact.path().to_owned()])?;
+        write_atomically(&path, kind, |file| io_write(file, bytes))
             .with_context(|| format!("cannot write {}", path.display()))
     };
     let mut lines = String::new();
     for (line, wave) in plain_waves(artifact).iter().zip(artifact.waves().values()) {
-        put(&line.file, &f64_bytes(wave))?;
+        put(&line.file, OutputKind::Numbers, &f64_bytes(wave))?;
         lines += &serde_json::to_string(line)?;
         lines.push('\n');
     }
-    put(WAVES, lines.as_bytes())?;
+    put(WAVES, OutputKind::Lines, lines.as_bytes())?;
     if let Some(provenance) = artifact.provenance() {
-        let text = serde_json::to_string_pretty(&PlainProvenance::from(provenance))?;
-        put(PROVENANCE, format!("{text}\n").as_bytes())?;
+        let text = serde_json::to_string_pretty(&PlainProvenance::of_content(provenance, artifact.digest()))?;
+        put(PROVENANCE, OutputKind::Lines, format!("{text}\n").as_bytes())?;
     }
-    put(RECORDS, records.as_bytes())
+    put(RECORDS, OutputKind::Lines, records.as_bytes())
 }
 
 fn io_write(file: &mut impl std::io::Write, bytes: &[u8]) -> std::io::Result<()> {
@@ -45,14 +46,11 @@ fn io_write(file: &mut impl std::io::Write, bytes: &[u8]) -> std::io::Result<()>
 }
 
 /// Reads a folder of plain files, or a single file of records.
-pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, Provenance)> {
+pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, PlainProvenance)> {
     let refuse = |error: PlainError| Refused::new(error.to_string()).hint("docs/format.md has the record types");
     if !source.is_dir() {
         let records = parse_lines(&source.display().to_string(), &text_of(source)?).map_err(refuse)?;
-        return Ok((
-            assemble(records, Vec::new(), &nearest_schema).map_err(refuse)?,
-            PlainProvenance::default().into(),
-        ));
+        return Ok((assemble(records, Vec::new(), &nearest_schema).map_err(refuse)?, PlainProvenance::default()));
     }
     let lines = |name: &str| -> anyhow::Result<Option<(String, String)>> {
         let path = source.join(name);
@@ -82,7 +80,7 @@ pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, Provenance)> {
         None => PlainProvenance::default(),
         Some((name, text)) => serde_json::from_str(&text).map_err(|error| Refused::new(format!("{name}: {error}")))?,
     };
-    Ok((assemble(records, waves, &nearest_schema).map_err(refuse)?, provenance.into()))
+    Ok((assemble(records, waves, &nearest_schema).map_err(refuse)?, provenance))
 }
 
 fn wave(folder: &Path, line: &PlainWave, refuse: impl Fn(PlainError) -> Refused) -> anyhow::Result<Wave> {

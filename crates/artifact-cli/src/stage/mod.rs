@@ -3,17 +3,18 @@
 
 mod folder;
 
-use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
-use crumple_artifact::{Artifact, Compression, ReadError};
+use crumple_artifact::{Artifact, Compression, OutputKind};
 use crumple_artifact_cli::{
     CurveError, CurveFormat, ShowOptions, Wanted, check, static_curves, text, write_json, write_text,
 };
 use crumple_signal::value::Length;
-use crumple_stage::{ExitStatus, Refused, Usage, say, tool_main};
+use crumple_stage::{
+    ExitStatus, Refused, Usage, keep_budget, printable, refuse_to_overwrite, say, to_stdout, tool_main,
+};
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
 /// together again.
@@ -107,12 +108,21 @@ pub fn main() -> ExitCode {
 }
 
 fn open(path: &Path) -> Result<Artifact, Refused> {
+    keep_budget(&[path.to_owned()], ExitStatus::Refused);
     Artifact::open(path).map_err(Refused::from)
 }
 
 fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitStatus> {
     let artifact = open(path)?;
-    to_stdout(|out| if json { write_json(&artifact, options, out) } else { write_text(&artifact, options, out) })?;
+    let mut bytes = Vec::new();
+    let written =
+        if json { write_json(&artifact, options, &mut bytes) } else { write_text(&artifact, options, &mut bytes) };
+    written.map_err(Refused::from)?.context("cannot print the artifact")?;
+    if json {
+        to_stdout(&bytes)?;
+    } else {
+        to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
+    }
     Ok(ExitStatus::Done)
 }
 
@@ -133,22 +143,14 @@ fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<L
         };
         Refused::new(format!("{}: {error}", path.display())).hint(hint)
     })?;
-    to_stdout(|out| Ok(write!(out, "{}", text(&curves, format))))?;
+    to_stdout(text(&curves, format).as_bytes())?;
     Ok(ExitStatus::Done)
-}
-
-fn to_stdout(write: impl FnOnce(&mut dyn Write) -> Result<io::Result<()>, ReadError>) -> anyhow::Result<()> {
-    let mut out = BufWriter::new(io::stdout().lock());
-    match write(&mut out).map_err(Refused::from)?.and_then(|()| out.flush()) {
-        // A reader that has seen enough closes the pipe.
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        other => other.context("cannot write to stdout"),
-    }
 }
 
 fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let mut status = ExitStatus::Done;
     for path in paths {
+        keep_budget(std::slice::from_ref(path), ExitStatus::Refused);
         let faults = match Artifact::open(path) {
             Err(error) => vec![error.to_string()],
             Ok(artifact) => match check(&artifact) {
@@ -159,14 +161,14 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
                         n => format!(" ({n} of other projects, not decoded)"),
                     };
                     let line = format!(
-                        "{}: ok: {} records{foreign}, {} waves, {} samples, digest {}",
+                        "{}: ok: {} records{foreign}, {} waves, {} samples, digest {}\n",
                         path.display(),
                         ok.records,
                         ok.waves,
                         ok.samples,
                         ok.digest
                     );
-                    to_stdout(|out| Ok(writeln!(out, "{line}")))?;
+                    to_stdout(printable(&line).as_bytes())?;
                     continue;
                 }
             },
@@ -193,9 +195,12 @@ fn unpack(path: &Path, target: &Path, force: bool, quiet: bool) -> anyhow::Resul
 }
 
 fn pack(source: &Path, path: &Path, zstd: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
+    keep_budget(&[source.to_owned()], ExitStatus::Refused);
+    refuse_to_overwrite(path, OutputKind::Artifact, &[source.to_owned()])?;
     let (builder, provenance) = folder::read(source)?;
     let compression = if zstd { Compression::Zstd } else { Compression::None };
-    let digest = builder.write(path, &provenance, compression)?;
+    let digest = builder.digest()?;
+    builder.write(path, &provenance.of_packed(&digest), compression)?;
     if !quiet {
         say(format_args!("{} -> {}, digest {digest}", source.display(), path.display()));
     }

@@ -9,6 +9,11 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::records::WaveBlockV1;
 
+/// Most records are shorter in bincode, bytes.
+const SMALL_RECORD: usize = 1 << 16;
+/// Longest record in bincode, bytes. Waveforms are not read through serde.
+const LARGEST_RECORD: usize = 1 << 26;
+
 /// How the messages of one MCAP channel are encoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Codec {
@@ -49,8 +54,20 @@ impl Codec {
         match self {
             Self::Json => serde_json::from_slice(bytes).map_err(|e| format!("JSON: {e}")),
             Self::Bincode => {
-                let (value, used) = bincode::serde::decode_from_slice(bytes, bincode::config::legacy())
-                    .map_err(|e| format!("bincode: {e}"))?;
+                // A length in the bytes reserves at most the limit before it is found to lie. The limit is a constant
+                // of the type, so there are two.
+                let config = bincode::config::legacy();
+                let decoded = if bytes.len() <= SMALL_RECORD {
+                    bincode::serde::decode_from_slice(bytes, config.with_limit::<SMALL_RECORD>())
+                } else {
+                    bincode::serde::decode_from_slice(bytes, config.with_limit::<LARGEST_RECORD>())
+                };
+                let (value, used) = decoded.map_err(|error| match error {
+                    bincode::error::DecodeError::LimitExceeded => {
+                        format!("bincode: a length in the record goes beyond its {} bytes", bytes.len())
+                    }
+                    other => format!("bincode: {other}"),
+                })?;
                 if used != bytes.len() {
                     return Err(format!("bincode: {} bytes left over after the record's {used}", bytes.len() - used));
                 }
@@ -129,6 +146,28 @@ mod tests {
         assert!(decode_wave_block(Codec::Bincode, &bytes).is_err());
         assert!(Codec::Bincode.decode::<WaveBlockV1>(&bytes).is_err());
         assert!(decode_wave_block(Codec::Bincode, &bytes[..20]).is_err());
+    }
+
+    #[test]
+    fn a_text_whose_length_lies_reserves_nothing() {
+        let mut bytes = Codec::Bincode.encode(&"text".to_owned()).unwrap();
+        for length in [1 << 17, 1 << 40, u64::MAX / 2, u64::MAX] {
+            bytes[..8].copy_from_slice(&u64::to_le_bytes(length));
+            let error = Codec::Bincode.decode::<String>(&bytes).unwrap_err();
+            assert_eq!(error, "bincode: a length in the record goes beyond its 12 bytes");
+        }
+        // just above what is there: read and found short
+        bytes[..8].copy_from_slice(&5_u64.to_le_bytes());
+        assert!(Codec::Bincode.decode::<String>(&bytes).is_err());
+    }
+
+    #[test]
+    fn records_up_to_the_limits_are_read() {
+        for length in [SMALL_RECORD - 8, SMALL_RECORD - 7, SMALL_RECORD * 3] {
+            let text = "x".repeat(length);
+            let bytes = Codec::Bincode.encode(&text).unwrap();
+            assert_eq!(Codec::Bincode.decode::<String>(&bytes).unwrap(), text);
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 pub mod codec;
 pub mod digest;
 pub mod finite;
+pub mod json_text;
 pub mod names;
 pub mod provenance;
 pub mod record;

@@ -7,6 +7,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::layout::codec::Codec;
 use crate::layout::finite::first_non_finite;
+use crate::layout::json_text::to_json;
 use crate::layout::schema::viewer_safe_schema;
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
@@ -25,6 +26,9 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
 
     /// The record as a message. Errors say what in it cannot be encoded.
     fn encode(&self, codec: Codec) -> Result<Vec<u8>, String>;
+
+    /// The record as JSON, what is unknown left out. Errors say what in it cannot be encoded.
+    fn to_json(&self) -> Result<Vec<u8>, String>;
 
     /// The record in a message. Errors say what does not decode; trailing bytes are one.
     fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String>;
@@ -50,6 +54,10 @@ macro_rules! record {
 
             fn encode(&self, codec: Codec) -> Result<Vec<u8>, String> {
                 codec.encode(self)
+            }
+
+            fn to_json(&self) -> Result<Vec<u8>, String> {
+                to_json(self).map_err(|error| error.to_string())
             }
 
             fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String> {

@@ -58,9 +58,12 @@ pub(crate) fn unpack(body: &[u8], directory: &mut Directory) -> Result<Vec<(Mess
         return Err("not a chunk".into());
     };
     let limit = FREE_BYTES.saturating_add(header.compressed_size.saturating_mul(MAX_RATIO));
-    if header.uncompressed_size > limit {
-        let size = header.uncompressed_size;
+    let size = header.uncompressed_size;
+    if size > limit {
         return Err(format!("it announces {size} unpacked bytes for {} packed ones", header.compressed_size));
+    }
+    if size > crumple_memory::left() {
+        return Err(format!("it announces {size} unpacked bytes, more than is left of the budget (--memory-limit)"));
     }
     // A reader of its own, fed with this record alone: it checks the CRC before it yields anything from inside.
     let mut reader = LinearReader::new_with_options(
@@ -93,4 +96,25 @@ pub(crate) fn unpack(body: &[u8], directory: &mut Directory) -> Result<Vec<(Mess
         }
     }
     Ok(messages)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chunk that says how much is in it and holds nothing.
+    fn announcing(size: u64) -> Vec<u8> {
+        let times = [0_u64.to_le_bytes(), 0_u64.to_le_bytes()].concat();
+        let compression = [4_u32.to_le_bytes().as_slice(), b"zstd"].concat();
+        [times, size.to_le_bytes().to_vec(), vec![0; 4], compression, 0_u64.to_le_bytes().to_vec()].concat()
+    }
+
+    #[test]
+    fn a_chunk_that_announces_more_than_it_can_hold_is_refused_before_it_is_unpacked() {
+        let refused = |size| unpack(&announcing(size), &mut Directory::default()).unwrap_err();
+        for size in [FREE_BYTES + 1, u64::MAX] {
+            assert_eq!(refused(size), format!("it announces {size} unpacked bytes for 0 packed ones"));
+        }
+        assert!(!refused(FREE_BYTES).starts_with("it announces"), "{}", refused(FREE_BYTES));
+    }
 }

@@ -1,6 +1,6 @@
 //! Reads an artifact, whoever wrote it, and believes nothing unchecked.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -151,6 +151,8 @@ struct Scan<'a> {
     path: &'a Path,
     directory: Directory,
     records: Vec<RawRecord>,
+    /// Topics of the records.
+    topics: BTreeSet<String>,
     waves: BTreeMap<String, (WaveAssembler, Topic)>,
     digest: ContentDigest,
     provenance: Option<BTreeMap<String, String>>,
@@ -187,6 +189,7 @@ impl<'a> Scan<'a> {
             path,
             directory: Directory::default(),
             records: Vec::new(),
+            topics: BTreeSet::new(),
             waves: BTreeMap::new(),
             digest: ContentDigest::default(),
             provenance: None,
@@ -297,9 +300,10 @@ impl<'a> Scan<'a> {
                 known: WaveBlockV1::SCHEMA.to_owned(),
             });
         }
-        if topic.schema.starts_with("crumple.") && self.records.iter().any(|r| r.topic == topic.name) {
+        if topic.schema.starts_with("crumple.") && self.topics.contains(&topic.name) {
             return Err(fail("two messages, a record is one message".into()));
         }
+        self.topics.insert(topic.name.clone());
         self.records.push(RawRecord {
             topic: topic.name,
             schema: topic.schema,

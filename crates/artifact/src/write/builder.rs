@@ -1,20 +1,21 @@
 //! Collects records and waveforms and writes them as one artifact.
 
 use std::collections::BTreeMap;
-use std::io::{Seek, Write};
+use std::io::{Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crumple_signal::{QuantityKind, Sampled};
 use mcap::records::{MessageHeader, Metadata};
 
 use super::atomic::replace_atomically;
+use super::output_kind::OutputKind;
 use crate::error::WriteError;
 use crate::layout::codec::{Codec, encode_wave_block};
 use crate::layout::digest::ContentDigest;
 use crate::layout::names::{CONTENT, LIBRARY, WAVE_PREFIX};
 use crate::layout::provenance::{PROVENANCE, Provenance};
 use crate::layout::record::Record;
-use crate::layout::time_origin::{log_time, origin_ns, to_ns};
+use crate::layout::time_origin::{FARTHEST_S, log_time, origin_ns, to_ns};
 use crate::layout::wave::{BLOCK_SAMPLES, Wave};
 use crate::records::WaveBlockV1;
 
@@ -65,13 +66,18 @@ impl ArtifactBuilder {
             topic: topic.to_owned(),
             schema: R::SCHEMA,
             schema_json: R::schema_json(),
-            payload: record.encode(Codec::Json).map_err(encode)?,
+            payload: record.to_json().map_err(encode)?,
         });
         Ok(())
     }
 
-    /// Adds a waveform; its topic is `/wave/<id>`. Error: a second waveform of that id.
+    /// Adds a waveform; its topic is `/wave/<id>`. Errors: a second waveform of that id; a start that nanoseconds in 64
+    /// bits do not reach.
     pub fn wave(&mut self, id: &str, quantity: QuantityKind, sampled: Sampled) -> Result<(), WriteError> {
+        if sampled.t0_s().abs() > FARTHEST_S {
+            let problem = format!("it starts at {} s, times go from -292 to 292 years", sampled.t0_s());
+            return Err(WriteError::Encode { topic: format!("{WAVE_PREFIX}{id}"), problem });
+        }
         match self.waves.insert(id.to_owned(), Wave { quantity, sampled }) {
             None => Ok(()),
             Some(_) => Err(WriteError::Duplicate(format!("{WAVE_PREFIX}{id}"))),
@@ -113,7 +119,7 @@ impl ArtifactBuilder {
                 Self::Io(error)
             }
         }
-        replace_atomically(path, dependents, |file| {
+        replace_atomically(path, OutputKind::Artifact, dependents, |file| {
             self.write_blocks(file, provenance, compression, report)
                 .map_err(|source| Failure::Write(WriteError::Container { path: path.to_owned(), source }))
         })
@@ -121,6 +127,12 @@ impl ArtifactBuilder {
             Failure::Io(source) => WriteError::Io { path: path.to_owned(), source },
             Failure::Write(error) => error,
         })
+    }
+
+    /// The content digest of the artifact as it would be written.
+    pub fn digest(&self) -> Result<String, mcap::McapError> {
+        let nobody = Provenance::new("", "", String::new(), Vec::new());
+        self.write_to(Cursor::new(Vec::new()), &nobody, Compression::None)
     }
 
     /// Writes the artifact into `sink` and returns its content digest. The bytes depend on the records, the

@@ -3,3 +3,4 @@
 
 pub mod atomic;
 pub mod builder;
+pub mod output_kind;

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use crumple_diff::{Base, CompareSettings, Comparison, DiffError, TextOptions, Tolerances, parse_rules, write_text};
-use crumple_stage::{ExitStatus, Usage, tool_main};
+use crumple_stage::{ExitStatus, Usage, keep_budget, printable, to_stdout, tool_main};
 
 /// Compares two artifacts or two run folders by what they mean: waveforms sample by sample, records value by value,
 /// within a tolerance.
@@ -85,22 +85,22 @@ fn trouble(error: anyhow::Error) -> anyhow::Error {
 }
 
 fn run(args: &Args) -> anyhow::Result<ExitStatus> {
+    keep_budget(&[args.a.clone(), args.b.clone()], ExitStatus::Usage);
     let settings = settings(args)?;
     let files = inputs::compare_paths(&args.a, &args.b, &settings)?;
     let (a, b) = (args.a.display().to_string(), args.b.display().to_string());
     let report = Comparison::new(a, b, settings.provenance, files);
     if !args.quiet {
-        match print(args, &report) {
-            // A reader that has seen enough closes the pipe; the exit code still tells the result.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
-            other => other.context("cannot write to stdout")?,
-        }
+        let mut text = Vec::new();
+        print(args, &report, &mut text).context("cannot write to stdout")?;
+        // JSON spells such characters out itself. A reader that closes the pipe still gets the exit code.
+        let text = String::from_utf8_lossy(&text);
+        to_stdout(if args.json { text } else { printable(&text).into_owned().into() }.as_bytes())?;
     }
     Ok(if report.same { ExitStatus::Done } else { ExitStatus::Failure })
 }
 
-fn print(args: &Args, report: &Comparison) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
+fn print(args: &Args, report: &Comparison, mut stdout: &mut Vec<u8>) -> io::Result<()> {
     if args.json {
         serde_json::to_writer_pretty(&mut stdout, report)?;
         writeln!(stdout)
@@ -110,7 +110,7 @@ fn print(args: &Args, report: &Comparison) -> io::Result<()> {
                 writeln!(stdout, "{line}")?;
             }
         }
-        write_text(report, TextOptions { all: args.all }, &mut stdout)
+        write_text(report, TextOptions { all: args.all }, stdout)
     }
 }
 

@@ -47,3 +47,21 @@ impl Tolerance {
 pub(crate) const fn tolerance(abs: f64, rel: f64) -> Tolerance {
     Tolerance { abs, rel }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every figure is a power of two, so that the limits are exact.
+    #[test]
+    fn both_parts_add_up_and_the_relative_one_refers_to_the_scale() {
+        let both = tolerance(0.5, 0.25);
+        assert!(both.allows(10.0, 11.5, 4.0), "0.5 + 0.25 * 4 is 1.5");
+        assert!(!both.allows(10.0, 11.5, 3.9));
+        assert!(!both.allows(10.0, 11.75, 4.0));
+        assert!(tolerance(0.5, 0.0).allows(1e6, 1e6 + 0.5, 1e6));
+        assert!(!tolerance(0.5, 0.0).allows(1e6, 1e6 + 0.625, 1e6));
+        assert!(tolerance(0.0, 0.25).allows(-4.0, -3.0, 4.0) && !tolerance(0.0, 0.25).allows(-4.0, -2.5, 4.0));
+        assert!(Tolerance::ANY.allows(0.0, 1e300, 0.0) && !Tolerance::ZERO.allows(0.0, f64::MIN_POSITIVE, 1.0));
+    }
+}

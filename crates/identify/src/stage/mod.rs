@@ -30,6 +30,7 @@ pub struct Identify;
 
 impl Stage for Identify {
     const NAME: &'static str = "identify";
+    const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str =
         "Identifies linear models from a crash pulse: poles, natural frequencies, damping, and the evidence for them";
     type Options = Options;

@@ -3,13 +3,16 @@
 use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use crate::error::WHAT_IS_READ;
 use crate::files::zip;
 use crate::formats::iso_mme::IsoMme;
 use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
-use crate::formats::reader::{Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, check_total, stem};
+use crate::formats::reader::{
+    Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, Stamp, check_total, stem,
+};
 use crate::formats::registry::recognise;
 use crate::{IngestError, Place};
 
@@ -65,12 +68,13 @@ impl Bundle {
             });
         }
         let mut hasher = blake3::Hasher::new();
-        let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
+        let file = Unchanging::open(path).map_err(|error| unreadable(path, &error))?;
+        let stamp = file.stamp;
         let watched = Watched { inner: file, done: show(format!("digest of {}", file_name(path)), length) };
         hasher.update_reader(watched).map_err(|error| unreadable(path, &error))?;
         let mut bundle = Self::from_bytes(&file_name(path), start)?;
         let digest = format!("blake3:{}", hasher.finalize().to_hex());
-        bundle.large = Some(LargeFile::new(path.to_owned(), length, digest, open_from));
+        bundle.large = Some(LargeFile::new(path.to_owned(), stamp, digest, open_from));
         bundle.show_progress = show;
         Ok(Some(bundle))
     }
@@ -118,11 +122,41 @@ impl<R: Read> Read for Watched<R> {
     }
 }
 
-/// The file from `offset` on.
-fn open_from(path: &Path, offset: u64) -> io::Result<Box<dyn Read>> {
+/// A file whose end is an error where it was written to since its stamp was taken: half of the old and half of the new
+/// is no record.
+struct Unchanging {
+    file: fs::File,
+    stamp: Stamp,
+}
+
+impl Unchanging {
+    fn open(path: &Path) -> io::Result<Self> {
+        let file = fs::File::open(path)?;
+        let stamp = stamp_of(&file)?;
+        Ok(Self { file, stamp })
+    }
+}
+
+impl Read for Unchanging {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        if count == 0 && !buffer.is_empty() && stamp_of(&self.file)? != self.stamp {
+            return Err(io::Error::new(io::ErrorKind::ResourceBusy, "it changed while it was read"));
+        }
+        Ok(count)
+    }
+}
+
+fn stamp_of(file: &fs::File) -> io::Result<Stamp> {
+    let metadata = file.metadata()?;
+    Ok(Stamp { length: metadata.len(), modified: metadata.modified().ok() })
+}
+
+/// The file of the stamp from `offset` on.
+fn open_from(path: &Path, offset: u64, stamp: Stamp) -> io::Result<Box<dyn Read>> {
     let mut file = fs::File::open(path)?;
     file.seek(SeekFrom::Start(offset))?;
-    Ok(Box::new(file))
+    Ok(Box::new(Unchanging { file, stamp }))
 }
 
 fn file_name(path: &Path) -> String {
@@ -135,21 +169,28 @@ fn file_name(path: &Path) -> String {
 }
 
 fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
-    let length = fs::metadata(path).map_err(|error| unreadable(path, &error))?.len();
+    let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+    if metadata.file_type().is_char_device() || metadata.file_type().is_block_device() {
+        return Err(unreadable(path, &io::Error::new(io::ErrorKind::InvalidInput, "it is a device, not a file")));
+    }
+    let length = metadata.len();
+    let too_large = |found: u64| IngestError::TooLarge {
+        place: Place::file(&path.display().to_string()),
+        found: format!("{} MiB", found >> 20),
+        limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
+    };
     if length > FILE_LIMIT {
-        return Err(IngestError::TooLarge {
-            place: Place::file(&path.display().to_string()),
-            found: format!("{} MiB", length >> 20),
-            limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
-        });
+        return Err(too_large(length));
     }
     let read = || -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
         let done = show(format!("reading {}", file_name(path)), length);
-        Watched { inner: fs::File::open(path)?, done }.read_to_end(&mut bytes)?;
+        // A pipe states no length.
+        Watched { inner: Unchanging::open(path)?, done }.take(FILE_LIMIT + 1).read_to_end(&mut bytes)?;
         Ok(bytes)
     };
-    read().map_err(|error| unreadable(path, &error))
+    let bytes = read().map_err(|error| unreadable(path, &error))?;
+    if bytes.len() as u64 > FILE_LIMIT { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
 }
 
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
@@ -230,6 +271,8 @@ fn unreadable(path: &Path, error: &io::Error) -> IngestError {
     let (found, hint) = match error.kind() {
         io::ErrorKind::NotFound => ("no such file or folder".to_owned(), "check the path"),
         io::ErrorKind::PermissionDenied => ("no permission to read it".to_owned(), "check the file's permissions"),
+        io::ErrorKind::ResourceBusy => (error.to_string(), "read it again once it is written"),
+        io::ErrorKind::InvalidInput => (error.to_string(), "give the file with the record"),
         _ => (error.to_string(), "check the path and the disk"),
     };
     IngestError::Path {

@@ -70,6 +70,7 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
         claimed = claimed.saturating_add(size);
         check_total(file, claimed)?;
     }
+    refuse_beyond_memory(Place::file(file), claimed - total)?;
     for entry in companions {
         if !bundle.companions.contains_key(&entry.name) {
             let bytes = inflate(file, &mut zip, entry, &mut total)?;
@@ -192,6 +193,19 @@ fn main_entry<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestE
     })
 }
 
+/// What the archive claims must fit into the memory that is left, before any of it is unpacked.
+fn refuse_beyond_memory(place: Place, claimed: u64) -> Result<(), IngestError> {
+    let left = crumple_memory::left();
+    if claimed <= left {
+        return Ok(());
+    }
+    Err(IngestError::TooLarge {
+        place,
+        found: format!("{} MiB when unpacked", claimed >> 20),
+        limit: format!("at most the {} MiB that are left of the memory limit (--memory-limit gives more)", left >> 20),
+    })
+}
+
 /// One entry, up to [`FILE_LIMIT`]: a small archive may claim to hold terabytes.
 fn inflate(
     file: &str,
@@ -202,6 +216,7 @@ fn inflate(
     let reader = zip.by_index(entry.index).map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
     let limit = FILE_LIMIT.min(1 << 28);
     let claimed = reader.size();
+    refuse_beyond_memory(Place::file(&format!("{file}: {}", entry.name)), claimed)?;
     let mut bytes = Vec::new();
     if claimed <= limit {
         bytes.reserve(usize::try_from(claimed.min(1 << 24)).unwrap_or(0));

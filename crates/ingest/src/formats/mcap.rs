@@ -158,6 +158,14 @@ fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestErr
                 limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
             });
         }
+        let left = crumple_memory::left();
+        if header.uncompressed_size > left {
+            return Err(IngestError::TooLarge {
+                place: Place::file(file),
+                found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
+                limit: format!("chunks up to the {} MiB left of the memory limit (--memory-limit)", left >> 20),
+            });
+        }
         crate::formats::reader::check_total(file, total)
     })?;
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();

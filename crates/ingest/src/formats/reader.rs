@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use crate::recording::content::Recording;
 use crate::{IngestError, IngestSettings, Place};
@@ -82,8 +83,17 @@ pub struct Bundle {
 /// the bytes of each piece done.
 pub type ShowProgress = fn(what: String, total: u64) -> Box<dyn FnMut(u64)>;
 
-/// Opens a file from an offset on.
-pub type OpenFrom = fn(path: &Path, offset: u64) -> io::Result<Box<dyn io::Read>>;
+/// Opens a file from an offset on. Reading fails at its end where it is not the file of the stamp any more.
+pub type OpenFrom = fn(path: &Path, offset: u64, stamp: Stamp) -> io::Result<Box<dyn io::Read>>;
+
+/// What changes when a file is written to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stamp {
+    /// Bytes.
+    pub length: u64,
+    /// Time of the last change.
+    pub modified: Option<SystemTime>,
+}
 
 /// A table that is read piece by piece.
 #[derive(Debug, Clone)]
@@ -91,19 +101,20 @@ pub struct LargeFile {
     /// Its length, bytes.
     pub length: u64,
     path: PathBuf,
+    stamp: Stamp,
     open_from: OpenFrom,
     digest: String,
 }
 
 impl LargeFile {
-    /// A file at `path` with its length in bytes and its digest, opened by `open_from`.
-    pub fn new(path: PathBuf, length: u64, digest: String, open_from: OpenFrom) -> Self {
-        Self { length, path, open_from, digest }
+    /// A file at `path` with its stamp from before its digest was taken, opened by `open_from`.
+    pub fn new(path: PathBuf, stamp: Stamp, digest: String, open_from: OpenFrom) -> Self {
+        Self { length: stamp.length, path, stamp, open_from, digest }
     }
 
     /// Its bytes from an offset on.
     pub fn from_offset(&self, offset: u64) -> io::Result<Box<dyn io::Read>> {
-        (self.open_from)(&self.path, offset)
+        (self.open_from)(&self.path, offset, self.stamp)
     }
 }
 

@@ -15,6 +15,7 @@ pub struct Ingest;
 
 impl Stage for Ingest {
     const NAME: &'static str = "ingest";
+    const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME \
         test, its folder, or a zip of one) and writes it in SI units: \
         every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; \
@@ -24,6 +25,11 @@ impl Stage for Ingest {
     type Options = IngestSettings;
     type Settings = IngestSettings;
     type Input = Bundle;
+
+    fn other_flags() -> Vec<clap::Arg> {
+        let list = clap::Arg::new("list").long("list").action(clap::ArgAction::SetTrue).help_heading(None);
+        vec![list.help("Print the table of channels and write nothing: crumple-ingest --list INPUT")]
+    }
 
     fn resolve(options: IngestSettings) -> anyhow::Result<IngestSettings> {
         Ok(options)

@@ -1,11 +1,10 @@
 //! `--list`: the table of channels of a record, without choosing a pulse and without writing anything.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use crumple_ingest::{Bundle, IngestSettings, ListedChannel, list};
-use crumple_stage::{ExitStatus, Usage};
+use crumple_stage::{ExitStatus, Usage, keep_budget, printable, to_stdout};
 
 use crate::stage::process::{refused, show_progress};
 
@@ -45,6 +44,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     if input.as_os_str().is_empty() {
         return Err(Usage::new("no input").hint("give one file, or the folder of one test").into());
     }
+    keep_budget(std::slice::from_ref(&input), ExitStatus::Refused);
     let bundle = Bundle::open_with_progress(&input, show_progress).map_err(refused)?;
     let lines = list(&bundle, &settings).map_err(refused)?;
     let text = if json {
@@ -55,10 +55,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         }
         text
     } else {
-        table(&lines)
+        printable(&table(&lines)).into_owned()
     };
-    // A reader that has seen enough closes the pipe; that is not an error.
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    to_stdout(text.as_bytes())?;
     Ok(ExitStatus::Done)
 }
 

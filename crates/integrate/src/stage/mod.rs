@@ -34,6 +34,7 @@ pub struct Integrate;
 
 impl Stage for Integrate {
     const NAME: &'static str = "integrate";
+    const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and \
         rebound, and computes crash metrics.";
     type Options = Options;

@@ -30,6 +30,7 @@ pub struct Predict;
 
 impl Stage for Predict {
     const NAME: &'static str = "predict";
+    const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Predicts impacts at other speeds and masses with the candidates of a test.";
     type Options = Options;
     type Settings = Settings;

@@ -204,7 +204,9 @@ fn stage_record(artifact: &Artifact) -> StageRecord {
     let provenance = artifact.provenance();
     StageRecord {
         stage: artifact.stage().unwrap_or("not stated").to_owned(),
-        version: provenance.map(|p| p.stage_version.clone()).unwrap_or_default(),
+        version: provenance
+            .map(|p| [p.stage_version.as_str(), p.made_by.as_str()].join(" ").trim_end().to_owned())
+            .unwrap_or_default(),
         digest: artifact.digest().to_owned(),
         settings: provenance.map(|p| p.config_json.clone()).unwrap_or_default(),
         inputs: provenance

@@ -9,11 +9,13 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use anyhow::Context;
-use crumple_artifact::{replace_atomically, write_atomically};
+use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
 use crumple_report::numbers::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
 use crumple_report::{Page, Ranking, Run, summary};
 use crumple_signal::Severity;
-use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts, say};
+use crumple_stage::{
+    ExitStatus, Usage, be_quiet, check_pipeline, keep_budget, load_artifacts, refuse_to_overwrite, say, to_stdout,
+};
 
 /// Writes report.html, which a person looks at, and summary.json, which a script reads.
 #[derive(Debug, clap::Parser)]
@@ -75,12 +77,12 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     if summary_path == cli.output {
         return Err(Usage::new("report and summary are the same file").hint("give --summary another name").into());
     }
-    for output in [&cli.output, &summary_path] {
-        refuse_to_overwrite_an_input(output, &cli.inputs)?;
-    }
+    refuse_to_overwrite(&cli.output, OutputKind::Report, &cli.inputs)?;
+    refuse_to_overwrite(&summary_path, OutputKind::Summary, &cli.inputs)?;
     if cli.quiet {
         be_quiet();
     }
+    keep_budget(&cli.inputs, ExitStatus::Refused);
     let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
@@ -88,8 +90,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;
     if cli.json {
-        // A reader that has seen enough closes the pipe; that is not an error.
-        let _ = std::io::stdout().lock().write_all(json.as_bytes());
+        to_stdout(json.as_bytes())?;
     }
     if !cli.quiet {
         for line in lines(&run, &ranking) {
@@ -109,7 +110,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
 fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() -> Page) -> anyhow::Result<()> {
     // A link stays a link: what it points at is replaced.
     let old = [report, summary].map(|path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()));
-    write_atomically(summary, |summary| {
+    write_atomically(summary, OutputKind::Summary, |summary| {
         summary.write_all(json.as_bytes())?;
         summary.flush()?;
         let summary: &File = summary.get_ref();
@@ -117,19 +118,10 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
         thread::scope(|scope| {
             let on_disk = scope.spawn(|| summary.sync_data());
             let page = lay_out();
-            replace_atomically(report, &old, |file| page.write_to(file))?;
+            replace_atomically(report, OutputKind::Report, &old, |file| page.write_to(file))?;
             Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
         })
     })
-}
-
-fn refuse_to_overwrite_an_input(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
-    let Ok(existing) = output.canonicalize() else { return Ok(()) };
-    if existing.is_file() && !inputs.iter().any(|input| input.canonicalize().is_ok_and(|path| path == existing)) {
-        return Ok(());
-    }
-    let problem = if existing.is_file() { "is an input too" } else { "exists and is no regular file" };
-    Err(Usage::new(format!("{} {problem}", output.display())).hint("give it another name").into())
 }
 
 /// Name of a pipeline: its path below a folder `pipelines` without the ending, else the file's stem.

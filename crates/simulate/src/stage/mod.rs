@@ -34,6 +34,7 @@ pub struct Simulate;
 
 impl Stage for Simulate {
     const NAME: &'static str = "simulate";
+    const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Simulates every candidate model and compares its motion with the test.";
     type Options = Options;
     type Settings = Settings;

@@ -182,3 +182,44 @@ impl Inputs {
         MissingTopic::new(topic, given.join(", "), writer_of(topic)).into()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crumple_artifact::{ArtifactBuilder, Compression, Provenance, put_json};
+
+    use super::*;
+
+    /// An artifact of a stage about the record with this digest.
+    fn written(folder: &Path, name: &str, stage: &str, record: &str) -> PathBuf {
+        let source = serde_json::json!({"format": "csv", "name": "crash.csv", "digest": record});
+        let test = serde_json::json!({"title": "", "source": source, "channels": []});
+        let mut builder = ArtifactBuilder::new();
+        put_json(&mut builder, "/test", TestV1::SCHEMA, test).unwrap();
+        let path = folder.join(name);
+        let provenance = Provenance::new(stage, "0.1.0", "{}".into(), Vec::new());
+        builder.write(&path, &provenance, Compression::None).unwrap();
+        path
+    }
+
+    #[test]
+    fn two_artifacts_of_one_stage_and_artifacts_of_two_records_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name, stage, record| written(folder.path(), name, stage, record);
+        let filter = write("2.mcap", "filter", "blake3:aa");
+        let integrate = write("3.mcap", "integrate", "blake3:aa");
+        let of_another_record = write("3b.mcap", "integrate", "blake3:bb");
+        let unnamed = write("x.mcap", "", "");
+        let problem = |paths: &[&PathBuf]| {
+            let paths: Vec<PathBuf> = paths.iter().map(|path| (*path).clone()).collect();
+            let refused = load_artifacts(&paths).err().map(|error| error.to_string());
+            refused.map(|text| text.replace(&format!("{}/", folder.path().display()), ""))
+        };
+        assert_eq!(problem(&[&integrate, &filter]), None);
+        assert_eq!(problem(&[&filter, &unnamed]), None, "who does not name stage or record is believed");
+        assert_eq!(problem(&[&filter, &of_another_record]).unwrap(), "2.mcap and 3b.mcap are of different records");
+        assert_eq!(
+            problem(&[&of_another_record, &integrate]).unwrap().split(" are ").nth(1),
+            Some("both of the stage integrate")
+        );
+    }
+}

@@ -3,6 +3,7 @@
 
 pub mod inputs;
 pub mod output;
+pub mod overwriting;
 pub mod recording_steps;
 pub mod several_tests;
 pub mod wall_force;

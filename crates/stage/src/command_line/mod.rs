@@ -2,4 +2,5 @@
 //! May use `names`.
 
 pub mod args;
+pub mod memory_limit;
 pub mod pipeline;

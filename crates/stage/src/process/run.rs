@@ -1,28 +1,27 @@
 //! The life of a stage process.
 
 use std::fmt::Debug;
-use std::fs::File;
-use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::CommandFactory;
 use crumple_artifact::records::{DiagnosisV1, NotesV1};
-use crumple_artifact::{Artifact, Provenance};
+use crumple_artifact::{Artifact, OutputKind, Provenance, WriteError};
 use crumple_signal::{Note, Severity};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::artifacts::inputs::{Loaded, open};
 use crate::artifacts::output::Output;
-use crate::artifacts::several_tests::path_of;
+use crate::artifacts::overwriting::refuse_to_overwrite;
 use crate::command_line::args::{Cli, SharedFlags};
+use crate::command_line::memory_limit::keep_budget;
 use crate::command_line::pipeline::{canonical_json, is_flag, merge};
-use crate::error::{ExitStatus, MissingTopic, Usage, find_in_chain};
+use crate::error::{ExitStatus, MissingTopic, find_in_chain};
 use crate::process::tool::{finish, parse};
 use crate::terminal::progress::be_quiet;
-use crate::terminal::say::say;
+use crate::terminal::say::{say, to_stdout};
 
 /// How a computation ended that did not fail.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,6 +36,8 @@ pub enum Outcome {
 pub trait Stage {
     /// Name of the stage: its pipeline table, its name in provenance; the binary is `crumple-<NAME>`.
     const NAME: &'static str;
+    /// Digest of the sources of the program: `env!("CRUMPLE_BUILD")`, which its build script states.
+    const BUILD: &'static str;
     /// One line for `--help`.
     const ABOUT: &'static str;
     /// Flags and pipeline keys: one struct whose fields are all optional.
@@ -46,6 +47,10 @@ pub trait Stage {
     /// What the stage works on.
     type Input;
 
+    /// Flags that the program takes before it becomes a stage; they stand in its help like all others.
+    fn other_flags() -> Vec<clap::Arg> {
+        Vec::new()
+    }
     /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline
     /// file.
     fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
@@ -64,6 +69,7 @@ pub fn main<S: Stage>() -> ExitCode {
         .display_name(format!("crumple-{}", S::NAME))
         .version(env!("CARGO_PKG_VERSION"))
         .about(S::ABOUT)
+        .args(S::other_flags())
         .after_help(
             "Values typed by a person carry their unit: 873kg, 35km/h, 0s.\n\
              Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
@@ -84,10 +90,12 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     if common.quiet {
         be_quiet();
     }
+    keep_budget(&common.inputs, ExitStatus::Refused);
     let settings = S::resolve(options)?;
-    refuse_to_overwrite(&common.output, &common.inputs)?;
+    refuse_to_overwrite(&common.output, OutputKind::Artifact, &common.inputs)?;
     let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
-    let provenance = Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests);
+    let provenance =
+        Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests).with_build(S::BUILD);
     if !common.force
         && let Some(existing) = up_to_date(&common.output, &provenance)
     {
@@ -99,7 +107,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         if common.json {
             print_records(
                 existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())),
-            );
+            )?;
         }
         return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
             Some(diagnosis) if diagnosis.has_result => ExitStatus::Done,
@@ -119,6 +127,12 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
                     out.put("/test", test)?;
                 }
                 Outcome::NoAcceptableResult(reason)
+            }
+            None if is_not_finite(&error) => {
+                out = Output::new();
+                Outcome::NoAcceptableResult(format!(
+                    "{error:#}; the numbers of the input are too large to compute with"
+                ))
             }
             None => return Err(name_the_inputs(error, &common.inputs)),
         },
@@ -148,7 +162,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
     }
     if common.json {
-        print_records(out.builder.records());
+        print_records(out.builder.records())?;
     }
     Ok(match outcome {
         Outcome::Done => ExitStatus::Done,
@@ -156,26 +170,9 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     })
 }
 
-/// An output that is an input, or something else than an artifact, would be lost.
-fn refuse_to_overwrite(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
-    let Ok(existing) = output.canonicalize() else { return Ok(()) };
-    let problem = if inputs.iter().any(|input| path_of(input).canonicalize().is_ok_and(|path| path == existing)) {
-        "is an input too"
-    } else if !existing.is_file() {
-        "exists and is no regular file"
-    } else if !is_artifact_or_empty(&existing)? {
-        "exists and is no artifact"
-    } else {
-        return Ok(());
-    };
-    Err(Usage::new(format!("the output {} {problem}", output.display())).hint("give -o another name").into())
-}
-
-fn is_artifact_or_empty(path: &Path) -> anyhow::Result<bool> {
-    let mut start = Vec::new();
-    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
-    file.take(5).read_to_end(&mut start).with_context(|| format!("cannot read {}", path.display()))?;
-    Ok(start.is_empty() || start == b"\x89MCAP")
+/// Whether a result is NaN or infinite: a stage that read finite numbers computed it of numbers that are too large.
+fn is_not_finite(error: &anyhow::Error) -> bool {
+    matches!(find_in_chain::<WriteError>(error), Some(WriteError::NotFinite { .. }))
 }
 
 /// Adds the inputs' names to an error that does not name any of them.
@@ -225,16 +222,14 @@ fn quoted(path: &Path) -> String {
 }
 
 /// One JSON object a line: topic, schema, data.
-fn print_records<'a>(records: impl Iterator<Item = (&'a str, &'a str, &'a [u8])>) {
-    let mut stdout = std::io::stdout().lock();
+fn print_records<'a>(records: impl Iterator<Item = (&'a str, &'a str, &'a [u8])>) -> anyhow::Result<()> {
+    let mut lines = String::new();
     for (topic, schema, payload) in records {
         // The payload is JSON already; a record that is not (a foreign encoding) is left to crumple-artifact show.
         let Ok(data) = std::str::from_utf8(payload) else { continue };
         let topic = serde_json::Value::from(topic);
         let schema = serde_json::Value::from(schema);
-        // A reader that has seen enough closes the pipe; that is not an error.
-        if writeln!(stdout, "{{\"topic\":{topic},\"schema\":{schema},\"data\":{data}}}").is_err() {
-            return;
-        }
+        lines += &format!("{{\"topic\":{topic},\"schema\":{schema},\"data\":{data}}}\n");
     }
+    to_stdout(lines.as_bytes())
 }

@@ -1,22 +1,21 @@
 //! The shell of programs that read artifacts and write something else: report, diff, artifact.
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
 use clap::error::ErrorKind;
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 
+use crate::command_line::memory_limit;
 use crate::error::{ExitStatus, render, status_of};
-use crate::terminal::say::say;
+use crate::terminal::say::{say, to_stdout};
 
 /// Parses the command line, runs the program, prints its error with cause and hint, and returns its exit code.
 pub fn tool_main<C: CommandFactory + FromArgMatches>(run: impl FnOnce(C) -> anyhow::Result<ExitStatus>) -> ExitCode {
     finish(parse::<C>(C::command()).map_err(Ok).and_then(|(cli, _)| run(cli).map_err(Err)))
 }
 
-/// Flag that prints a completion script or the man page instead of running; hidden, since packagers use it and nobody
-/// else.
+/// Flag that prints a completion script or the man page instead of running.
 const GENERATE: &str = "generate";
 const SHELLS: [(&str, clap_complete::Shell); 3] =
     [("bash", clap_complete::Shell::Bash), ("zsh", clap_complete::Shell::Zsh), ("fish", clap_complete::Shell::Fish)];
@@ -25,11 +24,24 @@ const SHELLS: [(&str, clap_complete::Shell); 3] =
 /// printed.
 pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::ArgMatches), ExitStatus> {
     let kinds = PossibleValuesParser::new(SHELLS.iter().map(|(name, _)| *name).chain(["man"]));
-    let flag = Arg::new(GENERATE).long(GENERATE).value_parser(kinds).hide(true).exclusive(true);
-    let with_flag = command.clone().arg(flag);
-    let matches = with_flag.try_get_matches().and_then(|matches| match matches.get_one::<String>(GENERATE) {
+    let flag = Arg::new(GENERATE)
+        .long(GENERATE)
+        .value_name("KIND")
+        .value_parser(kinds)
+        .exclusive(true)
+        .help_heading(None)
+        .help("Print a completion script for a shell, or the man page, and do nothing else");
+    let command = memory_limit::with_flag(command.arg(flag));
+    // Where a subcommand is needed, this flag is exclusive of it as well.
+    let is_generating = std::env::args_os().any(|word| word.to_string_lossy().starts_with("--generate"));
+    let parser = command.clone();
+    let parser = if is_generating { parser.subcommand_required(false).arg_required_else_help(false) } else { parser };
+    let matches = parser.try_get_matches().and_then(|matches| match matches.get_one::<String>(GENERATE) {
         Some(kind) => Ok(Err(generate(command, kind))),
-        None => Ok(Ok((C::from_arg_matches(&matches)?, matches))),
+        None => {
+            memory_limit::take(&matches);
+            Ok(Ok((C::from_arg_matches(&matches)?, matches)))
+        }
     });
     match matches {
         Ok(parsed) => parsed,
@@ -56,9 +68,13 @@ fn generate(mut command: Command, kind: &str) -> ExitStatus {
             }
         }
     }
-    // A reader that has seen enough closes the pipe; that is not an error.
-    let _ = std::io::stdout().lock().write_all(&text);
-    ExitStatus::Done
+    match to_stdout(&text) {
+        Ok(()) => ExitStatus::Done,
+        Err(error) => {
+            say(render(&error));
+            ExitStatus::Failure
+        }
+    }
 }
 
 pub(crate) fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error>>) -> ExitCode {

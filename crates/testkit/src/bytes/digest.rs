@@ -11,7 +11,7 @@ const NONE: &str = "-";
 /// What a line says of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Digests {
-    /// Of all bytes.
+    /// Of all bytes; of an artifact without the build of the program that wrote it.
     pub whole: String,
     /// Of the messages (artifacts), or of the value whatever its layout (JSON).
     pub content: String,
@@ -42,6 +42,8 @@ pub fn digests_of_file(path: &Path) -> Result<Digests, String> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("mcap") => {
             let artifact = Artifact::open(path).map_err(|error| error.to_string())?;
+            let build = artifact.provenance().map_or("", |provenance| provenance.build.as_str());
+            let whole = hex(&without_build(&bytes, build));
             let content = artifact.digest().trim_start_matches("blake3:").to_owned();
             Ok(Digests { whole, content, masked: masked_artifact(&artifact) })
         }
@@ -53,6 +55,35 @@ pub fn digests_of_file(path: &Path) -> Result<Digests, String> {
         }
         _ => Ok(Digests { content: whole.clone(), whole, masked: NONE.to_owned() }),
     }
+}
+
+/// The bytes of an artifact without the digest of the sources that its writer was built of, and without the checksums
+/// that change with it.
+fn without_build(bytes: &[u8], build: &str) -> Vec<u8> {
+    // Opcodes of the MCAP specification.
+    const FOOTER: u8 = 0x02;
+    const METADATA: u8 = 0x0c;
+    const DATA_END: u8 = 0x0f;
+    let mut bytes = bytes.to_vec();
+    let mut at = 8;
+    while let Some(head) = bytes.get(at..at + 9) {
+        let (opcode, length) = (head[0], head[1..].iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte)));
+        let start = at + 9;
+        let Some(body) = bytes.get_mut(start..start.saturating_add(length)) else { break };
+        match opcode {
+            FOOTER | DATA_END => {
+                let end = body.len().saturating_sub(4);
+                body[end..].fill(0);
+            }
+            METADATA if !build.is_empty() => {
+                let place = body.windows(build.len()).position(|part| part == build.as_bytes());
+                place.into_iter().for_each(|place| body[place..place + build.len()].fill(b'-'));
+            }
+            _ => {}
+        }
+        at = start + length;
+    }
+    bytes
 }
 
 /// A JSON value in which every string with a blank is empty: notes, reasons and definitions are sentences; ids, units,
@@ -95,16 +126,27 @@ mod tests {
     use crumple_signal::{QuantityKind, Sampled};
     use serde_json::json;
 
-    fn artifact(note: &str, settings: &str, sample: f64) -> Digests {
+    fn artifact_of(build: &str, note: &str, settings: &str, sample: f64) -> Digests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mcap");
         let mut builder = ArtifactBuilder::new();
         builder.put("/notes", &NotesV1 { stage: "filter".to_owned(), notes: vec![note.to_owned()] }).unwrap();
         let wave = Sampled::new(0.0, 1e-3, vec![0.0, sample, 2.0]).unwrap();
         builder.wave("a", QuantityKind::Acceleration, wave).unwrap();
-        let provenance = Provenance::new("filter", "0", settings.to_owned(), vec![]);
+        let provenance = Provenance::new("filter", "0", settings.to_owned(), vec![]).with_build(build);
         builder.write(&path, &provenance, Compression::None).unwrap();
         digests_of_file(&path).unwrap()
+    }
+
+    fn artifact(note: &str, settings: &str, sample: f64) -> Digests {
+        artifact_of("0123456789abcdef", note, settings, sample)
+    }
+
+    #[test]
+    fn the_build_of_the_program_is_not_part_of_any_digest() {
+        let first = artifact("a text", "{}", 1.0);
+        assert_eq!(first, artifact_of("fedcba9876543210", "a text", "{}", 1.0));
+        assert_ne!(first.whole, artifact_of("", "a text", "{}", 1.0).whole, "whether there is one counts");
     }
 
     #[test]

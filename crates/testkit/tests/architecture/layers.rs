@@ -7,7 +7,7 @@ use crate::source::{Package, Source};
 /// Crates by layer, foundations first. A crate may use crates of lower layers; those of the last layer but one are
 /// programs and use none of each other.
 pub const LAYERS: [&[&str]; 7] = [
-    &["signal", "linalg"],
+    &["signal", "linalg", "memory", "source-digest"],
     &["lti", "estimation", "artifact"],
     &["metrics", "lumped"],
     &["sysid", "lumped-fit"],

@@ -82,6 +82,11 @@ pub fn read(
     for (line, reason) in specification.unread_lines.iter().take(5) {
         notes.warning(format!("{file}, line {line}, is left out: {reason}"));
     }
+    if !specification.is_complete {
+        notes.warning(format!(
+            "{file} does not end with ----- END -----: it may be cut short, and channels be missing; download it again"
+        ));
+    }
     let asked_for = |number: u32| settings.channel.as_deref().is_some_and(|c| c.trim().parse() == Ok(number));
     let channels = specification
         .curves

@@ -2,6 +2,8 @@
 //!
 //! NHTSA Test Reference Guide, Volume I (vehicle tests), version 5.
 
+use std::collections::BTreeSet;
+
 use crate::formats::ev5::fields::Fields;
 use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle};
 use crate::formats::text::lines::decode;
@@ -20,6 +22,8 @@ pub struct Specification {
     pub curves: Vec<Curve>,
     /// Lines of the instrumentation section that cannot be read, with the reason.
     pub unread_lines: Vec<(usize, String)>,
+    /// Whether the text ends as it should, with `----- END -----`.
+    pub is_complete: bool,
 }
 
 /// Whether a line opens a section, and which: `----- TEST -----`, `-----TEST-----`.
@@ -47,6 +51,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
     let mut specification = Specification::default();
     let mut current = "";
     let mut seen = Vec::new();
+    let mut numbers = BTreeSet::new();
     for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let line_number = index + 1;
         if line.trim().is_empty() || line.starts_with('#') {
@@ -56,6 +61,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
             current = key;
             seen.push(key);
             if key == "END" {
+                specification.is_complete = true;
                 break;
             }
             continue;
@@ -69,7 +75,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
             }
             "BARRIER" => specification.barrier = Some(Barrier::new(&fields)),
             "INSTRUMENTATION" => match Curve::new(&fields) {
-                Ok(curve) if specification.curves.iter().any(|c| c.number == curve.number) => {
+                Ok(curve) if !numbers.insert(curve.number) => {
                     specification.unread_lines.push((line_number, format!("curve {} is listed again", curve.number)));
                 }
                 Ok(curve) => specification.curves.push(curve),

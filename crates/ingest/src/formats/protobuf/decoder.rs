@@ -14,6 +14,8 @@ use crate::formats::protobuf::wire::{self, WireReader, WireValue};
 const DEPTH: usize = 4;
 /// Most numbers listed.
 const LISTED: usize = 20;
+/// Most fields looked at for that list: types that hold each other have paths without end and may have no number.
+const LOOKED_AT: usize = 2_000;
 /// Names of the stamp, the first that is there counts: Foxglove's types, those of ROS, plain ones.
 const STAMPS: [&str; 3] = ["timestamp", "header.stamp", "stamp"];
 const SECONDS: [&str; 3] = ["seconds", "sec", "secs"];
@@ -76,21 +78,22 @@ impl Decoder {
 
     /// Paths of numbers in the type, for messages: `acceleration.x`.
     pub fn paths(&self) -> Vec<String> {
-        let mut paths = BTreeSet::new();
-        self.list(&self.name, "", DEPTH, &mut paths);
+        let (mut paths, mut looked_at) = (BTreeSet::new(), 0);
+        self.list(&self.name, "", DEPTH, &mut looked_at, &mut paths);
         paths.into_iter().take(LISTED).collect()
     }
 
-    fn list(&self, name: &str, before: &str, depth: usize, paths: &mut BTreeSet<String>) {
+    fn list(&self, name: &str, before: &str, depth: usize, looked_at: &mut usize, paths: &mut BTreeSet<String>) {
         for field in self.types.fields(name).unwrap_or_default() {
-            if paths.len() >= LISTED {
+            if paths.len() >= LISTED || *looked_at >= LOOKED_AT {
                 return;
             }
+            *looked_at += 1;
             let path = format!("{before}{}{}", field.name, if field.repeated { ".0" } else { "" });
             match &field.kind {
                 Kind::Number(_) => drop(paths.insert(path)),
                 Kind::Message(inner) if depth > 1 && !STAMPS.contains(&path.as_str()) => {
-                    self.list(inner, &format!("{path}."), depth - 1, paths);
+                    self.list(inner, &format!("{path}."), depth - 1, looked_at, paths);
                 }
                 Kind::Message(_) | Kind::Other => {}
             }
@@ -218,5 +221,39 @@ impl NumberType {
             Self::SFixed64 => Value::Whole(i128::from(bits.cast_signed())),
             _ => Value::Whole(i128::from(bits)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Field `number` of a message, with bytes in it.
+    fn with_bytes(number: u8, bytes: &[u8]) -> Vec<u8> {
+        let mut length = bytes.len();
+        let mut field = vec![number << 3 | 2];
+        while length > 0x7f {
+            field.push(length as u8 | 0x80);
+            length >>= 7;
+        }
+        field.push(length as u8);
+        [field, bytes.to_vec()].concat()
+    }
+
+    /// A type `T` of many fields, each a `T` again: paths without end, and no number.
+    #[test]
+    fn the_list_of_numbers_looks_at_so_many_fields_and_no_more() {
+        let field = |k: usize| {
+            let name = with_bytes(1, format!("f{k}").as_bytes());
+            let type_name = with_bytes(6, b".T");
+            // number, label optional, type message
+            with_bytes(2, &[name, vec![0x18, (k % 100) as u8 + 1, 0x20, 1, 0x28, 11], type_name].concat())
+        };
+        let fields: Vec<u8> = (0..250).flat_map(field).collect();
+        let message = [with_bytes(1, b"T"), fields].concat();
+        let decoder = Decoder::new("T", &with_bytes(1, &with_bytes(4, &message))).unwrap();
+        let (mut paths, mut looked_at) = (BTreeSet::new(), 0);
+        decoder.list("T", "", DEPTH, &mut looked_at, &mut paths);
+        assert_eq!((looked_at, paths.len()), (LOOKED_AT, 0));
     }
 }

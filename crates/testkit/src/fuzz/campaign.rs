@@ -1,0 +1,211 @@
+//! A campaign: so many files, each read by the program that it is meant for.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::{Artifact, JsonForm};
+
+use super::ending::{Ending, Tally, ending_of};
+use super::mutation::{Dice, mutate};
+use super::tampering::tamper;
+use crate::places::{shared, workspace};
+
+/// What a campaign does.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// Folder of the programs.
+    pub bin: PathBuf,
+    /// Folder to work in; files on which a program ended as it may not stay in it.
+    pub folder: PathBuf,
+    /// Number of the first file; the same number makes the same file.
+    pub first: u64,
+    /// Number of files of each sort.
+    pub files: u64,
+}
+
+/// The sound files that changes are made of.
+struct Corpus {
+    /// Records of tests, for ingest.
+    records: Vec<PathBuf>,
+    /// Artifacts of one run, in the order of its stages.
+    run: Vec<PathBuf>,
+}
+
+impl Corpus {
+    fn new() -> Self {
+        let fixtures = workspace().join("fixtures");
+        let mut records: Vec<PathBuf> =
+            ["kelvin", "double"].iter().map(|name| fixtures.join(name).join("crash.csv")).collect();
+        let golden = fixtures.join("double/golden");
+        let stages =
+            ["1-ingest", "2-filter", "3-integrate", "4-identify", "5-parameter-solve", "6-simulate", "7-predict"];
+        let run: Vec<PathBuf> = stages.iter().map(|stage| golden.join(format!("{stage}.mcap"))).collect();
+        records.push(run[0].clone());
+        records.extend(shared("reference/hostile").into_iter().flat_map(|folder| {
+            let files = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+            let mut files: Vec<PathBuf> =
+                files.filter(|file| file.metadata().is_ok_and(|m| m.len() < 100_000)).map(|file| file.path()).collect();
+            files.sort();
+            files
+        }));
+        records.retain(|path| path.is_file());
+        Self { records, run }
+    }
+}
+
+/// Runs a campaign; `tell` hears of every file on which a program ended as it may not.
+///
+/// Returns how the programs ended on mutated files and on tampered artifacts.
+///
+/// # Errors
+/// Of the disk, in words.
+pub fn run_campaign(campaign: &Campaign, tell: &mut dyn FnMut(String)) -> Result<[Tally; 2], String> {
+    let corpus = Corpus::new();
+    fs::create_dir_all(&campaign.folder).map_err(|error| format!("{}: {error}", campaign.folder.display()))?;
+    let mut tallies = [Tally::default(), Tally::default()];
+    for number in campaign.first..campaign.first + campaign.files {
+        for (sort, tally) in tallies.iter_mut().enumerate() {
+            let mut dice = Dice::new(2 * number + sort as u64);
+            let trial = if sort == 0 { mutated(&corpus, &mut dice)? } else { tampered(&corpus, &mut dice)? };
+            let (ending, said) = trial.run(campaign)?;
+            tally.add(ending);
+            if !ending.is_allowed() {
+                let kept = campaign.folder.join(format!("{number}-{}-{}", ["mutated", "tampered"][sort], trial.name));
+                fs::write(&kept, &trial.bytes).map_err(|error| format!("{}: {error}", kept.display()))?;
+                let first = said.lines().next().unwrap_or_default();
+                tell(format!("{ending}: {} {} ({first}): {}", trial.program, trial.words.join(" "), kept.display()));
+            }
+        }
+    }
+    Ok(tallies)
+}
+
+/// A file and the program that reads it.
+struct Trial {
+    /// Name of the file.
+    name: String,
+    bytes: Vec<u8>,
+    program: &'static str,
+    /// The arguments; `FILE` stands for the file, `OUT` for what is written.
+    words: Vec<String>,
+    /// Where the file was an artifact with its own checksums: the digest that a program may accept.
+    only_digest: Option<String>,
+}
+
+impl Trial {
+    fn run(&self, campaign: &Campaign) -> Result<(Ending, String), String> {
+        let (file, out) = (campaign.folder.join(&self.name), campaign.folder.join("out.mcap"));
+        fs::write(&file, &self.bytes).map_err(|error| format!("{}: {error}", file.display()))?;
+        let _ = fs::remove_file(&out);
+        let place = |word: &String| match word.as_str() {
+            "FILE" => file.display().to_string(),
+            "OUT" => out.display().to_string(),
+            other => other.to_owned(),
+        };
+        let words: Vec<String> = self.words.iter().map(place).collect();
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let (mut ending, said) = ending_of(&campaign.bin.join(self.program), &words, &campaign.folder);
+        if self.program == "crumple-diff" && ending == Ending::Unforeseen {
+            // to this program: different
+            ending = Ending::Code(1);
+        }
+        if ending == Ending::Code(0) && !(self.accepts(&file) && is_sound(&out)) {
+            ending = Ending::WrongResult;
+        }
+        let _ = fs::remove_file(&file);
+        let _ = fs::remove_dir_all(campaign.folder.join("plain"));
+        Ok((ending, said))
+    }
+
+    fn accepts(&self, file: &Path) -> bool {
+        self.only_digest
+            .as_ref()
+            .is_none_or(|digest| Artifact::open(file).is_ok_and(|artifact| artifact.digest() == digest))
+    }
+}
+
+/// Whether what was written can be read, every record of it; also where nothing was written.
+fn is_sound(out: &Path) -> bool {
+    !out.exists()
+        || Artifact::open(out)
+            .is_ok_and(|artifact| artifact.records().iter().all(|raw| artifact.json_text(raw, JsonForm::Line).is_ok()))
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, String> {
+    fs::read(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn words(text: &str) -> Vec<String> {
+    text.split(' ').map(str::to_owned).collect()
+}
+
+/// Files of any kind with changed bytes.
+fn mutated(corpus: &Corpus, dice: &mut Dice) -> Result<Trial, String> {
+    let fixtures = workspace().join("fixtures/double/golden");
+    let other = |name: &str| fixtures.join(name).display().to_string();
+    let (path, program, arguments) = match dice.below(8) {
+        0..=3 => {
+            let path = dice.one_of(&corpus.records).clone();
+            let flags = *dice.one_of(&["", " --list", " --mass 900kg --impact-speed 50km/h", " --field a.b --unit g"]);
+            (path, "crumple-ingest", format!("FILE -o OUT{flags}"))
+        }
+        4 => {
+            let command = *dice.one_of(&["check FILE", "show FILE", "unpack FILE plain"]);
+            (dice.one_of(&corpus.run).clone(), "crumple-artifact", command.to_owned())
+        }
+        5 => {
+            let path = workspace().join("pipelines/default.toml");
+            (path, "crumple-filter", format!("{} -o OUT --pipeline FILE", other("1-ingest.mcap")))
+        }
+        6 => (fixtures.join("summary.json"), "crumple-diff", format!("FILE {}", other("summary.json"))),
+        _ => {
+            let path = workspace().join("docs/examples/tolerance.toml");
+            (path, "crumple-diff", format!("{0} {0} --tolerance FILE", other("3-integrate.mcap")))
+        }
+    };
+    let (name, mut bytes) = if path.is_file() {
+        (path.file_name().unwrap_or_default().to_string_lossy().into_owned(), read(&path)?)
+    } else {
+        (
+            "tolerance.toml".to_owned(),
+            b"\"/wave/*\" = { abs = 1e-6, rel = 1e-6 }\n\"/metrics\" = { rel = 1e-3 }\n".to_vec(),
+        )
+    };
+    let digest = || Artifact::read(&path, bytes.as_slice()).ok().map(|artifact| artifact.digest().to_owned());
+    let only_digest = if program == "crumple-artifact" { digest() } else { None };
+    mutate(&mut bytes, dice);
+    Ok(Trial { name, bytes, program, words: words(&arguments), only_digest })
+}
+
+/// Artifacts of a run with lies inside, for the stage that reads them.
+fn tampered(corpus: &Corpus, dice: &mut Dice) -> Result<Trial, String> {
+    let stage = dice.below(corpus.run.len());
+    let path = &corpus.run[stage];
+    let others = |of: &[usize]| -> String {
+        let names: Vec<String> =
+            of.iter().map(|k| if *k == stage { "FILE".into() } else { corpus.run[*k].display().to_string() }).collect();
+        names.join(" ")
+    };
+    let readers: [(&str, &[usize]); 6] = [
+        ("crumple-filter", &[0]),
+        ("crumple-integrate", &[1]),
+        ("crumple-identify", &[1, 2]),
+        ("crumple-simulate", &[1, 2, 4]),
+        ("crumple-predict", &[2, 4]),
+        ("crumple-report", &[0, 1, 2, 3, 4, 5, 6]),
+    ];
+    let fitting: Vec<_> = readers.iter().filter(|(_, inputs)| inputs.contains(&stage)).collect();
+    let (program, arguments) = match dice.below(6) {
+        0 => ("crumple-artifact", "check FILE".to_owned()),
+        1 => ("crumple-artifact", "show FILE".to_owned()),
+        2 => ("crumple-diff", format!("FILE {}", path.display())),
+        _ => {
+            let (program, inputs) = dice.one_of(&fitting);
+            let output = if *program == "crumple-report" { "report.html" } else { "OUT" };
+            (*program, format!("{} -o {output}", others(inputs)))
+        }
+    };
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let bytes = tamper(&read(path)?, dice)?;
+    Ok(Trial { name, bytes, program, words: words(&arguments), only_digest: None })
+}
