@@ -3,3 +3,4 @@
 
 pub mod args;
 pub mod pipeline;
+pub mod pipeline_file;

@@ -85,6 +85,9 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         be_quiet();
     }
     let settings = S::resolve(options)?;
+    if common.check_options {
+        return Ok(ExitStatus::Done);
+    }
     refuse_to_overwrite(&common.output, &common.inputs)?;
     let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
     let provenance = Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests);
