@@ -4,6 +4,7 @@ set positional-arguments
 set shell := ["sh", "-euc"]
 
 # Pipeline: a file below pipelines/ without its ending, e.g. `just pipeline=papers/civic run crash.csv`, or the path of a file elsewhere, e.g. `./my.toml`.
+# It says what it changes of the default pipeline, unless it stands alone (base = "none").
 pipeline := "default"
 # Run folder; empty: runs/<input stem>/<pipeline>.
 out := ""
@@ -27,7 +28,7 @@ default:
     @just --list --unsorted
 
 # Which program reads what and writes what; crumple-run starts them and keeps what a run folder promises.
-# The main job: `just run crash.csv [--mass 873kg --impact-speed 35km/h ...]`; flags go to ingest.
+# The main job: `just run crash.csv [--set filter.cfc=180] [--mass 873kg --impact-speed 35km/h ...]`; other flags go to ingest.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
@@ -144,7 +145,7 @@ golden-update: build
     @for fixture in fixtures/*/; do \
         rm -rf "$fixture/golden"; \
         just flags=-q out="$fixture/golden" run "$fixture/crash.csv"; \
-        rm -f "$fixture/golden/report.html"; \
+        rm -f "$fixture/golden/report.html" "$fixture/golden/0-pipeline.toml"; \
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap" "$fixture/golden/7-predict.mcap"; \
     done
 

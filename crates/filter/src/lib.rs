@@ -46,5 +46,6 @@ pub use error::FilterError;
 pub use filter::{Applied, Filtered, Instead, Settings, filter, filter_reporting};
 pub use samples::delay::{Delay, delay};
 pub use samples::derivative::{acceleration_of_velocity_change, derivative_note};
+pub use samples::kept::{keep_every, kept};
 pub use samples::resampling::{Interpolation, Resampling, resample};
 pub use samples::zero_level::{ZeroLevel, pre_event};

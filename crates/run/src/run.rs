@@ -9,13 +9,16 @@ use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, memory_limit_flag, say};
 
 use crate::command::options::Options;
-use crate::command::pipeline::Pipeline;
+use crate::command::pipeline::{PIPELINE_OF_A_RUN, Pipeline};
 use crate::command::program::{Program, own_program};
 use crate::command::stages::{Stage, Stages};
 use crate::command::words::{request_for_information, words};
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::ours::refuse_files_of_others;
+use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before};
+use crate::folder::state::state_of;
 use crate::folder::sweep::{folder_of_new_results, sweep};
+use crate::messages::changed_options::say_what_changed;
 use crate::messages::replaced_record::say_what_is_replaced;
 use crate::messages::stage_failed::{say_what_failed, say_which_stage_failed};
 use crate::messages::whose_flag::say_whose_flags;
@@ -29,6 +32,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if let Some(limit) = memory_limit_flag() {
         options.flags = format!("{} {limit}", options.flags).trim_start().to_owned();
     }
+    options.take_set()?;
     let Some(first) = options.stages.0.first() else { return Err(Usage::new("a stage is needed").into()) };
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
@@ -44,21 +48,38 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
             (pipeline, path)
         }
     };
+    let mut composed = pipeline.read(&options.project, &options.set)?;
     let (in_use, left_out) =
-        options.stages.in_use(|name| !options.optional.iter().any(|o| o == name) || pipeline.has_table(name));
+        options.stages.in_use(|name| !options.optional.iter().any(|o| o == name) || composed.table(name).is_some());
     let stages = &in_use.0;
     let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
+    if options.again.is_none() {
+        composed.note_run(&pipeline.name);
+        note_typed(&mut composed, &options, stages, &programs);
+    }
     let folder = LockedFolder::lock(&path)?;
+    let before = pipeline_before(folder.path())?;
     if options.again.is_none() {
         refuse_files_of_others(folder.path(), options.stages.outputs())?;
     }
     if folder.is_locked() {
-        sweep(folder.path(), options.stages.outputs())
+        sweep(folder.path(), options.stages.outputs().chain([PIPELINE_OF_A_RUN]))
             .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
     }
+    let given = PipelineOfRun::write(folder.path(), &composed, before.as_ref())?;
+    let run = Run { options: &options, stages: &in_use, pipeline: given.path(), folder: &folder };
+    if !given.is_unchanged()
+        && (composed.is_set() || !pipeline.is_of(&options.project))
+        && let Some(status) = run.check_options(&programs)?
+    {
+        return Ok(status);
+    }
+    if let Some(before) = before.as_ref().filter(|_| !options.is_quiet()) {
+        say_what_changed(&composed, before);
+    }
+    let end_before = before.as_ref().and_then(crumple_stage::Pipeline::end).filter(|_| given.is_unchanged());
     remove_left_out(folder.path(), &left_out, stages)?;
 
-    let run = Run { options: &options, stages: &in_use, pipeline, folder };
     let mut status = ExitStatus::Done;
     for (number, (stage, program)) in stages.iter().zip(&programs).enumerate() {
         let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
@@ -78,12 +99,53 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
                 return Ok(run.failed(ExitStatus::Failure));
             }
         }
+        // Only the first stage knows what it reads: what it left, all others made their results from.
+        if number == 0
+            && let Some((state, code)) = end_before
+            && run.state(&programs).as_deref() == Some(state)
+        {
+            if !options.is_quiet() {
+                say(format_args!("{:<16} up to date: {}", "run", run.folder.path().display()));
+            }
+            return Ok(if code == ExitStatus::NoAcceptableResult as u8 {
+                ExitStatus::NoAcceptableResult
+            } else {
+                status
+            });
+        }
         let output = run.folder.path().join(stage.output());
         if let Some(before) = before.filter(|before| !is_at(before, &output)) {
             say_what_is_replaced(before, &output, run.folder.path());
         }
     }
+    if let Some(state) = run.state(&programs) {
+        composed.note_end(&state, status as u8);
+    }
+    given.keep(folder.path(), &composed)?;
     Ok(status)
+}
+
+/// Notes flags typed for single stages, and programs from elsewhere: what a run depends on beside its pipeline.
+fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages: &[Stage], programs: &[Program]) {
+    let changes_nothing = |word: &String| matches!(word.as_str(), "-q" | "--quiet" | "--force" | "--json");
+    let mut note = |what: &str, stage: &str, words: &mut dyn Iterator<Item = String>| {
+        let typed: Vec<String> = words.filter(|word| !changes_nothing(word)).collect();
+        if !typed.is_empty() {
+            composed.note_typed(what, stage, &typed.join(" "));
+        }
+    };
+    let mut behind = Some(options.flags_of_the_first());
+    for (stage, program) in stages.iter().zip(programs) {
+        let behind = behind.take().unwrap_or_default().iter().map(|word| word.to_string_lossy().into_owned());
+        let typed = words(&stage.command).collect::<Vec<_>>().into_iter();
+        if is_own(stage, program) {
+            note("flags", stage.name(), &mut typed.skip(1).chain(behind));
+        } else {
+            note("program", stage.name(), &mut { typed });
+            note("flags", stage.name(), &mut { behind });
+        }
+    }
+    note("flags", "every stage", &mut words(&options.flags));
 }
 
 /// The folder of a run that was made.
@@ -129,11 +191,44 @@ fn information(first: &Stage, options: &Options) -> anyhow::Result<ExitStatus> {
 struct Run<'a> {
     options: &'a Options,
     stages: &'a Stages,
-    pipeline: Pipeline,
-    folder: LockedFolder,
+    pipeline: &'a Path,
+    folder: &'a LockedFolder,
 }
 
 impl Run<'_> {
+    /// The state of the folder after a whole run, where every stage is a program of the project and leaves alone what is up
+    /// to date. Others are always run.
+    fn state(&self, programs: &[Program]) -> Option<String> {
+        let stages = &self.stages.0;
+        let is_asked = |text: &str| words(text).any(|word| matches!(word.as_str(), "--force" | "--json"));
+        let always = is_asked(&self.options.flags) || stages.iter().any(|stage| is_asked(&stage.command));
+        if always || self.options.again.is_some() || !stages.iter().zip(programs).all(|(s, p)| is_own(s, p)) {
+            return None;
+        }
+        let programs: Vec<PathBuf> = stages.iter().map(|stage| own_program(stage.name())).collect();
+        state_of(self.folder.path(), self.stages.outputs(), &programs).ok()
+    }
+
+    /// Has the programs of the project check their options before anything runs. `Some`: how the first that refuses them
+    /// ended; it has said why.
+    fn check_options(&self, programs: &[Program]) -> anyhow::Result<Option<ExitStatus>> {
+        for (number, (stage, program)) in self.stages.0.iter().zip(programs).enumerate() {
+            if !is_own(stage, program) {
+                continue;
+            }
+            let mut arguments = self.arguments(stage, &self.folder.path().join(stage.output()));
+            arguments.push("--check-options".into());
+            if let Ending::Failed(failure) = Ending::of(run_in_shell(&stage.command, &arguments, &self.options.flags)?)
+            {
+                if number == 0 && failure == ExitStatus::Usage {
+                    say_whose_flags(self.options.flags_of_the_first(), &self.stages.0);
+                }
+                return Ok(Some(failure));
+            }
+        }
+        Ok(None)
+    }
+
     /// Runs one stage. Where it ends with a result, this stands in the run folder.
     fn stage(&self, number: usize, stage: &Stage, program: &Program) -> anyhow::Result<Ending> {
         let folder = self.folder.path();
@@ -171,8 +266,7 @@ impl Run<'_> {
     }
 
     fn arguments(&self, stage: &Stage, output: &Path) -> Vec<OsString> {
-        let pipeline = self.pipeline.file.as_os_str();
-        arguments(stage, &self.folder, &self.options.record, pipeline, output.into())
+        arguments(stage, self.folder, &self.options.record, self.pipeline.as_os_str(), output.into())
     }
 
     /// The exit status of a run that failed; a report from before is named as that.

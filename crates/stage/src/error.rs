@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 use crumple_artifact::ReadError;
 
+use crate::names::nearest::nearest;
+
 /// What the process tells its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExitStatus {
@@ -97,6 +99,15 @@ impl fmt::Display for Usage {
 }
 
 impl std::error::Error for Usage {}
+
+/// An error about a name that does not exist: with the nearest that does, or all of them.
+pub fn unknown_name(problem: &str, name: &str, choices: &[&str]) -> anyhow::Error {
+    let hint = match nearest(name, choices.iter().copied()) {
+        Some(near) => format!("did you mean {near:?}?"),
+        None => format!("there are: {}", choices.join(", ")),
+    };
+    Usage::new(problem).hint(hint).into()
+}
 
 /// A topic that a stage needs is in none of its inputs.
 ///

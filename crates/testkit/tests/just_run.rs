@@ -31,7 +31,12 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 fn complete() -> Vec<String> {
-    ARTIFACTS.iter().chain(&["report.html", "summary.json"]).map(ToString::to_string).collect()
+    ["0-pipeline.toml"]
+        .iter()
+        .chain(ARTIFACTS.iter())
+        .chain(&["report.html", "summary.json"])
+        .map(ToString::to_string)
+        .collect()
 }
 
 /// A folder with a finished run of the Kelvin fixture.

@@ -1,8 +1,9 @@
-//! What is done to samples beside the filters: zero level, moving average, derivative, resampling, delay.
+//! What is done to samples beside the filters: zero level, moving average, derivative, resampling, which are kept, delay.
 //! May use nothing.
 
 pub mod delay;
 pub mod derivative;
+pub mod kept;
 pub mod moving_average;
 pub mod resampling;
 pub mod zero_level;

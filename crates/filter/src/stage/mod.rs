@@ -12,7 +12,9 @@ mod remarks;
 
 use std::path::PathBuf;
 
-use crumple_filter::{Applied, Pass, Resampling, resample, resolve_id, resolve_ids};
+use crumple_filter::{
+    Applied, Coefficients, Pass, Resampling, keep_every, kept, resample, resolve_id, resolve_ids, samples_added,
+};
 use crumple_signal::{Channel, QuantityKind, TestDescription};
 use crumple_stage::records::{DamageV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
@@ -22,7 +24,7 @@ use crate::stage::channels_to_filter::channels_to_filter;
 use crate::stage::derived::derived;
 use crate::stage::filtered_channel::FilteredChannel;
 use crate::stage::filtering::filter_channels;
-use crate::stage::options::{Align, Options, StageSettings};
+use crate::stage::options::{Align, KeptRate, Options, StageSettings};
 use crate::stage::record::{pulse_line, record};
 use crate::stage::remarks::{Remarks, first_of};
 
@@ -81,8 +83,9 @@ impl Stage for Filter {
             let to = resolve_id(&test, &asked.to).refuse_with_hint(HINT)?;
             align(&mut channels, &Align { to, ..*asked }, &mut remarks)?;
         }
-        if let Some(to) = settings.resample {
-            resample_all(&mut channels, to, &mut remarks)?;
+        match settings.resample {
+            Some(to) => resample_all(&mut channels, to, &mut remarks)?,
+            None => keep_what_is_needed(&mut channels, settings.rate, &mut remarks)?,
         }
 
         let ids: Vec<String> = channels.iter().map(|channel| channel.id.clone()).collect();
@@ -115,6 +118,33 @@ fn resample_all(channels: &mut [FilteredChannel], to: Resampling, remarks: &mut 
         channel.extra.resampled_to_hz = Some(to.rate_hz);
         let how = to.interpolation.name();
         remarks.info(&channel.id, format!("resampled from {from_hz:.0} Hz to {:.0} Hz ({how})", to.rate_hz));
+    }
+    Ok(())
+}
+
+/// Leaves out the samples of channels filtered to a class that say nothing more.
+fn keep_what_is_needed(channels: &mut [FilteredChannel], rate: KeptRate, remarks: &mut Remarks) -> anyhow::Result<()> {
+    let lowest_hz = match rate {
+        KeptRate::Full => return Ok(()),
+        KeptRate::Auto => 0.0,
+        KeptRate::AtLeast(rate_hz) => rate_hz,
+    };
+    for channel in channels {
+        let Some(Applied::Class { cfc, coefficients, .. }) = &channel.filtered.applied else { continue };
+        let from_hz = channel.filtered.samples.rate_hz();
+        let every = keep_every(from_hz, cfc.frequency_hz() / 0.6, lowest_hz);
+        if every == 1 {
+            continue;
+        }
+        let samples = kept(&channel.filtered.samples, every).refuse()?;
+        let at_rate = Coefficients::new(*cfc, coefficients.mode(), samples.dt_s());
+        channel.extra.as_kept = Some((at_rate, samples_added(samples.len(), &at_rate)));
+        let to_hz = samples.rate_hz();
+        let note =
+            format!("sampled at {from_hz:.0} Hz; of the filtered samples every {every}th is kept, {to_hz:.0} Hz");
+        channel.filtered.notes.info(&note);
+        remarks.info(&channel.id, note);
+        channel.filtered.samples = samples;
     }
     Ok(())
 }

@@ -83,6 +83,15 @@ pub struct Options {
     #[arg(long, value_name = "TIME")]
     pub align_within: Option<Time>,
 
+    /// Rate to keep of channels that were filtered to a class: auto, full, or the lowest to keep, e.g. 50kHz [default:
+    /// auto]
+    ///
+    /// auto leaves records up to 20 kHz as they are. Of one sampled faster every n-th sample is kept after filtering, so
+    /// that at least 10 kHz and 100 times the -3 dB frequency of the class remain: what would fold back is down by 136
+    /// dB. A rate raises that, full keeps every sample.
+    #[arg(long, value_name = "RATE")]
+    pub rate: Option<KeptRate>,
+
     /// Sampling rate to bring the filtered channels to, e.g. 10kHz [default: their own]
     #[arg(long, value_name = "FREQUENCY")]
     pub resample: Option<Frequency>,
@@ -98,6 +107,60 @@ impl Options {
     pub fn note_typed(&mut self, is_flag: &dyn Fn(&str) -> bool) {
         let with_its_channels = self.cfc.is_some() && !self.channels.is_empty() && !is_flag("channels");
         self.class_for_all = is_flag("cfc") || with_its_channels;
+    }
+}
+
+/// Which rate is kept of what was filtered to a class.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum KeptRate {
+    /// What the class needs.
+    #[default]
+    Auto,
+    /// Every sample.
+    Full,
+    /// At least this, Hz.
+    AtLeast(f64),
+}
+
+impl KeptRate {
+    /// Whether it is the default, which stands in no provenance.
+    pub fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
+}
+
+impl std::str::FromStr for KeptRate {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "auto" => Ok(Self::Auto),
+            "full" => Ok(Self::Full),
+            rate => {
+                let rate: Frequency =
+                    rate.parse().map_err(|error| format!("expected auto, full or a rate: {error}"))?;
+                Ok(Self::AtLeast(rate.si()))
+            }
+        }
+    }
+}
+
+impl TryFrom<String> for KeptRate {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<KeptRate> for String {
+    fn from(rate: KeptRate) -> Self {
+        match rate {
+            KeptRate::Auto => "auto".to_owned(),
+            KeptRate::Full => "full".to_owned(),
+            KeptRate::AtLeast(rate_hz) => format!("{rate_hz} Hz"),
+        }
     }
 }
 
@@ -140,6 +203,8 @@ pub struct StageSettings {
     pub align: Option<Align>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resample: Option<Resampling>,
+    #[serde(skip_serializing_if = "KeptRate::is_auto")]
+    pub rate: KeptRate,
 }
 
 /// Which channel the others are aligned with.
@@ -164,6 +229,9 @@ impl TryFrom<Options> for StageSettings {
             (None, None) => None,
             (Some(to), within) => Some(Align { to: to.clone(), within_s: within.map_or(ALIGN_WITHIN_S, Time::si) }),
         };
+        if options.resample.is_some() && options.rate.is_some() {
+            return Err(Usage::new("both a rate to keep and a rate to resample to are given").hint("leave out either"));
+        }
         let resample = match (options.resample, options.interpolation) {
             (None, Some(_)) => return Err(together("interpolation", "resample")),
             (None, None) => None,
@@ -181,6 +249,7 @@ impl TryFrom<Options> for StageSettings {
             pass: options.pass,
             align,
             resample,
+            rate: options.rate.unwrap_or_default(),
         })
     }
 }

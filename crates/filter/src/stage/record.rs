@@ -49,6 +49,11 @@ pub fn record(filtered: &Filtered, extra: &Extra) -> ChannelFilterV1 {
         Some(Applied::MovingAverage { width_s, .. }) => record.width_s = Some(*width_s),
         None => {}
     }
+    // What the kept samples show is this filter at their rate.
+    if let Some((coefficients, samples_added)) = &extra.as_kept {
+        record.coefficients = coefficients.to_array().to_vec();
+        record.samples_added = *samples_added as u64;
+    }
     record
 }
 

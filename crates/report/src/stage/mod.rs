@@ -43,13 +43,17 @@ pub struct Cli {
     #[arg(short, long, value_name = "FILE")]
     pub pipeline: Option<PathBuf>,
 
-    /// Name of the pipeline, instead of the one taken from the pipeline file's path.
+    /// Name of the pipeline, instead of the one that a run noted in the file or that its path has.
     #[arg(long, value_name = "NAME")]
     pub pipeline_name: Option<String>,
 
     /// Print the summary to stdout as well.
     #[arg(long)]
     pub json: bool,
+
+    /// Check the options and end: nothing is read, nothing is written.
+    #[arg(long, hide = true)]
+    pub check_options: bool,
 
     /// Accepted so that the same flags fit every stage: both files are always replaced.
     #[arg(long, hide = true)]
@@ -64,14 +68,11 @@ pub struct Cli {
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
 pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
-    let pipeline = match (&cli.pipeline_name, &cli.pipeline) {
-        (Some(name), _) => Some(name.clone()),
-        (None, Some(path)) => Some(pipeline_name(path)),
-        (None, None) => None,
-    };
-    if let Some(path) = &cli.pipeline {
-        // The table has no keys yet: whatever stands in it is a mistake.
-        check_pipeline("report", path, &[])?;
+    // The table has no keys yet: whatever stands in it is a mistake.
+    let stated = cli.pipeline.as_ref().map(|path| check_pipeline("report", path, &[])).transpose()?.flatten();
+    let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
+    if cli.check_options {
+        return Ok(ExitStatus::Done);
     }
     let summary_path = cli.summary.clone().unwrap_or_else(|| cli.output.with_file_name("summary.json"));
     if summary_path == cli.output {

@@ -8,7 +8,7 @@ use crumple_stage::Usage;
 
 use crate::command::pipeline::Pipeline;
 use crate::command::stages::Stages;
-use crate::command::words::request_for_information;
+use crate::command::words::{request_for_information, words};
 
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
 ///
@@ -51,12 +51,41 @@ pub struct Options {
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
 
+    /// One option of a stage, over the pipeline: `filter.cfc=180`, `identify.methods=era,arx`. Several; it may stand
+    /// behind the record too.
+    #[arg(long, value_name = "STAGE.OPTION=VALUE", conflicts_with = "again")]
+    pub(crate) set: Vec<String>,
+
     /// The record, and flags of the stage that reads it.
     #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
     pub(crate) record: Vec<OsString>,
 }
 
 impl Options {
+    /// Takes the options set behind `--` from among the flags of the first stage.
+    pub(crate) fn take_set(&mut self) -> Result<(), Usage> {
+        if self.again.is_some() {
+            return Ok(());
+        }
+        let mut words = std::mem::take(&mut self.record).into_iter();
+        while let Some(word) = words.next() {
+            match word.to_str().and_then(|text| text.strip_prefix("--set")) {
+                Some("") => {
+                    let typed = words.next().and_then(|word| word.into_string().ok());
+                    self.set.push(typed.ok_or_else(|| Usage::new("--set needs STAGE.OPTION=VALUE behind it"))?);
+                }
+                Some(typed) if typed.starts_with('=') => self.set.push(typed[1..].to_owned()),
+                _ => self.record.push(word),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a flag for every stage keeps it quiet.
+    pub(crate) fn is_quiet(&self) -> bool {
+        words(&self.flags).any(|word| matches!(word.as_str(), "-q" | "--quiet"))
+    }
+
     /// The run folder: what `--out` says, else one below `runs/` by the names of record and pipeline.
     pub(crate) fn folder(&self, pipeline: &Pipeline) -> anyhow::Result<PathBuf> {
         let out = self.out.as_deref().filter(|out| !out.is_empty()).map(Path::new);

@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+/// The pipeline of a run in its folder.
+pub(crate) const PIPELINE_OF_A_RUN: &str = "0-pipeline.toml";
+
 /// A pipeline file and the name that its run folders have.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Pipeline {
@@ -27,15 +30,26 @@ impl Pipeline {
 }
 
 impl Pipeline {
-    /// Whether the file has a table of this name. One that cannot be read has: the stages say why.
-    pub(crate) fn has_table(&self, name: &str) -> bool {
-        let text = std::fs::read_to_string(&self.file).ok();
-        let table: Option<toml::Table> = text.and_then(|text| text.parse().ok());
-        table.is_none_or(|table| table.contains_key(name))
+    /// The file with what it is laid over, the default pipeline of the project, and with options set beside it.
+    pub(crate) fn read(&self, project: &Path, set: &[String]) -> anyhow::Result<crumple_stage::Pipeline> {
+        let default = Some(project.join("pipelines/default.toml")).filter(|path| path.is_file());
+        let mut read = crumple_stage::Pipeline::read(&self.file, default.as_deref())?;
+        set.iter().try_for_each(|typed| read.set(typed))?;
+        Ok(read)
     }
 
-    /// The pipeline of a run that was made: that of its summary where the project has it, else what is typed.
+    /// Whether it lies below `pipelines/` of the project.
+    pub(crate) fn is_of(&self, project: &Path) -> bool {
+        self.file.starts_with(project.join("pipelines"))
+    }
+
+    /// The pipeline of a run that was made: what it was run with, else that of its summary where the project has it, else
+    /// what is typed.
     pub(crate) fn of_run(folder: &Path, typed: &str, project: &Path) -> Self {
+        let file = folder.join(PIPELINE_OF_A_RUN);
+        if let Some(name) = crumple_stage::Pipeline::read(&file, None).ok().as_ref().and_then(|made| made.name()) {
+            return Self { name: name.to_owned(), file };
+        }
         let summary = std::fs::read_to_string(folder.join("summary.json")).ok();
         let summary: Option<serde_json::Value> = summary.and_then(|text| serde_json::from_str(&text).ok());
         let name = summary.as_ref().and_then(|summary| summary["pipeline"].as_str());
@@ -67,19 +81,25 @@ mod tests {
     }
 
     #[test]
-    fn a_table_is_looked_for_in_the_file_and_the_pipeline_of_a_run_in_its_summary() {
+    fn the_pipeline_of_a_run_is_in_its_folder_or_named_by_its_summary() {
         let project = tempfile::tempdir().unwrap();
         let folder = project.path().join("pipelines");
         std::fs::create_dir(&folder).unwrap();
         std::fs::write(folder.join("a.toml"), "[predict]\n").unwrap();
-        std::fs::write(folder.join("b.toml"), "[ingest]\n").unwrap();
-        let has = |name: &str| Pipeline::resolve(name, project.path()).has_table("predict");
-        assert_eq!([has("a"), has("b"), has("missing")], [true, false, true]);
+        std::fs::write(folder.join("b.toml"), "base = 'none'\n[ingest]\n").unwrap();
+        let has = |name: &str, set: &[String]| {
+            let read = Pipeline::resolve(name, project.path()).read(project.path(), set);
+            read.map(|pipeline| pipeline.table("predict").is_some()).ok()
+        };
+        assert_eq!([has("a", &[]), has("b", &[]), has("missing", &[])], [Some(true), Some(false), None]);
+        assert_eq!(has("a", &["predict=false".to_owned()]), Some(false));
         let of_run = || Pipeline::of_run(project.path(), "a", project.path()).name;
         assert_eq!(of_run(), "a");
         std::fs::write(project.path().join("summary.json"), "{\"pipeline\": \"b\"}").unwrap();
         assert_eq!(of_run(), "b");
         std::fs::write(project.path().join("summary.json"), "{\"pipeline\": \"elsewhere\"}").unwrap();
         assert_eq!(of_run(), "a");
+        std::fs::write(project.path().join(PIPELINE_OF_A_RUN), "[run]\nname = 'mine'\n").unwrap();
+        assert_eq!(of_run(), "mine");
     }
 }

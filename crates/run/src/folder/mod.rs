@@ -5,4 +5,6 @@ pub mod content;
 pub mod holder;
 pub mod lock;
 pub mod ours;
+pub mod pipeline_of_run;
+pub mod state;
 pub mod sweep;

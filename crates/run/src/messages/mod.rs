@@ -1,6 +1,7 @@
 //! What is said to people beside what the stages say themselves.
 //! May use `command`, `steps`, `folder`.
 
+pub mod changed_options;
 pub mod replaced_record;
 pub mod stage_failed;
 pub mod whose_flag;

@@ -9,6 +9,7 @@ use crumple_stage::{ExitStatus, say};
 
 use crate::command::pipeline::Pipeline;
 use crate::folder::lock::LockedFolder;
+use crate::folder::pipeline_of_run::PipelineOfRun;
 use crate::steps::ending::Ending;
 use crate::steps::start::run_in_shell;
 use crate::together::each_run::{TestRun, run_each, test_runs};
@@ -35,7 +36,10 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     };
     let folder = LockedFolder::lock(&path)?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
-    let joint = JointRun { options: &options, pipeline: &pipeline, folder: folder.path() };
+    let mut composed = pipeline.read(&options.project, &[])?;
+    composed.note_run(&pipeline.name);
+    let given = PipelineOfRun::write(folder.path(), &composed, None)?;
+    let joint = JointRun { options: &options, pipeline: given.path(), folder: folder.path() };
     let status = joint.model(&runs, folder.path(), Vec::new())?;
     if status != ExitStatus::Done {
         return Ok(status);
@@ -70,13 +74,14 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
         left_out.push(Left { test: run.name.clone(), from, folder: own });
     }
     write_summary(folder.path(), &pipeline.name, &left_out)?;
+    given.keep(folder.path(), &composed)?;
     Ok(status)
 }
 
 /// The joint stages with what they share.
 struct JointRun<'a> {
     options: &'a TogetherOptions,
-    pipeline: &'a Pipeline,
+    pipeline: &'a Path,
     folder: &'a Path,
 }
 
@@ -113,7 +118,7 @@ impl JointRun<'_> {
 
     /// Pipeline, output, and what is made from it.
     fn ending(&self, output: &Path, made_from_it: &[PathBuf]) -> Vec<OsString> {
-        let mut words: Vec<OsString> = vec!["--pipeline".into(), self.pipeline.file.clone().into()];
+        let mut words: Vec<OsString> = vec!["--pipeline".into(), self.pipeline.into()];
         words.extend(["-o".into(), output.into()]);
         words.extend(made_from_it.iter().flat_map(|file| ["--dependent".into(), file.into()]));
         words

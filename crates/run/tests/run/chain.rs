@@ -54,6 +54,8 @@ impl Chain {
             }
         });
         let commands = commands.collect();
+        fs::create_dir(root.path().join("pipelines")).unwrap();
+        fs::write(root.path().join("pipelines/default.toml"), "base = \"none\"\n[simulate]\n").unwrap();
         for record in ["a", "b"] {
             fs::write(
                 root.path().join(record),
@@ -136,8 +138,14 @@ impl Chain {
         command
     }
 
-    /// Content of every file in the folder by name, temporary files too.
+    /// Content of every file in the folder by name but the pipeline of the run, temporary files too.
     pub fn contents(&self) -> BTreeMap<String, String> {
+        let mut contents = self.all_contents();
+        contents.remove("0-pipeline.toml");
+        contents
+    }
+
+    fn all_contents(&self) -> BTreeMap<String, String> {
         let entries = fs::read_dir(self.folder()).unwrap().map(|entry| entry.unwrap().path());
         let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
         let content =

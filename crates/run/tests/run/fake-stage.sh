@@ -4,10 +4,19 @@
 set -eu
 previous=
 for word; do
+    if [ "$word" = --check-options ]; then
+        for flag; do if [ "$flag" = --wrong ]; then echo "error: unexpected --wrong" >&2; exit 2; fi; done
+        exit 0
+    fi
     if [ "$previous" = -o ]; then output=$word; fi
     previous=$word
 done
 name=${output##*/}
+# With a log, it notes its start there, and leaves alone what is up to date.
+if [ -n "${STARTED-}" ]; then
+    echo "$name" >> "$STARTED"
+    if [ "$name" != report.html ] && cmp -s "$1" "$output"; then exit 0; fi
+fi
 folder=${output%/*}
 cp "$1" "$folder/.$name.$$.tmp"
 if [ "$name" = report.html ]; then

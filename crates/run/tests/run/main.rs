@@ -7,4 +7,5 @@ mod endings;
 mod folders;
 mod killed;
 mod optional;
+mod pipelines;
 mod together;

@@ -5,8 +5,7 @@ use std::str::FromStr;
 
 use toml::{Table, Value};
 
-use crate::command_line::pipeline::unknown_name;
-use crate::error::Usage;
+use crate::error::{Usage, unknown_name};
 
 /// The table at a place of the pipeline file; `expected` says what should stand there.
 pub fn table_at<'a>(place: &str, value: &'a Value, expected: &str) -> anyhow::Result<&'a Table> {

@@ -32,6 +32,10 @@ pub struct SharedFlags {
     #[arg(long)]
     pub json: bool,
 
+    /// Check the options and end: nothing is read, nothing is written.
+    #[arg(long, hide = true)]
+    pub check_options: bool,
+
     /// No summary and no progress.
     #[arg(short, long)]
     pub quiet: bool,

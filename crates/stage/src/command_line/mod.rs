@@ -4,3 +4,4 @@
 pub mod args;
 pub mod memory_limit;
 pub mod pipeline;
+pub mod pipeline_file;

@@ -8,12 +8,8 @@ use clap::parser::ValueSource;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::error::Usage;
-use crate::names::nearest::nearest;
-use crate::names::stages::STAGES;
-
-/// Keys beside the tables: what a pipeline says of itself.
-const HEADER_KEYS: [&str; 2] = ["title", "description"];
+use crate::command_line::pipeline_file::Pipeline;
+use crate::error::{Usage, unknown_name};
 
 /// Merges the stage's table of `pipeline` with the flags given on the command line; a flag wins.
 ///
@@ -22,9 +18,11 @@ pub(crate) fn merge<O>(stage: &str, pipeline: Option<&Path>, flags: &O, matches:
 where
     O: clap::Args + Serialize + DeserializeOwned + Default,
 {
-    let keys = option_keys::<O>()?;
-    let mut table = match pipeline {
-        Some(path) => stage_table(stage, path, &keys)?,
+    let command = O::augment_args(clap::Command::new("options"));
+    let keys = option_keys::<O>(&command)?;
+    let pipeline = pipeline.map(|path| Pipeline::read(path, None)).transpose()?;
+    let mut table = match &pipeline {
+        Some(pipeline) => with_lists(stage_table(stage, pipeline, &keys)?, &command),
         None => toml::Table::new(),
     };
     let given = toml::Table::try_from(flags).context("the flags cannot be written as a table")?;
@@ -33,11 +31,27 @@ where
             table.insert(key, value);
         }
     }
+    let names: Vec<String> = table.keys().cloned().collect();
     table.try_into().map_err(|error: toml::de::Error| {
-        let place = pipeline.map_or_else(String::new, |path| format!("{}, ", path.display()));
         // The text names the key on a line of its own.
-        Usage::new(format!("{place}options of {stage}: {}", error.to_string().trim().replace('\n', " "))).into()
+        let text = error.to_string().trim().replace('\n', " ");
+        let option = names.iter().find(|name| text.contains(&format!("in `{name}")));
+        let place = pipeline.map(|pipeline| pipeline.place(stage, option.map_or("", String::as_str)));
+        let place = place.map_or_else(String::new, |place| format!("{place}, "));
+        Usage::new(format!("{place}options of {stage}: {text}")).into()
     })
+}
+
+/// A single value in place of a list is a list of one.
+fn with_lists(mut table: toml::Table, command: &clap::Command) -> toml::Table {
+    for (key, value) in &mut table {
+        let is_list =
+            command.get_arguments().any(|a| a.get_id() == key && matches!(a.get_action(), clap::ArgAction::Append));
+        if is_list && !value.is_array() && !value.is_table() {
+            *value = toml::Value::Array(vec![value.clone()]);
+        }
+    }
+    table
 }
 
 /// Whether an option was typed on the command line.
@@ -46,8 +60,7 @@ pub(crate) fn is_flag(matches: &ArgMatches, key: &str) -> bool {
 }
 
 /// Every flag, and the tables that only a pipeline file can hold: those stand in the options as an empty map.
-fn option_keys<O: clap::Args + Serialize + Default>() -> anyhow::Result<Vec<String>> {
-    let command = O::augment_args(clap::Command::new("options"));
+fn option_keys<O: Serialize + Default>(command: &clap::Command) -> anyhow::Result<Vec<String>> {
     let mut keys: Vec<String> = command.get_arguments().map(|argument| argument.get_id().to_string()).collect();
     let defaults = toml::Table::try_from(O::default()).context("the default options cannot be written as a table")?;
     for (key, _) in defaults.into_iter().filter(|(_, value)| value.is_table()) {
@@ -58,49 +71,25 @@ fn option_keys<O: clap::Args + Serialize + Default>() -> anyhow::Result<Vec<Stri
     Ok(keys)
 }
 
-/// Checks a pipeline file for a program that takes no options from it beyond `keys` of its own table.
-pub fn check_pipeline(stage: &str, path: &Path, keys: &[&str]) -> anyhow::Result<()> {
+/// Checks a pipeline file for a program that takes no options from it beyond `keys` of its own table; its name, where a
+/// run gave it one.
+pub fn check_pipeline(stage: &str, path: &Path, keys: &[&str]) -> anyhow::Result<Option<String>> {
     let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    stage_table(stage, path, &keys).map(|_| ())
+    let pipeline = Pipeline::read(path, None)?;
+    stage_table(stage, &pipeline, &keys)?;
+    Ok(pipeline.name().map(str::to_owned))
 }
 
-fn stage_table(stage: &str, path: &Path, keys: &[String]) -> anyhow::Result<toml::Table> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        Usage::new(format!("cannot read the pipeline file {}: {error}", path.display()))
-            .hint("pipelines lie in the folder pipelines/, e.g. --pipeline pipelines/default.toml")
-    })?;
-    let mut file: toml::Table = text.parse().map_err(|error: toml::de::Error| {
-        let line = error.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-        Usage::new(format!("{}, line {line}: {}", path.display(), error.message()))
-    })?;
-    for key in file.keys() {
-        if !STAGES.contains(&key.as_str()) && !HEADER_KEYS.contains(&key.as_str()) {
-            let what = if file[key].is_table() { "table" } else { "key" };
-            let choices: Vec<&str> = STAGES.iter().chain(&HEADER_KEYS).copied().collect();
-            return Err(unknown_name(&format!("{}: unknown {what} {key:?}", path.display()), key, &choices));
-        }
-    }
-    let table = match file.remove(stage) {
-        None => return Ok(toml::Table::new()),
-        Some(toml::Value::Table(table)) => table,
-        Some(_) => return Err(Usage::new(format!("{}: {stage} is not a table", path.display())).into()),
-    };
+fn stage_table(stage: &str, pipeline: &Pipeline, keys: &[String]) -> anyhow::Result<toml::Table> {
+    let table = pipeline.table(stage).cloned().unwrap_or_default();
     for key in table.keys() {
         if !keys.iter().any(|known| known == key) {
             let known: Vec<&str> = keys.iter().map(String::as_str).collect();
-            return Err(unknown_name(&format!("{}: unknown key {key:?} in [{stage}]", path.display()), key, &known));
+            let place = pipeline.place(stage, key);
+            return Err(unknown_name(&format!("{place}: unknown key {key:?} in [{stage}]"), key, &known));
         }
     }
     Ok(table)
-}
-
-/// An error about a name that does not exist: with the nearest that does, or all of them.
-pub fn unknown_name(problem: &str, name: &str, choices: &[&str]) -> anyhow::Error {
-    let hint = match nearest(name, choices.iter().copied()) {
-        Some(near) => format!("did you mean {near:?}?"),
-        None => format!("there are: {}", choices.join(", ")),
-    };
-    Usage::new(problem).hint(hint).into()
 }
 
 /// Settings as canonical JSON: keys sorted, no blanks.
@@ -167,7 +156,7 @@ mod tests {
     fn merged(pipeline: &str, flags: &[&str]) -> anyhow::Result<Options> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.toml");
-        std::fs::write(&path, pipeline).unwrap();
+        std::fs::write(&path, format!("base = 'none'\n{pipeline}")).unwrap();
         let arguments = ["x", "in.mcap", "-o", "out.mcap"].iter().chain(flags);
         let matches = Cli::<Options>::command().try_get_matches_from(arguments).unwrap();
         let cli = Cli::<Options>::from_arg_matches(&matches).unwrap();

@@ -92,6 +92,9 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     }
     keep_budget(&common.inputs, ExitStatus::Refused);
     let settings = S::resolve(options)?;
+    if common.check_options {
+        return Ok(ExitStatus::Done);
+    }
     refuse_to_overwrite(&common.output, OutputKind::Artifact, &common.inputs)?;
     let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
     let provenance =

@@ -1,0 +1,374 @@
+//! A pipeline file: a table for each stage, laid over the default pipeline unless it stands alone.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use toml::{Table, Value};
+
+use crate::error::{Usage, unknown_name};
+use crate::names::stages::STAGES;
+
+/// The default pipeline as it was when the program was built.
+const DEFAULT: &str = include_str!("../../../../pipelines/default.toml");
+/// Keys beside the tables: what a pipeline says of itself.
+const HEADER_KEYS: [&str; 3] = ["title", "description", "base"];
+/// What a run adds to the pipeline that it hands to its stages.
+const OF_A_RUN: &str = "run";
+
+/// A pipeline with everything that it is laid over.
+///
+/// `base = "none"` in a file makes it stand alone; any other file says what it changes, and all else is that of the
+/// default pipeline: a key of a stage's table replaces that key, whatever it holds. `STAGE = false` leaves out a stage
+/// that a run can do without.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pipeline {
+    path: PathBuf,
+    header: Table,
+    stages: Table,
+    run: Table,
+}
+
+impl Pipeline {
+    /// Reads a file, and what it is laid over: `default`, or without it the default pipeline built in.
+    ///
+    /// Errors: a file that cannot be read, what is no TOML, a table, key or base that does not exist.
+    pub fn read(path: &Path, default: Option<&Path>) -> anyhow::Result<Self> {
+        let mut pipeline = Self::read_alone(path)?;
+        let base = match pipeline.header.get("base") {
+            None => "default",
+            Some(Value::String(base)) if ["default", "none"].contains(&base.as_str()) => base,
+            Some(other) => {
+                let problem = format!("{}: base is {other}, expected \"default\" or \"none\"", path.display());
+                let hint = "leave it out to change the default pipeline, base = \"none\" for a file that stands alone";
+                return Err(Usage::new(problem).hint(hint).into());
+            }
+        };
+        if base == "default" {
+            let below = match default {
+                Some(default) => Self::read_alone(default)?,
+                None => Self::parse(Path::new("pipelines/default.toml"), DEFAULT)?,
+            };
+            let own = std::mem::replace(&mut pipeline.stages, below.stages);
+            for (stage, value) in own {
+                match (value, pipeline.stages.get_mut(&stage)) {
+                    (Value::Table(own), Some(Value::Table(below))) => below.extend(own),
+                    (value, _) => {
+                        pipeline.stages.insert(stage, value);
+                    }
+                }
+            }
+        }
+        // What a table was laid over stands in it now.
+        pipeline.header.insert("base".to_owned(), Value::from("none"));
+        pipeline.stages.retain(|_, value| *value != Value::Boolean(false));
+        Ok(pipeline)
+    }
+
+    fn read_alone(path: &Path) -> anyhow::Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            Usage::new(format!("cannot read the pipeline file {}: {error}", path.display()))
+                .hint("pipelines lie in the folder pipelines/, e.g. --pipeline pipelines/default.toml")
+        })?;
+        Self::parse(path, &text)
+    }
+
+    fn parse(path: &Path, text: &str) -> anyhow::Result<Self> {
+        let file: Table = text.parse().map_err(|error: toml::de::Error| {
+            let line = error.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+            Usage::new(format!("{}, line {line}: {}", path.display(), error.message()))
+        })?;
+        let mut pipeline =
+            Self { path: path.to_owned(), header: Table::new(), stages: Table::new(), run: Table::new() };
+        for (key, value) in file {
+            match (key.as_str(), value) {
+                (OF_A_RUN, Value::Table(run)) => pipeline.run = run,
+                (header, value) if HEADER_KEYS.contains(&header) => {
+                    pipeline.header.insert(key, value);
+                }
+                (stage, value @ (Value::Table(_) | Value::Boolean(false))) if STAGES.contains(&stage) => {
+                    pipeline.stages.insert(key, value);
+                }
+                (stage, _) if STAGES.contains(&stage) => {
+                    return Err(Usage::new(format!("{}: {stage} is not a table", path.display())).into());
+                }
+                (_, value) => {
+                    let what = if value.is_table() { "table" } else { "key" };
+                    let choices: Vec<&str> = STAGES.iter().chain(&HEADER_KEYS).copied().collect();
+                    return Err(unknown_name(&format!("{}: unknown {what} {key:?}", path.display()), &key, &choices));
+                }
+            }
+        }
+        Ok(pipeline)
+    }
+
+    /// Sets one option, as typed: `filter.cfc=180`. What is no TOML value is a text; with commas outside of quotes and
+    /// brackets it is a list.
+    pub fn set(&mut self, typed: &str) -> anyhow::Result<()> {
+        let form = || {
+            Usage::new(format!("--set {typed}: expected STAGE.OPTION=VALUE"))
+                .hint("e.g. --set filter.cfc=180, --set identify.methods=era,arx, --set predict=false")
+        };
+        let (key, text) = typed.split_once('=').ok_or_else(form)?;
+        let mut names: Vec<String> = key.trim().split('.').map(str::to_owned).collect();
+        // Options are flags too, with hyphens.
+        names.iter_mut().skip(1).for_each(|name| *name = name.replace('-', "_"));
+        let (Some(option), Some(stage)) = (names.pop(), names.first().cloned()) else {
+            let stage = key.trim();
+            if !STAGES.contains(&stage) || text.trim() != "false" {
+                return Err(form().into());
+            }
+            self.stages.remove(stage);
+            return self.note_set(typed);
+        };
+        if !STAGES.contains(&stage.as_str()) {
+            return Err(unknown_name(&format!("--set {typed}: unknown stage {stage:?}"), &stage, &STAGES));
+        }
+        if option.is_empty() || names.iter().any(String::is_empty) {
+            return Err(form().into());
+        }
+        let mut table = &mut self.stages;
+        for name in names {
+            let inner = table.entry(name).or_insert_with(|| Value::Table(Table::new()));
+            table = inner.as_table_mut().ok_or_else(form)?;
+        }
+        let value = value_of(text.trim());
+        let value = match (table.get(&option), value) {
+            (Some(Value::Array(_)), value) if !value.is_array() => Value::Array(vec![value]),
+            (_, value) => value,
+        };
+        table.insert(option, value);
+        self.note_set(typed)
+    }
+
+    fn note_set(&mut self, typed: &str) -> anyhow::Result<()> {
+        let set = self.run.entry("set").or_insert_with(|| Value::Array(Vec::new()));
+        set.as_array_mut().context("the key set of [run] is no list")?.push(Value::from(typed));
+        Ok(())
+    }
+
+    /// Notes what a run hands on with the pipeline: its name, the file it was read from.
+    pub fn note_run(&mut self, name: &str) {
+        self.run.insert("name".to_owned(), Value::from(name));
+        self.run.insert("file".to_owned(), Value::from(self.path.display().to_string()));
+    }
+
+    /// Notes what was typed for a stage: `what` is `flags`, or `program` for one from elsewhere.
+    pub fn note_typed(&mut self, what: &str, stage: &str, typed: &str) {
+        let table = self.run.entry(what).or_insert_with(|| Value::Table(Table::new()));
+        if let Value::Table(table) = table {
+            table.insert(stage.to_owned(), Value::from(typed));
+        }
+    }
+
+    /// Notes how the run ended that the pipeline is of: a digest of all that it left and was made by, and its exit code.
+    pub fn note_end(&mut self, state: &str, code: u8) {
+        self.run.insert("state".to_owned(), Value::from(state));
+        self.run.insert("exit_code".to_owned(), Value::from(i64::from(code)));
+    }
+
+    /// What [`note_end`](Self::note_end) noted.
+    pub fn end(&self) -> Option<(&str, u8)> {
+        let code = self.run.get("exit_code")?.as_integer()?;
+        Some((self.run.get("state")?.as_str()?, u8::try_from(code).ok()?))
+    }
+
+    /// The name that a run noted.
+    pub fn name(&self) -> Option<&str> {
+        self.run.get("name").and_then(Value::as_str)
+    }
+
+    /// Whether options were set beside the file.
+    pub fn is_set(&self) -> bool {
+        self.run.contains_key("set")
+    }
+
+    /// The table of a stage.
+    pub fn table(&self, stage: &str) -> Option<&Table> {
+        self.stages.get(stage).and_then(Value::as_table)
+    }
+
+    /// Where the option of a stage was stated, for messages.
+    pub(crate) fn place(&self, stage: &str, option: &str) -> String {
+        let is_meant = |typed: &str| {
+            let key = typed.split('=').next().unwrap_or_default().trim().replace('-', "_");
+            key == format!("{stage}.{option}").replace('-', "_")
+        };
+        let mut set = self.run.get("set").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
+        match (set.rfind(|typed| is_meant(typed)), self.run.get("file").and_then(Value::as_str)) {
+            (Some(typed), _) => format!("--set {typed}"),
+            (None, Some(file)) => file.to_owned(),
+            (None, None) => self.path.display().to_string(),
+        }
+    }
+
+    /// The options that differ from those of an earlier pipeline: name, old value, new value.
+    pub fn changes_since(&self, before: &Self) -> Vec<(String, Option<String>, Option<String>)> {
+        let (old, new) = (before.options(), self.options());
+        let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
+        let text = |options: &std::collections::BTreeMap<String, &Value>, name: &String| {
+            options.get(name).map(|value| value.to_string())
+        };
+        // 180 and "180" are one value to a stage.
+        let plain = |value: &&Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let changes = names.into_iter().filter(|name| old.get(*name).map(plain) != new.get(*name).map(plain));
+        changes.map(|name| (name.clone(), text(&old, name), text(&new, name))).collect()
+    }
+
+    /// Every option by its name, `filter.cfc`, and the flags noted by a run.
+    fn options(&self) -> std::collections::BTreeMap<String, &Value> {
+        fn walk<'a>(at: &str, table: &'a Table, into: &mut std::collections::BTreeMap<String, &'a Value>) {
+            for (key, value) in table {
+                let name = format!("{at}{key}");
+                match value {
+                    Value::Table(inner) => walk(&format!("{name}."), inner, into),
+                    value => {
+                        into.insert(name, value);
+                    }
+                }
+            }
+        }
+        let mut options = std::collections::BTreeMap::new();
+        walk("", &self.stages, &mut options);
+        for (what, value) in &self.run {
+            if let Value::Table(typed) = value {
+                walk(&format!("{what} of "), typed, &mut options);
+            }
+        }
+        options
+    }
+}
+
+/// The pipeline as a file that stands alone.
+impl std::fmt::Display for Pipeline {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut file = self.header.clone();
+        file.extend(self.stages.clone());
+        if !self.run.is_empty() {
+            file.insert(OF_A_RUN.to_owned(), Value::Table(self.run.clone()));
+        }
+        f.write_str(&toml::to_string_pretty(&file).map_err(|_| std::fmt::Error)?)
+    }
+}
+
+/// A value as typed behind `=`.
+fn value_of(text: &str) -> Value {
+    let as_toml = |text: &str| format!("value = {text}").parse::<Table>().ok().and_then(|mut t| t.remove("value"));
+    if let Some(value) = as_toml(text) {
+        return value;
+    }
+    if text.contains(',') && !text.contains(['"', '\'', '[', '{']) {
+        return Value::Array(text.split(',').map(|piece| value_of(piece.trim())).collect());
+    }
+    Value::from(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::render;
+
+    /// A pipeline file with this text, over a default.
+    fn read(text: &str) -> anyhow::Result<Pipeline> {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, default) = (folder.path().join("my.toml"), folder.path().join("default.toml"));
+        std::fs::write(&path, text).unwrap();
+        std::fs::write(
+            &default,
+            "title = 'Default'\nbase = 'none'\n[filter]\ncfc = '60'\nmode = 'iso6487'\n[identify]\norders = [4]\n[predict]\n",
+        )
+        .unwrap();
+        Pipeline::read(&path, Some(&default))
+            .map_err(|e| anyhow::anyhow!(render(&e).replace(&path.display().to_string(), "my.toml")))
+    }
+
+    fn value(pipeline: &Pipeline, stage: &str, key: &str) -> Option<String> {
+        pipeline.table(stage)?.get(key).map(ToString::to_string)
+    }
+
+    #[test]
+    fn a_file_says_what_it_changes_and_keeps_the_rest_of_the_default() {
+        let over = read("title = 'Mine'\n[filter]\ncfc = 180\n[simulate]\n").unwrap();
+        assert_eq!(value(&over, "filter", "cfc").unwrap(), "180");
+        assert_eq!(value(&over, "filter", "mode").unwrap(), "\"iso6487\"");
+        assert_eq!(value(&over, "identify", "orders").unwrap(), "[4]");
+        assert!(over.table("simulate").is_some() && over.table("predict").is_some() && over.table("report").is_none());
+        let alone = read("base = 'none'\n[filter]\ncfc = 180\n").unwrap();
+        assert_eq!((value(&alone, "filter", "mode"), alone.table("predict")), (None, None));
+        assert_eq!(read("predict = false\n").unwrap().table("predict"), None);
+        // Its own text stands alone and says the same.
+        assert_eq!(read(&over.to_string()).unwrap().to_string(), over.to_string());
+    }
+
+    #[test]
+    fn the_built_in_default_is_that_of_the_project_and_stands_alone() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines/default.toml");
+        let folder = tempfile::tempdir().unwrap();
+        let empty = folder.path().join("p.toml");
+        std::fs::write(&empty, "").unwrap();
+        let (built_in, file) = (Pipeline::read(&empty, None).unwrap(), Pipeline::read(&path, None).unwrap());
+        assert_eq!(built_in.stages, file.stages);
+        assert_eq!(file.header["base"].as_str(), Some("none"));
+    }
+
+    #[test]
+    fn a_base_that_does_not_exist_is_refused() {
+        insta::assert_snapshot!(read("base = 'papers/civic'").unwrap_err().to_string(), @r#"
+        error: my.toml: base is "papers/civic", expected "default" or "none"
+          hint: leave it out to change the default pipeline, base = "none" for a file that stands alone
+        "#);
+    }
+
+    #[test]
+    fn options_are_set_as_typed() {
+        let mut pipeline = read("").unwrap();
+        for typed in [
+            "filter.cfc=180",
+            "filter.zero-level=none",
+            "predict.speeds=40 km/h, 56km/h",
+            "identify.orders=6",
+            "identify.arx_orders=\"2,2,3\"",
+            "predict.partner.barrier=mpdb",
+        ] {
+            pipeline.set(typed).unwrap();
+        }
+        assert_eq!(value(&pipeline, "filter", "cfc").unwrap(), "180");
+        assert_eq!(value(&pipeline, "filter", "zero_level").unwrap(), "\"none\"");
+        assert_eq!(value(&pipeline, "predict", "speeds").unwrap(), r#"["40 km/h", "56km/h"]"#);
+        assert_eq!(value(&pipeline, "identify", "orders").unwrap(), "[6]");
+        assert_eq!(value(&pipeline, "identify", "arx_orders").unwrap(), "\"2,2,3\"");
+        assert_eq!(value(&pipeline, "predict", "partner").unwrap(), r#"{ barrier = "mpdb" }"#);
+        assert_eq!(pipeline.place("filter", "zero_level"), "--set filter.zero-level=none");
+        pipeline.set("predict=false").unwrap();
+        assert_eq!(pipeline.table("predict"), None);
+        for wrong in ["cfc", "cfc=60", ".cfc=60", "filter.=60", "predict=true", "filter.cfc.x=1"] {
+            assert!(pipeline.set(wrong).is_err(), "{wrong}");
+        }
+        let error = render(&pipeline.set("filtr.cfc=60").unwrap_err());
+        assert!(error.contains("did you mean \"filter\"?"), "{error}");
+    }
+
+    #[test]
+    fn a_number_and_its_text_are_one_value() {
+        let (text, number) = (read("[filter]\ncfc = '180'\n").unwrap(), read("[filter]\ncfc = 180\n").unwrap());
+        assert_eq!(number.changes_since(&text), []);
+    }
+
+    #[test]
+    fn changes_are_told_by_option_with_both_values() {
+        let before = read("[filter]\nmode = 'sae'\n").unwrap();
+        let mut now = read("").unwrap();
+        now.set("filter.cfc=180").unwrap();
+        now.note_run("my");
+        now.note_typed("flags", "ingest", "--mass 900kg");
+        let text = |value: &str| Some(value.to_owned());
+        assert_eq!(
+            now.changes_since(&before),
+            [
+                ("filter.cfc".to_owned(), text("\"60\""), text("180")),
+                ("filter.mode".to_owned(), text("\"sae\""), text("\"iso6487\"")),
+                ("flags of ingest".to_owned(), None, text("\"--mass 900kg\"")),
+            ]
+        );
+        assert_eq!(now.changes_since(&now.clone()), []);
+    }
+}
