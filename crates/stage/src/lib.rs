@@ -20,11 +20,12 @@ pub use artifacts::several_tests::{Tests, load_tests};
 pub use chain_table::chain_total::total_mass_remark;
 pub use chain_table::keys::typed;
 pub use chain_table::masses_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain};
-pub use command_line::pipeline::{check_pipeline, unknown_name};
+pub use command_line::pipeline::{pipeline_table, unknown_name};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage};
 pub use names::nearest::nearest;
 pub use process::run::{Outcome, Stage, main};
 pub use process::tool::tool_main;
+pub use terminal::layout::{columns, labelled, wrapped};
 pub use terminal::progress::{Progress, be_quiet};
 pub use terminal::say::say;
 

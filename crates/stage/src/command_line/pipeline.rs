@@ -58,10 +58,10 @@ fn option_keys<O: clap::Args + Serialize + Default>() -> anyhow::Result<Vec<Stri
     Ok(keys)
 }
 
-/// Checks a pipeline file for a program that takes no options from it beyond `keys` of its own table.
-pub fn check_pipeline(stage: &str, path: &Path, keys: &[&str]) -> anyhow::Result<()> {
+/// The table of a program in a pipeline file, which may hold `keys`; empty where there is none.
+pub fn pipeline_table(stage: &str, path: &Path, keys: &[&str]) -> anyhow::Result<toml::Table> {
     let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    stage_table(stage, path, &keys).map(|_| ())
+    stage_table(stage, path, &keys)
 }
 
 fn stage_table(stage: &str, path: &Path, keys: &[String]) -> anyhow::Result<toml::Table> {
