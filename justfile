@@ -85,6 +85,13 @@ diff a b *args: build
 show artifact *args: build
     @{{ quote(bin / "crumple-artifact") }} show "$@"
 
+# The notes of a run alone: warnings by their weight, then what is good to know: `just notes runs/crash/default`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+notes folder *args: build
+    @{{ quote(bin / "crumple-artifact") }} notes "$@"
+
 # Static force-deflection curves of a run's recommended candidate: `just curve runs/crash/default [--candidate ID] [--format csv|ls-dyna|madymo|pc-crash] [--to 900mm]`.
 [group('pipeline')]
 [no-cd]

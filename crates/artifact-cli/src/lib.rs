@@ -19,5 +19,6 @@ pub use plain::layout::{PlainInput, PlainProvenance, PlainRecord, PlainWave};
 pub use plain::pack::{NearestSchema, assemble, parse_lines};
 pub use plain::unpack::{f64_bytes, plain_records, plain_waves};
 pub use show::json::write_json;
+pub use show::notes::StageNotes;
 pub use show::options::{ShowOptions, Wanted};
 pub use show::text::write_text;

@@ -582,6 +582,14 @@ fn the_layout_of_every_record_type_is_frozen() {
             start: Some(vec![0.0, 0.0, 15.6, 15.6]),
         }],
     });
+    freeze(&ConcernsV1(vec![ConcernV1 {
+        stage: "ingest".into(),
+        severity: ConcernV1::WARNING.into(),
+        about: "pulse".into(),
+        weight: 3,
+        text: "the pulse is positive".into(),
+        remedy: Some("--sign flip".into()),
+    }]));
     freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
     freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into(), has_result: false });
     freeze(&QualityV1 {

@@ -1,6 +1,6 @@
 //! Filters one channel: zero level, sampling rate, filter, and what a reader should know.
 
-use crumple_signal::{Notes, Sampled};
+use crumple_signal::{About, Notes, Sampled, Weight};
 use serde::Serialize;
 
 use crate::butterworth::sections::sections_extension;
@@ -208,7 +208,11 @@ fn run_instead(
             let design = asked.design(samples.dt_s())?;
             let values = run_sections(samples.samples(), level, &design);
             if asked.phase == Phase::Causal {
-                notes.warning("the filter is causal: events come late, times and crush are not those of the vehicle");
+                notes.concern(
+                    About::Motion,
+                    Weight::Marked,
+                    "the filter is causal: events come late, times and crush are not those of the vehicle",
+                );
             }
             let samples_added = sections_extension(samples.len(), &design);
             Ok((values, Applied::Butterworth { design, samples_added }))

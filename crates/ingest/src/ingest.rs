@@ -1,6 +1,6 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{Channel, Notes, Source, TestDescription, part_of};
+use crumple_signal::{About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
 use crate::checks::{channel_quality, redundant_sensors};
 use crate::files::sidecar;
@@ -170,10 +170,14 @@ fn speed_of_the_pulse(recording: &mut Recording, pulse: usize, notes: &mut Notes
     let Some(speed) = channel.initial_velocity_m_per_s.map(f64::abs).filter(|v| *v > 0.0) else { return };
     let stated = &mut recording.details.impact_speed_m_per_s;
     if let Some(old) = stated.as_ref().filter(|old| (old.value - speed).abs() > 0.01 * speed) {
-        notes.warning(format!(
-            "initial velocity of channel {} is {speed:.4} m/s, {} is {:.4} m/s: the first is used",
-            channel.id, old.from, old.value
-        ));
+        notes.concern(
+            About::ImpactSpeed,
+            Weight::Marked,
+            format!(
+                "initial velocity of channel {} is {speed:.4} m/s, {} is {:.4} m/s: the first is used",
+                channel.id, old.from, old.value
+            ),
+        );
     }
     *stated = Some(Stated { value: speed, from: format!("the initial velocity of channel {}", channel.id) });
 }

@@ -239,6 +239,10 @@ impl Run<'_> {
             for dependent in dependents {
                 arguments.extend(["--dependent".into(), dependent.into()]);
             }
+            // The report sums the run up: what the stages find is said once. What one was asked again for it says itself.
+            if self.options.again.is_none() && self.has_a_report() && stage.writes_an_artifact() {
+                arguments.push("--no-summary".into());
+            }
             let status = run_in_shell(&stage.command, &arguments, &self.options.flags)?;
             return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
@@ -263,6 +267,11 @@ impl Run<'_> {
         let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };
         removed.with_context(|| format!("cannot remove {}", new.display()))?;
         Ok(ending)
+    }
+
+    /// Whether the last stage is one that sums the run up.
+    fn has_a_report(&self) -> bool {
+        self.stages.0.last().is_some_and(|last| !last.writes_an_artifact())
     }
 
     fn arguments(&self, stage: &Stage, output: &Path) -> Vec<OsString> {

@@ -22,12 +22,13 @@ pub use chain_table::chain_total::total_mass_remark;
 pub use chain_table::keys::typed;
 pub use chain_table::masses_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain};
 pub use command_line::memory_limit::{keep_budget, memory_limit_flag};
-pub use command_line::pipeline::check_pipeline;
+pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
 pub use names::nearest::nearest;
 pub use process::run::{Outcome, Stage, main};
 pub use process::tool::tool_main;
+pub use terminal::layout::{columns, labelled, wrapped};
 pub use terminal::progress::{Progress, be_quiet};
 pub use terminal::say::{printable, say, to_stdout};
 

@@ -1,7 +1,7 @@
 //! Whether an artifact says what the format demands, beyond being intact.
 
 use crumple_artifact::records::{
-    ArxScanV1, CandidateV1, ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
     IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
     SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
 };
@@ -26,7 +26,7 @@ pub struct Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 23] = [
+const STATED: [(&str, &[&str]); 24] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),
@@ -49,6 +49,7 @@ const STATED: [(&str, &[&str]); 23] = [
     ("/recommendation", &[RecommendationV1::SCHEMA]),
     ("/prediction/", &[PredictionV1::SCHEMA]),
     ("/notes", &[NotesV1::SCHEMA]),
+    ("/concerns", &[ConcernsV1::SCHEMA]),
     ("/diagnosis", &[DiagnosisV1::SCHEMA]),
 ];
 

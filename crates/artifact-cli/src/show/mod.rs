@@ -2,5 +2,6 @@
 //! Uses no other room.
 
 pub mod json;
+pub mod notes;
 pub mod options;
 pub mod text;

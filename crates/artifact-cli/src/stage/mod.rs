@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Context;
-use crumple_artifact::{Artifact, Compression, OutputKind};
+use crumple_artifact::records::ConcernV1;
+use crumple_artifact::{Artifact, Compression, OutputKind, ReadError};
 use crumple_artifact_cli::{
-    CurveError, CurveFormat, ShowOptions, Wanted, check, static_curves, text, write_json, write_text,
+    CurveError, CurveFormat, ShowOptions, StageNotes, Wanted, check, static_curves, text, write_json, write_text,
 };
 use crumple_signal::value::Length;
 use crumple_stage::{
@@ -44,6 +45,12 @@ enum Command {
         /// Print one JSON object a line: topic, schema, data. With --samples each waveform is one, too.
         #[arg(long)]
         json: bool,
+    },
+    /// Prints the notes alone: warnings by their weight, then what is good to know, each with its stage.
+    Notes {
+        /// The folder of a run, or artifacts.
+        #[arg(required = true, value_name = "RUN|FILE")]
+        paths: Vec<PathBuf>,
     },
     /// Writes the static force-deflection curves of a candidate, for people and for other programs.
     Curve {
@@ -100,6 +107,7 @@ pub fn main() -> ExitCode {
         Command::Show { file, topic, samples, json } => {
             show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
         }
+        Command::Notes { paths } => notes(&paths),
         Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
         Command::Check { files } => check_files(&files),
         Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
@@ -124,6 +132,51 @@ fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitSt
         to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
     }
     Ok(ExitStatus::Done)
+}
+
+fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+    let mut files = Vec::new();
+    let mut ranked = None;
+    for path in paths {
+        if path.is_dir() {
+            files.extend(artifacts_of_a_run(path)?);
+            ranked = concerns_of_a_run(path).filter(|_| paths.len() == 1);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    let artifacts = files.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
+    let notes = StageNotes::of(&artifacts).map_err(Refused::from)?;
+    let notes = match ranked {
+        Some(concerns) => notes.ranked_as(concerns),
+        None => notes,
+    };
+    to_stdout(|out| Ok(notes.write(out)))?;
+    Ok(ExitStatus::Done)
+}
+
+/// The artifacts of a run folder, in the order of their stages.
+fn artifacts_of_a_run(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let mut files: Vec<PathBuf> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
+        .collect();
+    files.sort();
+    if files.is_empty() {
+        return Err(Refused::new(format!("{} holds no artifact", folder.display()))
+            .expected("the folder of a run, with 1-ingest.mcap and what was made from it")
+            .hint("just run RECORD makes one, and says where it is")
+            .into());
+    }
+    Ok(files)
+}
+
+/// The concerns of the summary of a run, if it has one.
+fn concerns_of_a_run(folder: &Path) -> Option<Vec<ConcernV1>> {
+    let text = std::fs::read_to_string(folder.join("summary.json")).ok()?;
+    let mut summary: serde_json::Value = serde_json::from_str(&text).ok()?;
+    serde_json::from_value(summary.get_mut("concerns")?.take()).ok()
 }
 
 fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<Length>) -> anyhow::Result<ExitStatus> {

@@ -10,7 +10,7 @@ use crate::layout::finite::first_non_finite;
 use crate::layout::json_text::to_json;
 use crate::layout::schema::viewer_safe_schema;
 use crate::records::{
-    ArxScanV1, CandidateV1, ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
     IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
     SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
     WaveBlockV1,
@@ -87,6 +87,7 @@ record! {
     CandidateV1 => "crumple.Candidate.v1",
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
     DamageV1 => "crumple.Damage.v1",
+    ConcernsV1 => "crumple.Concerns.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",
     EventsV1 => "crumple.Events.v1",
     EvidenceV1 => "crumple.Evidence.v1",

@@ -30,4 +30,4 @@ pub use measured::{
 pub use predicted::{
     AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
 };
-pub use run::{DiagnosisV1, NotesV1};
+pub use run::{ConcernV1, ConcernsV1, DiagnosisV1, NotesV1};

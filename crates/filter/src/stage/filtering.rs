@@ -37,7 +37,7 @@ pub fn filter_channels(
             }
             // A channel nobody asked for does not stop the others.
             Err(error) if !named && pulse != Some(&channel.id) => {
-                remarks.add(&channel.id, Note { severity: Severity::Warning, text: format!("left out: {error}") });
+                remarks.add(&channel.id, Note::warning(format!("left out: {error}")));
             }
             Err(error) => {
                 return Err(Refused::new(format!("channel {}: {error}", channel.id)).hint(hint(&error)).into());

@@ -2,23 +2,25 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::{Note, Notes, Severity};
+use crumple_signal::{Bearing, Note, Notes, Severity};
 
 /// Notes by text, with the channels they hold for.
 #[derive(Default)]
-pub struct Remarks(BTreeMap<(Severity, String), Vec<String>>);
+pub struct Remarks(BTreeMap<(Severity, String), (Option<Bearing>, Vec<String>)>);
 
 impl Remarks {
     pub fn add(&mut self, id: &str, note: Note) {
-        self.0.entry((note.severity, note.text)).or_default().push(id.to_owned());
+        let (bearing, ids) = self.0.entry((note.severity, note.text)).or_default();
+        *bearing = note.bearing.or(bearing.take());
+        ids.push(id.to_owned());
     }
 
     pub fn info(&mut self, id: &str, text: impl Into<String>) {
-        self.add(id, Note { severity: Severity::Info, text: text.into() });
+        self.add(id, Note::info(text));
     }
 
     pub fn warning(&mut self, id: &str, text: impl Into<String>) {
-        self.add(id, Note { severity: Severity::Warning, text: text.into() });
+        self.add(id, Note::warning(text));
     }
 
     /// A note on no channel of those that are filtered.
@@ -28,16 +30,13 @@ impl Remarks {
 
     pub fn into_notes(self) -> Notes {
         let mut notes = Notes::new();
-        for ((severity, text), ids) in self.0 {
+        for ((severity, text), (bearing, ids)) in self.0 {
             if ids.is_empty() {
                 notes.info(text);
                 continue;
             }
             let text = format!("channel{} {}: {text}", if ids.len() > 1 { "s" } else { "" }, first_of(&ids));
-            match severity {
-                Severity::Info => notes.info(text),
-                Severity::Warning => notes.warning(text),
-            }
+            notes.push(Note { severity, text, bearing });
         }
         notes
     }

@@ -17,7 +17,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
+use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Weight};
 
 use crate::pulse::polarity::{self, Polarity};
 use crate::recording::wave::Wave;
@@ -80,7 +80,9 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     let quality = &pulse.quality;
     let zero_level = quality.pre_event.map(|p| p.zero_level);
     if zero_level.is_none() {
-        notes.warning(
+        notes.concern(
+            About::Pulse,
+            Weight::Marked,
             "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not \
              known",
         );
@@ -94,39 +96,55 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     polarity::check(&pulse.samples, zero_level, speed_m_per_s, polarity, notes);
     time_zero::check(&pulse.samples, zero_level, notes);
     if is_too_slow(pulse) {
-        notes.warning(format!(
-            "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not \
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not \
              resolved",
-            quality.sample_rate_hz
-        ));
+                quality.sample_rate_hz
+            ),
+        );
     }
     if is_clipped(pulse) {
-        notes.warning(format!(
-            "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
-            quality.clipped_run,
-            quality.minimum,
-            quality.maximum,
-            pulse.quantity.si_unit()
-        ));
+        notes.concern(
+            About::Pulse,
+            Weight::Marked,
+            format!(
+                "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
+                quality.clipped_run,
+                quality.minimum,
+                quality.maximum,
+                pulse.quantity.si_unit()
+            ),
+        );
     }
     if let Some(noise) = excess_noise(pulse) {
-        notes.warning(format!(
-            "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may \
+        notes.concern(
+            About::Pulse,
+            Weight::Marked,
+            format!(
+                "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may \
              have failed",
-            noise / G
-        ));
+                noise / G
+            ),
+        );
     }
     if let Some((run, from_s)) = dropout(pulse) {
-        notes.warning(format!(
+        notes.concern(About::Pulse, Weight::Marked, format!(
             "the pulse may have dropouts: {run} equal samples in a row from {:.2} ms on, while the signal is active",
             from_s * 1e3
         ));
     }
     if let Some(level) = drift(pulse) {
-        notes.warning(format!(
-            "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or the vehicle still moves",
-            level / G
-        ));
+        notes.concern(
+            About::Pulse,
+            Weight::Slight,
+            format!(
+                "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or the vehicle still moves",
+                level / G
+            ),
+        );
     }
     if quality.time_jitter > JITTER {
         notes.info(format!(

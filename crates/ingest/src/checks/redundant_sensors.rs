@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_signal::iso13499::IsoCode;
-use crumple_signal::{Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled};
+use crumple_signal::{About, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Weight};
 
 use crate::recording::wave::Wave;
 use crate::time::time_zero::{SMOOTHING_S, moving_mean};
@@ -133,7 +133,11 @@ fn note_pair(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, not
         text.push_str(&format!(", by {:.1} % of dynamic crush ({:.0} and {:.0} mm)", 100.0 * part, 1e3 * a, 1e3 * b));
         warn = part > TOO_MUCH;
     }
-    if warn { notes.warning(format!("{text}: one of them may be wrong")) } else { notes.info(text) }
+    if warn {
+        notes.concern(About::Pulse, Weight::Marked, format!("{text}: one of them may be wrong"))
+    } else {
+        notes.info(text)
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Which channel is the crash pulse.
 
-use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, part_of};
+use crumple_signal::{About, Axis, Channel, ChannelStatus, Notes, QuantityKind, Weight, part_of};
 
 use crate::IngestError;
 use crate::pulse::compartment;
@@ -26,7 +26,11 @@ pub fn choose_pulse(
         None => match best_candidate(file, recording, &candidates) {
             Ok(index) => index,
             Err(error) if allow_missing => {
-                notes.warning(format!("no channel is named as the crash pulse: {error}"));
+                notes.concern(
+                    About::Pulse,
+                    Weight::Decisive,
+                    format!("no channel is named as the crash pulse: {error}"),
+                );
                 return Ok(None);
             }
             Err(error) => return Err(error),
@@ -80,10 +84,14 @@ pub fn choose_velocity_change(
         None => {
             let along = |axis| changes.iter().find(|k| recording.channels[**k].channel.axis == axis).copied();
             let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)) else {
-                notes.warning(format!(
-                    "no change of velocity is along x: {}; --channel names the one that is meant",
-                    names(&changes)
-                ));
+                notes.concern(
+                    About::Pulse,
+                    Weight::Decisive,
+                    format!(
+                        "no change of velocity is along x: {}; --channel names the one that is meant",
+                        names(&changes)
+                    ),
+                );
                 return Ok(None);
             };
             taken
@@ -257,21 +265,25 @@ fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked:
     };
     notes.info(format!("pulse: channel {}, {why}{others}", describe(&pulse.channel)));
     if !candidates.contains(&index) && pulse.channel.status != ChannelStatus::Valid {
-        notes
-            .warning(format!("the pulse, channel {}, is {} by its laboratory", pulse.channel.id, pulse.channel.status));
+        notes.concern(
+            About::Pulse,
+            Weight::Marked,
+            format!("the pulse, channel {}, is {} by its laboratory", pulse.channel.id, pulse.channel.status),
+        );
     }
     if let Some(doubt) = compartment::doubt(pulse, recording.pulse_rule) {
         let taken = if asked { "taken as asked for" } else { "nothing else is here" };
-        notes.warning(format!(
+        notes.concern(About::Pulse, Weight::Decisive, format!(
             "the pulse, channel {}, does not stand for the passenger compartment: {doubt}; {taken}, but crush, force \
              and models are then not those of the vehicle",
             describe(&pulse.channel)
         ));
     }
     if !asked && pulse.channel.redundant {
-        notes.warning(format!(
-            "the pulse, channel {}, is a redundant sensor: no primary one is valid here",
-            pulse.channel.id
-        ));
+        notes.concern(
+            About::Pulse,
+            Weight::Slight,
+            format!("the pulse, channel {}, is a redundant sensor: no primary one is valid here", pulse.channel.id),
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! Polarity of the pulse: a frontal impact decelerates, so SAE J211 has it negative. Reported, flipped only if asked.
 
-use crumple_signal::{Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, pre_event};
+use crumple_signal::{About, Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, Weight, pre_event};
 
 use crate::recording::read_channel::ReadChannel;
 
@@ -86,7 +86,7 @@ pub fn check(
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };
-    notes.warning(format!(
+    notes.concern(About::Pulse, Weight::Decisive, format!(
         "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE \
          J211: {way_out}",
         (pulse.end_s().min(WINDOW_S)) * 1e3

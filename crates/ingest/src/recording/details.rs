@@ -1,9 +1,9 @@
 //! Facts about the test from several places: the record, its sidecar, flags. The later beats the earlier, and says so.
 
-use crumple_signal::Notes;
 use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
+use crumple_signal::{About, Notes, Weight};
 
 use crate::{IngestError, IngestSettings, Place};
 
@@ -194,10 +194,15 @@ pub fn require(
         ),
     };
     if allow_missing {
-        notes.warning(format!(
-            "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical \
+        let about = if mass.is_none() && speed.is_some() { About::Mass } else { About::ImpactSpeed };
+        notes.concern(
+            about,
+            Weight::Decisive,
+            format!(
+                "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical \
              parameters"
-        ));
+            ),
+        );
         return Ok(());
     }
     let what = match &details.speed_not_taken {

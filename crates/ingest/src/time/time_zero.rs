@@ -1,6 +1,6 @@
 //! Time zero: where it comes from, and a check against the pulse.
 
-use crumple_signal::{Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError};
+use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, Weight};
 
 use crate::{IngestError, Place};
 
@@ -61,7 +61,11 @@ pub fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64) -> 
 /// A note if the smoothed pulse rises clearly before or after t = 0.
 pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     let Some(crossing) = smoothed_crossing(pulse, zero_level.unwrap_or(0.0)) else {
-        notes.warning("the pulse never exceeds 0.5 g for 3 ms: check its channel and unit");
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            "the pulse never exceeds 0.5 g for 3 ms: check its channel and unit",
+        );
         return;
     };
     if crossing.abs() > WORTH_A_NOTE_S {

@@ -1,7 +1,7 @@
 //! What a motion shows and what does not fit together, as notes.
 
 use crumple_metrics::{CrashEvents, EventEnd, centroid_time_by_moment, centroid_time_from_crush};
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight};
 
 use crate::{Motion, UsedStart, WRONG_SIGN, wrong_sign};
 
@@ -30,10 +30,14 @@ const CENTROID_GAP: f64 = 1e-3;
 pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_speed_m_per_s: f64) -> Notes {
     let mut notes = Notes::new();
     if wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
-        notes.warning(format!(
-            "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} to {:.3} m/s, no events are written",
-            motion.velocity.samples().iter().copied().fold(impact_speed_m_per_s, f64::max)
-        ));
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} to {:.3} m/s, no events are written",
+                motion.velocity.samples().iter().copied().fold(impact_speed_m_per_s, f64::max)
+            ),
+        );
         return notes;
     }
     if motion.start == UsedStart::RecordStart {
@@ -51,18 +55,22 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         return notes;
     }
     if events.end_velocity_m_per_s > impact_speed_m_per_s {
-        notes.warning(format!(
-            "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: \
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: \
              a frontal pulse is negative (SAE J211-1), check the polarity of the channel",
-            events.end_velocity_m_per_s
-        ));
+                events.end_velocity_m_per_s
+            ),
+        );
     }
     let (Some(crush), Some(rebound)) = (events.crush, events.rebound) else {
         let text = format!(
             "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
             events.end_velocity_m_per_s
         );
-        notes.warning(match events.unstopped {
+        notes.concern(About::Motion, Weight::Marked, match events.unstopped {
             None => text,
             Some(unstopped) => format!(
                 "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms \
@@ -77,16 +85,22 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         return notes;
     };
     if rebound.still_separating {
-        notes.warning(
+        notes.concern(
+            About::Motion,
+            Weight::Slight,
             "still separating: the lowest velocity is the last sample, so restitution and delta-v are lower bounds",
         );
     }
     if rebound.velocity_m_per_s.abs() > impact_speed_m_per_s {
-        notes.warning(format!(
-            "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive \
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive \
              vehicle does: check the unit of the acceleration, the zero level and the impact speed",
-            rebound.velocity_m_per_s
-        ));
+                rebound.velocity_m_per_s
+            ),
+        );
     } else if rebound.velocity_m_per_s == 0.0 {
         notes.info("the velocity never gets below zero: no rebound, coefficient of restitution 0");
     }
@@ -109,7 +123,11 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         if gap.abs() <= CENTROID_GAP {
             notes.info(text);
         } else {
-            notes.warning(text + ": the sampling or the integration rule is crude for this pulse");
+            notes.concern(
+                About::Motion,
+                Weight::Marked,
+                text + ": the sampling or the integration rule is crude for this pulse",
+            );
         }
     }
     notes

@@ -11,7 +11,7 @@ mod without_motion;
 
 use std::path::PathBuf;
 
-use crumple_signal::{Channel, TestDescription};
+use crumple_signal::{About, Channel, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
@@ -149,11 +149,15 @@ fn integrate_others(
         let unnamed =
             !settings.channels.iter().any(|name| test.resolve_channels(name).iter().any(|c| c.id == other.id));
         if unnamed && unplaced(other) && !others.agrees(&motion) {
-            out.notes().warning(format!(
-                "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \
+            out.notes().concern(
+                About::Channel(other.id.clone()),
+                Weight::Slight,
+                format!(
+                    "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \
                  vehicle (if it is of the compartment, name it: crumple-integrate --channels all,{})",
-                other.id, other.id
-            ));
+                    other.id, other.id
+                ),
+            );
             continue;
         }
         note_warnings(&other.id, &motion, time_zero_s, impact_speed_m_per_s, out.notes());

@@ -54,21 +54,19 @@ pub fn without_motion(
         out.put("/metrics", &MetricsV1(metrics))?;
     }
     let id = &pulse.id;
-    let speed = "--impact-speed 35km/h here or at crumple-ingest";
-    let (result, reason) = match missing {
+    let state_the_speed = "state the speed just before contact: --impact-speed 35km/h here or at crumple-ingest";
+    let (result, reason, remedy) = match missing {
         Missing::Pulse if measured => (
             true,
             format!(
-                "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the \
-                 vehicle (crumple-filter without --channels takes both)"
+                "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the vehicle"
             ),
+            "crumple-filter without --channels takes both".to_owned(),
         ),
         Missing::Pulse => (
             false,
-            format!(
-                "the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name, so \
-                 name {id} there too"
-            ),
+            format!("the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name"),
+            format!("name {id} there too"),
         ),
         Missing::Speed if part_of(pulse).is_some() && measured => (
             true,
@@ -76,13 +74,20 @@ pub fn without_motion(
                 "criteria of occupants alone: channel {id} is of an occupant, and no impact speed is stated for a \
                  motion"
             ),
+            state_the_speed.to_owned(),
         ),
         Missing::Speed if recorder => (
             true,
-            format!("the recorded change of velocity alone: no impact speed is stated, so there is no crush ({speed})"),
+            "the recorded change of velocity alone: no impact speed is stated, so there is no crush".to_owned(),
+            state_the_speed.to_owned(),
         ),
-        Missing::Speed => (false, format!("the test has no impact speed, which no accelerometer can tell: {speed}")),
+        Missing::Speed => (
+            false,
+            "the test has no impact speed, which no accelerometer can tell".to_owned(),
+            state_the_speed.to_owned(),
+        ),
     };
+    out.remedy(remedy);
     if !result {
         return Ok(Outcome::NoAcceptableResult(reason));
     }

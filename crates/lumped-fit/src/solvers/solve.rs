@@ -1,6 +1,6 @@
 //! All candidates of a test: every solver that the settings ask for.
 
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight};
 use rayon::prelude::*;
 
 use crate::solvers::table::solvers_of;
@@ -41,7 +41,9 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
                 }
                 Some((result, notes))
             });
-            std::iter::once((Ok(Vec::new()), none)).chain(solved)
+            let about = About::Model(model.to_string());
+            let all = std::iter::once((Ok(Vec::new()), none)).chain(solved);
+            all.map(move |(result, notes)| (result, notes.all_about(&about)))
         })
         .collect();
     let mut candidates = Vec::new();
@@ -53,7 +55,8 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
     candidates.retain(|candidate| {
         let finite = candidate.model.parameters().values().all(|value| value.is_finite());
         if !finite {
-            notes.warning(format!("{}: left out, a parameter is beyond the range of numbers", candidate.id()));
+            let text = format!("{}: left out, a parameter is beyond the range of numbers", candidate.id());
+            notes.concern(About::Model(candidate.id()), Weight::Slight, text);
         }
         finite
     });

@@ -1,5 +1,6 @@
 //! Fits the chains that a pipeline file states.
 
+use crumple_signal::{About, Weight};
 use std::collections::BTreeMap;
 
 use crumple_lumped::{Chain, ParameterKind};
@@ -60,7 +61,8 @@ pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) ->
         if let Some(text) =
             total_kg.zip(solutions.first()).and_then(|(kg, s)| total_mass_remark(s.chain.masses_kg(), kg))
         {
-            out.notes().warning(format!("chain {}: {text}", chain.name));
+            let text = format!("chain {}: {text}", chain.name);
+            out.notes().concern(About::Mass, Weight::Marked, text);
         }
         for (k, solution) in solutions.iter().enumerate() {
             let found = assess_chain(&stated, &observed, solution, &asked).refuse_with_hint(hint())?;
@@ -82,7 +84,8 @@ pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) ->
                 ("repeated with uncertain inputs", asked.inputs.any() && !repeated),
             ];
             for (what, _) in without.iter().filter(|(_, missing)| *missing) {
-                out.notes().warning(format!("{id}: not {what}, too few fits near its minimum converged"));
+                let text = format!("{id}: not {what}, too few fits near its minimum converged");
+                out.notes().concern(About::Model(id.clone()), Weight::Slight, text);
             }
             let text = assessed.as_ref().map(|assessed| summary_text(&id, assessed, str::to_owned));
             if let Some(text) = text.filter(|text| !text.is_empty()) {
@@ -100,7 +103,10 @@ pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) ->
 fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out: &mut Output) {
     let duals = solutions.iter().filter(|s| matches!(s.dual, Some(ChainDual::Solution(_)))).count() / 2;
     let sets = solutions.len() - duals;
-    let mut warn = |text: String| out.notes().warning(format!("chain {}: {text}", chain.name));
+    let about = || About::Model(format!("chain/{}", chain.name));
+    let mut warn = |text: String| {
+        out.notes().concern(about(), Weight::Marked, format!("chain {}: {text}", chain.name));
+    };
     if sets > 1 {
         warn(format!(
             "{sets} parameter sets fit within 1 % as well as the best; the record does not determine the parameters"

@@ -18,7 +18,7 @@ mod several_tests;
 use std::path::PathBuf;
 
 use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, in_words, match_as_the_paper_typed};
-use crumple_signal::TestDescription;
+use crumple_signal::{About, TestDescription, Weight};
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage, Tests};
 
@@ -77,7 +77,8 @@ impl Stage for ParameterSolve {
         if settings.solve.needs_events() {
             let events: EventsV1 = input.record("/events")?;
             let described = input.test()?;
-            if let Some(reason) = unsolvable(settings, input, &events, &described)? {
+            if let Some((reason, remedy)) = unsolvable(settings, input, &events, &described)? {
+                out.remedy(remedy);
                 out.put("/test", &TestV1::from(&described))?;
                 return Ok(Outcome::NoAcceptableResult(reason));
             }
@@ -127,25 +128,27 @@ impl Stage for ParameterSolve {
     }
 }
 
-/// Why nothing can be solved for in this test, if so. No fault of the artifact: the report shall still be made.
+/// Why nothing can be solved for in this test, if so, and what to do. No fault of the artifact: the report shall still be made.
 fn unsolvable(
     settings: &StageSettings,
     input: &Inputs,
     events: &EventsV1,
     test: &TestDescription,
-) -> anyhow::Result<Option<String>> {
+) -> anyhow::Result<Option<(String, String)>> {
     if settings.mass_kg.or(test.mass_kg).is_none() && !matches!(settings.solve.split, MassSplit::Both(..)) {
         // Ingest was told to go on without a mass.
-        return Ok(Some(
-            "the test has no mass, which turns frequencies into N/m: --mass 873kg here or at crumple-ingest, or \
-             '# mass: 873 kg' in the header of the record"
+        return Ok(Some((
+            "the test has no mass, which turns frequencies into N/m".to_owned(),
+            "state it: --mass 873kg here or at crumple-ingest, or '# mass: 873 kg' in the header of the record"
                 .to_owned(),
-        ));
+        )));
     }
     Ok(speeds_up(input, events)?.then(|| {
-        "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do: check \
-         the sign of the pulse (crumple-ingest --sign flip) and its unit"
-            .to_owned()
+        (
+            "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do"
+                .to_owned(),
+            "check the sign of the pulse (--sign flip at crumple-ingest turns it) and its unit".to_owned(),
+        )
     }))
 }
 
@@ -202,10 +205,9 @@ fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
         let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
         let words = all_in_words(&candidate.model, candidate.fixed_at_bound());
         if !dual && !words.is_empty() {
-            out.notes().warning(format!(
-                "{}: on a bound of the search, not determined by the record: {words}",
-                candidate.id()
-            ));
+            let id = candidate.id();
+            let text = format!("{id}: on a bound of the search, not determined by the record: {words}");
+            out.notes().concern(About::Model(id), Weight::Marked, text);
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use std::io::{self, Write};
 
-use super::{candidates, channels, energy, header, models, numbers, predictions, ratings, recommendation, remarks};
+use super::{
+    candidates, channels, energy, header, models, numbers, predictions, ratings, recommendation, remarks, verdict,
+};
 use crate::drawing::figure::Figure;
 use crate::figures::all::all_figures;
+use crate::results::verdict::verdict as judge;
 use crate::text::escape::{html, json_in_script};
 use crate::{Ranking, Run};
 
@@ -31,6 +34,8 @@ impl Page {
     /// Lays the report out. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
         let figures = all_figures(run, ranking);
+        let (said, concerns) = judge(run, ranking);
+        let phrases = run.language.phrases();
         let mut body = String::with_capacity(1 << 20);
         body.push_str(&format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -41,10 +46,9 @@ impl Page {
             env!("CARGO_PKG_VERSION"),
             html(&run.test.title)
         ));
-        header::write(&mut body, run, ranking);
+        header::write(&mut body, run, ranking, |body| verdict::write(body, &said, phrases));
         body.push_str("<main>\n");
-        remarks::write_missing(&mut body, run);
-        remarks::write_warnings(&mut body, run);
+        verdict::write_before_use(&mut body, &said, &concerns, phrases);
         let mut pair_open = false;
         for (index, figure) in figures.iter().enumerate() {
             // Two figures of half a width share a row; a lone one has it for itself.
@@ -67,7 +71,8 @@ impl Page {
         models::write(&mut body, run);
         numbers::write(&mut body, run);
         channels::write(&mut body, run);
-        remarks::write_notes(&mut body, run);
+        remarks::write_missing(&mut body, run);
+        remarks::write_notes(&mut body, run, &concerns);
         remarks::write_limits(&mut body, run, ranking);
         remarks::write_provenance(&mut body, run);
         body.push_str("</main>\n<script>");

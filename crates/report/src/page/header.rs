@@ -4,14 +4,16 @@ use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, at_most, decimals, range};
 use crate::{CandidateResult, Ranking, Run};
 
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, verdict: impl FnOnce(&mut String)) {
     let test = &run.test;
     let title = if test.title.is_empty() { "Untitled record" } else { &test.title };
     out.push_str(&format!(
-        "<header>\n<p class=\"brand\">Crumple · {} report</p>\n<h1>{}</h1>\n<dl>\n",
+        "<header>\n<p class=\"brand\">Crumple · {} report</p>\n<h1>{}</h1>\n",
         if run.is_generic() { "identification" } else { "crash pulse" },
         html(title)
     ));
+    verdict(out);
+    out.push_str("<dl>\n");
     let mut fact = |name: &str, value: Option<String>| {
         // Of a record that is no crash nobody asks for a barrier.
         if value.is_none() && run.is_generic() {

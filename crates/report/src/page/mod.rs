@@ -13,3 +13,4 @@ pub mod ratings;
 pub mod recommendation;
 pub mod remarks;
 pub mod uncertainty;
+pub mod verdict;

@@ -2,16 +2,16 @@
 
 use crumple_signal::Severity;
 
+use crate::page::verdict;
+use crate::results::concerns::Concern;
 use crate::results::ranking::AS_GOOD_PERCENT;
 use crate::text::escape::html;
 use crate::text::numbers::{candidate_name, decimals};
 use crate::text::parameters::parameter;
-use crate::{CandidateResult, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run, StageNote};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
-/// Warnings at the top of the page that are open to view; more are folded under their number.
-const OPEN_WARNINGS: usize = 6;
 /// Characters of a digest that are shown.
 const DIGEST_SHOWN: usize = 12;
 
@@ -25,64 +25,35 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
     ));
 }
 
-/// The warnings, before anything else is read: what may change a conclusion must not wait for the end of the page.
-pub(super) fn write_warnings(out: &mut String, run: &Run) {
-    let warnings: Vec<String> = run
-        .notes
-        .iter()
-        .filter(|n| n.note.severity == Severity::Warning)
-        .map(|n| format!("<li>{}: {}</li>\n", html(&n.stage), html(&n.note.text)))
-        .collect();
-    if warnings.is_empty() {
+/// All concerns by their weight, then what is good to know by stage.
+pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[Concern]) {
+    if run.notes.is_empty() && concerns.is_empty() {
         return;
     }
-    let word = if warnings.len() == 1 { "warning" } else { "warnings" };
-    out.push_str(&format!(
-        "<section class=\"warnings\">\n<details{}><summary>{} {word}</summary>\n<ul \
-         class=\"notes\">\n{}</ul>\n</details>\n</section>\n",
-        if warnings.len() <= OPEN_WARNINGS { " open" } else { "" },
-        warnings.len(),
-        warnings.concat()
-    ));
-}
-
-pub(super) fn write_notes(out: &mut String, run: &Run) {
-    if run.notes.is_empty() {
-        return;
-    }
-    let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
-    let count = match warnings {
-        0 => String::new(),
-        1 => " <span class=\"badge\">1 warning</span>".to_owned(),
-        n => format!(" <span class=\"badge\">{n} warnings</span>"),
-    };
-    out.push_str(&format!("<section>\n<h2>Notes of the stages{count}</h2>\n"));
-    let mut stages: Vec<&str> = Vec::new();
-    for note in &run.notes {
-        if !stages.contains(&note.stage.as_str()) {
-            stages.push(&note.stage);
-        }
-    }
-    for stage in stages {
-        let of_stage = || run.notes.iter().filter(|n| n.stage == stage);
-        let texts = |severity: Severity, class: &str, mark: &str| -> Vec<String> {
-            of_stage()
-                .filter(|n| n.note.severity == severity)
-                .map(|n| format!("<li{class}>{mark}{}</li>\n", html(&n.note.text)))
-                .collect()
+    out.push_str("<section id=\"notes\">\n<h2>Warnings and notes</h2>\n");
+    if !concerns.is_empty() {
+        let phrases = run.language.phrases();
+        let items: String = concerns
+            .iter()
+            .map(|concern| format!("<li class=\"warning\">{}</li>\n", verdict::item(concern, phrases)))
+            .collect();
+        let count = match concerns.len() {
+            1 => "1 warning".to_owned(),
+            n => format!("{n} warnings, those first that change most of what is shown"),
         };
-        let warnings = texts(Severity::Warning, " class=\"warning\"", "<strong>Warning:</strong> ");
-        let infos = texts(Severity::Info, "", "");
-        out.push_str(&format!("<h3>{}</h3>\n<ul class=\"notes\">\n{}", html(stage), warnings.concat()));
-        if infos.len() > OPEN_NOTES {
-            out.push_str(&format!(
-                "</ul>\n<details><summary>{} more notes</summary>\n<ul class=\"notes\">\n{}</ul>\n</details>\n",
-                infos.len(),
-                infos.concat()
-            ));
+        out.push_str(&format!("<h3>{count}</h3>\n<ul class=\"notes\">\n{items}</ul>\n"));
+    }
+    let infos: Vec<&StageNote> = run.notes.iter().filter(|n| n.note.severity == Severity::Info).collect();
+    for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
+        let Some(StageNote { stage, .. }) = of_stage.first() else { continue };
+        let items: String = of_stage.iter().map(|n| format!("<li>{}</li>\n", html(&n.note.text))).collect();
+        let list = format!("<ul class=\"notes\">\n{items}</ul>\n");
+        out.push_str(&if of_stage.len() > OPEN_NOTES {
+            let count = of_stage.len();
+            format!("<h3>{}</h3>\n<details><summary>{count} notes</summary>\n{list}</details>\n", html(stage))
         } else {
-            out.push_str(&format!("{}</ul>\n", infos.concat()));
-        }
+            format!("<h3>{}</h3>\n{list}", html(stage))
+        });
     }
     out.push_str("</section>\n");
 }

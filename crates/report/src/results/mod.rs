@@ -1,7 +1,11 @@
 //! Everything the artifacts of a run say: its types, the ranking of candidates, the summary.
 //! Uses text.
 
+pub mod concerns;
+pub mod kind;
 pub mod mass_divisions;
+pub mod overview;
 pub mod ranking;
 pub mod run;
 pub mod summary;
+pub mod verdict;

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, PredictionV1,
+    CandidateV1, ChannelFilterV1, ConcernV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, PredictionV1,
     RecommendationV1, ResponseV1, SimulationV1, StabilizationV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 
+use crate::text::language::Language;
 use crate::text::numbers::candidate_name;
 
 /// A 95 % interval whose ends are further apart than this factor leaves a parameter hardly determined.
@@ -17,6 +18,8 @@ const HARDLY_DETERMINED: f64 = 1e3;
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
+    /// The language that the verdict and its warnings speak.
+    pub language: Language,
     /// Name of the pipeline, e.g. `default` or `papers/civic`, if it has one.
     pub pipeline: Option<String>,
     /// The test.
@@ -47,6 +50,8 @@ pub struct Run {
     pub responses: Option<usize>,
     /// What the stages remarked, in stage order, each text once.
     pub notes: Vec<StageNote>,
+    /// What speaks against the results, as the stages wrote it, in stage order.
+    pub concerns: Vec<ConcernV1>,
     /// Where the artifacts came from, in stage order.
     pub provenance: Vec<StageRecord>,
     /// Why a stage has a result but not what later ones work on: nothing was to be simulated.
@@ -291,6 +296,11 @@ impl Run {
     /// The candidate of this id.
     pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
         self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// Whether a stage has said that it has no acceptable result and no reason why that is one.
+    pub fn without_result(&self) -> bool {
+        self.without.is_none() && self.concerns.iter().any(|concern| concern.severity == ConcernV1::NO_RESULT)
     }
 
     /// Whether candidates were to be simulated and not one of them came through.

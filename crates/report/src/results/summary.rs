@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
+use crate::results::concerns::Concern;
 use crate::results::ranking::compare_ids;
+use crate::results::verdict::{Verdict, verdict};
 use crate::{CandidateResult, Model, Ranking, Run};
 
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout.
@@ -13,6 +15,8 @@ use crate::{CandidateResult, Model, Ranking, Run};
 pub struct Summary<'a> {
     schema: &'static str,
     pipeline: Option<&'a str>,
+    /// What to hold of all this, in two sentences.
+    verdict: Verdict,
     test: TestSummary<'a>,
     events: Option<&'a EventsV1>,
     metrics: BTreeMap<&'a str, MetricSummary<'a>>,
@@ -47,6 +51,8 @@ pub struct Summary<'a> {
     ranking_by_aicc: Vec<String>,
     matching_best: Option<MatchingSummary<'a>>,
     predictions: &'a [PredictionV1],
+    /// What speaks against the results, gravest first.
+    concerns: Vec<Concern>,
     notes: Vec<String>,
     other_channels: Vec<&'a str>,
     missing: &'a [String],
@@ -135,12 +141,14 @@ struct MatchingSummary<'a> {
 /// `best` is the recommended candidate ([`Ranking`]). A metric name that several channels carry stands for the pulse
 /// channel.
 pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
+    let (verdict, concerns) = verdict(run, ranking);
     let channel = run.channel_id();
     let choice = run.recommendation.as_ref();
     let test = &run.test;
     Summary {
         schema: "crumple.summary.v1",
         pipeline: run.pipeline.as_deref(),
+        verdict,
         test: TestSummary {
             title: &test.title,
             mass_kg: test.mass_kg,
@@ -204,6 +212,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
             physical: candidate.record.physical,
         }),
         predictions: &run.predictions,
+        concerns,
         notes: run.notes.iter().map(|note| format!("{}: {}", note.stage, note.note)).collect(),
         other_channels: test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect(),
         missing: &run.missing,

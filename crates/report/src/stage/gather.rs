@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, PredictionV1, ResponseV1,
-    SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1,
+    PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_report::{
     CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
 };
-use crumple_signal::{Note, Sampled, Severity, TestDescription};
+use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
@@ -43,6 +43,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     run.candidates = candidates(inputs, &simulations, time_zero_s)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
     collect_notes(inputs, &mut run)?;
+    run.concerns = concerns(inputs)?;
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
     name_what_is_missing(&mut run, without_parameters);
 
@@ -237,13 +238,9 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
             remarks_are_in = true;
         }
         if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
-            let text = if diagnosis.has_result {
-                run.without = Some(diagnosis.reason.clone());
-                diagnosis.reason.clone()
-            } else {
-                format!("no acceptable result: {}", diagnosis.reason)
-            };
-            add(&diagnosis.stage, Note { severity: Severity::Warning, text });
+            if diagnosis.has_result {
+                run.without.get_or_insert(diagnosis.reason);
+            }
         }
     }
     if !remarks_are_in {
@@ -255,6 +252,31 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
     }
     run.notes = notes;
     Ok(())
+}
+
+/// Concerns in stage order, each once: a stage that has nothing to work on hands on what an earlier one said. The
+/// diagnosis of a program that writes no `/concerns` is one too.
+fn concerns(inputs: &Inputs) -> anyhow::Result<Vec<ConcernV1>> {
+    let mut all: Vec<ConcernV1> = Vec::new();
+    for artifact in inputs.artifacts() {
+        let written = artifact.record::<ConcernsV1>("/concerns").map_err(Refused::from)?.map_or(Vec::new(), |c| c.0);
+        let is_diagnosed = all.iter().chain(&written).any(|concern| concern.severity == ConcernV1::NO_RESULT);
+        let diagnosis = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)?;
+        let diagnosis = diagnosis.filter(|_| !is_diagnosed).map(|diagnosis| ConcernV1 {
+            about: About::of_stage(&diagnosis.stage).to_string(),
+            stage: diagnosis.stage,
+            severity: ConcernV1::NO_RESULT.to_owned(),
+            weight: Weight::Decisive.number(),
+            text: diagnosis.reason,
+            remedy: None,
+        });
+        for concern in written.into_iter().chain(diagnosis) {
+            if !all.contains(&concern) {
+                all.push(concern);
+            }
+        }
+    }
+    Ok(all)
 }
 
 fn name_what_is_missing(run: &mut Run, without_parameters: usize) {

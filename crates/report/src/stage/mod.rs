@@ -1,6 +1,7 @@
 //! The program: options, the artifacts of a run in, the report and its summary out.
 //! Uses the library and crumple-stage.
 
+mod console;
 mod gather;
 
 use std::fs::{self, File};
@@ -10,11 +11,10 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::numbers::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
-use crumple_report::{Page, Ranking, Run, summary};
-use crumple_signal::Severity;
+use crumple_report::{Kind, Language, Page, Ranking, summary, verdict};
 use crumple_stage::{
-    ExitStatus, Usage, be_quiet, check_pipeline, keep_budget, load_artifacts, refuse_to_overwrite, say, to_stdout,
+    ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
+    unknown_name,
 };
 
 /// Writes report.html, which a person looks at, and summary.json, which a script reads.
@@ -47,6 +47,10 @@ pub struct Cli {
     #[arg(long, value_name = "NAME")]
     pub pipeline_name: Option<String>,
 
+    /// Language of the verdict and its warnings: en or de; also the key `language` of [report] [default: en].
+    #[arg(long, value_name = "CODE")]
+    pub language: Option<String>,
+
     /// Print the summary to stdout as well.
     #[arg(long)]
     pub json: bool,
@@ -68,12 +72,24 @@ pub struct Cli {
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
 pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
-    // The table has no keys yet: whatever stands in it is a mistake.
-    let stated = cli.pipeline.as_ref().map(|path| check_pipeline("report", path, &[])).transpose()?.flatten();
+    let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
+    let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
     let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
+    let mut language = cli.language.clone();
+    if let Some(file) = &file {
+        let table = pipeline_table("report", file, &["language"])?;
+        if language.is_none() {
+            language = table.get("language").and_then(|value| value.as_str()).map(str::to_owned);
+        }
+    }
     if cli.check_options {
         return Ok(ExitStatus::Done);
     }
+    let language = match language.as_deref() {
+        None => Language::default(),
+        Some(code) => Language::of_code(code)
+            .ok_or_else(|| unknown_name(&format!("no report in the language {code:?}"), code, &Language::CODES))?,
+    };
     let summary_path = cli.summary.clone().unwrap_or_else(|| cli.output.with_file_name("summary.json"));
     if summary_path == cli.output {
         return Err(Usage::new("report and summary are the same file").hint("give --summary another name").into());
@@ -86,7 +102,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     keep_budget(&cli.inputs, ExitStatus::Refused);
     let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
+    run.language = language;
     let ranking = Ranking::of_run(&run);
+    let (said, concerns) = verdict(&run, &ranking);
     let json = summary(&run, &ranking).to_json()?;
     write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;
@@ -94,16 +112,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         to_stdout(json.as_bytes())?;
     }
     if !cli.quiet {
-        for line in lines(&run, &ranking) {
-            say(format_args!("{:<16} {line}", "report"));
-        }
-        say(format_args!("{:<16} {}", "report", cli.output.display()));
+        console::print(&run, &ranking, &said, &concerns, &cli.output);
     }
-    if run.no_candidate_simulated() && run.without.is_none() {
-        say(format_args!("{:<16} no acceptable result: not one candidate could be simulated", "report"));
-        return Ok(ExitStatus::NoAcceptableResult);
-    }
-    Ok(ExitStatus::Done)
+    Ok(if said.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done })
 }
 
 /// Writes both files so that a process killed at any moment never leaves two of different runs: both are written whole
@@ -131,67 +142,6 @@ fn pipeline_name(path: &Path) -> String {
     let parts: Vec<String> = stem.iter().map(|part| part.to_string_lossy().into_owned()).collect();
     let below = parts.iter().rposition(|part| part == "pipelines").map_or(parts.len().saturating_sub(1), |at| at + 1);
     parts[below.min(parts.len())..].join("/")
-}
-
-/// The result in a few lines for a terminal.
-fn lines(run: &Run, ranking: &Ranking) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let Some(events) = &run.events {
-        match (events.dynamic_crush_m, events.time_of_dynamic_crush_s) {
-            (Some(crush), Some(t_m)) => {
-                let delta_v = events.delta_v_m_per_s.map_or_else(String::new, |v| {
-                    format!(", change of velocity {} km/h", decimals(KM_PER_H_PER_M_PER_S * v, 1))
-                });
-                lines.push(format!(
-                    "dynamic crush {} mm at {} ms{delta_v}",
-                    decimals(MILLI * crush, 1),
-                    decimals(MILLI * t_m, 1)
-                ));
-            }
-            _ => {
-                let change =
-                    events.delta_v_m_per_s.zip(events.time_of_delta_v_s).map_or_else(String::new, |(v, t_s)| {
-                        let (v, t_ms) = (decimals(KM_PER_H_PER_M_PER_S * v, 1), decimals(MILLI * t_s, 1));
-                        format!(", change of velocity {v} km/h at {t_ms} ms")
-                    });
-                lines.push(format!("the velocity does not reach zero: no dynamic crush{change}"));
-            }
-        }
-    }
-    let of_name = |name: &str| {
-        run.metrics.iter().filter(|m| m.name == name).filter_map(|m| Some((m, m.value?))).collect::<Vec<_>>()
-    };
-    for (metric, hic) in of_name("hic15") {
-        lines.push(format!("{}: HIC15 {}", metric_place(run, &metric.channel), decimals(hic, 1)));
-    }
-    for (metric, change) in of_name("maximum_delta_v") {
-        let change = decimals(KM_PER_H_PER_M_PER_S * change, 1);
-        lines.push(format!("{}: maximum delta-v {change} km/h as recorded", metric.channel));
-    }
-    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
-        let fit = best.fit_percent().unwrap_or(f64::NAN);
-        let open = best.undetermined_in_words().map_or_else(String::new, |open| format!("; {open}"));
-        lines.push(format!(
-            "recommended model: {}, displacement fit {} %{open}",
-            best.name_with_dual(),
-            decimals(fit, 2)
-        ));
-    }
-    if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
-        lines.push(format!("no recommended model: {reason}"));
-    }
-    let warnings = run.notes.iter().filter(|n| n.note.severity == Severity::Warning).count();
-    if warnings > 0 {
-        lines.push(format!("{warnings} warning{} in the report", if warnings == 1 { "" } else { "s" }));
-    }
-    lines.extend(run.missing.iter().map(|what| format!("not in the report: {what}")));
-    lines
-}
-
-/// The location of the first of the channels of a metric, else their ids.
-fn metric_place<'a>(run: &'a Run, channels: &'a str) -> &'a str {
-    let first = channels.split('+').find_map(|id| run.test.channel(id));
-    first.map(|channel| channel.location.as_str()).filter(|location| !location.is_empty()).unwrap_or(channels)
 }
 
 #[cfg(test)]

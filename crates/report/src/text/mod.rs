@@ -2,5 +2,7 @@
 //! Uses no other room.
 
 pub mod escape;
+pub mod language;
 pub mod numbers;
 pub mod parameters;
+pub mod phrases;

@@ -2,6 +2,9 @@
 
 use crate::{Channel, QuantityKind};
 
+/// What stands in place of a barrier where the vehicle met another one.
+pub const ANOTHER_VEHICLE: &str = "another vehicle";
+
 /// Where a record came from.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Source {

@@ -1,4 +1,5 @@
 //! Remarks of a computation, each with a severity.
 //! Uses no other room.
 
+pub mod bearing;
 pub mod note;

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::notes::bearing::{About, Bearing, Weight};
+
 /// What a warning begins with in its text form, as the record of notes has it on disk.
 const WARNING_PREFIX: &str = "warning: ";
 
@@ -22,6 +24,8 @@ pub struct Note {
     pub severity: Severity,
     /// One sentence, units included.
     pub text: String,
+    /// What it concerns and how much it changes there; `None`: what the stage concerns, with the least weight.
+    pub bearing: Option<Bearing>,
 }
 
 impl fmt::Display for Note {
@@ -36,19 +40,26 @@ impl fmt::Display for Note {
 impl Note {
     /// Something good to know.
     pub fn info(text: impl Into<String>) -> Self {
-        Self { severity: Severity::Info, text: text.into() }
+        Self { severity: Severity::Info, text: text.into(), bearing: None }
     }
 
     /// Something that may change a conclusion.
     pub fn warning(text: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, text: text.into() }
+        Self { severity: Severity::Warning, text: text.into(), bearing: None }
+    }
+
+    /// The same, with what it concerns and how much it changes there.
+    #[must_use]
+    pub fn bears_on(mut self, about: About, weight: Weight) -> Self {
+        self.bearing = Some(Bearing { about, weight });
+        self
     }
 
     /// Reads the text form back.
     pub fn parse(text: &str) -> Self {
         match text.strip_prefix(WARNING_PREFIX) {
-            Some(rest) => Self { severity: Severity::Warning, text: rest.to_owned() },
-            None => Self { severity: Severity::Info, text: text.to_owned() },
+            Some(rest) => Self::warning(rest),
+            None => Self::info(text),
         }
     }
 }
@@ -71,6 +82,20 @@ impl Notes {
     /// Adds something that may change a conclusion.
     pub fn warning(&mut self, text: impl Into<String>) {
         self.0.push(Note::warning(text));
+    }
+
+    /// Adds a warning with what it concerns and how much it changes there.
+    pub fn concern(&mut self, about: About, weight: Weight, text: impl Into<String>) {
+        self.0.push(Note::warning(text).bears_on(about, weight));
+    }
+
+    /// Gives `about` to all warnings that do not say what they concern, with the least weight.
+    #[must_use]
+    pub fn all_about(mut self, about: &About) -> Self {
+        for note in self.0.iter_mut().filter(|note| note.severity == Severity::Warning) {
+            note.bearing.get_or_insert_with(|| Bearing { about: about.clone(), weight: Weight::Slight });
+        }
+        self
     }
 
     /// Adds a note as it is.

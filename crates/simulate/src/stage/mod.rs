@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use crumple_estimation::statistics::effective_samples;
 use crumple_lumped::{Chain, Model, ModelKind, structure_of};
 use crumple_lumped_fit::WallForce;
-use crumple_signal::{Acceleration, Displacement, Sampled, TestDescription, Velocity};
+use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
 use crumple_simulate::{
     Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
     simulate_chain, simulate_driven,
@@ -192,13 +192,17 @@ fn write_stated(
     let chain = stated.chain()?;
     let mut candidate = stated.candidate(&chain);
     if !candidate.physical {
-        out.notes().warning(format!(
-            "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
-            stated.name
-        ));
+        out.notes().concern(
+            About::Model(id.clone()),
+            Weight::Marked,
+            format!(
+                "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
+                stated.name
+            ),
+        );
     }
     if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(chain.masses_kg(), kg)) {
-        out.notes().warning(format!("{id}: {text}"));
+        out.notes().concern(About::Model(id.clone()), Weight::Marked, format!("{id}: {text}"));
         candidate.notes.push(text);
     }
     out.put(&format!("/parameters/{id}"), &candidate)?;
@@ -240,7 +244,8 @@ impl ComparisonWithTest<'_> {
         let simulation = match result {
             Ok(simulation) => simulation,
             Err(error) => {
-                out.notes().warning(format!("{id}: not simulated, {error}"));
+                let text = format!("{id}: not simulated, {error}");
+                out.notes().concern(About::Model(id.to_owned()), Weight::Marked, text);
                 return Ok(0);
             }
         };

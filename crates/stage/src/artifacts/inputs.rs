@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{DiagnosisV1, TestV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV1, DiagnosisV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::TestDescription;
 
@@ -26,6 +26,8 @@ pub struct Loaded<I> {
 pub(crate) struct Diagnosed {
     /// Who and why.
     pub(crate) diagnoses: Vec<DiagnosisV1>,
+    /// The same with what to do.
+    pub(crate) concerns: Vec<ConcernV1>,
     /// The test description travels on all the same.
     pub(crate) test: Option<TestV1>,
 }
@@ -38,6 +40,11 @@ impl Diagnosed {
             .iter()
             .find(|diagnosis| writer == format!("crumple-{}", diagnosis.stage))
             .map(|diagnosis| format!("nothing to work on, since {} says: {}", diagnosis.stage, diagnosis.reason))
+    }
+
+    /// What earlier stages said of why they have no result.
+    pub(crate) fn concerns(&self) -> impl Iterator<Item = &ConcernV1> {
+        self.concerns.iter().filter(|concern| concern.severity == ConcernV1::NO_RESULT)
     }
 }
 
@@ -76,10 +83,12 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
         .map(|a| InputDigest { kind: a.stage().unwrap_or("artifact").to_owned(), digest: a.digest().to_owned() })
         .collect();
     let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten()).collect();
+    let concerns = artifacts.iter().filter_map(|a| a.record::<ConcernsV1>("/concerns").ok().flatten());
+    let concerns = concerns.flat_map(|record| record.0).collect();
     let inputs = Inputs { artifacts };
     inputs.refuse_a_mixture()?;
     let test = inputs.record_if::<TestV1>("/test")?;
-    Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, test } })
+    Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, concerns, test } })
 }
 
 impl Inputs {

@@ -12,11 +12,12 @@ pub struct Output {
     pub(crate) notes: Notes,
     pub(crate) summary: Vec<String>,
     pub(crate) without: Option<String>,
+    pub(crate) remedy: Option<String>,
 }
 
 impl Output {
     pub(crate) fn new() -> Self {
-        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new(), without: None }
+        Self { builder: ArtifactBuilder::new(), notes: Notes::new(), summary: Vec::new(), without: None, remedy: None }
     }
 
     /// Adds a record under a topic. Error: the topic is taken, or a number in it is not finite.
@@ -45,6 +46,12 @@ impl Output {
         let reason = reason.into();
         self.summary.push(reason.clone());
         self.without = Some(reason);
+    }
+
+    /// One thing to do for a result, or for one that later stages work on, where there is none: a sentence without a
+    /// capital and a full stop, which works when followed.
+    pub fn remedy(&mut self, remedy: impl Into<String>) {
+        self.remedy = Some(remedy.into());
     }
 
     /// Starts to show the progress of work with `total` parts.

@@ -40,6 +40,10 @@ pub struct SharedFlags {
     #[arg(short, long)]
     pub quiet: bool,
 
+    /// No summary, but progress: crumple-run asks for it, whose last stage sums the run up.
+    #[arg(long, hide = true)]
+    pub no_summary: bool,
+
     /// Compression of the artifact; the content and its digest stay the same.
     #[arg(long, value_enum, default_value_t = Compress::None)]
     pub compress: Compress,

@@ -71,13 +71,10 @@ fn option_keys<O: Serialize + Default>(command: &clap::Command) -> anyhow::Resul
     Ok(keys)
 }
 
-/// Checks a pipeline file for a program that takes no options from it beyond `keys` of its own table; its name, where a
-/// run gave it one.
-pub fn check_pipeline(stage: &str, path: &Path, keys: &[&str]) -> anyhow::Result<Option<String>> {
+/// The table of a program in a pipeline file, which may hold `keys`; empty where there is none.
+pub fn pipeline_table(stage: &str, pipeline: &Pipeline, keys: &[&str]) -> anyhow::Result<toml::Table> {
     let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    let pipeline = Pipeline::read(path, None)?;
-    stage_table(stage, &pipeline, &keys)?;
-    Ok(pipeline.name().map(str::to_owned))
+    stage_table(stage, pipeline, &keys)
 }
 
 fn stage_table(stage: &str, pipeline: &Pipeline, keys: &[String]) -> anyhow::Result<toml::Table> {

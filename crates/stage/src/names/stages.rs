@@ -12,7 +12,7 @@ pub(crate) fn stage_order(stage: Option<&str>) -> usize {
 
 /// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
 pub(crate) fn writer_of(topic: &str) -> &'static str {
-    const WRITERS: [(&str, &str); 22] = [
+    const WRITERS: [(&str, &str); 23] = [
         ("/tests", "crumple-parameter-solve"),
         ("/test", "crumple-ingest"),
         ("/quality/", "crumple-ingest"),
@@ -34,6 +34,7 @@ pub(crate) fn writer_of(topic: &str) -> &'static str {
         ("/prediction/", "crumple-predict"),
         ("/wave/", "crumple-filter or crumple-ingest"),
         ("/notes", "any stage"),
+        ("/concerns", "any stage"),
         ("/diagnosis", "any stage"),
     ];
     if topic.starts_with("/wave/") && ["/velocity", "/displacement", "/force"].iter().any(|s| topic.ends_with(s)) {

@@ -6,9 +6,9 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::CommandFactory;
-use crumple_artifact::records::{DiagnosisV1, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV1, DiagnosisV1, NotesV1};
 use crumple_artifact::{Artifact, OutputKind, Provenance, WriteError};
-use crumple_signal::{Note, Severity};
+use crumple_signal::{About, Bearing, Note, Severity, Weight};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -91,6 +91,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         be_quiet();
     }
     keep_budget(&common.inputs, ExitStatus::Refused);
+    let sums_up = !common.quiet && !common.no_summary;
     let settings = S::resolve(options)?;
     if common.check_options {
         return Ok(ExitStatus::Done);
@@ -102,7 +103,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     if !common.force
         && let Some(existing) = up_to_date(&common.output, &provenance)
     {
-        if !common.quiet {
+        if sums_up {
             say(format_args!("{:<16} up to date: {}", S::NAME, common.output.display()));
             let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
             print_notes(S::NAME, notes.iter().map(|text| Note::parse(text)), &common.output);
@@ -114,18 +115,23 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         }
         return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
             Some(diagnosis) if diagnosis.has_result => ExitStatus::Done,
-            Some(diagnosis) => no_acceptable_result(S::NAME, &diagnosis.reason),
+            Some(diagnosis) => {
+                let concerns = existing.record::<ConcernsV1>("/concerns").ok().flatten().map_or(Vec::new(), |c| c.0);
+                no_acceptable_result(common, S::NAME, &diagnosis.reason, remedy_of(&concerns))
+            }
             None => ExitStatus::Done,
         });
     }
 
     let mut out = Output::new();
+    let mut of_earlier_stages = Vec::new();
     let outcome = match S::run(&settings, &input, &mut out) {
         Ok(outcome) => outcome,
         Err(error) => match find_in_chain::<MissingTopic>(&error).and_then(|missing| diagnosed.reason_for(missing)) {
             // An earlier stage has said why there is nothing to work on: so this one has no acceptable result either.
             Some(reason) => {
                 out = Output::new();
+                of_earlier_stages.extend(diagnosed.concerns().cloned());
                 if let Some(test) = &diagnosed.test {
                     out.put("/test", test)?;
                 }
@@ -144,8 +150,18 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         Outcome::NoAcceptableResult(reason) => Some((reason.clone(), false)),
         Outcome::Done => out.without.clone().map(|reason| (reason, true)),
     };
+    let mut concerns: Vec<ConcernV1> = out.notes.iter().filter_map(|note| concern(S::NAME, note)).collect();
     if let Some((reason, has_result)) = diagnosis {
+        if of_earlier_stages.is_empty() {
+            concerns.push(no_result(S::NAME, &reason, out.remedy.take()));
+        } else {
+            concerns.append(&mut of_earlier_stages);
+        }
         out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason, has_result })?;
+    }
+    let remedy = remedy_of(&concerns).map(str::to_owned);
+    if !concerns.is_empty() {
+        out.put("/concerns", &ConcernsV1(concerns))?;
     }
     if !out.notes.is_empty() {
         let notes = out.notes.to_texts();
@@ -158,9 +174,12 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         })
         .with_context(|| format!("the result of {} is lost", S::NAME))?;
     drop(progress);
-    if !common.quiet {
+    if sums_up {
         for line in &out.summary {
             say(format_args!("{:<16} {line}", S::NAME));
+        }
+        if let Some(remedy) = out.without.as_ref().and(remedy.as_deref()) {
+            say(format_args!("{:<16} hint: {remedy}", S::NAME));
         }
         print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
     }
@@ -169,13 +188,41 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     }
     Ok(match outcome {
         Outcome::Done => ExitStatus::Done,
-        Outcome::NoAcceptableResult(reason) => no_acceptable_result(S::NAME, &reason),
+        Outcome::NoAcceptableResult(reason) => no_acceptable_result(common, S::NAME, &reason, remedy.as_deref()),
     })
 }
 
 /// Whether a result is NaN or infinite: a stage that read finite numbers computed it of numbers that are too large.
 fn is_not_finite(error: &anyhow::Error) -> bool {
     matches!(find_in_chain::<WriteError>(error), Some(WriteError::NotFinite { .. }))
+}
+
+/// A warning with what it concerns; of one that does not say it, what the stage makes.
+fn concern(stage: &str, note: &Note) -> Option<ConcernV1> {
+    if note.severity != Severity::Warning {
+        return None;
+    }
+    let of_stage = || Bearing { about: About::of_stage(stage), weight: Weight::Slight };
+    let Bearing { about, weight } = note.bearing.clone().unwrap_or_else(of_stage);
+    Some(ConcernV1 {
+        stage: stage.to_owned(),
+        severity: ConcernV1::WARNING.to_owned(),
+        about: about.to_string(),
+        weight: weight.number(),
+        text: note.text.clone(),
+        remedy: None,
+    })
+}
+
+fn no_result(stage: &str, reason: &str, remedy: Option<String>) -> ConcernV1 {
+    ConcernV1 {
+        stage: stage.to_owned(),
+        severity: ConcernV1::NO_RESULT.to_owned(),
+        about: About::of_stage(stage).to_string(),
+        weight: Weight::Decisive.number(),
+        text: reason.to_owned(),
+        remedy,
+    }
 }
 
 /// Adds the inputs' names to an error that does not name any of them.
@@ -197,8 +244,20 @@ fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
     open(output).ok().filter(|artifact| artifact.provenance() == Some(provenance))
 }
 
-fn no_acceptable_result(stage: &str, reason: &str) -> ExitStatus {
+/// What to do for a result, where there is none.
+fn remedy_of(concerns: &[ConcernV1]) -> Option<&str> {
+    concerns.iter().filter(|c| c.severity == ConcernV1::NO_RESULT).find_map(|c| c.remedy.as_deref())
+}
+
+fn no_acceptable_result(common: &SharedFlags, stage: &str, reason: &str, remedy: Option<&str>) -> ExitStatus {
+    if common.no_summary {
+        // The verdict of the run says it.
+        return ExitStatus::NoAcceptableResult;
+    }
     say(format_args!("{stage:<16} no acceptable result: {reason}"));
+    if let Some(remedy) = remedy {
+        say(format_args!("{stage:<16} hint: {remedy}"));
+    }
     ExitStatus::NoAcceptableResult
 }
 
@@ -213,8 +272,8 @@ fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
         1 => "1 note".to_owned(),
         more => format!("{more} notes"),
     };
-    let show = std::env::current_exe().unwrap_or_default().with_file_name("crumple-artifact");
-    say(format_args!("{stage:<16} {count}: {} show {}", quoted(&show), quoted(output)));
+    let program = std::env::current_exe().unwrap_or_default().with_file_name("crumple-artifact");
+    say(format_args!("{stage:<16} {count}: {} notes {}", quoted(&program), quoted(output)));
 }
 
 /// A path as a shell takes it.

@@ -1,8 +1,10 @@
-//! Records any stage may write: its notes, and the diagnosis of a run without a result.
+//! Records any stage may write: its notes, what speaks against its result, and the diagnosis of a run without one.
 //! Uses no other room.
 
+mod concerns;
 mod diagnosis;
 mod notes;
 
+pub use concerns::{ConcernV1, ConcernsV1};
 pub use diagnosis::DiagnosisV1;
 pub use notes::NotesV1;

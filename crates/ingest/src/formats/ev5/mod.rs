@@ -13,7 +13,7 @@ pub mod test_details;
 use std::collections::BTreeMap;
 
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{ChannelStatus, Notes};
+use crumple_signal::{About, ChannelStatus, Notes, Weight};
 
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::recording::content::{PulseRule, Recording};
@@ -138,7 +138,8 @@ fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
         let channel = &read.channel;
         if matches!(channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
             let comment = channel.comment.as_deref().unwrap_or("without a comment");
-            notes.warning(format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status));
+            let text = format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status);
+            notes.concern(About::Channel(channel.id.clone()), Weight::Slight, text);
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Details of a test from the records of its specification.
 
+use crumple_signal::ANOTHER_VEHICLE;
+
 use crate::formats::ev5::records::{Barrier, Test, Vehicle};
 use crate::recording::details::{Damage, Details, Stated};
 
@@ -16,7 +18,10 @@ pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Det
     Details {
         title: test.title.clone().map(|t| stated(t, "TITLE")),
         vehicle: vehicle_words(test, vehicle).map(|v| stated(v, "TITLE")),
-        barrier: barrier.and_then(Barrier::words).map(|b| stated(b, "BARRIER")),
+        barrier: match test.configuration.as_deref() {
+            Some("VTV") => Some(stated(ANOTHER_VEHICLE.to_owned(), "TSTCFN")),
+            _ => barrier.and_then(Barrier::words).map(|b| stated(b, "BARRIER")),
+        },
         mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
         time_zero_s: None,

@@ -10,7 +10,7 @@ mod test_file;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::iso13499::IsoCode;
-use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
+use crumple_signal::{About, Channel, ChannelStatus, Notes, QuantityKind, Weight};
 
 use crate::formats::iso_mme::file_names::{is_channel_name, is_text_part};
 use crate::formats::reader::{Bundle, Reader, stem};
@@ -179,10 +179,9 @@ fn warn_of_doubtful(channels: &[ReadChannel], notes: &mut Notes) {
     for read in channels.iter().filter(|f| f.wave.is_some()) {
         if matches!(read.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
             let comment = read.channel.comment.as_deref().unwrap_or("without a comment");
-            notes.warning(format!(
-                "channel {} is {} by its laboratory: {comment}",
-                read.channel.id, read.channel.status
-            ));
+            let id = read.channel.id.clone();
+            let text = format!("channel {id} is {} by its laboratory: {comment}", read.channel.status);
+            notes.concern(About::Channel(id), Weight::Slight, text);
         }
     }
 }

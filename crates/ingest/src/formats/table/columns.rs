@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::iso13499::wildcard;
 use crumple_signal::unit::{Dimension, choices, factor};
-use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
+use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, Weight};
 
 use crate::formats::iso13499;
 use crate::formats::table::header::{Column, TableHeader};
@@ -124,7 +124,7 @@ fn kinds(
             (Unit::Signal(QuantityKind::Acceleration, f), Some((over, true)))
                 if *f != over && (selected == Some(k) || accelerations == 1) =>
             {
-                notes.warning(format!(
+                notes.concern(About::Pulse, Weight::Marked, format!(
                     "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: \
                      that is used"
                 ));

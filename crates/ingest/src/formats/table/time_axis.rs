@@ -1,7 +1,7 @@
 //! The time column of a table.
 
-use crumple_signal::Notes;
 use crumple_signal::value::Frequency;
+use crumple_signal::{About, Notes, Weight};
 
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::rows::Rows;
@@ -156,7 +156,11 @@ fn unit(
     if let Some(symbol) = &settings.time_unit {
         let flag = time_unit::stated_unit(place(), symbol, "--time-unit")?;
         if matches!(header, Unit::Time(of_header) if *of_header != flag) {
-            notes.warning(format!("--time-unit {symbol} is not the unit that the header of column {title} states"));
+            notes.concern(
+                About::Time,
+                Weight::Marked,
+                format!("--time-unit {symbol} is not the unit that the header of column {title} states"),
+            );
         }
         return Ok(flag);
     }

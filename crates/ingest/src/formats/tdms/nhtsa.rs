@@ -4,7 +4,7 @@
 //! Written after descriptions of such files; none was at hand. Hence tolerant: a field may stand at the channel, its
 //! group or the file, with any prefix, as a text or as a number.
 
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{About, Notes, QuantityKind, Weight};
 
 use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle};
 use crate::formats::ev5::sensor;
@@ -91,7 +91,8 @@ pub fn describe(read: &mut ReadChannel, curve: &Curve, vehicle: u32, notes: &mut
     }
     if matches!(channel.status, crumple_signal::ChannelStatus::Questionable | crumple_signal::ChannelStatus::Failed) {
         let comment = channel.comment.as_deref().unwrap_or("without a comment");
-        notes.warning(format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status));
+        let text = format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status);
+        notes.concern(About::Channel(channel.id.clone()), Weight::Slight, text);
     }
 }
 

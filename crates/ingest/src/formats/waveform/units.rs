@@ -1,7 +1,7 @@
 //! Units of waveforms: stated, or at the end of the name; by flag where neither is known.
 
 use crumple_signal::unit::{self, Dimension, choices};
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{About, Notes, QuantityKind, Weight};
 
 use crate::formats::text::column_names::{Unit, names_acceleration};
 use crate::formats::waveform::channel::Waveform;
@@ -32,21 +32,22 @@ pub fn quantities(
         |k: usize| speaks_of_acceleration(&labels[k].title) || wanted.map_or(data.len() == 1, |wanted| wanted == k);
     let mut kinds = vec![(QuantityKind::Other, 1.0); waveforms.len()];
     for &k in &data {
-        kinds[k] = match (&labels[k].unit, stated) {
-            (Unit::Signal(QuantityKind::Acceleration, f), Some(over))
-                if *f != over && (wanted == Some(k) || accelerations == 1) =>
-            {
-                notes.warning(format!(
+        kinds[k] =
+            match (&labels[k].unit, stated) {
+                (Unit::Signal(QuantityKind::Acceleration, f), Some(over))
+                    if *f != over && (wanted == Some(k) || accelerations == 1) =>
+                {
+                    notes.concern(About::Pulse, Weight::Marked, format!(
                     "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is \
                      used",
                     labels[k].title
                 ));
-                (QuantityKind::Acceleration, over)
-            }
-            (Unit::Signal(kind, f), _) => (*kind, *f),
-            (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
-            _ => (QuantityKind::Other, 1.0),
-        };
+                    (QuantityKind::Acceleration, over)
+                }
+                (Unit::Signal(kind, f), _) => (*kind, *f),
+                (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
+                _ => (QuantityKind::Other, 1.0),
+            };
     }
     if let Some(factor) = stated
         && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))

@@ -6,7 +6,7 @@ use crumple_metrics::definitions::{
     WALL_INITIAL_STIFFNESS,
 };
 use crumple_metrics::{KW400_TO_M, Metric, wall_stiffness};
-use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{About, Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
@@ -64,11 +64,11 @@ pub fn barrier(
     }
     if !sum.off_grid.is_empty() {
         let ids: Vec<&str> = sum.off_grid.iter().map(String::as_str).collect();
-        out.notes().warning(format!(
-            "barrier force: {} on another time grid, not in the sum: {}",
-            count(ids.len()),
-            some(&ids)
-        ));
+        out.notes().concern(
+            About::WallForce,
+            Weight::Marked,
+            format!("barrier force: {} on another time grid, not in the sum: {}", count(ids.len()), some(&ids)),
+        );
     }
     let as_read = as_read(input, &waves(input, listed.iter()), pulse.time_zero_s)?;
     let metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
@@ -161,7 +161,7 @@ fn momentum(
         if gap.is_ok_and(|gap| gap.abs() <= MOMENTUM_GAP) {
             out.notes().info(text);
         } else {
-            out.notes().warning(text);
+            out.notes().concern(About::WallForce, Weight::Slight, text);
         }
     }
     let few = "the force has fewer than two samples from time zero on";

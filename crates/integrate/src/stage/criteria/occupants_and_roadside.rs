@@ -5,8 +5,8 @@ use crumple_metrics::{
     clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
 };
 use crumple_signal::{
-    Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal,
-    TestDescription, part_of,
+    About, Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2,
+    Signal, TestDescription, Weight, part_of,
 };
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, RefuseExt};
@@ -57,10 +57,14 @@ impl Criteria<'_> {
             }
         }
         if !bounds.is_empty() {
-            notes.warning(format!(
-                "criteria are lower bounds where the resultant is of one or two axes alone: {}",
-                bounds.join("; ")
-            ));
+            notes.concern(
+                About::Occupants,
+                Weight::Marked,
+                format!(
+                    "criteria are lower bounds where the resultant is of one or two axes alone: {}",
+                    bounds.join("; ")
+                ),
+            );
         }
         if self.takes(MetricGroup::RideDown) {
             records.extend(self.ride_down(&sites, notes)?);
@@ -156,7 +160,11 @@ impl Criteria<'_> {
     ) -> anyhow::Result<Vec<MetricV1>> {
         let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
         let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
-            notes.warning(format!("{place}: its axes are on different time grids, no criteria"));
+            notes.concern(
+                About::Occupants,
+                Weight::Slight,
+                format!("{place}: its axes are on different time grids, no criteria"),
+            );
             return Ok(Vec::new());
         };
         let mut remarks: Vec<String> = Vec::new();

@@ -1,7 +1,7 @@
 //! Other accelerometers compared with the pulse: how far apart they are, and the spread of every metric.
 
 use crumple_metrics::{ChannelMotion, LARGEST_CRUSH_GAP, Metric, agreement, definitions, over_channels};
-use crumple_signal::{Channel, Notes, STANDARD_GRAVITY_M_PER_S2};
+use crumple_signal::{About, Channel, Notes, STANDARD_GRAVITY_M_PER_S2, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::MetricV1;
 
@@ -60,7 +60,11 @@ impl<'a> ChannelAgreement<'a> {
         if gaps.may_be_averaged() {
             notes.info(text);
         } else {
-            notes.warning(format!("{text}: more than {:.0} % of crush apart", 1e2 * LARGEST_CRUSH_GAP));
+            notes.concern(
+                About::Motion,
+                Weight::Marked,
+                format!("{text}: more than {:.0} % of crush apart", 1e2 * LARGEST_CRUSH_GAP),
+            );
         }
     }
 

@@ -1,6 +1,6 @@
 //! The impact speed of a test.
 
-use crumple_signal::{Channel, Notes, TestDescription};
+use crumple_signal::{About, Channel, Notes, TestDescription, Weight};
 use crumple_stage::Refused;
 
 use crate::stage::options::settings::StageSettings;
@@ -28,10 +28,14 @@ pub fn impact_speed(
     if let Some(of_channel) = channel.initial_velocity_m_per_s
         && (of_channel.abs() - speed).abs() > SPEED_GAP_M_PER_S
     {
-        notes.warning(format!(
-            "channel {} states an initial velocity of {of_channel:.3} m/s, the impact speed is {speed:.3} m/s",
-            channel.id
-        ));
+        notes.concern(
+            About::ImpactSpeed,
+            Weight::Marked,
+            format!(
+                "channel {} states an initial velocity of {of_channel:.3} m/s, the impact speed is {speed:.3} m/s",
+                channel.id
+            ),
+        );
     }
     Ok(speed)
 }

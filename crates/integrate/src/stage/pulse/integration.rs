@@ -7,7 +7,9 @@ use crumple_integrate::{
     integrate_without_drift, propagate,
 };
 use crumple_metrics::{Pulse, pulse_metrics};
-use crumple_signal::{Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription};
+use crumple_signal::{
+    About, Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight,
+};
 use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{Inputs, Output, RefuseExt};
 
@@ -155,6 +157,10 @@ fn note_drift(id: &str, drift: &Drift, stated_m_per_s: f64, notes: &mut Notes) {
     if drift.acceleration_m_per_s2.abs() <= LARGE_DRIFT_M_PER_S2 {
         notes.info(text);
     } else {
-        notes.warning(format!("{text}: more than a sensor drifts, check impact speed, time zero and gain"));
+        notes.concern(
+            About::ImpactSpeed,
+            Weight::Decisive,
+            format!("{text}: more than a sensor drifts, check impact speed, time zero and gain"),
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! The pulse in words: findings, warnings, a line of the summary.
 
 use crumple_integrate::{WRONG_SIGN, findings, wrong_sign};
-use crumple_signal::{Channel, Notes, Severity, part_of};
+use crumple_signal::{About, Channel, Notes, Severity, Weight, part_of};
 
 use crate::stage::pulse::integrated::Integrated;
 
@@ -20,7 +20,7 @@ pub fn note_findings(pulse: &Integrated, time_zero_s: f64, impact_speed_m_per_s:
 pub fn note_warnings(id: &str, channel: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64, notes: &mut Notes) {
     for note in findings(&channel.motion, &channel.events, time_zero_s, impact_speed_m_per_s).iter() {
         if note.severity == Severity::Warning {
-            notes.warning(format!("channel {id}: {}", note.text));
+            notes.concern(About::Channel(id.to_owned()), Weight::Marked, format!("channel {id}: {}", note.text));
         }
     }
 }
@@ -29,7 +29,7 @@ pub fn note_warnings(id: &str, channel: &Integrated, time_zero_s: f64, impact_sp
 pub fn warn_unless_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
     if !channel.may_be_on_vehicle() || part_of(channel).is_some() {
         let location = if channel.location.is_empty() { "an occupant" } else { &channel.location };
-        notes.warning(format!(
+        notes.concern(About::Pulse, Weight::Decisive, format!(
             "channel {} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse indices \
              are those of the sensor, not of the vehicle",
             channel.id

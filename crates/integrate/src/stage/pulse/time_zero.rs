@@ -2,7 +2,7 @@
 
 use crumple_integrate::{TimeZeroEstimate, contact_edge, edr_start, threshold_crossing};
 use crumple_metrics::event_end_by_velocity_change;
-use crumple_signal::{Acceleration, Channel, Notes, Signal, TestDescription};
+use crumple_signal::{About, Acceleration, Channel, Notes, Signal, TestDescription, Weight};
 use crumple_stage::{Inputs, Refused};
 
 use crate::stage::options::flags::ZeroRule;
@@ -47,7 +47,11 @@ pub fn time_zero(
     };
     if *rule == ZeroRule::Threshold && channel.cfc != Some(60) {
         let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
-        notes.warning(format!("the threshold rule is meant for cfc 60, channel {} is of {class}", channel.id));
+        notes.concern(
+            About::Time,
+            Weight::Slight,
+            format!("the threshold rule is meant for cfc 60, channel {} is of {class}", channel.id),
+        );
     }
     notes.info(uncertainty(rule, zero, impact_speed_m_per_s));
     if *rule == ZeroRule::Edr
@@ -74,7 +78,7 @@ fn late_contact(
     }
     let Some(zero) = threshold_crossing(pulse).filter(|zero| zero.time_s > LATE_S) else { return };
     let late_ms = 1e3 * zero.time_s;
-    notes.warning(format!(
+    notes.concern(About::Time, Weight::Decisive, format!(
         "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
          = 0: the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if \
          contact is there, crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",

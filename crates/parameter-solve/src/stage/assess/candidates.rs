@@ -5,6 +5,7 @@ use crumple_lumped_fit::{
     AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation, assess,
     largest_draw, propagate, propagate_closed_form, propagate_conditioned, unloads_rigidly, widen_by_mass_split,
 };
+use crumple_signal::{About, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::EventsV1;
 use rayon::prelude::*;
@@ -157,7 +158,7 @@ impl Assessor<'_> {
         for (candidate, assessed) in all() {
             let repeated = assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some());
             if repeated && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
-                out.notes().warning(format!(
+                out.notes().concern(About::Model(candidate.id()), Weight::Marked, format!(
                     "{}: its repetitions start at its own minimum; with time zero more than {} ms off, another minimum \
                      can be lower: the propagated intervals are those of one minimum and may be too narrow",
                     candidate.id(),
@@ -168,11 +169,15 @@ impl Assessor<'_> {
         let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
         for (candidate, assessed) in all() {
             if !inputs.is_empty() && assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_none()) {
-                out.notes().warning(format!(
-                    "{}: {} not propagated, its estimator cannot be repeated from this record",
-                    candidate.id(),
-                    inputs.join(", ")
-                ));
+                out.notes().concern(
+                    About::Model(candidate.id()),
+                    Weight::Slight,
+                    format!(
+                        "{}: {} not propagated, its estimator cannot be repeated from this record",
+                        candidate.id(),
+                        inputs.join(", ")
+                    ),
+                );
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{About, Notes, QuantityKind, Weight};
 
 use crate::formats::reader::Bundle;
 use crate::formats::table::event_data_recorder::tables::{self, ReportTable};
@@ -81,7 +81,8 @@ pub fn read(
     }
     for line in tables::incompleteness(text, file)? {
         details.facts.push(format!("the recorder says that its file is not complete ({line})"));
-        notes.warning(format!("the recorder says that its file is not complete ({line}): the event may be cut off"));
+        let text = format!("the recorder says that its file is not complete ({line}): the event may be cut off");
+        notes.concern(About::Motion, Weight::Decisive, text);
     }
     edr_notes(&channels, &mut details, &mut notes);
     Ok(Some(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes }))
@@ -136,7 +137,9 @@ pub fn edr_notes(channels: &[ReadChannel], details: &mut Details, notes: &mut No
     details.facts.push(
         "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
     );
-    notes.warning(
+    notes.concern(
+        About::Motion,
+        Weight::Marked,
         "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), \
          and how the recorder \
          filtered it is not stated: peak acceleration and force cannot be taken from it, crush roughly",

@@ -1,0 +1,35 @@
+//! Record: what speaks against a result, with its weight and what it concerns.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What speaks against the result of a stage. Topic `/concerns`; the record is a JSON array.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct ConcernsV1(pub Vec<ConcernV1>);
+
+/// One warning of `/notes`, or the diagnosis of a stage without a result, as a program can rank it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ConcernV1 {
+    /// The stage that says it.
+    pub stage: String,
+    /// `warning`, or `no-result`: the stage has no acceptable result, or none that later stages work on.
+    pub severity: String,
+    /// What it concerns: `pulse`, `mass`, `impact-speed`, `time`, `motion`, `model:<model or candidate>`, `predictions`,
+    /// `occupants`, `wall-force`, `identified-models`, `channel:<id>`, `record`.
+    pub about: String,
+    /// How much it changes there: 1 it stays within the intervals, 2 numbers may be off by more, 3 it may be another
+    /// thing than it is taken for.
+    pub weight: u8,
+    /// One sentence.
+    pub text: String,
+    /// One thing to do about it.
+    pub remedy: Option<String>,
+}
+
+impl ConcernV1 {
+    /// Severity of a warning.
+    pub const WARNING: &str = "warning";
+    /// Severity of the diagnosis of a stage without a result.
+    pub const NO_RESULT: &str = "no-result";
+}

@@ -1,0 +1,52 @@
+//! The verdict on top of the page, and the gravest warnings below it.
+
+use crumple_artifact::records::ConcernV1;
+
+use crate::results::concerns::{Concern, SHOWN_FIRST};
+use crate::results::verdict::{Standing, Verdict};
+use crate::text::escape::html;
+use crate::text::language::fill;
+use crate::text::phrases::Phrases;
+
+/// The two sentences; without a result a bar that says what to do.
+pub(super) fn write(out: &mut String, verdict: &Verdict, phrases: &Phrases) {
+    let (class, role) = match verdict.standing {
+        Standing::Model => ("verdict", ""),
+        Standing::NoneRecommended => ("verdict none", ""),
+        Standing::NoResult => ("verdict bad", " role=\"alert\""),
+    };
+    let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
+    out.push_str(&format!(
+        "<section class=\"{class}\"{role} aria-label=\"{}\" lang=\"{}\">\n{sentences}</section>\n",
+        phrases.verdict, verdict.language
+    ));
+}
+
+/// At most three warnings; the others are counted and linked.
+pub(super) fn write_before_use(out: &mut String, verdict: &Verdict, concerns: &[Concern], phrases: &Phrases) {
+    // The red bar has said why there is no result.
+    let said = |concern: &&Concern| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
+    let warnings: Vec<&Concern> = concerns.iter().filter(|concern| !said(concern)).collect();
+    if warnings.is_empty() {
+        return;
+    }
+    let (first, others) = warnings.split_at(SHOWN_FIRST.min(warnings.len()));
+    let items: String = first.iter().map(|concern| format!("<li>{}</li>\n", item(concern, phrases))).collect();
+    let more = match others.len() {
+        0 => String::new(),
+        1 => format!("<p><a href=\"#notes\">{}</a></p>\n", phrases.one_more),
+        n => format!("<p><a href=\"#notes\">{}</a></p>\n", fill(phrases.more, &[("count", &n.to_string())])),
+    };
+    out.push_str(&format!(
+        "<section class=\"before-use\" aria-labelledby=\"before-use-title\">\n<h2 id=\"before-use-title\">{}</h2>\n\
+         <ul>\n{items}</ul>\n{more}</section>\n",
+        phrases.before_use
+    ));
+}
+
+/// The text of a concern, what to do about it, and the stage that says it.
+pub(super) fn item(concern: &Concern, phrases: &Phrases) -> String {
+    let remedy = concern.remedy.as_deref().map(|remedy| fill(phrases.what_to_do, &[("remedy", remedy)]));
+    let remedy = remedy.map_or_else(String::new, |remedy| format!(" {}", html(&remedy)));
+    format!("{}{remedy} <span class=\"stage\">{}</span>", html(&concern.text), html(&concern.stage))
+}

@@ -1,0 +1,205 @@
+//! What speaks against a run, ranked by what it does to what is shown.
+
+use crumple_artifact::records::ConcernV1;
+use crumple_signal::{About, Severity, Weight};
+use serde::Serialize;
+
+use crate::results::kind::Kind;
+use crate::text::language::{Language, fill};
+use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::parameters::parameter;
+use crate::{CandidateResult, Ranking, Run};
+
+/// Warnings that stand on the first screen.
+pub const SHOWN_FIRST: usize = 3;
+
+/// One concern of a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Concern {
+    /// The stage that says it.
+    pub stage: String,
+    /// `warning`, or `no-result`.
+    pub severity: String,
+    /// What it concerns, as in the record `/concerns`.
+    pub about: String,
+    /// 1 to 9: how much it changes there (1 to 3) times how prominently that is shown (1 to 3).
+    pub weight: u8,
+    /// One sentence.
+    pub text: String,
+    /// One thing to do about it.
+    pub remedy: Option<String>,
+    /// How much it changes there.
+    #[serde(skip)]
+    changes: Weight,
+}
+
+impl Concern {
+    /// Whether what the page shows first may be another thing than it is taken for.
+    pub fn is_decisive(&self) -> bool {
+        self.changes == Weight::Decisive && self.weight == 9
+    }
+}
+
+/// The concerns of a run, gravest first: the diagnosis of a stage without a result, the warnings of the stages, and
+/// what follows from the results themselves. No two of the first [`SHOWN_FIRST`] concern the same thing where others
+/// are as grave within one step of how much they change.
+pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
+    let mut all: Vec<Concern> = run.concerns.iter().map(|record| of_record(record, run, ranking, kind)).collect();
+    for note in run.notes.iter().filter(|note| note.note.severity == Severity::Warning) {
+        if !all.iter().any(|known| known.stage == note.stage && known.text == note.note.text) {
+            let about = About::of_stage(&note.stage);
+            all.push(concern(&note.stage, about, Weight::Slight, note.note.text.clone(), run, ranking, kind));
+        }
+    }
+    for (about, weight, text) in of_results(run, ranking, kind) {
+        all.push(concern("report", about, weight, text, run, ranking, kind));
+    }
+    // The sort is stable: equals stay in the order of the stages.
+    all.sort_by_key(|concern| {
+        (concern.severity != ConcernV1::NO_RESULT, std::cmp::Reverse(concern.weight), order_of(&concern.about))
+    });
+    one_each_first(all)
+}
+
+/// Of the gravest ones those that concern different things come first.
+fn one_each_first(all: Vec<Concern>) -> Vec<Concern> {
+    let (mut first, mut others): (Vec<Concern>, Vec<Concern>) = (Vec::new(), Vec::new());
+    for concern in all {
+        let is_new = first.iter().all(|known| known.about != concern.about);
+        if first.len() < SHOWN_FIRST && is_new { first.push(concern) } else { others.push(concern) }
+    }
+    first.extend(others);
+    first
+}
+
+fn order_of(about: &str) -> Option<About> {
+    about.parse().ok()
+}
+
+fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> Concern {
+    let about = record.about.parse().unwrap_or(About::Record);
+    let weight = Weight::of_number(record.weight);
+    let concern = concern(&record.stage, about, weight, record.text.clone(), run, ranking, kind);
+    Concern { severity: record.severity.clone(), remedy: record.remedy.clone(), ..concern }
+}
+
+fn concern(
+    stage: &str,
+    about: About,
+    changes: Weight,
+    text: String,
+    run: &Run,
+    ranking: &Ranking,
+    kind: Kind,
+) -> Concern {
+    Concern {
+        stage: stage.to_owned(),
+        severity: ConcernV1::WARNING.to_owned(),
+        weight: changes.number() * prominence(&about, run, ranking, kind),
+        about: about.to_string(),
+        text,
+        remedy: None,
+        changes,
+    }
+}
+
+/// How prominently the page shows what a concern is about: 3 on the first screen, 2 in a section of its own, 1 on
+/// demand.
+fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
+    match about {
+        About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion => 3,
+        About::Model(name) => prominence_of_model(name, run, ranking),
+        About::Predictions | About::WallForce | About::Record => 2,
+        About::Occupants => 2 + u8::from(kind == Kind::Occupant),
+        About::IdentifiedModels => 1 + 2 * u8::from(matches!(kind, Kind::InputOutput | Kind::LinearModel)),
+        About::Channel(_) => 1,
+    }
+}
+
+fn prominence_of_model(name: &str, run: &Run, ranking: &Ranking) -> u8 {
+    let is_of = |id: Option<&str>| id.is_some_and(|id| id == name || id.split('/').next() == Some(name));
+    let choice = run.recommendation.as_ref();
+    let named = |id: Option<&String>| is_of(id.map(String::as_str));
+    if is_of(ranking.best.as_deref()) {
+        3
+    } else if name.is_empty() || choice.is_some_and(|c| named(c.simplest.as_ref()) || named(c.closest.as_ref())) {
+        2
+    } else {
+        1
+    }
+}
+
+/// What follows from typed fields of the results, whatever the stages remarked.
+fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, String)> {
+    let language = run.language;
+    let phrases = language.phrases();
+    let mut found = Vec::new();
+    if kind == Kind::TwoVehicles {
+        found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
+    }
+    if let Some((low, high)) = spread_beyond_the_interval(run) {
+        let mm = |m: f64| language.quantity(MILLI * m, 1, "mm");
+        let text = fill(phrases.sensors_differ, &[("low", &mm(low)), ("high", &mm(high))]);
+        found.push((About::Motion, Weight::Marked, text));
+    }
+    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
+        let model = candidate_name(&best.id);
+        let about = || About::Model(best.id.clone());
+        for (names, template, weight) in [
+            (best.record.undetermined(), phrases.warn_open, Weight::Decisive),
+            (best.hardly_determined_parameters(), phrases.warn_hardly, Weight::Marked),
+        ] {
+            if !names.is_empty() {
+                let names = symbols(best, &names, language);
+                found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
+            }
+        }
+        if best.record.equivalent_to.is_some() {
+            found.push((about(), Weight::Marked, fill(phrases.warn_dual, &[("model", &model)])));
+        }
+    }
+    let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
+    if let Some(closest) = closest.filter(|id| Some(*id) != ranking.best.as_deref()).and_then(|id| run.candidate(id)) {
+        let (open, parameters) = closest.undetermined();
+        if open > 0 {
+            let texts = [
+                ("model", candidate_name(&closest.id)),
+                ("open", open.to_string()),
+                ("parameters", parameters.to_string()),
+            ];
+            let texts = texts.each_ref().map(|(name, text)| (*name, text.as_str()));
+            found.push((About::Model(closest.id.clone()), Weight::Marked, fill(phrases.warn_closest, &texts)));
+        }
+    }
+    let beyond = run.predictions.iter().any(|p| p.recommended && p.extrapolates);
+    if let Some(speed) = run.test.impact_speed_m_per_s.filter(|_| beyond) {
+        let speed = language.quantity(KM_PER_H_PER_M_PER_S * speed, 1, "km/h");
+        let text = fill(phrases.warn_extrapolates, &[("speed", &speed)]);
+        found.push((About::Predictions, Weight::Slight, text));
+    }
+    found
+}
+
+/// Crushes of the sensors that count as one with the pulse, where they reach beyond its own interval.
+fn spread_beyond_the_interval(run: &Run) -> Option<(f64, f64)> {
+    let interval = run.events.as_ref()?.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
+    let metric = run.metric("dynamic_crush")?;
+    let (low, high) = (metric.low?, metric.high?);
+    (low < interval.low || high > interval.high).then_some((low, high))
+}
+
+/// `k and c` of a candidate.
+pub(crate) fn symbols(candidate: &CandidateResult, names: &[&str], language: Language) -> String {
+    let mut symbols: Vec<String> = Vec::new();
+    for name in names {
+        let (symbol, ..) = parameter(&candidate.record.model, name, 0.0);
+        if !symbols.contains(&symbol) {
+            symbols.push(symbol);
+        }
+    }
+    match symbols.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, before)) => format!("{} {} {last}", before.join(", "), language.phrases().and),
+        None => String::new(),
+    }
+}

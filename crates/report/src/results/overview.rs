@@ -1,0 +1,140 @@
+//! The numbers of a run in a few lines, as the console shows them below the verdict.
+
+use std::collections::BTreeMap;
+
+use crumple_artifact::records::{ConcernV1, MetricV1};
+
+use crate::results::concerns::{Concern, SHOWN_FIRST};
+use crate::results::kind::Kind;
+use crate::results::verdict::Verdict;
+use crate::text::language::fill;
+use crate::text::numbers::{
+    G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, digits_of_interval, significant,
+};
+use crate::text::parameters::{parameter, parameter_order};
+use crate::{CandidateResult, Ranking, Run};
+
+/// Parameters of a curve of many knots are not listed beyond so many.
+const MOST_PARAMETERS: usize = 8;
+
+/// Label and text of each line. What the sentences of the verdict say already is left out. `notes`: how to see them all.
+pub fn overview(
+    run: &Run,
+    ranking: &Ranking,
+    verdict: &Verdict,
+    concerns: &[Concern],
+    notes: &str,
+) -> Vec<(String, String)> {
+    let language = run.language;
+    let phrases = language.phrases();
+    let mut lines: Vec<(String, String)> = Vec::new();
+    let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
+    let [crush, time, change, restitution, peak, olc] = phrases.labels;
+    for (label, field, value, shown) in [
+        (crush, "dynamic_crush_m", run.events.as_ref().and_then(|e| e.dynamic_crush_m), (MILLI, 1, "mm")),
+        (time, "time_of_dynamic_crush_s", run.time_of_crush_s(), (MILLI, 1, "ms")),
+        (
+            change,
+            "delta_v_m_per_s",
+            run.events.as_ref().and_then(|e| e.delta_v_m_per_s),
+            (KM_PER_H_PER_M_PER_S, 1, "km/h"),
+        ),
+        (
+            restitution,
+            "coefficient_of_restitution",
+            run.events.as_ref().and_then(|e| e.coefficient_of_restitution),
+            (1.0, 3, ""),
+        ),
+    ] {
+        let Some(value) = value.filter(|_| !said(&format!("/events/{field}"))) else { continue };
+        let intervals = run.events.as_ref().map(|events| events.intervals.as_slice()).unwrap_or_default();
+        let interval = intervals.iter().find(|interval| interval.name == field);
+        let ends = interval.map(|interval| (interval.low, interval.high));
+        lines.push((label.to_owned(), with_interval(run, value, ends, shown)));
+    }
+    // A peak as read is one of vibration.
+    let filtered = run.measured.filtered.is_some();
+    for (label, name) in [(peak, "peak_acceleration"), (olc, "olc")] {
+        let Some(metric) = run.metric(name).filter(|_| filtered) else { continue };
+        if let Some(text) = metric_line(run, metric) {
+            lines.push((label.to_owned(), text));
+        }
+    }
+    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
+        lines.push((phrases.model_label.to_owned(), parameters(run, best)));
+    }
+    let warnings: Vec<&Concern> = concerns.iter().filter(|c| c.severity != ConcernV1::NO_RESULT).collect();
+    for (number, concern) in warnings.iter().take(SHOWN_FIRST).enumerate() {
+        let label = if number == 0 { phrases.warnings_label } else { "" };
+        lines.push((label.to_owned(), format!("{}. {}", number + 1, concern.text)));
+    }
+    let others = warnings.len().saturating_sub(SHOWN_FIRST);
+    if others > 0 {
+        let count = match others {
+            1 => phrases.one_more.to_owned(),
+            n => fill(phrases.more, &[("count", &n.to_string())]),
+        };
+        lines.push((String::new(), format!("{count}: {notes}")));
+    }
+    // Of a run that is whole the verdict says why something is not there.
+    if matches!(verdict.kind, Kind::Barrier | Kind::NoStop | Kind::TwoVehicles | Kind::MeasuredOnly) {
+        lines.extend(run.missing.iter().map(|what| (phrases.missing_label.to_owned(), what.clone())));
+    }
+    lines
+}
+
+fn with_interval(
+    run: &Run,
+    value: f64,
+    ends: Option<(f64, f64)>,
+    (factor, places, unit): (f64, usize, &str),
+) -> String {
+    let language = run.language;
+    let number = language.quantity(factor * value, places, unit);
+    let Some((low, high)) = ends else { return number };
+    let low = language.quantity(factor * low, places, "");
+    let high = language.quantity(factor * high, places, unit);
+    format!("{number} ({low} {} {high})", language.phrases().to)
+}
+
+fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
+    let text = with_interval(run, metric.value?, metric.low.zip(metric.high), (G_PER_M_PER_S2, 1, "g"));
+    let moment = metric.from_s.filter(|from| metric.to_s == Some(*from));
+    Some(match moment {
+        Some(time_s) => format!("{text}, {}", run.language.quantity(MILLI * time_s, 1, "ms")),
+        None => text,
+    })
+}
+
+/// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
+fn parameters(run: &Run, candidate: &CandidateResult) -> String {
+    let known = candidate.record.uncertainty.as_ref();
+    let end = |ends: &BTreeMap<String, Option<f64>>, name: &str| ends.get(name).copied().flatten();
+    let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
+    names.sort_by_key(|name| parameter_order(&candidate.record.model, name));
+    let count = names.len();
+    names.truncate(MOST_PARAMETERS);
+    let mut texts: Vec<String> = Vec::new();
+    for name in names {
+        let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
+        let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
+        let interval = known.and_then(|u| Some((end(&u.interval_low, name)?, end(&u.interval_high, name)?)));
+        let interval = interval.map_or_else(String::new, |(low, high)| {
+            let digits = digits_of_interval(low, high, 3);
+            let ends = [low, high].map(|si| in_language(run, significant(in_unit(si), digits)));
+            format!(" ({} {} {})", ends[0], run.language.phrases().to, ends[1])
+        });
+        let open = if candidate.record.doubt(name).is_some() { " ?" } else { "" };
+        let value = in_language(run, significant(value, 4));
+        texts.push(format!("{symbol} {value} {unit}{interval}{open}").replace(" ?", "?").trim_end().to_owned());
+    }
+    let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
+    format!("{}: {}{more}", candidate_name(&candidate.id), texts.join(", "))
+}
+
+fn in_language(run: &Run, number: String) -> String {
+    match run.language {
+        crate::Language::German => number.replace('.', ","),
+        crate::Language::English => number,
+    }
+}

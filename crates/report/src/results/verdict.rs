@@ -1,0 +1,405 @@
+//! The result of a run in two sentences, made by rules from its records.
+
+use crumple_artifact::records::{ConcernV1, PredictionV1};
+use crumple_signal::Axis;
+use serde::Serialize;
+
+use crate::results::concerns::{Concern, concerns, symbols};
+use crate::results::kind::{Kind, RECORDED, kind_of};
+use crate::text::language::{Language, fill};
+use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::{CandidateResult, Model, Ranking, Run};
+
+/// Whether what was asked for is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// A model is recommended, or the identified one is the result.
+    Model,
+    /// There are results, and no model is recommended.
+    NoneRecommended,
+    /// There is no acceptable result.
+    NoResult,
+}
+
+/// A number of the sentences and where `summary.json` has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Number {
+    /// JSON pointer into the summary.
+    pub at: String,
+    /// The value there.
+    pub value: f64,
+    /// What is shown of it.
+    pub shown: String,
+}
+
+/// The verdict.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// What kind of record it is about.
+    pub kind: Kind,
+    /// Whether there is what was asked for.
+    pub standing: Standing,
+    /// ISO 639-1 code of its language.
+    pub language: &'static str,
+    /// What happened; which model, how sure, what to distrust.
+    pub sentences: Vec<String>,
+    /// The numbers in them.
+    pub numbers: Vec<Number>,
+    /// Numbers of the recommended model that were asked of the record, and how many of them it determines.
+    pub parameters: Option<usize>,
+    /// How many of them it determines.
+    pub determined: Option<usize>,
+    /// Why there is no result.
+    pub reason: Option<String>,
+    /// What to do for one.
+    pub remedy: Option<String>,
+}
+
+/// The verdict on a run and its concerns.
+pub fn verdict(run: &Run, ranking: &Ranking) -> (Verdict, Vec<Concern>) {
+    let language = run.language;
+    let kind = kind_of(run);
+    let concerns = concerns(run, ranking, kind);
+    let mut text = Text { run, ranking, language, numbers: Vec::new() };
+    let sentences = text.sentences(kind, &concerns);
+    let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+    let best = text.best();
+    let standing = match kind {
+        Kind::NoModel => Standing::NoResult,
+        Kind::InputOutput | Kind::LinearModel => Standing::Model,
+        _ if best.is_some() => Standing::Model,
+        _ => Standing::NoneRecommended,
+    };
+    let verdict = Verdict {
+        kind,
+        standing,
+        language: language.code(),
+        sentences,
+        numbers: text.numbers,
+        parameters: best.map(|best| best.undetermined().1),
+        determined: best.map(|best| best.undetermined().1 - best.undetermined().0),
+        reason: diagnosis.map(|concern| concern.text.clone()),
+        remedy: diagnosis.and_then(|concern| concern.remedy.clone()),
+    };
+    (verdict, concerns)
+}
+
+/// Text on its way, with the numbers it has taken.
+struct Text<'a> {
+    run: &'a Run,
+    ranking: &'a Ranking,
+    language: Language,
+    numbers: Vec<Number>,
+}
+
+impl<'a> Text<'a> {
+    /// A number of the summary, shown by `factor`, so many decimals and the unit.
+    fn number(&mut self, at: &str, value: f64, (factor, places, unit): (f64, usize, &str)) -> String {
+        let shown = self.language.quantity(factor * value, places, unit);
+        self.numbers.push(Number { at: at.to_owned(), value, shown: shown.clone() });
+        shown
+    }
+
+    fn sentences(&mut self, kind: Kind, concerns: &[Concern]) -> Vec<String> {
+        let phrases = self.language.phrases();
+        let (first, second) = match kind {
+            Kind::Barrier => (self.crushed(), self.use_model(concerns)),
+            Kind::NoStop => (self.no_stop(), self.use_model(concerns)),
+            Kind::TwoVehicles => (self.two_vehicles(), self.use_model(concerns)),
+            Kind::Occupant => (self.occupant(), self.occupant_use(concerns)),
+            Kind::Recorder => (self.recorded(), self.recorder_use()),
+            Kind::InputOutput => (self.identified(phrases.identified), Some(phrases.identified_use.to_owned())),
+            Kind::LinearModel => (self.not_stated(), Some(self.identified(phrases.not_stated_use))),
+            Kind::NoModel => {
+                let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+                let reason = diagnosis.map_or("", |concern| concern.text.as_str());
+                let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
+                (fill(phrases.no_model, &[("reason", reason)]), Some(fill(phrases.what_to_do, &[("remedy", remedy)])))
+            }
+            Kind::MeasuredOnly => (phrases.measured_only.to_owned(), self.use_model(concerns)),
+        };
+        std::iter::once(first).chain(second).collect()
+    }
+
+    fn best(&self) -> Option<&'a CandidateResult> {
+        self.run.candidate(self.ranking.best.as_deref()?)
+    }
+
+    /// ` (739.8 to 759.1 mm)` of an event; nothing without an interval.
+    fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
+        let intervals = self.run.events.as_ref().map(|events| events.intervals.as_slice()).unwrap_or_default();
+        let Some(index) = intervals.iter().position(|interval| interval.name == name) else { return String::new() };
+        let (low, high) = (intervals[index].low, intervals[index].high);
+        self.interval(&format!("/events/intervals/{index}"), low, high, shown)
+    }
+
+    fn interval(&mut self, at: &str, low: f64, high: f64, shown: (f64, usize, &str)) -> String {
+        let (factor, places, unit) = shown;
+        let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
+        let high = self.number(&format!("{at}/high"), high, (factor, places, unit));
+        fill(self.language.phrases().interval, &[("low", &low), ("high", &high)])
+    }
+
+    fn crushed(&mut self) -> String {
+        let phrases = self.language.phrases();
+        let Some(events) = &self.run.events else { return String::new() };
+        let mm = (MILLI, 1, "mm");
+        let crush = events.dynamic_crush_m.map_or_else(String::new, |c| self.number("/events/dynamic_crush_m", c, mm));
+        let interval = self.interval_of_event("dynamic_crush_m", mm);
+        let time = events
+            .time_of_dynamic_crush_s
+            .map_or_else(String::new, |t| self.number("/events/time_of_dynamic_crush_s", t, (MILLI, 1, "ms")));
+        let rebound = match events.coefficient_of_restitution {
+            Some(e) if e > 0.0 => {
+                let e = self.number("/events/coefficient_of_restitution", e, (1.0, 2, ""));
+                fill(phrases.rebounded, &[("restitution", &e)])
+            }
+            Some(_) => phrases.no_rebound.to_owned(),
+            None => String::new(),
+        };
+        let speed = self.impact_speed().map_or_else(String::new, |speed| match self.language {
+            Language::English => format!(" at {speed}"),
+            Language::German => format!(" mit {speed}"),
+        });
+        let texts = [("crush", crush), ("interval", interval), ("time", time), ("speed", speed), ("rebound", rebound)];
+        fill(phrases.crushed, &texts.each_ref().map(|(name, text)| (*name, text.as_str())))
+    }
+
+    fn impact_speed(&mut self) -> Option<String> {
+        let speed = self.run.test.impact_speed_m_per_s?;
+        Some(self.number("/test/impact_speed_m_per_s", speed, (KM_PER_H_PER_M_PER_S, 1, "km/h")))
+    }
+
+    /// The change of velocity and its time.
+    fn change_of_velocity(&mut self) -> Option<(String, Option<String>)> {
+        let events = self.run.events.as_ref()?;
+        let change = self.number("/events/delta_v_m_per_s", events.delta_v_m_per_s?, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let times = [
+            ("/events/time_of_delta_v_s", events.time_of_delta_v_s),
+            ("/events/time_of_rebound_s", events.time_of_rebound_s),
+        ];
+        let time = times.into_iter().find_map(|(at, time)| Some((at, time?)));
+        Some((change, time.map(|(at, time_s)| self.number(at, time_s, (MILLI, 1, "ms")))))
+    }
+
+    fn no_stop(&mut self) -> String {
+        let phrases = self.language.phrases();
+        match self.change_of_velocity() {
+            Some((change, Some(time))) => fill(phrases.no_stop, &[("change", &change), ("time", &time)]),
+            _ => phrases.no_stop_no_end.to_owned(),
+        }
+    }
+
+    fn two_vehicles(&mut self) -> String {
+        let phrases = self.language.phrases();
+        match self.change_of_velocity() {
+            Some((change, time)) => {
+                let time = time.map_or_else(String::new, |time| format!(" in {time}"));
+                fill(phrases.two_vehicles, &[("change", &change), ("time", &time)])
+            }
+            None => phrases.no_stop_no_end.to_owned(),
+        }
+    }
+
+    fn occupant(&mut self) -> String {
+        let mut criteria = Vec::new();
+        for (name, label, unit) in [
+            ("hic15", "HIC15", (1.0, 0, "")),
+            ("hic36", "HIC36", (1.0, 0, "")),
+            ("clip_3ms_contiguous", "3 ms clip", (G_PER_M_PER_S2, 1, "g")),
+        ] {
+            // The summary has a name once, as the run finds it.
+            if let Some(value) = self.run.metric(name).and_then(|metric| metric.value) {
+                criteria.push(format!("{label} {}", self.number(&format!("/metrics/{name}/value"), value, unit)));
+            }
+        }
+        let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
+        let place = self.run.channel().map_or("", |channel| channel.location.as_str());
+        fill(self.language.phrases().occupant, &[("place", place), ("criteria", &criteria)])
+    }
+
+    fn occupant_use(&self, concerns: &[Concern]) -> Option<String> {
+        let phrases = self.language.phrases();
+        let partial = concerns.iter().any(|concern| concern.about == "occupants");
+        Some(fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })]))
+    }
+
+    fn recorded(&mut self) -> String {
+        let recorded = self.run.metric(RECORDED).and_then(|metric| Some((metric.value?, metric.from_s)));
+        let Some((value, from_s)) = recorded else { return String::new() };
+        let at = format!("/metrics/{RECORDED}");
+        let change = self.number(&format!("{at}/value"), value, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let time = from_s.map_or_else(String::new, |time_s| {
+            let time = self.number(&format!("{at}/from_s"), time_s, (MILLI, 0, "ms"));
+            match self.language {
+                Language::English => format!(", reached at {time}"),
+                Language::German => format!(", erreicht nach {time}"),
+            }
+        });
+        fill(self.language.phrases().recorded, &[("change", &change), ("time", &time)])
+    }
+
+    fn recorder_use(&mut self) -> Option<String> {
+        let phrases = self.language.phrases();
+        let mm = (MILLI, 0, "mm");
+        let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
+            let crush = self.number("/events/dynamic_crush_m", crush_m, mm);
+            let interval = self.interval_of_event("dynamic_crush_m", mm);
+            fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
+        });
+        Some(fill(phrases.recorder_use, &[("crush", &crush.unwrap_or_default())]))
+    }
+
+    fn not_stated(&self) -> String {
+        let test = &self.run.test;
+        let which = match (test.mass_kg, test.impact_speed_m_per_s) {
+            (None, None) => 0,
+            (None, Some(_)) => 1,
+            _ => 2,
+        };
+        self.language.phrases().not_stated[which].to_owned()
+    }
+
+    /// The identified model that follows the record closest.
+    fn identified(&mut self, template: &str) -> String {
+        let phrases = self.language.phrases();
+        let run = self.run;
+        let fit_of = |model: &Model| model.identification.as_ref().and_then(|i| i.fit_percent);
+        let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, fit_of(model)?)));
+        let best = fitted.max_by(|(a, _, x), (b, _, y)| x.total_cmp(y).then(b.cmp(a)));
+        let Some((k, model, fit)) = best else { return phrases.measured_only.to_owned() };
+        let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
+        let modes = model.modes.iter().enumerate().filter(|(_, mode)| mode.im_rad_per_s > 0.0);
+        let slowest =
+            modes.min_by(|(_, a), (_, b)| a.natural_frequency_rad_per_s.total_cmp(&b.natural_frequency_rad_per_s));
+        let mode = slowest.map_or_else(String::new, |(j, mode)| {
+            let at = format!("/models/{k}/modes/{j}");
+            let hz = (1.0 / std::f64::consts::TAU, 2, "Hz");
+            let w = self.number(&format!("{at}/natural_frequency_rad_per_s"), mode.natural_frequency_rad_per_s, hz);
+            let damping = mode.damping_ratio.map_or_else(String::new, |ratio| {
+                let ratio = self.number(&format!("{at}/damping_ratio"), ratio, (1.0, 3, ""));
+                fill(phrases.damping, &[("ratio", &ratio)])
+            });
+            fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
+        });
+        fill(template, &[("model", &model.id), ("fit", &fit), ("mode", &mode)])
+    }
+
+    /// Which model to use, how sure it is and what to distrust; that none is recommended, and why.
+    fn use_model(&mut self, concerns: &[Concern]) -> Option<String> {
+        let phrases = self.language.phrases();
+        if self.run.candidates.is_empty() {
+            return Some(phrases.no_models_here.to_owned());
+        }
+        let Some(best) = self.best() else { return Some(self.none_recommended()) };
+        let (open, parameters) = best.undetermined();
+        let counted = (1.0, 0, "");
+        let of = self.number("/verdict/parameters", parameters as f64, counted);
+        let determined = match (open, parameters) {
+            (_, 0) => None,
+            (0, _) => Some(fill(phrases.all_determined, &[("parameters", &of)])),
+            _ => {
+                let some = self.number("/verdict/determined", (parameters - open) as f64, counted);
+                Some(fill(phrases.some_determined, &[("determined", &some), ("parameters", &of)]))
+            }
+        };
+        let follows = self.follows(best).map(|fit| fill(phrases.follows, &[("fit", &fit)]));
+        let predicts = self.predicts(best);
+        let what = self.distrust(best, concerns);
+        let distrust = what.map(|what| fill(phrases.distrust, &[("what", &what)]));
+        let texts = [
+            ("model", candidate_name(&best.id)),
+            ("determined", determined.unwrap_or_default()),
+            ("follows", follows.unwrap_or_default()),
+            ("predicts", predicts.unwrap_or_default()),
+            ("distrust", distrust.unwrap_or_default()),
+        ];
+        let sentence = fill(phrases.use_model, &texts.each_ref().map(|(name, text)| (*name, text.as_str())));
+        // A candidate of which nothing was asked has no count in front of its fit.
+        Some(sentence.replacen(": , ", ": ", 1))
+    }
+
+    /// How closely a candidate follows the displacement.
+    fn follows(&mut self, candidate: &CandidateResult) -> Option<String> {
+        let place = self.run.candidates.iter().position(|other| other.id == candidate.id)?;
+        let simulation = candidate.simulation.as_ref()?;
+        let key = if simulation.fit_as_measured_percent.is_some() { "fit_as_measured_percent" } else { "fit_percent" };
+        let at = format!("/candidates/{place}/simulation/{key}");
+        Some(self.number(&at, candidate.fit_percent()?, (1.0, 1, "%")))
+    }
+
+    /// What it predicts: against a partner where one was asked for, else the slowest impact on the wall that does not
+    /// go beyond the test.
+    fn predicts(&mut self, best: &CandidateResult) -> Option<String> {
+        let phrases = self.language.phrases();
+        let run = self.run;
+        let of_best = || run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
+        let crush = |(k, p): (usize, &'a PredictionV1)| Some((k, p, p.dynamic_crush_m?));
+        let mm = (MILLI, 1, "mm");
+        let of_crush = |text: &mut Self, (k, prediction, crush_m): (usize, &PredictionV1, f64)| {
+            let at = format!("/predictions/{k}");
+            let shown = text.number(&format!("{at}/dynamic_crush_m"), crush_m, mm);
+            let interval = prediction.intervals.iter().position(|interval| interval.name == "dynamic_crush_m");
+            let interval = interval.map(|j| {
+                let PredictionV1 { intervals, .. } = prediction;
+                text.interval(&format!("{at}/intervals/{j}"), intervals[j].low, intervals[j].high, mm)
+            });
+            (shown, interval.unwrap_or_default())
+        };
+        if let Some(found) = of_best().filter(|(_, p)| p.collision.is_some()).find_map(crush) {
+            let (crush, interval) = of_crush(self, found);
+            let partner = found.1.partner.as_deref().unwrap_or_default();
+            let texts = [("partner", partner), ("crush", &crush), ("interval", &interval)];
+            return Some(fill(phrases.predicts_collision, &texts));
+        }
+        let found = of_best().filter(|(_, p)| p.partner.is_none() && !p.extrapolates).filter_map(crush);
+        let found = found.min_by(|a, b| a.1.impact_speed_m_per_s.total_cmp(&b.1.impact_speed_m_per_s))?;
+        let (crush, interval) = of_crush(self, found);
+        let at = format!("/predictions/{}/impact_speed_m_per_s", found.0);
+        let speed = self.number(&at, found.1.impact_speed_m_per_s, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        Some(fill(phrases.predicts, &[("crush", &crush), ("interval", &interval), ("speed", &speed)]))
+    }
+
+    /// The one thing to distrust before all others.
+    fn distrust(&mut self, best: &CandidateResult, concerns: &[Concern]) -> Option<String> {
+        let phrases = self.language.phrases();
+        if concerns.first().is_some_and(|first| first.is_decisive() && first.stage != "report") {
+            return Some(phrases.decisive.to_owned());
+        }
+        let named = |template: &str, names: &[&str]| {
+            (!names.is_empty()).then(|| fill(template, &[("names", &symbols(best, names, self.language))]))
+        };
+        named(phrases.open_numbers, &best.record.undetermined())
+            .or_else(|| best.record.equivalent_to.as_ref().map(|_| phrases.dual.to_owned()))
+            .or_else(|| named(phrases.hardly, &best.hardly_determined_parameters()))
+            .or_else(|| {
+                let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
+                let speed = beyond.then(|| self.impact_speed())??;
+                Some(fill(phrases.extrapolates, &[("speed", &speed)]))
+            })
+    }
+
+    fn none_recommended(&mut self) -> String {
+        let phrases = self.language.phrases();
+        let run = self.run;
+        let axis = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X);
+        let no_crush =
+            run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0));
+        let because = match axis {
+            Some(axis) => fill(phrases.other_axis, &[("axis", &axis.to_string())]),
+            None if no_crush => phrases.no_crush.to_owned(),
+            None => self.ranking.because.clone(),
+        };
+        let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
+        let closest = closest.and_then(|id| run.candidate(id)).and_then(|candidate| {
+            let fit = self.follows(candidate)?;
+            let place = run.candidates.iter().position(|other| other.id == candidate.id)?;
+            let to_s = candidate.simulation.as_ref()?.to_s;
+            let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, (MILLI, 1, "ms"));
+            let texts = [("model", candidate_name(&candidate.id)), ("fit", fit), ("time", time)];
+            Some(fill(phrases.closest, &texts.each_ref().map(|(name, text)| (*name, text.as_str()))))
+        });
+        fill(phrases.none_recommended, &[("because", &because), ("closest", &closest.unwrap_or_default())])
+    }
+}

@@ -1,0 +1,394 @@
+//! The verdict by kind of record, its numbers beside `summary.json`, and the order of the warnings.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use crumple_artifact::records::{
+    CandidateV1, ConcernV1, EventIntervalV1, EventsV1, IdentificationV1, MetricV1, ModeV1, PredictedCollisionV1,
+    PredictedIntervalV1, PredictionV1, RecommendationV1, SimulationV1, UncertaintyV1,
+};
+use crumple_report::{CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, summary, verdict};
+use crumple_signal::{ANOTHER_VEHICLE, Axis, Channel, QuantityKind};
+use serde_json::{Value, json};
+
+const BEST: &str = "kelvin/direct-fit/1";
+
+fn record<T: serde::de::DeserializeOwned>(json: Value) -> T {
+    serde_json::from_value(json).unwrap()
+}
+
+fn channel(id: &str, location: &str) -> Channel {
+    Channel { location: location.to_owned(), axis: Some(Axis::X), ..Channel::new(id, QuantityKind::Acceleration) }
+}
+
+/// A car of 873 kg against a wall, with its Kelvin model.
+fn car() -> Run {
+    let mut run = Run::default();
+    run.test.title = "a car".to_owned();
+    run.test.mass_kg = Some(873.0);
+    run.test.impact_speed_m_per_s = Some(9.7222);
+    run.test.channels = vec![channel("93", "vehicle, left rear seat crossmember")];
+    run.events = Some(EventsV1 {
+        channel: "93".to_owned(),
+        dynamic_crush_m: Some(0.44764),
+        time_of_dynamic_crush_s: Some(0.0772),
+        coefficient_of_restitution: Some(0.7963),
+        delta_v_m_per_s: Some(17.517),
+        impact_speed_m_per_s: Some(9.7222),
+        intervals: vec![EventIntervalV1 {
+            name: "dynamic_crush_m".to_owned(),
+            low: 0.44012,
+            high: 0.45531,
+            interval_by: "5-95 % of 400 replicates".to_owned(),
+        }],
+        ..EventsV1::default()
+    });
+    run.candidates = vec![candidate(BEST, 99.87)];
+    run.responses = Some(1);
+    run.recommendation = Some(RecommendationV1 {
+        recommended: Some(BEST.to_owned()),
+        recommended_because: "the only one".to_owned(),
+        closest: Some(BEST.to_owned()),
+        ..RecommendationV1::default()
+    });
+    run.predictions = vec![prediction(15.0, 0.690, true), prediction(8.0, 0.36831, false)];
+    run
+}
+
+fn candidate(id: &str, fit_percent: f64) -> CandidateResult {
+    let mut parts = id.split('/').map(str::to_owned);
+    let interval = |low: f64, high: f64| -> Value { json!({"stiffness_n_per_m": low, "damping_n_s_per_m": high}) };
+    CandidateResult {
+        id: id.to_owned(),
+        record: CandidateV1 {
+            model: parts.next().unwrap(),
+            method: parts.next().unwrap(),
+            parameters: record(json!({"mass_kg": 873.0, "stiffness_n_per_m": 330e3, "damping_n_s_per_m": 2.5e3})),
+            physical: true,
+            equivalent_to: None,
+            fit: None,
+            uncertainty: Some(UncertaintyV1 {
+                standard_deviation: record(interval(1e3, 20.0)),
+                interval_low: record(interval(328e3, 2.46e3)),
+                interval_high: record(interval(332e3, 2.54e3)),
+                ..UncertaintyV1::default()
+            }),
+            notes: vec![],
+        },
+        simulation: Some(SimulationV1 {
+            fit_percent: Some(fit_percent),
+            fit_as_measured_percent: Some(fit_percent),
+            to_s: 0.0772,
+            ..SimulationV1::default()
+        }),
+        displacement: None,
+        velocity: None,
+        acceleration: None,
+        elements: vec![],
+        masses: vec![],
+    }
+}
+
+fn prediction(impact_speed_m_per_s: f64, crush_m: f64, extrapolates: bool) -> PredictionV1 {
+    PredictionV1 {
+        candidate: BEST.to_owned(),
+        recommended: true,
+        impact_speed_m_per_s,
+        mass_kg: 873.0,
+        dynamic_crush_m: Some(crush_m),
+        extrapolates,
+        intervals: vec![PredictedIntervalV1 {
+            name: "dynamic_crush_m".to_owned(),
+            level: 0.9,
+            low: crush_m - 0.02,
+            high: crush_m + 0.02,
+            interval_by: String::new(),
+        }],
+        ..PredictionV1::default()
+    }
+}
+
+fn concern(stage: &str, about: &str, weight: u8, text: &str) -> ConcernV1 {
+    let (stage, about, text) = (stage.to_owned(), about.to_owned(), text.to_owned());
+    ConcernV1 { stage, severity: ConcernV1::WARNING.to_owned(), about, weight, text, remedy: None }
+}
+
+fn summary_of(run: &Run) -> Value {
+    serde_json::from_str(&summary(run, &Ranking::of_run(run)).to_json().unwrap()).unwrap()
+}
+
+fn page_of(run: &Run) -> String {
+    let mut bytes = Vec::new();
+    Page::new(run, &Ranking::of_run(run)).write_to(&mut bytes).unwrap();
+    String::from_utf8(bytes).unwrap()
+}
+
+/// The leading number of what is shown, and the factor of its unit.
+fn shown_in_si(shown: &str) -> (f64, f64) {
+    let (number, unit) = shown.split_once('\u{a0}').unwrap_or((shown, ""));
+    let factor = match unit {
+        "mm" | "ms" => 1e3,
+        "km/h" => 3.6,
+        "g" => 1.0 / 9.80665,
+        "Hz" => 1.0 / std::f64::consts::TAU,
+        _ => 1.0,
+    };
+    (number.replace('−', "-").replace(',', ".").parse().unwrap(), factor)
+}
+
+/// Every number of the verdict is that of the summary, rounded as shown; no other number stands in its sentences.
+/// `names`: words with digits that are no numbers.
+fn assert_numbers_are_those_of_the_summary(run: &Run, names: &[&str]) -> Vec<String> {
+    let summary = summary_of(run);
+    let (said, _) = verdict(run, &Ranking::of_run(run));
+    let mut sentences = said.sentences.join(" ");
+    for name in names {
+        sentences = sentences.replace(name, "");
+    }
+    for number in &said.numbers {
+        let there = summary.pointer(&number.at).unwrap_or_else(|| panic!("{} is not in the summary", number.at));
+        assert_eq!(there.as_f64(), Some(number.value), "{}", number.at);
+        // Ends of intervals have their unit behind the other end.
+        let unit = number.at.ends_with("/low").then(|| format!("{}\u{a0}mm", number.shown));
+        let (value, factor) = shown_in_si(unit.as_deref().unwrap_or(&number.shown));
+        let places = number.shown.split(['\u{a0}']).next().unwrap().split(['.', ',']).nth(1).map_or(0, str::len);
+        let half = 0.5 * 10_f64.powi(-i32::try_from(places).unwrap());
+        assert!((value - factor * number.value).abs() <= 1.000_001 * half, "{number:?}");
+        assert!(sentences.contains(&number.shown), "{} in {sentences}", number.shown);
+        sentences = sentences.replacen(&number.shown, "", 1);
+    }
+    assert!(!sentences.chars().any(|c| c.is_ascii_digit()), "a number that no record backs: {sentences}");
+    assert_eq!(summary["verdict"]["sentences"], json!(said.sentences));
+    let page = page_of(run);
+    let top = &page[..page.find("<dl>").unwrap()];
+    for sentence in &said.sentences {
+        assert!(top.contains(&sentence.replace('\'', "&#39;")), "{sentence} stands on top of the page");
+    }
+    said.sentences
+}
+
+#[test]
+fn a_barrier_test_says_crush_model_prediction_and_what_to_distrust() {
+    let sentences = assert_numbers_are_those_of_the_summary(&car(), &["direct fit 1"]);
+    let plain: Vec<String> = sentences.iter().map(|text| text.replace('\u{a0}', " ")).collect();
+    assert_eq!(
+        plain,
+        [
+            "The vehicle was crushed by 447.6 mm (440.1 to 455.3 mm) within 77.2 ms of an impact at 35.0 km/h and \
+             rebounded with 0.80 of that speed.",
+            "For predictions use Kelvin, direct fit 1: all 2 of its numbers are determined, it follows the \
+             displacement to 99.9 % and predicts a crush of 368.3 mm (348.3 to 388.3 mm) at 28.8 km/h; distrust it \
+             above the 35.0 km/h of the test, where it extrapolates.",
+        ]
+    );
+}
+
+#[test]
+fn open_numbers_and_mirror_images_are_what_to_distrust() {
+    let mut run = car();
+    let open = &mut run.candidates[0].record;
+    open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(
+        said[1].contains("1 of its 2 numbers are determined")
+            && said[1].ends_with(
+                "distrust c, which this record \
+        leaves open."
+            ),
+        "{said:?}"
+    );
+    let mut run = car();
+    run.candidates[0].record.equivalent_to = Some("kelvin/direct-fit/2".to_owned());
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[1].ends_with("its mirror image gives the same record."), "{said:?}");
+}
+
+#[test]
+fn a_vehicle_that_does_not_stop_has_a_change_of_velocity_and_no_model() {
+    let mut run = car();
+    let events = run.events.as_mut().unwrap();
+    (events.dynamic_crush_m, events.time_of_dynamic_crush_s) = (None, None);
+    (events.coefficient_of_restitution, events.time_of_delta_v_s) = (None, Some(0.144));
+    run.recommendation.as_mut().unwrap().recommended = None;
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[0].contains("did not stop within the record: it lost 63.1\u{a0}km/h in 144.0\u{a0}ms"), "{said:?}");
+    assert!(said[1].starts_with("No model is recommended: springs that stop a mass"), "{said:?}");
+    assert!(said[1].contains("the closest, Kelvin, direct fit 1, follows the displacement to 99.9\u{a0}%"), "{said:?}");
+    assert_eq!(verdict(&run, &Ranking::of_run(&run)).0.standing, Standing::NoneRecommended);
+}
+
+#[test]
+fn of_two_vehicles_the_way_over_ground_is_no_crush() {
+    let mut run = car();
+    run.test.barrier = Some(ANOTHER_VEHICLE.to_owned());
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[0].starts_with("Two vehicles collided: this one lost 63.1\u{a0}km/h"), "{said:?}");
+    let (_, concerns) = verdict(&run, &Ranking::of_run(&run));
+    assert!(concerns[0].about == "motion" && concerns[0].weight == 9, "{concerns:?}");
+
+    // A partner that was asked for stands in the place of the wall.
+    let mut run = car();
+    let collision = Some(PredictedCollisionV1::default());
+    run.predictions =
+        vec![PredictionV1 { partner: Some("a van".to_owned()), collision, ..prediction(14.0, 0.5, false) }];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[1].contains("predicts against a van a crush of 500.0\u{a0}mm"), "{said:?}");
+}
+
+fn metric(name: &str, value: f64, channel: &str) -> MetricV1 {
+    MetricV1 {
+        name: name.to_owned(),
+        value: Some(value),
+        channel: channel.to_owned(),
+        from_s: Some(0.11),
+        ..MetricV1::default()
+    }
+}
+
+#[test]
+fn a_sensor_in_an_occupant_has_criteria_and_no_model() {
+    let mut run = car();
+    run.test.channels = vec![channel("93", "driver, head")];
+    run.metrics = vec![metric("hic15", 246.2, "93"), metric("clip_3ms_contiguous", 497.19, "93")];
+    run.concerns = vec![concern("integrate", "occupants", 2, "criteria are lower bounds")];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["HIC15", "3 ms clip"]);
+    assert!(said[0].contains("(driver, head), not in the vehicle: HIC15 246, 3 ms clip 50.7\u{a0}g."), "{said:?}");
+    assert!(said[1].contains("use none for the vehicle; the criteria are lower bounds"), "{said:?}");
+}
+
+#[test]
+fn a_recorders_table_has_its_change_of_velocity_and_no_peak() {
+    let mut run = car();
+    run.metrics = vec![metric("maximum_delta_v", 6.9444, "93"), metric("peak_acceleration", 90.0, "93")];
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert!(said[0].contains("a change of velocity of 25.0\u{a0}km/h, reached at 110\u{a0}ms"), "{said:?}");
+    assert!(said[1].starts_with("No peak and no force") && said[1].contains("is rough"), "{said:?}");
+}
+
+fn identified() -> Vec<Model> {
+    let identification: IdentificationV1 = record(json!({
+        "method": "n4sid", "order": 4, "channel": "y", "treated_as": "output", "from_s": 0.0, "to_s": 1.0,
+        "samples": 100, "hankel_rows": null, "hankel_columns": null, "singular_values": [], "fit_percent": 88.25,
+        "rmse": null, "notes": []
+    }));
+    let mode: ModeV1 = record(json!({
+        "re_per_s": -1.0, "im_rad_per_s": 20.0, "natural_frequency_rad_per_s": 20.025, "damping_ratio": 0.0499
+    }));
+    vec![Model {
+        id: "n4sid-4".to_owned(),
+        identification: Some(identification),
+        modes: vec![mode],
+        ..Model::default()
+    }]
+}
+
+#[test]
+fn inputs_and_outputs_have_the_closest_identified_model() {
+    let run = Run { models: identified(), ..Run::default() };
+    let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
+    assert!(
+        said[0].starts_with(
+            "n4sid-4 follows 88.3\u{a0}% of the record; its slowest mode is at 3.19\u{a0}Hz, \
+        damping ratio 0.050"
+        ),
+        "{said:?}"
+    );
+}
+
+/// A run that ended without an acceptable model.
+fn without_result() -> Run {
+    let mut run = car();
+    (run.candidates, run.predictions, run.recommendation, run.responses) = (vec![], vec![], None, Some(0));
+    run.concerns = vec![
+        concern("ingest", "pulse", 3, "the pulse is positive"),
+        ConcernV1 {
+            severity: ConcernV1::NO_RESULT.to_owned(),
+            remedy: Some("check the sign of the pulse".to_owned()),
+            ..concern("parameter-solve", "model:", 3, "the vehicle moves further than its speed carries it")
+        },
+    ];
+    run
+}
+
+#[test]
+fn a_run_without_an_acceptable_model_has_a_bar_with_reason_and_remedy() {
+    let run = without_result();
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert_eq!(
+        said,
+        [
+            "There is no model: the vehicle moves further than its speed carries it.",
+            "What to do: check the sign of the pulse."
+        ]
+    );
+    let summary = summary_of(&run);
+    assert_eq!(summary["verdict"]["standing"], "no-result");
+    assert_eq!(summary["verdict"]["remedy"], "check the sign of the pulse");
+    assert_eq!(summary["concerns"][0]["severity"], "no-result");
+    let page = page_of(&run);
+    assert!(page.contains("<section class=\"verdict bad\" role=\"alert\""));
+    // The bar has said it; below it stands what else speaks against the run.
+    let before_use = &page[page.find("class=\"before-use\"").unwrap()..page.find("id=\"notes\"").unwrap()];
+    assert!(before_use.contains("the pulse is positive") && !before_use.contains("moves further"), "{before_use}");
+}
+
+#[test]
+fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
+    let mut run = without_result();
+    run.models = identified();
+    run.events = None;
+    (run.test.mass_kg, run.test.impact_speed_m_per_s) = (None, None);
+    let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
+    assert!(said[0].starts_with("The record states neither mass nor impact speed, as allowed"), "{said:?}");
+    assert!(said[1].starts_with("A linear model alone was identified: n4sid-4 follows 88.3\u{a0}%"), "{said:?}");
+    assert_eq!(verdict(&run, &Ranking::of_run(&run)).0.kind, Kind::LinearModel);
+    // Without a linear model either there is nothing.
+    run.models.clear();
+    assert_eq!(verdict(&run, &Ranking::of_run(&run)).0.kind, Kind::NoModel);
+}
+
+#[test]
+fn warnings_stand_by_what_they_do_to_what_is_shown() {
+    let mut run = car();
+    run.candidates.push(candidate("maxwell/direct-fit/1", 90.0));
+    run.concerns = vec![
+        concern("ingest", "channel:96", 1, "questionable"),
+        concern("parameter-solve", "model:maxwell/direct-fit/1", 2, "maxwell on a bound"),
+        concern("parameter-solve", "model:kelvin", 1, "kelvin: nearly rigid"),
+        concern("ingest", "pulse", 2, "clipped"),
+        concern("integrate", "pulse", 2, "dropouts"),
+        concern("integrate", "time", 3, "late contact"),
+    ];
+    let (said, concerns) = verdict(&run, &Ranking::of_run(&run));
+    let texts: Vec<&str> = concerns.iter().map(|concern| concern.text.as_str()).collect();
+    // Two on the pulse are as grave; the second gives way to what concerns something else.
+    assert_eq!(texts[..3], ["late contact", "clipped", "kelvin: nearly rigid"]);
+    assert_eq!(texts[3], "dropouts");
+    assert_eq!(texts.last(), Some(&"questionable"));
+    assert_eq!(concerns[0].weight, 9);
+    assert!(said.sentences[1].ends_with("distrust all of it until the first warning is settled."), "{said:?}");
+    let page = page_of(&run);
+    let before_use = &page[page.find("class=\"before-use\"").unwrap()..];
+    let before_use = &before_use[..before_use.find("</section>").unwrap()];
+    assert_eq!(before_use.matches("<li>").count(), 3);
+    assert!(before_use.contains("<a href=\"#notes\">4 more warnings</a>"), "{before_use}");
+    assert!(page.contains("<section id=\"notes\">"));
+    let summary = summary_of(&run);
+    assert_eq!(
+        summary["concerns"][0],
+        json!({
+            "stage": "integrate", "severity": "warning", "about": "time", "weight": 9, "text": "late contact", "remedy": null
+        })
+    );
+}
+
+#[test]
+fn german_has_its_own_sentences_and_a_comma() {
+    let run = Run { language: Language::German, ..car() };
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(
+        said[0].starts_with("Das Fahrzeug wurde bei einem Aufprall mit 35,0\u{a0}km/h in 77,2\u{a0}ms um 447,6"),
+        "{said:?}"
+    );
+    assert!(page_of(&run).contains("<h2 id=\"before-use-title\">Vor dem Gebrauch</h2>"));
+    assert_eq!(summary_of(&run)["verdict"]["language"], "de");
+}
