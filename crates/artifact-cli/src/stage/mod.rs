@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use crumple_artifact::records::ConcernV1;
-use crumple_artifact::{Artifact, Compression, OutputKind, ReadError};
+use crumple_artifact::{Artifact, Compression, OutputKind};
 use crumple_artifact_cli::{
     CurveError, CurveFormat, ShowOptions, StageNotes, Wanted, check, static_curves, text, write_json, write_text,
 };
@@ -151,7 +151,9 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         Some(concerns) => notes.ranked_as(concerns),
         None => notes,
     };
-    to_stdout(|out| Ok(notes.write(out)))?;
+    let mut bytes = Vec::new();
+    notes.write(&mut bytes).context("cannot print the notes")?;
+    to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
     Ok(ExitStatus::Done)
 }
 
