@@ -2,11 +2,11 @@
 
 use crumple_signal::{About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
-use crate::checks::{channel_quality, redundant_sensors};
+use crate::checks::{channel_quality, lost_point, redundant_sensors};
 use crate::files::sidecar;
 use crate::formats::reader::{Bundle, stem};
-use crate::pulse::choice;
 use crate::pulse::polarity::{self, Polarity};
+use crate::pulse::{choice, velocity};
 use crate::recording::content::Recording;
 use crate::recording::details::{self, Damage, Details, Stated};
 use crate::recording::read_channel::ReadChannel;
@@ -49,12 +49,17 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
     unheeded_flags::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
-    // A change of velocity is named as the pulse, and has none of the checks of an acceleration.
-    let (pulse, change) = if recording.details.no_pulse {
-        (None, choice::choose_velocity_change(file, &recording, choices.channel.as_deref(), &mut notes)?)
+    // A velocity is named as the pulse, and has none of the checks of an acceleration.
+    let (pulse, velocity) = if recording.details.no_pulse {
+        (None, velocity::choose(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
         (choice::choose_pulse(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
     };
+    if let Some(k) = pulse.or(velocity) {
+        lost_point::check(file, &recording.channels[k], &mut notes)?;
+    }
+    let others = recording.channels.iter().enumerate().filter(|(k, _)| Some(*k) != pulse.or(velocity));
+    lost_point::check_others(others.map(|(_, read)| read), &mut notes);
 
     if let Some(pulse) = pulse {
         speed_of_the_pulse(&mut recording, pulse, &mut notes);
@@ -64,14 +69,16 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     }
     details::apply(&mut recording.details, flags, "flag", &mut notes);
     let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
-    let has_comments = reader.has_comments();
-    require_details(file, &recording.details, has_comments, allow_missing, is_of_occupant, &mut notes)?;
+    details::check(file, &recording.details)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
     let time_zero = match &recording.details.time_zero_s {
         Some(stated) => Some(format!("stated by {}", stated.from)),
         None => recording.contact_at_zero.then(|| format!("the format {}", reader.format())),
     };
+    if let Some(k) = velocity {
+        velocity::speed_at_contact(&mut recording, k, &mut notes);
+    }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
     let polarity = match (is_of_occupant, is_turned) {
         (true, _) => Polarity::OfOccupant,
@@ -83,8 +90,19 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
     let waves = take_waves(&mut recording);
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
+    let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
+    let from_rest = polarity == Polarity::AsRead
+        && wave_of_pulse
+            .is_some_and(|w| polarity::pushes_forward(&w.samples, w.quality.pre_event.map(|p| p.zero_level)));
+    missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
-    let pulse_id = pulse_id.or(change.map(|k| recording.channels[k].channel.id.clone()));
+    let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
+    if let Some(question) = details::question_mass(&recording.details).filter(|_| !is_of_occupant) {
+        // What everything else rests on is said first.
+        let rest = std::mem::take(&mut notes);
+        notes.warning(question);
+        notes.extend(rest);
+    }
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();
     redundant_sensors::check(&channels, &waves, &same_place, speed, &mut notes);
@@ -107,24 +125,16 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     Ok(Ingested { test, waves, damage, notes })
 }
 
-/// Asks for mass and impact speed, unless they may be missing: because a person allows it, or because the pulse is that
-/// of an occupant, whose criteria need neither.
-fn require_details(
-    file: &str,
-    details: &Details,
-    has_comments: bool,
-    allow_missing: bool,
-    is_of_occupant: bool,
-    notes: &mut Notes,
-) -> Result<(), IngestError> {
-    if !is_of_occupant || allow_missing {
-        return details::require(file, details, has_comments, allow_missing, notes);
+/// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record without a
+/// pulse.
+fn missing_details(details: &Details, has_comments: bool, is_of_occupant: bool, from_rest: bool, notes: &mut Notes) {
+    if is_of_occupant {
+        if details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none() {
+            notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
+        }
+    } else {
+        details::note_missing(details, has_comments, from_rest, notes);
     }
-    details::require(file, details, has_comments, true, &mut Notes::new())?;
-    if details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none() {
-        notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
-    }
-    Ok(())
 }
 
 /// Turns the sign of the accelerations along x where that is asked for, or certainly wrong; says whether it did.

@@ -25,6 +25,7 @@ pub use ingest::{Ingested, ingest};
 pub use listing::channel_table::{ListedChannel, list};
 pub use recording::content::{PulseRule, Recording};
 pub use recording::details::{Damage, Details, Stated};
+pub use recording::line_numbers::LineNumbers;
 pub use recording::quality::Quality;
 pub use recording::read_channel::{Fitness, ReadChannel};
 pub use recording::settings::{IngestSettings, Profile, Sign};

@@ -2,4 +2,5 @@
 //! May use pulse, time and recording; corrects nothing.
 
 pub mod channel_quality;
+pub mod lost_point;
 pub mod redundant_sensors;

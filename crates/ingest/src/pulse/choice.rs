@@ -50,59 +50,6 @@ pub fn choose_pulse(
     Ok(Some(index))
 }
 
-/// Index of the change of velocity that stands for the pulse of an event data recorder: the one asked for, else the
-/// first along x, else the first whose axis is not stated, else none. A note names the others.
-pub fn choose_velocity_change(
-    file: &str,
-    recording: &Recording,
-    wanted: Option<&str>,
-    notes: &mut Notes,
-) -> Result<Option<usize>, IngestError> {
-    let is_change = |k: &usize| {
-        let ReadChannel { channel, wave, .. } = &recording.channels[*k];
-        channel.quantity == QuantityKind::VelocityChange && wave.is_some()
-    };
-    let changes: Vec<usize> = (0..recording.channels.len()).filter(is_change).collect();
-    let name = |k: usize| {
-        let channel = &recording.channels[k].channel;
-        channel.comment.as_ref().map_or_else(|| channel.id.clone(), |title| format!("{} ({title})", channel.id))
-    };
-    let names = |indices: &[usize]| indices.iter().map(|k| name(*k)).collect::<Vec<_>>().join(", ");
-    let taken = match wanted {
-        Some(wanted) => match select(&recording.channels, wanted).as_slice() {
-            [k] if is_change(k) => *k,
-            selected => {
-                let found = match selected {
-                    [] => format!("channel {wanted} is not listed"),
-                    [k] => format!("channel {} is no change of velocity", name(*k)),
-                    several => format!("--channel {wanted} means {} channels: {}", several.len(), names(several)),
-                };
-                let hint = "--list shows the channels of all tables";
-                return Err(IngestError::channel(file, found, format!("one of {}", names(&changes)), hint));
-            }
-        },
-        None => {
-            let along = |axis| changes.iter().find(|k| recording.channels[**k].channel.axis == axis).copied();
-            let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)) else {
-                notes.concern(
-                    About::Pulse,
-                    Weight::Decisive,
-                    format!(
-                        "no change of velocity is along x: {}; --channel names the one that is meant",
-                        names(&changes)
-                    ),
-                );
-                return Ok(None);
-            };
-            taken
-        }
-    };
-    let others: Vec<usize> = changes.into_iter().filter(|k| *k != taken).collect();
-    let rest = if others.is_empty() { String::new() } else { format!("; others: {}", names(&others)) };
-    notes.info(format!("the change of velocity {} is taken as the pulse{rest}", name(taken)));
-    Ok(Some(taken))
-}
-
 fn is_candidate(read: &ReadChannel) -> bool {
     read.fitness.is_some()
         && read.wave.is_some()

@@ -5,3 +5,4 @@ pub mod choice;
 pub mod compartment;
 pub mod place_rank;
 pub mod polarity;
+pub mod velocity;

@@ -45,6 +45,11 @@ fn change(pulse: &Sampled, zero: f64) -> f64 {
     pulse.samples()[from..to.max(from)].iter().map(|a| (a - zero) * pulse.dt_s()).sum()
 }
 
+/// Whether the pulse pushes the vehicle forward over the first 150 ms, as a sled does or a hit from behind.
+pub fn pushes_forward(pulse: &Sampled, zero_level: Option<f64>) -> bool {
+    change(pulse, zero_level.unwrap_or(0.0)) > CLEAR_CHANGE_M_PER_S
+}
+
 /// What was done about the sign of the pulse before it is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polarity {
@@ -67,7 +72,8 @@ pub fn check(
 ) {
     let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
-    if change <= clear || polarity == Polarity::OfOccupant {
+    // A vehicle that stands is pushed either way.
+    if change <= clear || polarity == Polarity::OfOccupant || impact_speed_m_per_s == Some(0.0) {
         return;
     }
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
@@ -80,9 +86,8 @@ pub fn check(
                 impact speed first"
             )
         }
-        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest, a \
-            shock or a drop may \
-                      be positive and needs no flag"
+        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest (a \
+                      sled, a hit from behind), a shock or a drop may be positive and needs no flag"
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };

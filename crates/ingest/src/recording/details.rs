@@ -72,10 +72,11 @@ pub struct CommentFacts {
 
 /// Reads `key: value` from comment lines. Keys: mass, impact speed, vehicle, title, barrier, unit, time unit, time
 /// zero, in any case, with blanks, `_` or `-` between the words. Prose is left alone: only a line that starts with a
-/// key and a colon counts.
+/// key and a colon counts. Two lines that state different values are refused, unless `over` states the fact.
 pub fn from_comments<'a>(
     file: &str,
     comments: impl Iterator<Item = (usize, &'a str)>,
+    over: &IngestSettings,
 ) -> Result<CommentFacts, IngestError> {
     let mut facts = CommentFacts::default();
     for (line, text) in comments {
@@ -86,19 +87,25 @@ pub fn from_comments<'a>(
             continue;
         }
         let from = format!("line {line} of {file}");
-        let words = || Some(Stated { value: value.to_owned(), from: from.clone() });
-        let details = &mut facts.details;
+        let place = || Place::line(file, line);
+        let words = Stated { value: value.to_owned(), from: from.clone() };
+        let CommentFacts { details, unit, time_unit, notes } = &mut facts;
         match key.as_str() {
-            "vehicle" => details.vehicle = words(),
-            "title" => details.title = words(),
-            "barrier" => details.barrier = words(),
-            "unit" => facts.unit = words(),
-            "timeunit" => facts.time_unit = words(),
+            "vehicle" => state_once(&mut details.vehicle, words, over.vehicle.is_some(), place, "--vehicle")?,
+            "title" => state_once(&mut details.title, words, over.title.is_some(), place, "--title")?,
+            "barrier" => state_once(&mut details.barrier, words, over.barrier.is_some(), place, "--barrier")?,
+            "unit" => state_once(unit, words, over.unit.is_some(), place, "--unit")?,
+            "timeunit" => state_once(time_unit, words, over.time_unit.is_some(), place, "--time-unit")?,
             "mass" | "impactspeed" | "timezero" => {
-                let (dimension, slot) = match key.as_str() {
-                    "mass" => (Dimension::Mass, &mut details.mass_kg),
-                    "impactspeed" => (Dimension::Signal(QuantityKind::Velocity), &mut details.impact_speed_m_per_s),
-                    _ => (Dimension::Time, &mut details.time_zero_s),
+                let (dimension, slot, is_over, flag) = match key.as_str() {
+                    "mass" => (Dimension::Mass, &mut details.mass_kg, over.mass.is_some(), "--mass"),
+                    "impactspeed" => (
+                        Dimension::Signal(QuantityKind::Velocity),
+                        &mut details.impact_speed_m_per_s,
+                        over.impact_speed.is_some(),
+                        "--impact-speed",
+                    ),
+                    _ => (Dimension::Time, &mut details.time_zero_s, over.time_zero.is_some(), "--time-zero"),
                 };
                 if value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.')) {
                     let value = parse_value(value, dimension).map_err(|error| {
@@ -109,15 +116,46 @@ pub fn from_comments<'a>(
                             "correct the comment line, or remove it and use the flag",
                         )
                     })?;
-                    *slot = Some(Stated { value, from });
+                    // 873 kg and 0.873 t are one mass.
+                    let same = slot.as_ref().is_some_and(|old| (old.value - value).abs() <= 1e-9 * value.abs());
+                    if !same {
+                        let unit = dimension.si_unit();
+                        let of = |stated: &Stated<f64>| Stated {
+                            value: format!("{} {unit}", stated.value),
+                            from: stated.from.clone(),
+                        };
+                        let stated = Stated { value, from };
+                        state_once(&mut slot.as_ref().map(of), of(&stated), is_over, place, flag)?;
+                        *slot = Some(stated);
+                    }
                 } else {
-                    facts.notes.warning(format!("{from} says {text:?}: not a value with a unit, ignored"));
+                    notes.warning(format!("{from} says {text:?}: not a value with a unit, ignored"));
                 }
             }
             _ => {}
         }
     }
     Ok(facts)
+}
+
+/// Puts a statement into its place, which another line must not have filled otherwise.
+fn state_once(
+    slot: &mut Option<Stated<String>>,
+    stated: Stated<String>,
+    is_over: bool,
+    place: impl Fn() -> Place,
+    flag: &str,
+) -> Result<(), IngestError> {
+    if let Some(old) = slot.as_ref().filter(|old| old.value != stated.value && !is_over) {
+        return Err(IngestError::content(
+            place(),
+            format!("{}, but {} says {}", stated.value, old.from, old.value),
+            "one value for each fact",
+            format!("remove the line that is wrong, or {flag} says which counts"),
+        ));
+    }
+    *slot = Some(stated);
+    Ok(())
 }
 
 /// One layer of statements over another; a differing value below is noted. `show` writes a value for people.
@@ -161,61 +199,76 @@ pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes
     );
 }
 
-/// Checks that mass and impact speed are stated and sensible. `allow_missing` lets them be unknown, not wrong.
-///
-/// `comments`: the format has comment lines in which they can be stated.
-pub fn require(
-    file: &str,
-    details: &Details,
-    comments: bool,
-    allow_missing: bool,
-    notes: &mut Notes,
-) -> Result<(), IngestError> {
+/// Checks that mass and impact speed are usable where they are stated. A speed of 0 is one: the vehicle stands.
+pub fn check(file: &str, details: &Details) -> Result<(), IngestError> {
     let mass = details.mass_kg.as_ref();
     let speed = details.impact_speed_m_per_s.as_ref();
-    for (what, stated) in [("mass", mass), ("impact speed", speed)] {
-        if let Some(Stated { value, from }) = stated.filter(|s| !(s.value > 0.0 && s.value.is_finite())) {
+    let wrong_mass = mass.filter(|s| !(s.value > 0.0 && s.value.is_finite()));
+    let wrong_speed = speed.filter(|s| !(s.value >= 0.0 && s.value.is_finite()));
+    for (what, stated) in [("mass", wrong_mass), ("impact speed", wrong_speed)] {
+        if let Some(Stated { value, from }) = stated {
             return Err(IngestError::NotStated {
                 file: file.to_owned(),
                 what: format!("a usable {what}: {from} gives {value}"),
-                expected: "a positive value".to_owned(),
+                expected: if what == "mass" { "a positive value" } else { "a value of 0 or more" }.to_owned(),
                 hint: "give it by its flag: --mass 1500kg, --impact-speed 50km/h".to_owned(),
             });
         }
     }
-    let (what, flags, lines) = match (mass, speed) {
-        (Some(_), Some(_)) => return Ok(()),
-        (None, Some(_)) => ("the mass of the vehicle", "--mass 1500kg", "\"# mass: 1500 kg\""),
-        (Some(_), None) => ("the impact speed", "--impact-speed 50km/h", "\"# impact speed: 50 km/h\""),
-        (None, None) => (
-            "the mass of the vehicle and the impact speed",
-            "--mass 1500kg --impact-speed 50km/h",
-            "\"# mass: 1500 kg\" and \"# impact speed: 50 km/h\"",
-        ),
-    };
-    if allow_missing {
-        let about = if mass.is_none() && speed.is_some() { About::Mass } else { About::ImpactSpeed };
+    Ok(())
+}
+
+/// Notes which of mass and impact speed is not stated, what cannot be had without it, and how to state it.
+///
+/// `from_rest`: the pulse pushes the vehicle forward, as on a sled or from behind; it needs no impact speed.
+pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, notes: &mut Notes) {
+    let lines = |line: &str| if has_comments { format!(", or a header line \"# {line}\"") } else { String::new() };
+    if details.impact_speed_m_per_s.is_none() {
+        let found = details.speed_not_taken.as_ref().map_or_else(String::new, |found| format!(" ({found})"));
+        if from_rest {
+            notes.info(format!(
+                "no impact speed is stated{found}, and the pulse pushes the vehicle forward, as on a sled or from behind: \
+                 its velocity is taken as the change from time zero"
+            ));
+        } else {
+            notes.concern(About::ImpactSpeed, Weight::Decisive, format!(
+                "no impact speed is stated{found}: peak, change of velocity and shape of the pulse need none; for crush, \
+                 restitution and models add --impact-speed 50km/h{}",
+                lines("impact speed: 50 km/h")
+            ));
+        }
+    }
+    if details.mass_kg.is_none() {
         notes.concern(
-            about,
+            About::Mass,
             Weight::Decisive,
             format!(
-                "not stated, as allowed: {what}; enough to filter and to identify, not for crush, force or physical \
-             parameters"
+                "no mass is stated: for force, energy, stiffness and models add --mass 1500kg{}",
+                lines("mass: 1500 kg")
             ),
         );
-        return Ok(());
     }
-    let what = match &details.speed_not_taken {
-        Some(found) if speed.is_none() => format!("{what} usably: {found}"),
-        _ => what.to_owned(),
-    };
-    let lines = if comments { format!("header lines {lines}, or ") } else { String::new() };
-    Err(IngestError::NotStated {
-        file: file.to_owned(),
-        what,
-        expected: format!("{lines}flags, or a sidecar {file}.toml"),
-        hint: format!("add {flags} (or --allow-missing, to identify a linear model only)"),
-    })
+}
+
+/// Masses of vehicles, kg: from a light quadricycle to a lorry with its load.
+const VEHICLE_KG: std::ops::RangeInclusive<f64> = 200.0..=60_000.0;
+/// Masses of cars and vans, kg, of which one may have been meant.
+const CAR_KG: std::ops::RangeInclusive<f64> = 500.0..=5_000.0;
+
+/// Questions a mass that no vehicle has, and says which unit would make it that of a car.
+pub fn question_mass(details: &Details) -> Option<String> {
+    let Stated { value, from } = details.mass_kg.as_ref()?;
+    if VEHICLE_KG.contains(value) {
+        return None;
+    }
+    let units = [("t", 1e3), ("kg or g", 1e-3)];
+    let meant = units.into_iter().find(|(_, factor)| CAR_KG.contains(&(value * factor)));
+    let meant =
+        meant.map_or_else(String::new, |(unit, factor)| format!(" ({:.0} kg if {unit} is meant)", value * factor));
+    Some(format!(
+        "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with it; \
+         --mass 1500kg states another"
+    ))
 }
 
 #[cfg(test)]
@@ -223,7 +276,8 @@ mod tests {
     use super::*;
 
     fn facts(lines: &[&str]) -> Result<CommentFacts, IngestError> {
-        from_comments("a.csv", lines.iter().enumerate().map(|(k, line)| (k + 1, *line)))
+        let lines = lines.iter().enumerate().map(|(k, line)| (k + 1, *line));
+        from_comments("a.csv", lines, &IngestSettings::default())
     }
 
     #[test]
@@ -250,16 +304,50 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_named() {
-        let error = require("a.csv", &Details::default(), true, false, &mut Notes::new()).unwrap_err();
-        assert_eq!(error.to_string(), "a.csv does not state the mass of the vehicle and the impact speed");
-        assert!(error.hint().contains("--mass 1500kg --impact-speed 50km/h"));
-        assert!(error.expected().unwrap().contains("# mass: 1500 kg"));
-        let error = require("a.tdms", &Details::default(), false, false, &mut Notes::new()).unwrap_err();
-        assert_eq!(error.expected().unwrap(), "flags, or a sidecar a.tdms.toml");
-        let mut notes = Notes::new();
-        require("a.csv", &Details::default(), true, true, &mut notes).unwrap();
-        assert!(notes.to_texts()[0].starts_with("warning: "));
+    fn what_is_missing_is_named_with_what_it_is_for() {
+        let texts = |details: &Details, from_rest| {
+            let mut notes = Notes::new();
+            note_missing(details, true, from_rest, &mut notes);
+            notes.to_texts()
+        };
+        let frontal = texts(&Details::default(), false);
+        assert!(
+            frontal[0].contains("--impact-speed 50km/h, or a header line \"# impact speed: 50 km/h\""),
+            "{frontal:?}"
+        );
+        assert!(frontal[1].contains("no mass is stated: for force, energy"), "{frontal:?}");
+        let sled = texts(&Details::default(), true);
+        assert!(sled[0].contains("as on a sled") && !sled[0].contains("--impact-speed"), "{sled:?}");
+        assert!(texts(&facts(&["mass: 873 kg", "impact speed: 0 km/h"]).unwrap().details, false).is_empty());
+    }
+
+    #[test]
+    fn lines_that_contradict_each_other_are_refused_with_both() {
+        let error = facts(&["mass: 873 kg", "title: a", "Mass: 900 kg"]).unwrap_err();
+        assert_eq!(error.to_string(), "a.csv, line 3: 900 kg, but line 1 of a.csv says 873 kg");
+        for lines in [
+            ["impact speed: 35 km/h", "impact_speed: 36 km/h"],
+            ["unit: g", "unit: m/s^2"],
+            ["vehicle: a", "vehicle: b"],
+        ] {
+            assert!(facts(&lines).unwrap_err().hint().starts_with("remove the line that is wrong, or --"), "{lines:?}");
+        }
+        // The same mass in other units is no contradiction, and a flag settles one.
+        assert_eq!(facts(&["mass: 873 kg", "mass: 0.873 t"]).unwrap().details.mass_kg.unwrap().value, 873.0);
+        let flag = IngestSettings { mass: Some("900kg".parse().unwrap()), ..IngestSettings::default() };
+        from_comments("a.csv", [(1, "mass: 873 kg"), (2, "mass: 900 kg")].into_iter(), &flag).unwrap();
+    }
+
+    #[test]
+    fn a_mass_that_no_vehicle_has_is_questioned() {
+        let question = |mass: &str| question_mass(&facts(&[mass]).unwrap().details);
+        assert!(question("mass: 1.5 kg").unwrap().contains("(1500 kg if t is meant)"));
+        assert!(question("mass: 1500000 kg").unwrap().contains("(1500 kg if kg or g is meant)"));
+        assert!(question("mass: 1500 t").unwrap().contains("(1500 kg if kg or g is meant)"));
+        assert!(question("mass: 100000 kg").unwrap().contains("which no vehicle has"));
+        for mass in ["mass: 873 kg", "mass: 250 kg", "mass: 40 t"] {
+            assert_eq!(question(mass), None);
+        }
     }
 
     #[test]

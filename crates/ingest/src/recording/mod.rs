@@ -4,6 +4,7 @@
 pub mod channel_selection;
 pub mod content;
 pub mod details;
+pub mod line_numbers;
 pub mod quality;
 pub mod read_channel;
 pub mod settings;

@@ -1,6 +1,10 @@
 //! A channel as a reader reads it, before flags and choices are applied.
 
+use std::sync::Arc;
+
 use crumple_signal::{Channel, ChannelStatus, Sampled};
+
+use crate::recording::line_numbers::LineNumbers;
 
 /// A channel and its samples.
 #[derive(Debug, Clone)]
@@ -17,12 +21,14 @@ pub struct ReadChannel {
     pub aliases: Vec<String>,
     /// Why its file cannot be read, with file and line, where it is here.
     pub unread: Option<String>,
+    /// The lines of its samples, where they stand in a text with other channels.
+    pub lines: Option<Arc<LineNumbers>>,
 }
 
 impl ReadChannel {
     /// A channel without samples, neither named otherwise nor fit for the pulse.
     pub fn new(channel: Channel) -> Self {
-        Self { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new(), unread: None }
+        Self { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new(), unread: None, lines: None }
     }
 
     /// A channel whose file is here and cannot be read: listed without data, the reason in its comment.

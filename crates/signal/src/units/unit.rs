@@ -121,7 +121,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["lb", "lbs", "lbm"], Mass, POUND_KG),
     (&["s", "sec", "SEC", "seconds", "second"], Time, 1.0),
     (&["ms", "MS", "msec", "milliseconds"], Time, 1e-3),
-    (&["us", "µs", "μs", "usec"], Time, 1e-6),
+    (&["us", "µs", "μs", "usec", "microseconds", "microsecond"], Time, 1e-6),
     (&["Hz", "hz", "1/s"], Frequency, 1.0),
     (&["kHz"], Frequency, 1e3),
     (&["%", "percent"], Share, 1e-2),

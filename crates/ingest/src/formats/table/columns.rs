@@ -1,6 +1,7 @@
 //! Columns of a table as channels: quantity, unit, identity.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crumple_signal::iso13499::wildcard;
 use crumple_signal::unit::{Dimension, choices, factor};
@@ -29,7 +30,7 @@ pub fn channels(
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<Vec<ReadChannel>, IngestError> {
-    let data: Vec<usize> = (0..header.columns.len()).filter(|k| *k != time.column).collect();
+    let data: Vec<usize> = (0..header.columns.len()).filter(|k| !time.columns.contains(k)).collect();
     let ids = ids(header, &data);
     same_titles(header, &data, &ids, notes);
     let edr = settings.profile == Some(Profile::Edr);
@@ -67,7 +68,7 @@ pub fn channels(
         check_for_acceleration(file, header, &data, &kinds, selected)?;
     }
 
-    let lines = rows.lines;
+    let lines = Arc::new(rows.lines);
     let mut columns = rows.columns;
     let mut channels = Vec::with_capacity(data.len());
     for ((&k, id), &(quantity, factor)) in data.iter().zip(ids).zip(&kinds) {
@@ -96,6 +97,7 @@ pub fn channels(
                 why: "the only acceleration column",
             }),
             aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
+            lines: Some(Arc::clone(&lines)),
             ..ReadChannel::new(channel)
         });
     }
@@ -190,6 +192,12 @@ fn check_for_acceleration(
     if kinds.iter().any(|(kind, _)| *kind == QuantityKind::Acceleration) {
         return Ok(());
     }
+    let mut velocities =
+        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Velocity).map(|(k, _)| &header.columns[*k]);
+    let is_named_as_acceleration = |k: &usize| names_acceleration(&header.columns[*k].title);
+    if velocities.any(|column| !names_velocity_change(&column.title)) && !data.iter().any(is_named_as_acceleration) {
+        return Ok(());
+    }
     let unknown: Vec<usize> =
         data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Other).map(|(k, _)| *k).collect();
     match unknown.iter().find(|k| names_acceleration(&header.columns[**k].title)).or(unknown.first()) {
@@ -198,7 +206,7 @@ fn check_for_acceleration(
             file,
             format!("no column is an acceleration: {}", titles(header, data)),
             "an acceleration column",
-            "export the acceleration of the vehicle, too",
+            "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h",
         )),
     }
 }

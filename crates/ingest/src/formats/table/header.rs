@@ -31,41 +31,61 @@ pub struct TableHeader {
     pub kilo_g: Vec<usize>,
     /// Header lines that are neither names nor units.
     pub ignored_lines: Vec<usize>,
+    /// Two lines that state different units of one column.
+    pub contradiction: Option<Contradiction>,
+}
+
+/// Two units of one column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contradiction {
+    /// Index of the column.
+    pub column: usize,
+    /// The line of the names, and the name with its unit.
+    pub name: (usize, String),
+    /// The line of the units, and the unit.
+    pub unit: (usize, String),
 }
 
 /// Reads names and units from the lines before the rows.
 pub fn read(layout: &Layout) -> TableHeader {
     let count = layout.columns;
     let mut lines: Vec<(usize, Vec<String>)> =
-        layout.header.iter().map(|line| (line.number, cells(line, layout.delimiter, count))).collect();
+        layout.header.iter().map(|line| (line.number, cells(line, layout))).collect();
     if lines.is_empty()
         && let Some(comment) = layout.comments.last()
     {
         // Many programs write the names as the last comment.
-        let names = cells(comment, layout.delimiter, count);
+        let names = cells(comment, layout);
         if names.len() >= count && names.iter().any(|name| is_time_name(name)) && comment.number < layout.first_line {
             lines.push((comment.number, names));
         }
     }
-    let has_units = match lines.as_slice() {
-        [.., (_, above), (_, last)] => is_unit_line(last) && !is_header_below_a_title(last, above, count),
-        _ => false,
-    };
-    let units = has_units.then(|| lines.pop()).flatten();
+    let units = units_line(&lines, count).map(|k| {
+        let below = lines.split_off(k + 1);
+        let units = lines.pop();
+        (units, below)
+    });
+    let (units, below) = units.map_or((None, Vec::new()), |(units, below)| (units, below));
     let names = lines.pop();
     let named = names.is_some();
-    let names = names.map(|(_, cells)| cells).unwrap_or_default();
+    let (names_line, names) = names.unwrap_or_default();
     // A delimiter at the end of every line is no column.
     let stated = names.iter().rposition(|name| !name.trim().is_empty()).map_or(0, |last| last + 1);
     let surplus_names = (stated > count).then_some(stated);
     let mut kilo_g = Vec::new();
+    let mut contradiction = None;
     let columns = (0..count)
         .map(|k| {
             let title =
                 names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("column {}", k + 1));
             let (name, mut unit) = split_unit(&title);
-            if let Some(cell) = units.as_ref().and_then(|(_, cells)| cells.get(k)) {
+            if let Some((units_line, cell)) = units.as_ref().and_then(|(line, cells)| Some((*line, cells.get(k)?))) {
                 let stated = unit_cell(cell, &title);
+                let is_unit = |unit: &Unit| matches!(unit, Unit::Time(_) | Unit::Signal(..));
+                if is_unit(&stated) && is_unit(&unit) && stated != unit && contradiction.is_none() {
+                    let (name, unit) = ((names_line, title.clone()), (units_line, cell.clone()));
+                    contradiction = Some(Contradiction { column: k, name, unit });
+                }
                 if !matches!(stated, Unit::Unstated) {
                     unit = stated;
                 }
@@ -83,23 +103,77 @@ pub fn read(layout: &Layout) -> TableHeader {
         named,
         surplus_names,
         kilo_g,
-        ignored_lines: lines.iter().map(|(number, _)| *number).collect(),
+        ignored_lines: lines.iter().chain(&below).map(|(number, _)| *number).collect(),
+        contradiction,
     }
+}
+
+/// The line of units among those before the rows: the last one, or the one before it with names above (a line of
+/// remarks may stand below the units).
+fn units_line(lines: &[(usize, Vec<String>)], count: usize) -> Option<usize> {
+    let last = lines.len().checked_sub(1)?;
+    let is_below_names =
+        |k: usize| k > 0 && is_unit_line(&lines[k].1) && !is_header_below_a_title(&lines[k].1, &lines[k - 1].1, count);
+    if is_below_names(last) {
+        return Some(last);
+    }
+    let names_above = |k: usize| lines[k - 1].1.len() == count && lines[k - 1].1.iter().any(|cell| is_time_name(cell));
+    let all_units = |cells: &[String]| {
+        cells.len() == count
+            && cells.iter().all(|cell| !matches!(unit_cell(cell, ""), Unit::Unstated | Unit::Unknown(_)))
+    };
+    (last >= 2 && all_units(&lines[last - 1].1) && names_above(last - 1)).then(|| last - 1)
 }
 
 /// The cells of a header line. Its delimiter may differ from that of the rows (`# time(s), <tab> acceleration(g)` over
 /// blanks): then the one that gives as many cells as there are columns is taken.
-fn cells(line: &Line, delimiter: Delimiter, count: usize) -> Vec<String> {
-    let clean = |fields: Vec<&[u8]>| -> Vec<String> { fields.into_iter().map(|f| decode(unquoted(f))).collect() };
-    let cells_by_delimiter = clean(delimiter.split(line.bytes));
-    if cells_by_delimiter.len() >= 2 && delimiter != Delimiter::Blanks {
+fn cells(line: &Line, layout: &Layout) -> Vec<String> {
+    let count = layout.columns;
+    // A cell broken into lines is one.
+    let text_of = |field: &[u8]| decode(unquoted(field)).split_whitespace().collect::<Vec<_>>().join(" ");
+    let clean = |fields: Vec<&[u8]>| -> Vec<String> { fields.into_iter().map(text_of).collect() };
+    let cells_by_delimiter = clean(layout.without_blanks(layout.delimiter.split(line.bytes)));
+    if cells_by_delimiter.len() >= 2 && layout.delimiter != Delimiter::Blanks {
         return cells_by_delimiter;
     }
     [b',', b';', b'\t']
         .into_iter()
         .map(|byte| clean(Delimiter::Byte(byte).split(line.bytes)).into_iter().filter(|c| !c.is_empty()).collect())
         .find(|cells: &Vec<String>| cells.len() == count)
+        .or_else(|| cells_between_blanks(&decode(line.bytes), count))
         .unwrap_or(cells_by_delimiter)
+}
+
+/// Cells with blanks in them, `t [s]   a [g]`: those between runs of two blanks and more, else those that end in a
+/// unit in brackets, if they are as many as there are columns.
+fn cells_between_blanks(line: &str, count: usize) -> Option<Vec<String>> {
+    let wide: Vec<String> =
+        line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).map(str::to_owned).collect();
+    if wide.len() == count {
+        return Some(wide);
+    }
+    let words: Vec<&str> = line.split_whitespace().collect();
+    if words.len() == count {
+        return None;
+    }
+    let mut cells = vec![String::new()];
+    let mut depth = 0_i32;
+    for c in line.trim().chars() {
+        let last = cells.last_mut()?;
+        last.push(c);
+        depth += i32::from(matches!(c, '[' | '(' | '{')) - i32::from(matches!(c, ']' | ')' | '}'));
+        if depth == 0 && matches!(c, ']' | ')' | '}') {
+            cells.push(String::new());
+        }
+    }
+    let cells: Vec<String> = cells.iter().map(|cell| cell.trim().to_owned()).filter(|cell| !cell.is_empty()).collect();
+    // The names of a table without brackets, each followed by its unit.
+    let pairs = || -> Option<Vec<String>> {
+        let is_unit = |word: &str| !matches!(unit_cell(word, ""), Unit::Unstated | Unit::Unknown(_));
+        let pairs = words.chunks_exact(2).map(|pair| is_unit(pair[1]).then(|| pair.join(" ")));
+        (words.len() == 2 * count).then(|| pairs.collect())?
+    };
+    if cells.len() == count { Some(cells) } else { pairs() }
 }
 
 /// Whether the last line before the rows has the names, and the line above it is a title: as many cells as there are

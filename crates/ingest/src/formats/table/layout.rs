@@ -1,7 +1,7 @@
 //! How a table is written: delimiter, decimal mark, header lines, number of columns.
 
 use crate::formats::text::lines::{Line, comment, decode, line_at};
-use crate::formats::text::numbers::{field, is_gap, unquoted};
+use crate::formats::text::numbers::{NumberStyle, is_gap, unquoted};
 use crate::{IngestError, Place};
 
 /// Lines looked at, comments and blank lines aside.
@@ -54,12 +54,14 @@ impl Delimiter {
 pub struct Layout<'a> {
     /// Between fields.
     pub delimiter: Delimiter,
-    /// `.` or `,`.
-    pub decimal: u8,
+    /// How numbers are written.
+    pub style: NumberStyle,
     /// Fields of a row that hold numbers.
     pub columns: usize,
-    /// Rows end in a delimiter with nothing behind it.
-    pub trailing: bool,
+    /// Fields before the last of these that every row leaves blank, by their index among all fields.
+    pub blank: Vec<usize>,
+    /// Blank fields at the end of every row.
+    pub trailing: usize,
     /// Offset of the first row.
     pub first_row: usize,
     /// Line number of the first row.
@@ -70,40 +72,85 @@ pub struct Layout<'a> {
     pub header: Vec<Line<'a>>,
 }
 
-/// The ways a table is written, most particular first.
-const WAYS: [(Delimiter, u8); 8] = [
-    (Delimiter::Byte(b'\t'), b'.'),
-    (Delimiter::Byte(b'\t'), b','),
-    (Delimiter::Byte(b';'), b'.'),
-    (Delimiter::Byte(b';'), b','),
-    (Delimiter::Byte(b','), b'.'),
-    (Delimiter::Blanks, b'.'),
-    (Delimiter::Blanks, b','),
-    // Every number in quotes: "0,0001","-1,5".
-    (Delimiter::Byte(b','), b','),
-];
-
-/// Fields of a row, and whether the last is empty; `None` where something else than numbers stands. `NaN` and gaps
-/// count as numbers here, so that they are refused at their place and not taken for names.
-fn row_shape(line: &[u8], delimiter: Delimiter, decimal: u8) -> Option<(usize, bool)> {
-    let fields = delimiter.split(line);
-    let numbers = fields.iter().filter(|text| field(text, decimal).is_some()).count();
-    let gaps = fields.iter().filter(|text| is_gap(text)).count();
-    let trailing = fields.len() > 1 && fields.last().is_some_and(|f| unquoted(f).is_empty());
-    (numbers > 0 && numbers + gaps == fields.len()).then_some((fields.len(), trailing))
+impl Layout<'_> {
+    /// The fields of a line without those that every row leaves blank; a line of fewer fields keeps all of its own.
+    pub fn without_blanks<T>(&self, mut fields: Vec<T>) -> Vec<T> {
+        if fields.len() >= self.columns + self.blank.len() {
+            for k in self.blank.iter().rev() {
+                fields.remove(*k);
+            }
+        }
+        fields
+    }
 }
 
-/// The first row under a way of writing: its index, the columns, and whether rows end in an empty field. Lines with one
-/// number before it are text. `agree` asks the next rows to have as many fields.
-fn first_row(shapes: &[Option<(usize, bool)>], agree: bool, least: usize) -> Option<(usize, usize, bool)> {
-    let first = shapes.iter().position(|shape| shape.is_some_and(|(fields, _)| fields >= least))?;
-    let (fields, _) = shapes[first]?;
-    let rows = || shapes[first..].iter().take(AGREEING_ROWS);
-    if agree && !rows().all(|shape| shape.is_some_and(|(other, _)| other == fields)) {
+/// A way in which tables are written.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    delimiter: Delimiter,
+    style: NumberStyle,
+}
+
+/// The ways a table is written, most particular first. The last of them: thousands apart in whole numbers, `-50,000`,
+/// which is read so only where other cells show that the point is the decimal mark.
+const WAYS: [Way; 12] = {
+    const fn way(delimiter: Delimiter, decimal: u8, lone_groups: bool) -> Way {
+        Way { delimiter, style: NumberStyle { decimal, lone_groups } }
+    }
+    [
+        way(Delimiter::Byte(b'\t'), b'.', false),
+        way(Delimiter::Byte(b'\t'), b',', false),
+        way(Delimiter::Byte(b';'), b'.', false),
+        way(Delimiter::Byte(b';'), b',', false),
+        way(Delimiter::Byte(b','), b'.', false),
+        way(Delimiter::Blanks, b'.', false),
+        way(Delimiter::Blanks, b',', false),
+        // Every number in quotes: "0,0001","-1,5".
+        way(Delimiter::Byte(b','), b',', false),
+        way(Delimiter::Byte(b'\t'), b'.', true),
+        way(Delimiter::Byte(b';'), b'.', true),
+        way(Delimiter::Byte(b','), b'.', true),
+        way(Delimiter::Blanks, b'.', true),
+    ]
+};
+
+/// Fields of a row; `None` where something else than numbers stands. `NaN` and gaps count as numbers here, so that
+/// they are refused at their place and not taken for names.
+fn row_fields(line: &[u8], way: Way) -> Option<usize> {
+    let fields = way.delimiter.split(line);
+    let numbers = fields.iter().filter(|text| way.style.field(text).is_some()).count();
+    let gaps = fields.iter().filter(|text| is_gap(text)).count();
+    (numbers > 0 && numbers + gaps == fields.len()).then_some(fields.len())
+}
+
+/// The rows under a way of writing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct FirstRow {
+    /// Index of the first among the lines.
+    line: usize,
+    columns: usize,
+    blank: Vec<usize>,
+    trailing: usize,
+}
+
+/// The first row under a way of writing. Lines with one number before it are text. `agree` asks the next rows to have
+/// as many fields. Fields that no row fills are blank.
+fn first_row(lines: &[Line], fields_of: &[Option<usize>], way: Way, agree: bool, least: usize) -> Option<FirstRow> {
+    let first = fields_of.iter().position(|fields| fields.is_some_and(|fields| fields >= least))?;
+    let fields = fields_of[first]?;
+    if agree && !fields_of[first..].iter().take(AGREEING_ROWS).all(|other| *other == Some(fields)) {
         return None;
     }
-    let trailing = rows().flatten().all(|(_, trailing)| *trailing);
-    Some((first, fields - usize::from(trailing), trailing))
+    let mut is_blank = vec![true; fields];
+    for (line, _) in lines[first..].iter().zip(&fields_of[first..]).filter(|(_, other)| **other == Some(fields)) {
+        for (is_blank, text) in is_blank.iter_mut().zip(way.delimiter.split(line.bytes)) {
+            *is_blank &= unquoted(text).is_empty();
+        }
+    }
+    let trailing = is_blank.iter().rev().take_while(|blank| **blank).count();
+    let blank: Vec<usize> = (0..fields - trailing).filter(|k| is_blank[*k]).collect();
+    let columns = fields - trailing - blank.len();
+    (columns >= least).then_some(FirstRow { line: first, columns, blank, trailing })
 }
 
 /// Looks at the first lines of a table and says how it is written. Rows have `least` columns and more.
@@ -115,29 +162,35 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         let (line, next) = line_at(text, offset, number, file)?;
         if let Some(words) = comment(line.bytes) {
             comments.push((lines.len(), Line { bytes: words, ..line }));
-        } else if !line.bytes.trim_ascii().is_empty() {
+        } else if is_open_quote(line.bytes)
+            && let Some((cell, after, last)) = whole_cell(text, line, next)
+        {
+            lines.push(cell);
+            (offset, number) = (after, last + 1);
+            continue;
+        } else if !is_blank_row(line.bytes) {
             lines.push(line);
         }
         (offset, number) = (next, number + 1);
     }
-    let shapes_by_way: Vec<Vec<_>> = WAYS
-        .iter()
-        .map(|(delimiter, decimal)| lines.iter().map(|line| row_shape(line.bytes, *delimiter, *decimal)).collect())
-        .collect();
+    let fields_by_way: Vec<Vec<_>> =
+        WAYS.iter().map(|way| lines.iter().map(|line| row_fields(line.bytes, *way)).collect()).collect();
     let single_column = lines
         .iter()
         .enumerate()
-        .find(|(k, _)| shapes_by_way.iter().any(|shapes: &Vec<Option<(usize, bool)>>| shapes[*k].is_some()))
+        .find(|(k, _)| fields_by_way.iter().any(|fields: &Vec<Option<usize>>| fields[*k].is_some()))
         .map(|(_, line)| line.number);
     // The way that sees the earliest row, so that no row is taken for text; of several the one whose rows agree.
     let best = WAYS
         .iter()
-        .zip(&shapes_by_way)
-        .flat_map(|(way, shapes)| [true, false].map(|agree| (way, agree, first_row(shapes, agree, least))))
-        .filter_map(|(way, agree, row)| row.filter(|(_, columns, _)| *columns >= least).map(|row| (way, agree, row)))
-        .min_by_key(|(_, agree, (first, ..))| (*first, !agree));
-    if let Some(((delimiter, decimal), _, (first, columns, trailing))) = best {
-        let (delimiter, decimal) = (*delimiter, *decimal);
+        .zip(&fields_by_way)
+        .flat_map(|(way, fields)| {
+            [true, false].map(|agree| (way, agree, first_row(&lines, fields, *way, agree, least)))
+        })
+        .filter_map(|(way, agree, row)| row.map(|row| (way, agree, row)))
+        .filter(|(way, _, row)| !way.style.lone_groups || decimal_mark(&lines[row.line..], **way) == Some(b'.'))
+        .min_by_key(|(_, agree, row)| (row.line, !agree));
+    if let Some((way, _, FirstRow { line: first, columns, blank, trailing })) = best {
         if columns > COLUMN_LIMIT {
             return Err(IngestError::TooLarge {
                 place: Place::line(file, lines[first].number),
@@ -145,10 +198,12 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
                 limit: format!("at most {COLUMN_LIMIT} columns, one sample a row"),
             });
         }
+        refuse_doubtful_commas(*way, &lines[first..], file)?;
         let layout = Layout {
-            delimiter,
-            decimal,
+            delimiter: way.delimiter,
+            style: way.style,
             columns,
+            blank,
             trailing,
             first_row: lines[first].offset,
             first_line: lines[first].number,
@@ -168,12 +223,82 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
     Err(no_rows(&lines, single_column, file))
 }
 
+/// Whether a line holds nothing but delimiters and empty quotes, as spreadsheets write below the last row.
+pub fn is_blank_row(line: &[u8]) -> bool {
+    line.iter().all(|b| matches!(b, b',' | b';' | b'"') || b.is_ascii_whitespace())
+}
+
+/// Whether a quote is left open at the end of a line.
+fn is_open_quote(line: &[u8]) -> bool {
+    line.iter().filter(|b| **b == b'"').count() % 2 == 1
+}
+
+/// Lines that a cell of a header may be broken into.
+const CELL_LINES: usize = 6;
+
+/// A line whose last cell goes on in the next ones (`"Time` / `(s)","Accel` / `(g)"`), the offset after it and the
+/// number of its last line. `None` where no line closes the quote: it is an inch mark, say.
+fn whole_cell<'a>(text: &'a [u8], line: Line<'a>, next: usize) -> Option<(Line<'a>, usize, usize)> {
+    let (mut end, mut number) = (next, line.number);
+    for _ in 1..CELL_LINES {
+        let rest = text.get(end..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|b| *b == b'\n').map_or(rest.len(), |at| at + 1);
+        (end, number) = (end + length, number + 1);
+        let bytes = text[line.offset..end].trim_ascii_end();
+        if !is_open_quote(bytes) {
+            return Some((Line { bytes, ..line }, end, number));
+        }
+    }
+    None
+}
+
+/// The decimal mark that the cells of some rows show: a mark with other than three digits behind it, or with a zero
+/// before it, stands between no thousands. `None` where they leave it open.
+fn decimal_mark(rows: &[Line], way: Way) -> Option<u8> {
+    rows.iter().find_map(|row| {
+        way.delimiter.split(row.bytes).into_iter().find_map(|cell| {
+            let cell = unquoted(cell);
+            let mark = *cell.iter().rfind(|b| matches!(b, b'.' | b','))?;
+            let at = cell.iter().rposition(|b| *b == mark)?;
+            let lead = cell[..at].strip_prefix(b"-").or(cell[..at].strip_prefix(b"+")).unwrap_or(&cell[..at]);
+            let digits = cell[at + 1..].iter().take_while(|b| b.is_ascii_digit()).count();
+            (digits != 3 || matches!(lead, b"" | b"0") || cell[at + 1 + digits..].starts_with(b"e")).then_some(mark)
+        })
+    })
+}
+
+/// `"-50,000","-17"`: -50 or fifty thousand? Refused, unless a semicolon stands between the fields, every number has
+/// its comma, or some number shows what the comma is.
+fn refuse_doubtful_commas(way: Way, rows: &[Line], file: &str) -> Result<(), IngestError> {
+    if way.style.decimal != b',' || way.delimiter == Delimiter::Byte(b';') || decimal_mark(rows, way).is_some() {
+        return Ok(());
+    }
+    let cells = |row: &Line| -> Vec<String> {
+        let fields = way.delimiter.split(row.bytes).into_iter();
+        fields.filter(|cell| way.style.field(cell).is_some()).map(|cell| decode(unquoted(cell))).collect()
+    };
+    if rows.iter().all(|row| cells(row).iter().all(|cell| cell.contains(','))) {
+        return Ok(());
+    }
+    let doubtful = rows.iter().find_map(|row| Some((row.number, cells(row).into_iter().find(|c| c.contains(','))?)));
+    let Some((line, cell)) = doubtful else { return Ok(()) };
+    Err(IngestError::content(
+        Place::line(file, line),
+        format!("{cell:?} may be a whole number with its thousands apart, or one with a decimal comma"),
+        "numbers that can be read in one way only",
+        "export again without thousands separators and with a decimal point",
+    ))
+}
+
 /// `0,0001,-1,23`: a decimal comma in a table whose delimiter is the comma as well cannot be read back.
 fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> Result<(), IngestError> {
     let whole_numbers = || {
         rows.iter().all(|row| !row.bytes.contains(&b'.') && !row.bytes.contains(&b'e') && !row.bytes.contains(&b'E'))
     };
-    if (layout.delimiter, layout.decimal) != (Delimiter::Byte(b','), b'.') || layout.columns < 3 || !whole_numbers() {
+    if (layout.delimiter, layout.style.decimal) != (Delimiter::Byte(b','), b'.')
+        || layout.columns < 3
+        || !whole_numbers()
+    {
         return Ok(());
     }
     let names = layout.header.last().map(|line| Delimiter::Byte(b',').split(line.bytes).len());
@@ -232,12 +357,19 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
     )
 }
 
+/// `-1.5 g`: a number with something behind it that has no digit.
+fn number_with_unit(text: &str) -> Option<&str> {
+    let (number, unit) = text.split_at(text.find(|c: char| c.is_alphabetic() || c == '%' || c == '°')?);
+    let is_number = NumberStyle::POINT.field(number.as_bytes()).or(NumberStyle::COMMA.field(number.as_bytes()));
+    is_number.filter(|_| !unit.contains(|c: char| c.is_ascii_digit()) || unit.starts_with("m/s")).map(|_| unit)
+}
+
 /// Rows that would be rows of numbers but for words in some column: which one, where, and what to do.
 fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
     /// Rows that must look alike: as many fields, numbers and words in the same columns.
     const ALIKE: usize = 5;
-    let shape = |line: &Line, (delimiter, decimal): (Delimiter, u8)| -> Vec<bool> {
-        delimiter.split(line.bytes).iter().map(|f| field(f, decimal).is_some() || is_gap(f)).collect()
+    let shape = |line: &Line, way: Way| -> Vec<bool> {
+        way.delimiter.split(line.bytes).iter().map(|f| way.style.field(f).is_some() || is_gap(f)).collect()
     };
     WAYS.into_iter().find_map(|way| {
         let shapes: Vec<Vec<bool>> = lines.iter().map(|line| shape(line, way)).collect();
@@ -246,12 +378,15 @@ fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
         let first =
             shapes.windows(ALIKE).position(|rows| is_row(&rows[0]) && rows.iter().all(|row| *row == rows[0]))?;
         let column = shapes[first].iter().position(|number| !number)?;
-        let text = decode(unquoted(way.0.split(lines[first].bytes)[column]));
-        let names =
-            first.checked_sub(1).map(|k| way.0.split(lines[k].bytes)).filter(|n| n.len() == shapes[first].len());
+        let text = decode(unquoted(way.delimiter.split(lines[first].bytes)[column]));
+        let names = first
+            .checked_sub(1)
+            .map(|k| way.delimiter.split(lines[k].bytes))
+            .filter(|n| n.len() == shapes[first].len());
         let number = column + 1;
         let title = names.map_or_else(|| number.to_string(), |n| format!("{number} ({})", decode(unquoted(n[column]))));
         let is_clock = text.contains(':') && text.bytes().any(|b| b.is_ascii_digit());
+        let has_unit = number_with_unit(&text).is_some();
         Some(IngestError::content(
             Place::line(file, lines[first].number).in_column(title),
             format!("text in a row of numbers: {:?}", text.chars().take(40).collect::<String>()),
@@ -259,6 +394,8 @@ fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
             if is_clock {
                 "export the time in seconds from the start, not as a time of day, or leave the column out and state \
                  --sample-time"
+            } else if has_unit {
+                "export the numbers without the unit behind them, and put it into the name of the column: accel_g"
             } else {
                 "leave the column of text out of the export, or move what it says into comment lines (# ...)"
             },
@@ -272,7 +409,7 @@ mod tests {
 
     fn way(text: &str) -> (&'static str, char, usize, usize) {
         let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
-        (layout.delimiter.name(), char::from(layout.decimal), layout.columns, layout.header.len())
+        (layout.delimiter.name(), char::from(layout.style.decimal), layout.columns, layout.header.len())
     }
 
     #[test]

@@ -12,6 +12,8 @@ mod time_axis;
 
 use std::borrow::Cow;
 
+use crumple_signal::QuantityKind;
+
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::event_data_recorder::report;
@@ -78,6 +80,9 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     if edr {
         report::edr_notes(&channels, &mut details, &mut notes);
     }
+    // A table of velocities has no acceleration to take as the pulse.
+    let has = |quantity| channels.iter().any(|read| read.channel.quantity == quantity);
+    details.no_pulse |= has(QuantityKind::Velocity) && !has(QuantityKind::Acceleration) && !has(QuantityKind::Other);
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }

@@ -3,6 +3,7 @@
 use crumple_signal::Notes;
 
 use crate::formats::reader::Bundle;
+use crate::formats::table::rows::{LeftOut, Remnant};
 use crate::formats::table::{columns, header, layout, rows, time_axis};
 use crate::formats::text::lines::decode;
 use crate::recording::content::MINIMUM_SAMPLES;
@@ -49,7 +50,10 @@ pub fn one_table(
     let layout = layout::sniff(text, file, least_columns)?;
     let header = header::read(&layout);
     let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
-    let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())))?;
+    let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())), settings)?;
+    if let Some(contradiction) = &header.contradiction {
+        return Err(two_units(file, contradiction));
+    }
     let name = |k: usize| header.columns[k].title.clone();
     let mut rows = match &bundle.large {
         None => rows::read(text, &layout, file, name)?,
@@ -70,6 +74,15 @@ pub fn one_table(
         }
     };
     let samples = rows.lines.len();
+    let columns = header.columns.len();
+    if columns > MINIMUM_SAMPLES && samples < MINIMUM_SAMPLES {
+        return Err(IngestError::content(
+            Place::line(file, layout.first_line),
+            format!("{samples} rows of {columns} numbers: the samples of a channel seem to stand in one row"),
+            "one sample a row, one channel a column",
+            "export the transpose of this table",
+        ));
+    }
     let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
     if samples < least {
         return Err(IngestError::content(
@@ -81,13 +94,14 @@ pub fn one_table(
     }
     let mut notes = Notes::new();
     header_notes(file, &header, text_above, &mut notes);
+    left_out_notes(file, &rows, &mut notes);
     notes.extend(facts.notes);
     let time = match settings.sample_time {
         Some(interval) => {
             if settings.time_unit.is_some() {
                 unheeded_flags::warn("--time-unit", "--sample-time states the interval with its unit", &mut notes);
             }
-            time_axis::stated(file, &header, interval.si())?
+            time_axis::stated(file, &header, &rows, interval.si(), &mut notes)?
         }
         None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
     };
@@ -109,4 +123,34 @@ fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove,
         let count = header.ignored_lines.len();
         notes.info(format!("{count} lines of text above the header of {file} are not used, the first is line {line}"));
     }
+}
+
+fn left_out_notes(file: &str, rows: &rows::Rows, notes: &mut Notes) {
+    let (gaps, text): (Vec<&LeftOut>, Vec<&LeftOut>) =
+        rows.left_out.iter().partition(|left_out| left_out.what == Remnant::Gap);
+    if let [first, ..] = gaps.as_slice() {
+        notes.warning(format!(
+            "{} rows without values at the ends of {file} are left out, the first is line {}",
+            gaps.len(),
+            first.line
+        ));
+    }
+    if let [first, ..] = text.as_slice()
+        && let Remnant::Footer(words) = &first.what
+    {
+        let (count, line) = (text.len(), first.line);
+        notes.warning(format!(
+            "{count} lines of text below the rows of {file} are not used, from line {line}: {words:?}"
+        ));
+    }
+}
+
+fn two_units(file: &str, contradiction: &header::Contradiction) -> IngestError {
+    let header::Contradiction { column, name, unit } = contradiction;
+    IngestError::content(
+        Place::line(file, unit.0).in_column((column + 1).to_string()),
+        format!("the unit {:?} is not the one that line {} states: {:?}", unit.1, name.0, name.1),
+        "one unit for a column",
+        format!("correct line {} or line {}", name.0, unit.0),
+    )
 }

@@ -2,9 +2,10 @@
 
 use std::io::Read;
 
-use crate::formats::table::layout::{Delimiter, Layout, decimal_comma};
+use crate::formats::table::layout::{Delimiter, Layout, decimal_comma, is_blank_row};
 use crate::formats::text::lines::{LINE_LIMIT, comment, decode, line_at};
-use crate::formats::text::numbers::{ParsedNumber, field, is_gap, scan, unquoted};
+use crate::formats::text::numbers::{ParsedNumber, is_gap, scan, unquoted};
+use crate::recording::line_numbers::LineNumbers;
 use crate::{IngestError, Place};
 
 /// The numbers of a table.
@@ -16,37 +17,26 @@ pub struct Rows {
     pub digits: Vec<u32>,
     /// Line number of each row.
     pub lines: LineNumbers,
+    /// Lines before the first row and after the last that are left out.
+    pub left_out: Vec<LeftOut>,
 }
 
-/// Line numbers of rows, as runs of rows on consecutive lines: a few bytes for a table without comments, however long.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct LineNumbers {
-    /// First row of a run, and its line.
-    runs: Vec<(usize, usize)>,
-    rows: usize,
+/// A line that is left out, as no other row lies beyond it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Its number.
+    pub line: usize,
+    /// What it is.
+    pub what: Remnant,
 }
 
-impl LineNumbers {
-    /// Adds a row.
-    #[inline]
-    fn push(&mut self, line: usize) {
-        let follows = self.runs.last().is_some_and(|(row, first)| first + (self.rows - row) == line);
-        if !follows {
-            self.runs.push((self.rows, line));
-        }
-        self.rows += 1;
-    }
-
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.rows
-    }
-
-    /// The line of a row; 0 past the end.
-    pub fn of_row(&self, row: usize) -> usize {
-        let run = self.runs.partition_point(|(first, _)| *first <= row);
-        self.runs.get(run.wrapping_sub(1)).filter(|_| row < self.rows).map_or(0, |(first, line)| line + (row - first))
-    }
+/// What stands before the first or after the last row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Remnant {
+    /// A row without values, or with its time alone.
+    Gap,
+    /// Text, the start of it.
+    Footer(String),
 }
 
 /// Reads all rows of a text in memory. `name(k)` names column `k` in messages.
@@ -57,7 +47,7 @@ pub fn read(text: &[u8], layout: &Layout, file: &str, name: impl Fn(usize) -> St
     let body = &text[layout.first_row..];
     let mut parser = Parser::new(layout, body.len(), body, (1 << 24) / layout.columns, file, name);
     parser.feed(body)?;
-    Ok(parser.rows)
+    parser.finish()
 }
 
 /// A text that is read piece by piece.
@@ -95,7 +85,7 @@ pub fn read_stream(
         })?;
         if got == 0 {
             parser.feed(&buffer)?;
-            return Ok(parser.rows);
+            return parser.finish();
         }
         // Whole lines only; the rest waits for the next piece.
         if let Some(end) = buffer[before..].iter().rposition(|b| *b == b'\n') {
@@ -117,6 +107,9 @@ struct Parser<'a, F> {
     rows: Rows,
     row: Vec<ParsedNumber>,
     line: usize,
+    /// Lines that are no rows, and the error they are if a row follows.
+    remnants: Vec<LeftOut>,
+    error: Option<IngestError>,
 }
 
 impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
@@ -130,9 +123,61 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
             columns: (0..columns).map(|_| Vec::with_capacity(expected_rows)).collect(),
             digits: vec![0; columns],
             lines: LineNumbers::default(),
+            left_out: Vec::new(),
         };
         let row = vec![ParsedNumber { value: 0.0, digits: 0 }; columns];
-        Self { layout, file, name, rows, row, line: layout.first_line }
+        Self { layout, file, name, rows, row, line: layout.first_line, remnants: Vec::new(), error: None }
+    }
+
+    /// The rows; what stands behind the last of them is left out.
+    fn finish(mut self) -> Result<Rows, IngestError> {
+        // Nothing but remnants: they are what is wrong.
+        match self.error.filter(|_| self.rows.lines.len() == 0) {
+            Some(error) => Err(error),
+            None => {
+                self.rows.left_out.append(&mut self.remnants);
+                Ok(self.rows)
+            }
+        }
+    }
+
+    /// Adds the row just read. Gaps before the first row are left out; whatever stands between rows is an error.
+    #[inline]
+    fn push_row(&mut self) -> Result<(), IngestError> {
+        if self.error.is_some() {
+            self.settle_remnants()?;
+        }
+        self.rows.push(&self.row, self.line);
+        Ok(())
+    }
+
+    #[cold]
+    fn settle_remnants(&mut self) -> Result<(), IngestError> {
+        let is_start = self.rows.lines.len() == 0 && self.remnants.iter().all(|left_out| left_out.what == Remnant::Gap);
+        match self.error.take() {
+            Some(error) if !is_start => Err(error),
+            _ => {
+                self.rows.left_out.append(&mut self.remnants);
+                Ok(())
+            }
+        }
+    }
+
+    /// Reads a line that is not in the plain form of a row.
+    fn feed_line(&mut self, line: &[u8]) -> Result<(), IngestError> {
+        let is_nothing = is_blank_row(line) || line == [0x1A];
+        if is_nothing || comment(line).is_some() {
+            return Ok(());
+        }
+        let place = Place::line(self.file, self.line);
+        let Err(error) = careful_row(line, self.layout, &mut self.row, &place, &self.name) else {
+            return self.push_row();
+        };
+        let what = remnant(line, self.layout).filter(|_| self.remnants.len() < REMNANTS);
+        let Some(what) = what else { return Err(self.error.take().unwrap_or(error)) };
+        self.remnants.push(LeftOut { line: self.line, what });
+        self.error.get_or_insert(error);
+        Ok(())
     }
 
     /// Reads whole lines.
@@ -140,15 +185,11 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         let mut offset = 0;
         while offset < text.len() {
             if let Some(next) = plain_row(text, offset, self.layout, &mut self.row) {
-                self.rows.push(&self.row, self.line);
+                self.push_row()?;
                 offset = next;
             } else {
                 let (line, next) = line_at(text, offset, self.line, self.file)?;
-                if !line.bytes.trim_ascii().is_empty() && comment(line.bytes).is_none() && line.bytes != [0x1A] {
-                    let place = Place::line(self.file, self.line);
-                    careful_row(line.bytes, self.layout, &mut self.row, &place, &self.name)?;
-                    self.rows.push(&self.row, self.line);
-                }
+                self.feed_line(line.bytes)?;
                 offset = next;
             }
             self.line += 1;
@@ -168,17 +209,39 @@ impl Rows {
     }
 }
 
+/// Most lines that may stand before the first row or after the last.
+const REMNANTS: usize = 1000;
+
+/// What a line is that is no row, if the record may begin after it or end before it: a row of gaps, with its time at
+/// most, or text. A row that is cut short is neither.
+fn remnant(line: &[u8], layout: &Layout) -> Option<Remnant> {
+    let fields = layout.delimiter.split(line);
+    let is_number = |text: &&&[u8]| layout.style.field(text).is_some();
+    let numbers = fields.iter().filter(is_number).count();
+    let gaps = fields.iter().filter(|text| is_gap(text)).count();
+    if numbers + gaps == fields.len() {
+        let is_whole = fields.len() >= layout.columns + layout.blank.len();
+        return (is_whole && numbers <= usize::from(layout.columns > 1)).then_some(Remnant::Gap);
+    }
+    let starts_with_text = fields.first().is_some_and(|first| !is_gap(first) && layout.style.field(first).is_none());
+    starts_with_text.then(|| Remnant::Footer(decode(line.trim_ascii()).chars().take(40).collect()))
+}
+
 /// A row in the plain form, and where the next line starts.
 #[inline]
 fn plain_row(text: &[u8], offset: usize, layout: &Layout, row: &mut [ParsedNumber]) -> Option<usize> {
     let Delimiter::Byte(delimiter) = layout.delimiter else { return plain_row_of_blanks(text, offset, layout, row) };
+    if !layout.blank.is_empty() {
+        return None;
+    }
     let mut at = offset;
     let last = row.len() - 1;
     for (k, cell) in row.iter_mut().enumerate() {
-        let (number, length) = scan(text.get(at..)?, layout.decimal)?;
+        let (number, length) = scan(text.get(at..)?, layout.style.decimal)?;
         *cell = number;
         at += length;
-        if k < last || layout.trailing {
+        let delimiters = if k < last { 1 } else { layout.trailing };
+        for _ in 0..delimiters {
             if text.get(at) != Some(&delimiter) {
                 return None;
             }
@@ -198,7 +261,7 @@ fn plain_row_of_blanks(text: &[u8], offset: usize, layout: &Layout, row: &mut [P
         if at == start && at != offset {
             return None;
         }
-        let (number, length) = scan(text.get(at..)?, layout.decimal)?;
+        let (number, length) = scan(text.get(at..)?, layout.style.decimal)?;
         *cell = number;
         at += length;
     }
@@ -221,7 +284,18 @@ fn careful_row(
     place: &Place,
     name: impl Fn(usize) -> String,
 ) -> Result<(), IngestError> {
-    let mut fields = layout.delimiter.split(line);
+    let fields = layout.delimiter.split(line);
+    let blank_here = |k: usize| fields.get(k).is_none_or(|text| unquoted(text).is_empty());
+    if let Some(k) = layout.blank.iter().copied().find(|k| fields.len() > *k && !blank_here(*k)) {
+        let text = decode(unquoted(fields[k]));
+        return Err(IngestError::content(
+            place.clone().in_column((k + 1).to_string()),
+            format!("{:?} in a column that holds nothing in the rows above", text.chars().take(40).collect::<String>()),
+            "a column that is blank throughout, or filled in every row",
+            "leave that column out of the export, or fill it from the first row on",
+        ));
+    }
+    let mut fields = layout.without_blanks(fields);
     while fields.len() > row.len() && fields.last().is_some_and(|f| unquoted(f).is_empty()) {
         fields.pop();
     }
@@ -243,9 +317,9 @@ fn careful_row(
     }
     for (k, (cell, text)) in row.iter_mut().zip(&fields).enumerate() {
         let bare = unquoted(text);
-        match scan(bare, layout.decimal) {
+        match scan(bare, layout.style.decimal) {
             Some((number, length)) if length == bare.len() => *cell = number,
-            _ if let Some(number) = field(bare, layout.decimal) => *cell = number,
+            _ if let Some(number) = layout.style.field(bare) => *cell = number,
             _ => {
                 let place = place.clone().in_column(format!("{} ({})", k + 1, name(k)));
                 let found = if bare.is_empty() {
@@ -254,7 +328,8 @@ fn careful_row(
                     format!("{:?} is not a finite number", decode(&bare[..bare.len().min(40)]))
                 };
                 let hint = if is_gap(text) {
-                    "cut the record before the gap, or fill it in the program that made it: gaps are not filled here"
+                    "leave that column out of the export, cut the record before the gap, or fill it in the program that \
+                     made it: gaps are not filled here"
                 } else {
                     "export it again, or remove the line"
                 };

@@ -5,7 +5,7 @@ use crumple_signal::{About, Notes, Weight};
 
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::rows::Rows;
-use crate::formats::text::column_names::{Unit, is_time_name};
+use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::{resampling, time_unit};
@@ -14,28 +14,129 @@ use crate::{IngestError, IngestSettings, Place};
 /// The time column and its grid.
 #[derive(Debug, Clone)]
 pub struct TimeAxis {
-    /// Index of the column; past all columns where there is none.
-    pub column: usize,
+    /// Columns that are no channels: that of the time, and those that count the rows.
+    pub columns: Vec<usize>,
     /// The grid of its stamps, s.
     pub grid: Grid,
 }
 
-/// The grid of a table without a time column: the first row at 0 s.
-pub fn stated(file: &str, header: &TableHeader, interval_s: f64) -> Result<TimeAxis, IngestError> {
+/// What to do where no column is the time.
+const STATE_THE_INTERVAL: &str =
+    "state the sampling interval, such as --sample-time 100us, or name the column that is the time: time_s";
+
+/// The grid of a table without a time column: the first row at 0 s. A column that counts the rows is left out.
+pub fn stated(
+    file: &str,
+    header: &TableHeader,
+    rows: &Rows,
+    interval_s: f64,
+    notes: &mut Notes,
+) -> Result<TimeAxis, IngestError> {
     let refuse = |found: String, hint: &str| {
         Err(IngestError::content(Place::file(file), found, "an interval for a table without time column", hint))
     };
     if !(interval_s > 0.0 && interval_s.is_finite()) {
         return refuse(format!("--sample-time is {interval_s} s"), "give a positive time, such as --sample-time 100us");
     }
-    if let Some(column) = header.columns.iter().find(|c| header.named && is_time_name(&c.title)) {
-        return refuse(format!("column {} is named as time", column.title), "leave --sample-time away");
+    let is_time = |k: &usize| {
+        let column = &header.columns[*k];
+        is_time_column(header, *k) && !(matches!(column.unit, Unit::Unstated) && counts(&rows.columns[*k]))
+    };
+    if let Some(k) = (0..header.columns.len()).find(is_time) {
+        let title = &header.columns[k].title;
+        return refuse(format!("column {title} is named as time"), "leave --sample-time away");
     }
-    Ok(TimeAxis { column: usize::MAX, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
+    // Without names the first column may count the rows as well.
+    let counters = counters(header, rows, |k| is_time_column(header, k) || (!header.named && k == 0), notes);
+    Ok(TimeAxis { columns: counters, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
 }
 
-/// Finds the time column (by name, else by unit, else the first), its unit and its grid. The stamps are taken out of
-/// `rows`.
+/// Whether the header says that a column is the time.
+fn is_time_column(header: &TableHeader, k: usize) -> bool {
+    let column = &header.columns[k];
+    matches!(column.unit, Unit::Time(_)) || (header.named && is_time_name(&column.title))
+}
+
+/// Whether numbers are whole and grow by one from row to row.
+fn counts(numbers: &[f64]) -> bool {
+    numbers.first().is_some_and(|x| x.fract() == 0.0) && numbers.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
+}
+
+/// The columns that count the rows, by name or where `may_count` says so; a note names them.
+fn counters(header: &TableHeader, rows: &Rows, may_count: impl Fn(usize) -> bool, notes: &mut Notes) -> Vec<usize> {
+    let is_counter = |k: &usize| {
+        let named = header.named && is_counter_name(&header.columns[*k].title);
+        (named || may_count(*k)) && counts(&rows.columns[*k])
+    };
+    let counters: Vec<usize> = (0..header.columns.len()).filter(is_counter).collect();
+    for k in &counters {
+        notes.info(format!("column {} ({}) counts the rows: left out", k + 1, header.columns[*k].title));
+    }
+    counters
+}
+
+/// The column of the time: the one named for it, else the one with a unit of time. Where no name says so, the first is
+/// it if a person states its unit, or if the table has no names and its numbers grow by other steps than one.
+fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bool) -> Result<usize, IngestError> {
+    let named = header.columns.iter().position(|c| header.named && is_time_name(&c.title));
+    let with_unit = header.columns.iter().position(|c| matches!(c.unit, Unit::Time(_)));
+    let found = named.or(with_unit);
+    let column = found.unwrap_or(0);
+    let title = &header.columns[column].title;
+    let numbers = &rows.columns[column];
+    let expected = "times in a column that is named for it, with its unit: time_s";
+    let refuse = |found: String, hint: String| {
+        Err(IngestError::content(
+            Place::file(file).in_column(format!("{} ({title})", column + 1)),
+            found,
+            expected,
+            hint,
+        ))
+    };
+    let has_unit = is_unit_stated || matches!(header.columns[column].unit, Unit::Time(_));
+    if found.is_some() {
+        if !has_unit && counts(numbers) {
+            return refuse(
+                "whole numbers that grow by one, without a unit: times, or a count of the rows".to_owned(),
+                "if they are times, --time-unit ms (or s, us) says in what; if they count the rows, state the sampling \
+                 interval, such as --sample-time 100us"
+                    .to_owned(),
+            );
+        }
+        return Ok(column);
+    }
+    let only_signals =
+        header.columns.iter().all(|c| matches!(c.unit, Unit::Signal(..)) || names_acceleration(&c.title));
+    if only_signals && header.named {
+        let titles: Vec<&str> = header.columns.iter().take(12).map(|c| c.title.as_str()).collect();
+        return Err(IngestError::content(
+            Place::file(file),
+            format!("no column is the time: {}", titles.join(", ")),
+            expected,
+            STATE_THE_INTERVAL,
+        ));
+    }
+    if (header.named && is_counter_name(title)) || (!is_unit_stated && counts(numbers)) {
+        return refuse("it counts the rows, and no column is named as time".to_owned(), STATE_THE_INTERVAL.to_owned());
+    }
+    if is_unit_stated || (!header.named && numbers.windows(2).all(|pair| pair[1] > pair[0])) {
+        return Ok(column);
+    }
+    let not_a_crash = if header.columns.iter().any(|c| names_acceleration(&c.title)) {
+        ""
+    } else {
+        "; inputs and outputs that are no crash also take --allow-missing, and then crumple-identify"
+    };
+    let is_increasing = numbers.windows(2).all(|pair| pair[1] > pair[0]);
+    let hint = if is_increasing {
+        format!("if it is the time, --time-unit s (or ms, us) says so; if there is none, {STATE_THE_INTERVAL}")
+    } else {
+        STATE_THE_INTERVAL.to_owned()
+    };
+    refuse("no column is named as time, nor is the first certain to be it".to_owned(), hint + not_a_crash)
+}
+
+/// Finds the time column, its unit and its grid. The stamps are taken out of `rows`.
 pub fn find(
     file: &str,
     header: &TableHeader,
@@ -44,16 +145,17 @@ pub fn find(
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<TimeAxis, IngestError> {
-    let named = header.columns.iter().position(|c| header.named && is_time_name(&c.title));
-    let with_unit = header.columns.iter().position(|c| matches!(c.unit, Unit::Time(_)));
-    let is_named = named.or(with_unit).is_some();
-    let column = named.or(with_unit).unwrap_or(0);
+    let column = time_column(file, header, rows, settings.time_unit.is_some() || comment.is_some())?;
+    let mut columns = counters(header, rows, |_| false, notes);
+    columns.retain(|k| *k != column);
+    columns.push(column);
+    columns.extend(same_times(file, header, rows, column, notes)?);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), is_named, times[k], times[k + 1], rows.lines.of_row(k)));
+        return Err(order(place(k + 1), times[k], times[k + 1], rows.lines.of_row(k)));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -62,11 +164,11 @@ pub fn find(
     scale(&mut times, unit);
     if let Some(rate) = settings.resample {
         let grid = resampled(&place(0), &times, rate, rows, column, notes)?;
-        return Ok(TimeAxis { column, grid });
+        return Ok(TimeAxis { columns, grid });
     }
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), is_named, times[index - 1], times[index], rows.lines.of_row(index - 1))
+            order(place(index), times[index - 1], times[index], rows.lines.of_row(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -82,7 +184,7 @@ pub fn find(
             ),
         ),
     })?;
-    Ok(TimeAxis { column, grid })
+    Ok(TimeAxis { columns, grid })
 }
 
 /// The data columns on a uniform grid from the first time on, by linear interpolation.
@@ -126,20 +228,44 @@ fn scale(times: &mut [f64], factor: f64) {
     }
 }
 
-fn order(place: Place, named: bool, before: f64, now: f64, line_before: usize) -> IngestError {
+fn order(place: Place, before: f64, now: f64, line_before: usize) -> IngestError {
     let found = if now == before {
         format!("time {now} again, as in line {line_before}")
     } else {
         format!("time {now} after {before} in line {line_before}")
     };
-    let hint = if named {
-        "remove the repeated rows, or export with more decimals in the time column"
-    } else {
-        "no column is named as time, so the first is taken for it: name it time_s, or state --sample-time if there is \
-         none; \
-         inputs and outputs that are no crash also take --allow-missing, and then crumple-identify"
-    };
+    let hint = "remove the repeated rows, or export with more decimals in the time column";
     IngestError::content(place, found, "times that increase from row to row", hint)
+}
+
+/// Further columns of time, which repeat the first; others are refused, as their channels have times of their own.
+fn same_times(
+    file: &str,
+    header: &TableHeader,
+    rows: &Rows,
+    column: usize,
+    notes: &mut Notes,
+) -> Result<Vec<usize>, IngestError> {
+    let others: Vec<usize> = (0..header.columns.len()).filter(|k| *k != column && is_time_column(header, *k)).collect();
+    for &k in &others {
+        let (title, first) = (&header.columns[k].title, &header.columns[column].title);
+        let factor = |k: usize| if let Unit::Time(factor) = header.columns[k].unit { factor } else { 1.0 };
+        let pairs = rows.columns[column].iter().zip(&rows.columns[k]);
+        let apart = |(a, b): (&f64, &f64)| {
+            let (a, b) = (a * factor(column), b * factor(k));
+            (a - b).abs() > 1e-9 * a.abs().max(b.abs()).max(1e-6)
+        };
+        if let Some(row) = pairs.into_iter().position(apart) {
+            return Err(IngestError::content(
+                Place::line(file, rows.lines.of_row(row)).in_column(format!("{} ({title})", k + 1)),
+                format!("another time than in column {first}: which channel has which?"),
+                "one column of time for all channels",
+                format!("export the channels of {title} into a file of their own, or leave that column out"),
+            ));
+        }
+        notes.info(format!("column {} ({title}) repeats the times of column {first}: left out", k + 1));
+    }
+    Ok(others)
 }
 
 /// The factor of the time unit to s: flag, header, comment, else taken from the interval.
@@ -165,7 +291,12 @@ fn unit(
         return Ok(flag);
     }
     match header {
-        Unit::Time(factor) => return Ok(*factor),
+        Unit::Time(factor) => {
+            if let Some(stated) = comment {
+                contradicts(file, title, *factor, stated)?;
+            }
+            return Ok(*factor);
+        }
         Unit::Unstated => {}
         Unit::Unknown(_) | Unit::Signal(..) => {
             return Err(time_unit::unit_error(place(), "the unit in the header of the time column is no unit of time"));
@@ -175,4 +306,18 @@ fn unit(
         return time_unit::stated_unit(place(), &stated.value, &stated.from);
     }
     time_unit::unit_from_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
+}
+
+/// Refuses a comment that states another unit of time than the header.
+fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>) -> Result<(), IngestError> {
+    let of_comment = time_unit::stated_unit(Place::file(file), &stated.value, &stated.from)?;
+    if of_comment == factor {
+        return Ok(());
+    }
+    Err(IngestError::content(
+        Place::file(file).in_column(title),
+        format!("its name states another unit of time than {}, {:?}", stated.from, stated.value),
+        "one unit",
+        "correct the one that is wrong, or --time-unit says which counts",
+    ))
 }

@@ -123,6 +123,42 @@ pub fn is_time_name(text: &str) -> bool {
             .is_some_and(|rest| rest.trim_start().starts_with(['[', '(', '/', '{']) || rest.starts_with('_'))
 }
 
+/// Whether a header cell names a count of the rows: `Sample`, `Index`, `#`, `No.`, `Sample number`, `lfd. Nr.`
+pub fn is_counter_name(text: &str) -> bool {
+    const COUNTED: [&str; 22] = [
+        "",
+        "sample",
+        "samples",
+        "data",
+        "datapoint",
+        "point",
+        "points",
+        "row",
+        "line",
+        "frame",
+        "record",
+        "scan",
+        "step",
+        "item",
+        "messpunkt",
+        "messwert",
+        "punkt",
+        "zeile",
+        "lfd",
+        "laufende",
+        "count",
+        "counter",
+    ];
+    const NUMBER: [&str; 11] = ["", "no", "nr", "num", "number", "nummer", "index", "idx", "id", "count", "#"];
+    let (name, unit) = split_unit(text);
+    let folded: String =
+        name.to_lowercase().chars().filter(|c| c.is_alphanumeric() || matches!(c, '#' | '№')).collect();
+    let folded = folded.replace('№', "no");
+    let is_named = matches!(folded.as_str(), "i" | "n" | "k")
+        || COUNTED.iter().any(|of| folded.strip_prefix(of).is_some_and(|rest| NUMBER.contains(&rest)));
+    is_named && !folded.is_empty() && !matches!(unit, Unit::Time(_) | Unit::Signal(..))
+}
+
 /// The axis that a name states: `ax`, `accel_x`, `Acc X (g)`, `accX`.
 pub fn axis(name: &str) -> Option<Axis> {
     let axis_of_word = |word: &str| match word {
@@ -204,5 +240,12 @@ mod tests {
                 && !is_time_name("trunk_g")
                 && !is_time_name("temperature")
         );
+        for name in ["Sample", "Index", "#", "No.", "Nr", "Sample no.", "sample_number", "Sample [-]", "lfd. Nr.", "i"]
+        {
+            assert!(is_counter_name(name), "{name}");
+        }
+        for name in ["Sample time [s]", "index_g", "accel", "t", "Messung", "Noise", "data [g]", "", "node"] {
+            assert!(!is_counter_name(name), "{name}");
+        }
     }
 }

@@ -103,17 +103,44 @@ fn parse_slowly(bytes: &[u8], decimal: u8) -> Option<f64> {
     plain.parse().ok()
 }
 
-/// The number that is the whole of a field, blanks and one pair of quotes around it aside. Thousands may be apart.
+/// How numbers are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NumberStyle {
+    /// `.` or `,`.
+    pub decimal: u8,
+    /// `-50,000` is a whole number: it is known that the comma is no decimal mark.
+    pub lone_groups: bool,
+}
+
+impl NumberStyle {
+    /// With a decimal point.
+    pub const POINT: Self = Self { decimal: b'.', lone_groups: false };
+    /// With a decimal comma.
+    pub const COMMA: Self = Self { decimal: b',', lone_groups: false };
+
+    /// The number that is the whole of a field, blanks and one pair of quotes around it aside. Thousands may be apart.
+    pub fn field(self, bytes: &[u8]) -> Option<ParsedNumber> {
+        let bytes = unquoted(bytes);
+        let whole = scan(bytes, self.decimal).filter(|(_, length)| *length == bytes.len()).map(|(number, _)| number);
+        whole.or_else(|| grouped(bytes, self))
+    }
+}
+
+/// [`NumberStyle::field`] with a decimal mark, where a lone group may be decimals.
 pub fn field(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
-    let bytes = unquoted(bytes);
-    let whole = scan(bytes, decimal).filter(|(_, length)| *length == bytes.len()).map(|(number, _)| number);
-    whole.or_else(|| grouped(bytes, decimal))
+    NumberStyle { decimal, lone_groups: false }.field(bytes)
 }
 
 /// `1,234.5`, `1.234,5`, `1'234.5`, `1 234`: one to three digits, then groups of three. A comma or a point between
-/// thousands counts only where a decimal mark or a second group follows: `1,234` alone may be 1.234.
+/// thousands counts only where a decimal mark or a second group follows: `1,234` alone may be 1.234. A minus sign as
+/// word processors print it counts as one.
 #[cold]
-fn grouped(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
+fn grouped(bytes: &[u8], style: NumberStyle) -> Option<ParsedNumber> {
+    const MINUS: &[u8] = "\u{2212}".as_bytes();
+    if let Some(magnitude) = bytes.strip_prefix(MINUS) {
+        return style.field(&[b"-", magnitude].concat());
+    }
+    let decimal = style.decimal;
     let (sign, unsigned) = match bytes {
         [b'-' | b'+', rest @ ..] => (&bytes[..1], rest),
         _ => (&bytes[..0], bytes),
@@ -127,7 +154,12 @@ fn grouped(bytes: &[u8], decimal: u8) -> Option<ParsedNumber> {
         plain.extend(&group[..3]);
         (rest, groups) = (&group[3..], groups + 1);
     }
-    let certain = groups > 1 || rest.first() == Some(&decimal) || !matches!(mark, [b',' | b'.']);
+    // `0,123` is a decimal comma whatever other cells say.
+    let plain_lead = !unsigned.starts_with(b"0");
+    let certain = groups > 1
+        || rest.first() == Some(&decimal)
+        || !matches!(mark, [b',' | b'.'])
+        || style.lone_groups && plain_lead;
     plain.extend(rest);
     let (number, length) = scan(&plain, decimal)?;
     ((1..=3).contains(&lead) && groups > 0 && certain && length == plain.len()).then_some(number)
