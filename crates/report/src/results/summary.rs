@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
+use crate::results::distinct_curves::{DistinctCurve, distinct_curves};
+use crate::results::key_numbers::{KeyNumber, key_numbers};
 use crate::results::ranking::compare_ids;
 use crate::{CandidateResult, Model, Ranking, Run};
 
@@ -15,12 +17,16 @@ pub struct Summary<'a> {
     pipeline: Option<&'a str>,
     test: TestSummary<'a>,
     events: Option<&'a EventsV1>,
+    /// The numbers of the page's first screen.
+    key_numbers: Vec<KeyNumber>,
     metrics: BTreeMap<&'a str, MetricSummary<'a>>,
     /// Metrics of channels that the pulse has none of: occupants, barrier, recorder.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     other_metrics: Vec<OtherMetricSummary<'a>>,
     models: Vec<ModelSummary<'a>>,
     candidates: Vec<CandidateSummary<'a>>,
+    /// Candidates by the curve they answer with.
+    distinct_curves: Vec<DistinctCurve>,
     /// Candidate for the prediction of other tests, and why, or why none.
     recommended: Option<&'a str>,
     recommended_because: &'a str,
@@ -151,6 +157,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
             barrier: test.barrier.as_deref(),
         },
         events: run.events.as_ref(),
+        key_numbers: key_numbers(run),
         metrics: run
             .metrics
             .iter()
@@ -175,6 +182,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
                 notes: &candidate.record.notes,
             })
             .collect(),
+        distinct_curves: distinct_curves(run, ranking),
         recommended: ranking.best.as_deref(),
         recommended_because: &ranking.because,
         simplest: choice.and_then(|choice| choice.simplest.as_deref()),
