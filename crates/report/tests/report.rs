@@ -98,8 +98,8 @@ fn the_page_loads_nothing_and_the_test_cannot_break_it() {
     assert!(!page.contains("<script>window.broken"), "the title has opened a script");
     assert!(page.contains("Frontal &lt;b&gt;impact&lt;/b&gt; &amp; &quot;pole&quot;"));
     assert!(!page.contains("sled <1>") && page.contains("sled &lt;1&gt;"));
-    // As many scripts are closed as opened: nine figures, plotly, the drawing.
-    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (11, 11));
+    // As many scripts are closed as opened: nine figures, plotly, the drawing, what if and its data.
+    assert_eq!((html.matches("<script").count(), html.matches("</script>").count()), (13, 13));
 }
 
 #[test]

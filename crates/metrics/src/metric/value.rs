@@ -33,6 +33,8 @@ pub enum IntervalBy {
     Channels(usize),
     /// 5 % and 95 % quantile of so many repetitions with perturbed inputs.
     Replicates(usize),
+    /// Half of the step in which a recorder keeps a value, or of its sampling interval.
+    Resolution,
 }
 
 /// The words used in artifacts.
@@ -41,6 +43,7 @@ impl fmt::Display for IntervalBy {
         match self {
             Self::Channels(n) => write!(f, "range over {n} channels"),
             Self::Replicates(n) => write!(f, "5-95 % of {n} replicates"),
+            Self::Resolution => f.write_str("resolution of the recorder: half of its step to either side"),
         }
     }
 }

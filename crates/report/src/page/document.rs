@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use super::{
-    candidates, channels, energy, header, models, numbers, predictions, ratings, recommendation, remarks, verdict,
+    candidates, channels, energy, header, key_numbers, model_picture, models, numbers, predictions, ratings, remarks,
+    verdict, what_if,
 };
 use crate::drawing::figure::Figure;
 use crate::figures::all::all_figures;
@@ -42,12 +43,17 @@ impl Page {
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
-             <style>\n{STYLE}</style>\n</head>\n<body>\n",
+             <style>\n{STYLE}{}{}{}</style>\n</head>\n<body>\n",
             env!("CARGO_PKG_VERSION"),
-            html(&run.test.title)
+            html(&run.test.title),
+            model_picture::STYLE,
+            candidates::STYLE,
+            what_if::STYLE
         ));
-        header::write(&mut body, run, ranking, |body| verdict::write(body, &said, phrases));
+        header::write(&mut body, run, |body| verdict::write(body, &said, phrases));
         body.push_str("<main>\n");
+        key_numbers::write(&mut body, run);
+        model_picture::write(&mut body, run, ranking);
         verdict::write_before_use(&mut body, &said, &concerns, phrases);
         let mut pair_open = false;
         for (index, figure) in figures.iter().enumerate() {
@@ -63,9 +69,9 @@ impl Page {
                 pair_open = false;
             }
         }
-        recommendation::write(&mut body, run);
-        predictions::write(&mut body, run);
+        what_if::write(&mut body, run, ranking);
         candidates::write(&mut body, run, ranking);
+        predictions::write(&mut body, run);
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);
         models::write(&mut body, run);

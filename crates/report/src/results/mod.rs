@@ -2,6 +2,8 @@
 //! Uses text.
 
 pub mod concerns;
+pub mod distinct_curves;
+pub mod key_numbers;
 pub mod kind;
 pub mod mass_divisions;
 pub mod overview;

@@ -6,6 +6,8 @@ use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1,
 use serde::Serialize;
 
 use crate::results::concerns::Concern;
+use crate::results::distinct_curves::{DistinctCurve, distinct_curves};
+use crate::results::key_numbers::{KeyNumber, key_numbers};
 use crate::results::ranking::compare_ids;
 use crate::results::verdict::{Verdict, verdict};
 use crate::{CandidateResult, Model, Ranking, Run};
@@ -19,12 +21,16 @@ pub struct Summary<'a> {
     verdict: Verdict,
     test: TestSummary<'a>,
     events: Option<&'a EventsV1>,
+    /// The numbers of the page's first screen.
+    key_numbers: Vec<KeyNumber>,
     metrics: BTreeMap<&'a str, MetricSummary<'a>>,
     /// Metrics of channels that the pulse has none of: occupants, barrier, recorder.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     other_metrics: Vec<OtherMetricSummary<'a>>,
     models: Vec<ModelSummary<'a>>,
     candidates: Vec<CandidateSummary<'a>>,
+    /// Candidates by the curve they answer with.
+    distinct_curves: Vec<DistinctCurve>,
     /// Candidate for the prediction of other tests, and why, or why none.
     recommended: Option<&'a str>,
     recommended_because: &'a str,
@@ -159,6 +165,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
             barrier: test.barrier.as_deref(),
         },
         events: run.events.as_ref(),
+        key_numbers: key_numbers(run),
         metrics: run
             .metrics
             .iter()
@@ -183,6 +190,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
                 notes: &candidate.record.notes,
             })
             .collect(),
+        distinct_curves: distinct_curves(run, ranking),
         recommended: ranking.best.as_deref(),
         recommended_because: &ranking.because,
         simplest: choice.and_then(|choice| choice.simplest.as_deref()),

@@ -6,9 +6,10 @@ use crate::Run;
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, candidate_name, decimals};
 
-pub(super) fn write(out: &mut String, run: &Run) {
+/// The three roles, who has them and why.
+pub(super) fn write_roles(out: &mut String, run: &Run) {
     let Some(choice) = &run.recommendation else { return };
-    out.push_str("<section>\n<h2>Which model to use</h2>\n<ul>\n");
+    out.push_str("<ul>\n");
     for (name, id, because) in [
         ("Recommended for predictions", &choice.recommended, &choice.recommended_because),
         ("Simplest", &choice.simplest, &choice.simplest_because),
@@ -18,10 +19,14 @@ pub(super) fn write(out: &mut String, run: &Run) {
         out.push_str(&format!("<li>{name}: <strong>{}</strong>, {}.</li>\n", html(&model), html(because)));
     }
     out.push_str("</ul>\n");
-    if !choice.candidates.is_empty() {
-        table(out, choice);
-    }
-    out.push_str("</section>\n");
+}
+
+/// What spoke for each candidate, folded.
+pub(super) fn write_evidence(out: &mut String, run: &Run) {
+    let Some(choice) = run.recommendation.as_ref().filter(|choice| !choice.candidates.is_empty()) else { return };
+    out.push_str("<details><summary>Evidence for and against every candidate</summary>\n");
+    table(out, choice);
+    out.push_str("</details>\n");
 }
 
 fn table(out: &mut String, choice: &RecommendationV1) {

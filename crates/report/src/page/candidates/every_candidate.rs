@@ -1,18 +1,19 @@
-//! The table of candidates: parameters, what they answer with, which is best.
+//! Every candidate: parameters, what they answer with, which is best. Folded.
 
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, signed, significant};
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
 
-use crate::page::uncertainty;
+use super::uncertainty;
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {
         return;
     }
     out.push_str(
-        "<section>\n<h2>Candidates: physical parameters</h2>\n<div class=\"scroll\"><table class=\"candidates\">\n\
+        "<details><summary>Every candidate with its parameters and remarks</summary>\n\
+         <div class=\"scroll\"><table class=\"candidates\">\n\
          <thead><tr><th scope=\"col\">Rank</th><th scope=\"col\">Model and method</th><th scope=\"col\">Parameters</th>\
          <th scope=\"col\"><abbr title=\"No parameter is negative: a passive structure.\">Physical</abbr></th>\
          <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the \
@@ -51,7 +52,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         _ if run.recommendation.is_some() => {
             "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc \
              stands beside it, over the same window, for information. Highlighted is the model recommended for \
-             predictions, which need not be the one that follows this record closest: “Which model to use” says why. A \
+             predictions, which need not be the one that follows this record closest: the list above says why. A \
              dual gives exactly the same record on this sensor and so the same figures.</p>\n"
         }
         Some(_) => {
@@ -78,7 +79,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
              candidate's remarks.</p>\n",
         );
     }
-    out.push_str("</section>\n");
+    out.push_str("</details>\n");
 }
 
 fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {

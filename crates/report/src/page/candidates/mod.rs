@@ -1,0 +1,28 @@
+//! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
+//! Uses results and text.
+
+mod bars;
+mod curves;
+mod every_candidate;
+mod recommendation;
+mod uncertainty;
+
+use crate::{Ranking, Run};
+
+/// What the bars look like, for the style of the page.
+pub(super) const STYLE: &str = include_str!("style.css");
+
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+    if run.candidates.is_empty() && run.recommendation.is_none() {
+        return;
+    }
+    out.push_str(
+        "<section id=\"candidates\" aria-labelledby=\"candidates-title\">\n\
+         <h2 id=\"candidates-title\">Which model to use</h2>\n",
+    );
+    recommendation::write_roles(out, run);
+    curves::write(out, run, ranking);
+    recommendation::write_evidence(out, run);
+    every_candidate::write(out, run, ranking);
+    out.push_str("</section>\n");
+}

@@ -1,0 +1,294 @@
+//! The masses and elements of a candidate with the words that stand at them.
+
+use std::collections::BTreeMap;
+
+use crumple_lumped::{
+    Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
+};
+
+use crate::CandidateResult;
+use crate::text::numbers::{digits_of_interval, significant};
+use crate::text::parameters::parameter;
+
+/// What a drawing of a model needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parts {
+    /// Masses from the barrier on.
+    pub masses: Vec<MassPart>,
+    /// What joins them.
+    pub elements: Vec<ElementPart>,
+}
+
+/// One mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MassPart {
+    /// `m1`, or `m` of a single mass.
+    pub symbol: String,
+    /// Value, then its interval if it was asked of the record.
+    pub lines: Vec<String>,
+    /// Whether this record does not determine it.
+    pub open: bool,
+}
+
+/// One element between two nodes; `None`: the barrier.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElementPart {
+    /// The side nearer to the barrier.
+    pub front: Option<usize>,
+    /// The other side.
+    pub rear: Option<usize>,
+    /// How it is drawn.
+    pub glyph: Glyph,
+    /// `k1`, `c1`, `F1`.
+    pub symbol: String,
+    /// Value with unit first, then intervals.
+    pub lines: Vec<String>,
+    /// Whether this record leaves it, or most of its numbers, undetermined.
+    pub open: bool,
+}
+
+/// How an element is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Glyph {
+    /// A zigzag.
+    Spring,
+    /// A cylinder with a piston.
+    Damper,
+    /// Both, one behind the other.
+    SpringAndDamper,
+    /// A small curve, loading and unloading, in shares of its box.
+    Curve(Vec<(f64, f64)>),
+}
+
+/// The parts of a candidate; `None` where its model or parameters are none that this program knows.
+pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
+    let record = &candidate.record;
+    let structure = structure_of(&record.model, &record.parameters).ok()?;
+    let owners = owners(&record.model, &record.parameters)?;
+    let alone = structure.masses_kg().len() == 1;
+    let masses = structure.masses_kg().iter().enumerate();
+    let masses = masses
+        .map(|(i, kg)| {
+            let name = owners.iter().find(|(_, place)| **place == Place::Mass(i)).map(|(name, _)| name.as_str());
+            let known = name.map(|name| Known::of(candidate, name)).unwrap_or_default();
+            let mut lines = vec![format!("{} kg{}", significant(*kg, 4), if known.open { " ?" } else { "" })];
+            // The mark says that it is in doubt; there is no room for more.
+            lines.extend(known.interval.filter(|_| !known.open));
+            MassPart { symbol: numbered("m", i, alone), lines, open: known.open }
+        })
+        .collect();
+    let elements = (0..structure.connections().len()).map(|at| element(candidate, &structure, &owners, at)).collect();
+    Some(Parts { masses, elements })
+}
+
+/// Where each parameter of a candidate stands in its structure.
+fn owners(model: &str, parameters: &BTreeMap<String, f64>) -> Option<BTreeMap<String, Place>> {
+    if model == "chain" {
+        let place = |name: &String| {
+            let kind = Chain::parameter_kind(name)?;
+            let digits: String = name[1..].chars().take_while(char::is_ascii_digit).collect();
+            let mass = digits.parse::<usize>().ok()?.checked_sub(1)?;
+            let side = usize::from(name.starts_with('c'));
+            Some(match kind {
+                ParameterKind::Mass => Place::Mass(mass),
+                _ => Place::Element { connection: 2 * mass + side, parameter: 0 },
+            })
+        };
+        return Some(parameters.keys().filter_map(|name| Some((name.clone(), place(name)?))).collect());
+    }
+    let kind: ModelKind = model.parse().ok()?;
+    let model = Model::from_parameters(kind, parameters).ok()?;
+    let named = model.kind().parameter_names().iter().zip(model.places());
+    let given = named.filter(|(name, _)| parameters.contains_key(**name));
+    Some(given.map(|(name, place)| ((*name).to_owned(), place)).collect())
+}
+
+/// What is known of one parameter.
+#[derive(Debug, Clone, Default)]
+struct Known {
+    open: bool,
+    interval: Option<String>,
+}
+
+impl Known {
+    fn of(candidate: &CandidateResult, name: &str) -> Self {
+        let record = &candidate.record;
+        if record.doubt(name).is_some() || candidate.is_hardly_determined(name) {
+            return Self { open: true, interval: record.doubt(name).map(str::to_owned) };
+        }
+        let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
+        if on_bound {
+            return Self { open: false, interval: Some("limit of what is physical".to_owned()) };
+        }
+        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
+        let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
+        let shown = |value: f64| parameter(&record.model, name, value).1;
+        let interval = ends.map(|ends| match ends {
+            (Some(low), Some(high)) => {
+                let digits = digits_of_interval(low, high, 3);
+                format!("{} to {}", significant(shown(low), digits), significant(shown(high), digits))
+            }
+            (Some(low), None) => format!("above {}", significant(shown(low), 3)),
+            (None, Some(high)) => format!("below {}", significant(shown(high), 3)),
+            (None, None) => "open".to_owned(),
+        });
+        Self { open: false, interval }
+    }
+}
+
+/// `k2`; `k` where there is one mass.
+fn numbered(symbol: &str, index: usize, alone: bool) -> String {
+    if alone { symbol.to_owned() } else { format!("{symbol}{}", index + 1) }
+}
+
+fn element(
+    candidate: &CandidateResult,
+    structure: &Structure,
+    owners: &BTreeMap<String, Place>,
+    at: usize,
+) -> ElementPart {
+    let record = &candidate.record;
+    let connection = &structure.connections()[at];
+    let node = |node: Node| match node {
+        Node::Wall => None,
+        Node::Mass(i) => Some(i),
+    };
+    let (front, rear) = (node(connection.front), node(connection.rear));
+    let is_own = |place: &Place| matches!(place, Place::Element { connection, .. } if *connection == at);
+    let own: Vec<&str> = owners.iter().filter(|(_, place)| is_own(place)).map(|(name, _)| name.as_str()).collect();
+    let asked: Vec<&str> = record.asked().filter(|name| own.contains(name)).collect();
+    let known: BTreeMap<&str, Known> = own.iter().map(|name| (*name, Known::of(candidate, name))).collect();
+    let open = asked.iter().filter(|name| known[*name].open).count();
+    let of_kind = |kind: ParameterKind| -> Vec<&str> {
+        own.iter().copied().filter(|name| parameter_kind(&record.model, name) == Some(kind)).collect()
+    };
+    let alone = structure.masses_kg().len() == 1;
+    let symbol = |letter: &str| match (front, rear) {
+        // The path past the masses in front is none of theirs.
+        (None, Some(rear)) if rear > 0 => format!("{letter}{}", "∥"),
+        (_, rear) => numbered(letter, rear.unwrap_or_default(), alone),
+    };
+    let mut lines = Vec::new();
+    let mut value = |symbol: &str, name: &str, may_be_open: bool| {
+        let (_, shown, unit) = parameter(&record.model, name, record.parameters[name]);
+        let doubt = if may_be_open && known[name].open { " ?" } else { "" };
+        lines.push(format!("{symbol} {} {unit}{doubt}", significant(shown, 4)));
+        lines.extend(known[name].interval.clone());
+    };
+    let (glyph, letter) = match &connection.element {
+        Element::Spring(law) => {
+            let knots: Vec<(f64, f64)> = law.0.points().collect();
+            match of_kind(ParameterKind::Stiffness)[..] {
+                [name] => {
+                    value(&symbol("k"), name, true);
+                    (Glyph::Spring, "k")
+                }
+                _ => {
+                    lines.extend(range_of_knots(&symbol("k"), &knots, 1e-3, "kN/m", open, asked.len()));
+                    (Glyph::Curve(secant_curve(&knots)), "k")
+                }
+            }
+        }
+        Element::Damper(law) => match of_kind(ParameterKind::Damping)[..] {
+            [name] => {
+                value(&symbol("c"), name, true);
+                (Glyph::Damper, "c")
+            }
+            _ => {
+                let knots: Vec<(f64, f64)> = law.0.points().collect();
+                lines.extend(range_of_knots(&symbol("c"), &knots, 1e-3, "kN·s/m", open, asked.len()));
+                (Glyph::Damper, "c")
+            }
+        },
+        Element::SeriesSpringDamper(_) => {
+            of_kind(ParameterKind::Stiffness).iter().for_each(|name| value("k", name, true));
+            of_kind(ParameterKind::Damping).iter().for_each(|name| value("c", name, true));
+            (Glyph::SpringAndDamper, "k, c")
+        }
+        Element::PlasticSpring(spring) => {
+            for (words, name) in
+                [("loading", "loading_stiffness_n_per_m"), ("unloading", "unloading_stiffness_n_per_m")]
+            {
+                if known.contains_key(name) {
+                    value(words, name, true);
+                }
+            }
+            let back = spring.loading_stiffness_n_per_m / spring.unloading_stiffness_n_per_m;
+            (Glyph::Curve(vec![(0.0, 0.0), (1.0, 1.0), ((1.0 - back).clamp(0.0, 1.0), 0.0)]), "k")
+        }
+        Element::ForceDeflection(curve) => {
+            let knots = curve.knots();
+            let force = |knot: &(f64, f64)| knot.1;
+            let largest = knots.iter().enumerate().max_by(|a, b| force(a.1).total_cmp(&force(b.1)));
+            if let Some((index, (deflection, force))) = largest {
+                let at_knot = format!("knot{index}_n");
+                let name = own.iter().find(|name| name.ends_with(at_knot.as_str()));
+                lines.push(format!(
+                    "{} up to {} kN at {} mm{}",
+                    symbol("F"),
+                    significant(1e-3 * force, 3),
+                    significant(1e3 * deflection, 3),
+                    if name.is_some_and(|name| known[name].open) { " ?" } else { "" }
+                ));
+                lines.extend(name.and_then(|name| known[name].interval.clone()));
+            }
+            let count = knots.len() - 1;
+            lines.push(match (asked.len(), open) {
+                (0, _) => format!("{count} knots"),
+                (_, 0) => format!("{count} knots, all determined"),
+                (asked, open) => format!("{count} knots, {open} of {asked} open"),
+            });
+            (Glyph::Curve(crushed_curve(knots, curve.unloading_n_per_m())), "F")
+        }
+    };
+    // Of several numbers most.
+    ElementPart { front, rear, glyph, symbol: symbol(letter), lines, open: 2 * open > asked.len() }
+}
+
+/// `k 0 to 643 kN/m`, and how many of its numbers are open.
+fn range_of_knots(
+    symbol: &str,
+    knots: &[(f64, f64)],
+    factor: f64,
+    unit: &str,
+    open: usize,
+    asked: usize,
+) -> Vec<String> {
+    let values = knots.iter().map(|(_, value)| factor * value);
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let doubt = if open > 0 { " ?" } else { "" };
+    let mut lines = vec![format!("{symbol} {} to {} {unit}{doubt}", significant(low, 3), significant(high, 3))];
+    if asked > 0 {
+        let said = if open == 0 { "all determined".to_owned() } else { format!("{open} of {asked} open") };
+        lines.push(format!("{} knots, {said}", knots.len()));
+    }
+    lines
+}
+
+/// Force over compression of a secant spring, in shares of its largest.
+fn secant_curve(knots: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    const POINTS: u32 = 24;
+    let last = knots.last().map_or(0.0, |knot| knot.0);
+    let stiffness = |u: f64| {
+        let above = knots.iter().position(|knot| knot.0 >= u).unwrap_or(knots.len() - 1);
+        match above.checked_sub(1).map(|below| (knots[below], knots[above])) {
+            Some(((a, ka), (b, kb))) if b > a => ka + (kb - ka) * (u - a) / (b - a),
+            _ => knots[above].1,
+        }
+    };
+    let points = (0..=POINTS).map(|k| last * f64::from(k) / f64::from(POINTS)).map(|u| (u, stiffness(u) * u));
+    in_shares(points.collect())
+}
+
+/// Loading to the last knot, then back along the unloading stiffness.
+fn crushed_curve(knots: &[(f64, f64)], unloading_n_per_m: f64) -> Vec<(f64, f64)> {
+    let mut points = knots.to_vec();
+    points.extend(knots.last().map(|(deflection, force)| ((deflection - force / unloading_n_per_m).max(0.0), 0.0)));
+    in_shares(points)
+}
+
+fn in_shares(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let (right, top) = points.iter().fold((0.0, 0.0), |(x, y), point| (f64::max(x, point.0), f64::max(y, point.1)));
+    let share = |value: f64, of: f64| if of > 0.0 { (value / of).clamp(0.0, 1.0) } else { 0.0 };
+    points.into_iter().map(|(x, y)| (share(x, right), share(y, top))).collect()
+}

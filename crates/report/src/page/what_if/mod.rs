@@ -1,0 +1,69 @@
+//! Sliders on the recommended model: the structure as data, and the script that moves it.
+//! Uses results and text.
+
+mod structure;
+
+use serde_json::json;
+
+use crumple_signal::Sampled;
+
+use crate::text::escape::{html, json_in_script};
+use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::{CandidateResult, Ranking, Run};
+
+/// What the sliders look like, for the style of the page.
+pub(super) const STYLE: &str = include_str!("style.css");
+
+/// The script: integrates the model, keeps the state in the address, draws.
+const SCRIPT: &str = include_str!("what_if.js");
+
+/// A drawing that the script fills.
+const PANEL: &str = "<svg viewBox=\"0 0 350 210\" role=\"img\"></svg>";
+
+/// Points of a measured curve beside the model's.
+const POINTS: usize = 300;
+
+/// The section, hidden until its script has reproduced the stage's crush and time. Nothing without a model that stops.
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+    let Some(candidate) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return };
+    let Some(data) = data(run, candidate) else { return };
+    out.push_str(&format!(
+        "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">What if</h2>\n\
+         <p>{}, computed in this page with other numbers. Not fitted to anything: it shows what the model says, not \
+         what a vehicle does.</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
+         <div class=\"panels\">{PANEL}{PANEL}</div>\n<p class=\"caption state\"></p>\n</section>\n\
+         <script type=\"application/json\" id=\"what-if-data\">{}</script>\n<script>\n{SCRIPT}</script>\n",
+        html(&candidate_name(&candidate.id)),
+        json_in_script(&data.to_string())
+    ));
+}
+
+/// What the script needs: structure, start, and what it must find again.
+fn data(run: &Run, candidate: &CandidateResult) -> Option<serde_json::Value> {
+    let simulation = candidate.simulation.as_ref().filter(|simulation| simulation.drive.is_none())?;
+    let (crush, time) = (simulation.dynamic_crush_m?, simulation.time_of_dynamic_crush_s?);
+    let speed = run.test.impact_speed_m_per_s?;
+    let structure = structure::described(&candidate.record)?;
+    let end_s = 2.0 * time;
+    let curve = |wave: Option<&Sampled>, factor: f64| wave.map(|wave| thinned(wave, end_s, factor));
+    let mut data = json!({
+        "v0": speed, "crush": crush, "time": time, "end": end_s,
+        "tested": run.events.as_ref().and_then(|events| events.dynamic_crush_m),
+        "displacement": curve(run.measured.displacement.as_ref(), MILLI),
+        "acceleration": curve(run.measured.filtered.as_ref(), G_PER_M_PER_S2),
+        "kmh": KM_PER_H_PER_M_PER_S, "g": G_PER_M_PER_S2,
+    });
+    data["masses"] = structure["masses"].clone();
+    data["elements"] = structure["elements"].clone();
+    Some(data)
+}
+
+/// `[[t, y], ...]` in ms and the unit of `factor`, from contact to `end_s`.
+fn thinned(wave: &Sampled, end_s: f64, factor: f64) -> Vec<[f64; 2]> {
+    let first = wave.index_at_or_after(0.0);
+    let last = wave.index_at_or_after(end_s).min(wave.len());
+    let step = (last.saturating_sub(first) / POINTS).max(1);
+    let round = |x: f64| (x * 1e3).round() / 1e3;
+    let point = |k: usize| [round(MILLI * wave.time_s(k)), round(factor * wave.samples()[k])];
+    (first..last).step_by(step).map(point).collect()
+}

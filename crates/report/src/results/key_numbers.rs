@@ -1,0 +1,204 @@
+//! The numbers that people ask for first, each with its interval, its spread over sensors and why it is missing.
+
+use crumple_artifact::records::{EventsV1, MetricV1};
+use serde::Serialize;
+
+use crate::Run;
+
+/// One of the first numbers of a run, SI.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KeyNumber {
+    /// Name, that of the metric where it is one.
+    pub name: &'static str,
+    /// Value; `None`: `absent_because` says why.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Channel it is of.
+    pub channel: String,
+    /// Instant it belongs to, s after time zero.
+    pub at_s: Option<f64>,
+    /// Lower end of the interval that the uncertainty of the inputs or the resolution of the recorder gives.
+    pub low: Option<f64>,
+    /// Its upper end.
+    pub high: Option<f64>,
+    /// How the interval was found.
+    pub interval_by: Option<String>,
+    /// Range over the sensors at the same place, of which the interval knows nothing.
+    pub spread: Option<Spread>,
+    /// Why there is no value.
+    pub absent_because: Option<String>,
+}
+
+/// Range of a number over several sensors that measured the same.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Spread {
+    /// Lowest value.
+    pub low: f64,
+    /// Highest value.
+    pub high: f64,
+    /// Their channels, `93+94`.
+    pub channels: String,
+}
+
+impl KeyNumber {
+    /// Whether the interval misses a value that another sensor at the same place gives.
+    pub fn interval_misses_a_sensor(&self) -> bool {
+        match (self.low, self.high, &self.spread) {
+            (Some(low), Some(high), Some(spread)) => spread.low < low || spread.high > high,
+            _ => false,
+        }
+    }
+}
+
+/// The first numbers of a run, by the kind of its record: of a vehicle's pulse, an occupant's sensor, a recorder's
+/// table. Empty where nothing speaks of a crash.
+pub fn key_numbers(run: &Run) -> Vec<KeyNumber> {
+    if run.is_generic() {
+        return Vec::new();
+    }
+    let occupant = of_occupant(run);
+    if !occupant.is_empty() {
+        return occupant;
+    }
+    let recorded = of_recorder(run);
+    match &run.events {
+        Some(events) => of_vehicle(run, events, recorded.first()),
+        None if recorded.is_empty() => peak(run).into_iter().collect(),
+        None => recorded,
+    }
+}
+
+/// Fields of the events that people ask for, in their order: the name of the metric, the field, the unit.
+const OF_EVENTS: [(&str, &str, &str); 4] = [
+    ("dynamic_crush", "dynamic_crush_m", "m"),
+    ("time_of_dynamic_crush", "time_of_dynamic_crush_s", "s"),
+    ("delta_v", "delta_v_m_per_s", "m/s"),
+    ("coefficient_of_restitution", "coefficient_of_restitution", "1"),
+];
+
+fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec<KeyNumber> {
+    let from_events = |(name, field, unit): (&'static str, &str, &'static str)| {
+        let (value, at_s) = match name {
+            "dynamic_crush" => (events.dynamic_crush_m, events.time_of_dynamic_crush_s),
+            "time_of_dynamic_crush" => (events.time_of_dynamic_crush_s, None),
+            "delta_v" => (events.delta_v_m_per_s, events.time_of_delta_v_s.or(events.time_of_rebound_s)),
+            _ => (events.coefficient_of_restitution, None),
+        };
+        let interval = events.intervals.iter().find(|interval| interval.name == field);
+        let without = events.without_interval.iter().find(|without| without.name == field);
+        KeyNumber {
+            name,
+            value,
+            unit,
+            channel: events.channel.clone(),
+            at_s: at_s.filter(|_| value.is_some()),
+            low: interval.map(|interval| interval.low),
+            high: interval.map(|interval| interval.high),
+            interval_by: interval
+                .map(|interval| interval.interval_by.clone())
+                .or_else(|| without.map(|without| without.reason.clone())),
+            spread: spread(run, name, &events.channel),
+            absent_because: value.is_none().then(|| why_no_event(run, name)),
+        }
+    };
+    let [crush, time, change, restitution] = OF_EVENTS.map(from_events);
+    // The maximum that a recorder kept goes before the change derived from its table.
+    let change = recorded.cloned().unwrap_or(change);
+    let olc = run.metric("olc").map(|metric| of_metric(run, "olc", "m/s^2", metric));
+    [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)].into_iter().flatten().collect()
+}
+
+fn why_no_event(run: &Run, name: &str) -> String {
+    let stated = run.metric(name).filter(|metric| metric.value.is_none()).map(|metric| metric.definition.clone());
+    stated.unwrap_or_else(|| "the velocity does not reach zero".to_owned())
+}
+
+/// Criteria of the occupant whose sensor the pulse channel is.
+fn of_occupant(run: &Run) -> Vec<KeyNumber> {
+    let Some(channel) = run.channel_id() else { return Vec::new() };
+    let of_pulse = |name: &str| {
+        run.metrics.iter().find(|metric| metric.name == name && metric.channel.split('+').any(|id| id == channel))
+    };
+    if of_pulse("hic15").is_none() {
+        return Vec::new();
+    }
+    let criteria = [("hic15", "1"), ("hic36", "1"), ("clip_3ms_contiguous", "m/s^2")];
+    criteria.into_iter().filter_map(|(name, unit)| Some(of_metric(run, name, unit, of_pulse(name)?))).collect()
+}
+
+/// What a recorder kept: the maximum change of velocity and its time. A table of a sample every 10 ms has no peak.
+fn of_recorder(run: &Run) -> Vec<KeyNumber> {
+    let kept = [("maximum_delta_v", "m/s"), ("time_of_maximum_delta_v", "s")];
+    let mut numbers: Vec<KeyNumber> =
+        kept.into_iter().filter_map(|(name, unit)| Some(of_metric(run, name, unit, run.metric(name)?))).collect();
+    if let [change, time, ..] = &mut numbers[..] {
+        change.at_s = time.value;
+    }
+    numbers
+}
+
+fn of_metric(run: &Run, name: &'static str, unit: &'static str, metric: &MetricV1) -> KeyNumber {
+    KeyNumber {
+        name,
+        value: metric.value,
+        unit,
+        channel: metric.channel.clone(),
+        // A moment, not a window.
+        at_s: metric.from_s.filter(|from_s| metric.value.is_some() && metric.to_s == Some(*from_s)),
+        low: metric.low.filter(|_| metric.value.is_some()),
+        high: metric.high.filter(|_| metric.value.is_some()),
+        interval_by: metric.interval_by.clone(),
+        spread: spread(run, name, &metric.channel),
+        absent_because: metric.value.is_none().then(|| metric.definition.clone()),
+    }
+}
+
+/// The range that the integrate stage states over the sensors at the place of this one.
+fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
+    let over_several = run.metrics.iter().find(|metric| {
+        metric.name == name
+            && metric.channel != channel
+            && metric.channel.contains('+')
+            && metric.channel.split('+').any(|id| id == channel)
+    })?;
+    Some(Spread { low: over_several.low?, high: over_several.high?, channels: over_several.channel.clone() })
+}
+
+/// Largest deceleration of a filtered pulse, or of a channel without events its largest magnitude. `None`: no
+/// acceleration.
+fn peak(run: &Run) -> Option<KeyNumber> {
+    let acceleration = run.acceleration()?;
+    let channel = run.channel_id().unwrap_or_default().to_owned();
+    let mut number = KeyNumber {
+        name: "peak_acceleration",
+        value: None,
+        unit: "m/s^2",
+        channel,
+        at_s: None,
+        low: None,
+        high: None,
+        interval_by: None,
+        spread: None,
+        absent_because: None,
+    };
+    let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");
+    let recorded = run.metrics.iter().any(|metric| metric.name == "maximum_delta_v");
+    if recorded {
+        number.absent_because =
+            Some("derived from a recorder's table of velocity changes, whose steps are too long for a peak".to_owned());
+    } else if unfiltered {
+        number.absent_because = Some("not filtered: the peak of a raw acceleration is mostly ringing".to_owned());
+    } else if let Some(metric) = run.metric("peak_acceleration").filter(|metric| metric.channel == number.channel) {
+        let at_s = run.metric("time_of_peak_acceleration").and_then(|metric| metric.value);
+        return Some(KeyNumber { at_s, ..of_metric(run, "peak_acceleration", "m/s^2", metric) });
+    } else {
+        let largest = |&i: &usize, &k: &usize| {
+            acceleration.samples()[i].abs().total_cmp(&acceleration.samples()[k].abs()).then(k.cmp(&i))
+        };
+        let at = (0..acceleration.len()).max_by(largest)?;
+        number.value = Some(acceleration.samples()[at].abs());
+        number.at_s = Some(acceleration.time_s(at));
+    }
+    Some(number)
+}
