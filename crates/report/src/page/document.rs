@@ -3,11 +3,12 @@
 use std::io::{self, Write};
 
 use super::{
-    candidates, channels, energy, header, models, numbers, predictions, ratings, recommendation, remarks, verdict,
+    candidates, channels, conclusion as top, energy, header, models, numbers, predictions, ratings, recommendation,
+    remarks,
 };
 use crate::drawing::figure::Figure;
 use crate::figures::all::all_figures;
-use crate::results::verdict::verdict as judge;
+use crate::results::conclusion::conclusion;
 use crate::text::escape::{html, json_in_script};
 use crate::{Ranking, Run};
 
@@ -34,7 +35,7 @@ impl Page {
     /// Lays the report out. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
         let figures = all_figures(run, ranking);
-        let (said, concerns) = judge(run, ranking);
+        let (said, concerns) = conclusion(run, ranking);
         let phrases = run.language.phrases();
         let mut body = String::with_capacity(1 << 20);
         body.push_str(&format!(
@@ -46,9 +47,9 @@ impl Page {
             env!("CARGO_PKG_VERSION"),
             html(&run.test.title)
         ));
-        header::write(&mut body, run, ranking, |body| verdict::write(body, &said, phrases));
+        header::write(&mut body, run, ranking, |body| top::write(body, &said, phrases));
         body.push_str("<main>\n");
-        verdict::write_before_use(&mut body, &said, &concerns, phrases);
+        top::write_before_use(&mut body, &said, &concerns, phrases);
         let mut pair_open = false;
         for (index, figure) in figures.iter().enumerate() {
             // Two figures of half a width share a row; a lone one has it for itself.

@@ -3,6 +3,7 @@
 
 pub mod candidates;
 pub mod channels;
+pub mod conclusion;
 pub mod document;
 pub mod energy;
 pub mod header;
@@ -13,4 +14,3 @@ pub mod ratings;
 pub mod recommendation;
 pub mod remarks;
 pub mod uncertainty;
-pub mod verdict;

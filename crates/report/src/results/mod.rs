@@ -2,10 +2,10 @@
 //! Uses text.
 
 pub mod concerns;
+pub mod conclusion;
 pub mod kind;
 pub mod mass_divisions;
 pub mod overview;
 pub mod ranking;
 pub mod run;
 pub mod summary;
-pub mod verdict;
