@@ -13,11 +13,11 @@ mod text;
 
 pub use page::document::Page;
 pub use results::concerns::{Concern, SHOWN_FIRST};
+pub use results::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use results::kind::Kind;
 pub use results::overview::overview;
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord};
 pub use results::summary::{Summary, summary};
-pub use results::verdict::{Number, Standing, Verdict, verdict};
 pub use text::language::Language;
 pub use text::numbers;

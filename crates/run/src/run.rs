@@ -239,7 +239,7 @@ impl Run<'_> {
             for dependent in dependents {
                 arguments.extend(["--dependent".into(), dependent.into()]);
             }
-            // The report sums the run up: what the stages find is said once. What one was asked again for it says itself.
+            // The report sums the run up, so that it is said once. What a stage is asked again for, it says itself.
             if self.options.again.is_none() && self.has_a_report() && stage.writes_an_artifact() {
                 arguments.push("--no-summary".into());
             }

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use crumple_filter::{FilterError, Filtered, filter_reporting};
-use crumple_signal::{Note, Severity};
+use crumple_signal::Note;
 use crumple_stage::{Output, Refused};
 use rayon::prelude::*;
 

@@ -66,22 +66,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         );
     }
     let (Some(crush), Some(rebound)) = (events.crush, events.rebound) else {
-        let text = format!(
-            "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
-            events.end_velocity_m_per_s
-        );
-        notes.concern(About::Motion, Weight::Marked, match events.unstopped {
-            None => text,
-            Some(unstopped) => format!(
-                "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms \
-                 ({}){}",
-                impact_speed_m_per_s - unstopped.velocity_m_per_s,
-                1e3 * unstopped.time_s,
-                1e3 * unstopped.end_s,
-                unstopped.end.name(),
-                if unstopped.end == EventEnd::Record { ": a lower bound, it still changes there" } else { "" }
-            ),
-        });
+        // What is shown has no crush then, so that nothing of it changes.
+        notes.concern(About::Motion, Weight::Slight, never_stops(events, impact_speed_m_per_s));
         return notes;
     };
     if rebound.still_separating {
@@ -131,6 +117,23 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         }
     }
     notes
+}
+
+/// What a velocity says that never reaches zero.
+fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
+    let text = format!(
+        "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
+        events.end_velocity_m_per_s
+    );
+    let Some(unstopped) = events.unstopped else { return text };
+    format!(
+        "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms ({}){}",
+        impact_speed_m_per_s - unstopped.velocity_m_per_s,
+        1e3 * unstopped.time_s,
+        1e3 * unstopped.end_s,
+        unstopped.end.name(),
+        if unstopped.end == EventEnd::Record { ": a lower bound, it still changes there" } else { "" }
+    )
 }
 
 #[cfg(test)]

@@ -128,7 +128,8 @@ impl Stage for ParameterSolve {
     }
 }
 
-/// Why nothing can be solved for in this test, if so, and what to do. No fault of the artifact: the report shall still be made.
+/// Why nothing can be solved for in this test, if so, and what to do. No fault of the artifact: the report shall still
+/// be made.
 fn unsolvable(
     settings: &StageSettings,
     input: &Inputs,

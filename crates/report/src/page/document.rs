@@ -3,12 +3,12 @@
 use std::io::{self, Write};
 
 use super::{
-    candidates, channels, energy, header, key_numbers, model_picture, models, numbers, predictions, ratings, remarks,
-    verdict, what_if,
+    candidates, channels, conclusion as top, energy, header, key_numbers, model_picture, models, numbers, predictions,
+    ratings, remarks, what_if,
 };
 use crate::drawing::figure::Figure;
 use crate::figures::all::all_figures;
-use crate::results::verdict::verdict as judge;
+use crate::results::conclusion::conclusion;
 use crate::text::escape::{html, json_in_script};
 use crate::{Ranking, Run};
 
@@ -35,7 +35,7 @@ impl Page {
     /// Lays the report out. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
         let figures = all_figures(run, ranking);
-        let (said, concerns) = judge(run, ranking);
+        let (said, concerns) = conclusion(run, ranking);
         let phrases = run.language.phrases();
         let mut body = String::with_capacity(1 << 20);
         body.push_str(&format!(
@@ -50,11 +50,11 @@ impl Page {
             candidates::STYLE,
             what_if::STYLE
         ));
-        header::write(&mut body, run, |body| verdict::write(body, &said, phrases));
+        header::write(&mut body, run, |body| top::write(body, &said, phrases));
         body.push_str("<main>\n");
         key_numbers::write(&mut body, run);
         model_picture::write(&mut body, run, ranking);
-        verdict::write_before_use(&mut body, &said, &concerns, phrases);
+        top::write_before_use(&mut body, &said, &concerns, phrases);
         let mut pair_open = false;
         for (index, figure) in figures.iter().enumerate() {
             // Two figures of half a width share a row; a lone one has it for itself.

@@ -3,6 +3,7 @@
 
 pub mod candidates;
 pub mod channels;
+pub mod conclusion;
 pub mod document;
 pub mod energy;
 pub mod header;
@@ -13,5 +14,4 @@ pub mod numbers;
 pub mod predictions;
 pub mod ratings;
 pub mod remarks;
-pub mod verdict;
 pub mod what_if;

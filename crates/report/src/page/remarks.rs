@@ -2,7 +2,7 @@
 
 use crumple_signal::Severity;
 
-use crate::page::verdict;
+use crate::page::conclusion;
 use crate::results::concerns::Concern;
 use crate::results::ranking::AS_GOOD_PERCENT;
 use crate::text::escape::html;
@@ -35,7 +35,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[Concern]) {
         let phrases = run.language.phrases();
         let items: String = concerns
             .iter()
-            .map(|concern| format!("<li class=\"warning\">{}</li>\n", verdict::item(concern, phrases)))
+            .map(|concern| format!("<li class=\"warning\">{}</li>\n", conclusion::item(concern, phrases)))
             .collect();
         let count = match concerns.len() {
             1 => "1 warning".to_owned(),

@@ -8,7 +8,7 @@ use crate::results::kind::Kind;
 use crate::text::language::{Language, fill};
 use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
 use crate::text::parameters::parameter;
-use crate::{CandidateResult, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run, SensorMotion};
 
 /// Warnings that stand on the first screen.
 pub const SHOWN_FIRST: usize = 3;
@@ -180,12 +180,25 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     found
 }
 
-/// Crushes of the sensors that count as one with the pulse, where they reach beyond its own interval.
+/// Crushes of the pulse and of the sensors at its place, left or right, where they reach beyond its own interval.
 fn spread_beyond_the_interval(run: &Run) -> Option<(f64, f64)> {
-    let interval = run.events.as_ref()?.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
-    let metric = run.metric("dynamic_crush")?;
-    let (low, high) = (metric.low?, metric.high?);
+    let events = run.events.as_ref()?;
+    let interval = events.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
+    let crush = events.dynamic_crush_m?;
+    let place = Some(place_of(&run.channel()?.location)).filter(|place| !place.is_empty())?;
+    let beside = run
+        .other_sensors
+        .iter()
+        .filter(|sensor| run.test.channel(&sensor.channel).is_some_and(|channel| place_of(&channel.location) == place));
+    let largest = |sensor: &SensorMotion| sensor.displacement.samples().iter().copied().fold(f64::NAN, f64::max);
+    let (low, high) = beside.map(largest).fold((crush, crush), |(low, high), c| (low.min(c), high.max(c)));
     (low < interval.low || high > interval.high).then_some((low, high))
+}
+
+/// Words of a place but its side.
+fn place_of(location: &str) -> String {
+    let words = location.split_whitespace().map(str::to_lowercase).filter(|word| word != "left" && word != "right");
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// `k and c` of a candidate.

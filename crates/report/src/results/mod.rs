@@ -2,6 +2,7 @@
 //! Uses text.
 
 pub mod concerns;
+pub mod conclusion;
 pub mod distinct_curves;
 pub mod key_numbers;
 pub mod kind;
@@ -10,4 +11,3 @@ pub mod overview;
 pub mod ranking;
 pub mod run;
 pub mod summary;
-pub mod verdict;

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{ConcernV1, MetricV1};
 
 use crate::results::concerns::{Concern, SHOWN_FIRST};
+use crate::results::conclusion::Conclusion;
 use crate::results::kind::Kind;
-use crate::results::verdict::Verdict;
 use crate::text::language::fill;
 use crate::text::numbers::{
-    G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, digits_of_interval, significant,
+    G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, digits_of_interval, significant,
 };
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
@@ -17,11 +17,12 @@ use crate::{CandidateResult, Ranking, Run};
 /// Parameters of a curve of many knots are not listed beyond so many.
 const MOST_PARAMETERS: usize = 8;
 
-/// Label and text of each line. What the sentences of the verdict say already is left out. `notes`: how to see them all.
+/// Label and text of each line. What the sentences of the verdict say already is left out. `notes`: how to see all
+/// warnings.
 pub fn overview(
     run: &Run,
     ranking: &Ranking,
-    verdict: &Verdict,
+    verdict: &Conclusion,
     concerns: &[Concern],
     notes: &str,
 ) -> Vec<(String, String)> {
@@ -30,6 +31,8 @@ pub fn overview(
     let mut lines: Vec<(String, String)> = Vec::new();
     let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
     let [crush, time, change, restitution, peak, olc] = phrases.labels;
+    // Of an occupant's sensor these are no numbers of the vehicle.
+    let of_vehicle = verdict.kind != Kind::Occupant;
     for (label, field, value, shown) in [
         (crush, "dynamic_crush_m", run.events.as_ref().and_then(|e| e.dynamic_crush_m), (MILLI, 1, "mm")),
         (time, "time_of_dynamic_crush_s", run.time_of_crush_s(), (MILLI, 1, "ms")),
@@ -46,7 +49,7 @@ pub fn overview(
             (1.0, 3, ""),
         ),
     ] {
-        let Some(value) = value.filter(|_| !said(&format!("/events/{field}"))) else { continue };
+        let Some(value) = value.filter(|_| of_vehicle && !said(&format!("/events/{field}"))) else { continue };
         let intervals = run.events.as_ref().map(|events| events.intervals.as_slice()).unwrap_or_default();
         let interval = intervals.iter().find(|interval| interval.name == field);
         let ends = interval.map(|interval| (interval.low, interval.high));
@@ -55,12 +58,12 @@ pub fn overview(
     // A peak as read is one of vibration.
     let filtered = run.measured.filtered.is_some();
     for (label, name) in [(peak, "peak_acceleration"), (olc, "olc")] {
-        let Some(metric) = run.metric(name).filter(|_| filtered) else { continue };
+        let Some(metric) = run.metric(name).filter(|_| filtered && (of_vehicle || name != "olc")) else { continue };
         if let Some(text) = metric_line(run, metric) {
             lines.push((label.to_owned(), text));
         }
     }
-    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
+    if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
         lines.push((phrases.model_label.to_owned(), parameters(run, best)));
     }
     let warnings: Vec<&Concern> = concerns.iter().filter(|c| c.severity != ConcernV1::NO_RESULT).collect();
@@ -110,7 +113,10 @@ fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
 fn parameters(run: &Run, candidate: &CandidateResult) -> String {
     let known = candidate.record.uncertainty.as_ref();
     let end = |ends: &BTreeMap<String, Option<f64>>, name: &str| ends.get(name).copied().flatten();
+    let knots = knots(run, candidate);
+    let is_of_a_knot = |name: &&str| knots.is_some() && name.starts_with(KNOT);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
+    names.retain(|name| !is_of_a_knot(name));
     names.sort_by_key(|name| parameter_order(&candidate.record.model, name));
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
@@ -128,8 +134,26 @@ fn parameters(run: &Run, candidate: &CandidateResult) -> String {
         let value = in_language(run, significant(value, 4));
         texts.push(format!("{symbol} {value} {unit}{interval}{open}").replace(" ?", "?").trim_end().to_owned());
     }
+    texts.extend(knots);
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
     format!("{}: {}{more}", candidate_name(&candidate.id), texts.join(", "))
+}
+
+/// What the parameters of a knot of a force-deflection curve begin with.
+const KNOT: &str = "knot";
+
+/// `knots 96.6 mm 93.7 kN, ...`: the curve of a candidate with deflections and forces.
+fn knots(run: &Run, candidate: &CandidateResult) -> Option<String> {
+    let parameters = &candidate.record.parameters;
+    let mut knots = Vec::new();
+    for number in 1.. {
+        let at = |unit: &str| parameters.get(&format!("{KNOT}{number}_{unit}"));
+        let Some((deflection_m, force_n)) = at("m").zip(at("n")) else { break };
+        let (mm, kn) =
+            (run.language.quantity(MILLI * deflection_m, 0, "mm"), run.language.quantity(KILO * force_n, 0, "kN"));
+        knots.push(format!("{mm} {kn}"));
+    }
+    (!knots.is_empty()).then(|| format!("knots {}", knots.join(", ")))
 }
 
 fn in_language(run: &Run, number: String) -> String {

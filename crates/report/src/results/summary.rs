@@ -6,10 +6,10 @@ use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1,
 use serde::Serialize;
 
 use crate::results::concerns::Concern;
+use crate::results::conclusion::{Conclusion, conclusion};
 use crate::results::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::results::key_numbers::{KeyNumber, key_numbers};
 use crate::results::ranking::compare_ids;
-use crate::results::verdict::{Verdict, verdict};
 use crate::{CandidateResult, Model, Ranking, Run};
 
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout.
@@ -18,7 +18,7 @@ pub struct Summary<'a> {
     schema: &'static str,
     pipeline: Option<&'a str>,
     /// What to hold of all this, in two sentences.
-    verdict: Verdict,
+    verdict: Conclusion,
     test: TestSummary<'a>,
     events: Option<&'a EventsV1>,
     /// The numbers of the page's first screen.
@@ -147,7 +147,7 @@ struct MatchingSummary<'a> {
 /// `best` is the recommended candidate ([`Ranking`]). A metric name that several channels carry stands for the pulse
 /// channel.
 pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
-    let (verdict, concerns) = verdict(run, ranking);
+    let (verdict, concerns) = conclusion(run, ranking);
     let channel = run.channel_id();
     let choice = run.recommendation.as_ref();
     let test = &run.test;

@@ -11,7 +11,7 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{Kind, Language, Page, Ranking, summary, verdict};
+use crumple_report::{Kind, Language, Page, Ranking, conclusion, summary};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
     unknown_name,
@@ -104,7 +104,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     run.pipeline = pipeline;
     run.language = language;
     let ranking = Ranking::of_run(&run);
-    let (said, concerns) = verdict(&run, &ranking);
+    let (said, concerns) = conclusion(&run, &ranking);
     let json = summary(&run, &ranking).to_json()?;
     write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;

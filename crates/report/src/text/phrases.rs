@@ -52,10 +52,8 @@ pub struct Phrases {
     pub no_models_here: &'static str,
     /// The model to use.
     pub use_model: &'static str,
-    /// All of its numbers are determined.
-    pub all_determined: &'static str,
-    /// Some are.
-    pub some_determined: &'static str,
+    /// How many of its numbers are determined.
+    pub determined: &'static str,
     /// How close it is.
     pub follows: &'static str,
     /// What it predicts against the wall.
@@ -153,10 +151,9 @@ pub const ENGLISH: Phrases = Phrases {
     read_the_notes: "the notes of the run say more: just notes, and the folder of the run",
     measured_only: "This report holds no motion of a vehicle.",
     no_models_here: "It holds no models: their stages did not run.",
-    use_model: "For predictions use {model}: {determined}{follows}{predicts}{distrust}.",
-    all_determined: "all {parameters} of its numbers are determined",
-    some_determined: "{determined} of its {parameters} numbers are determined",
-    follows: ", it follows the displacement to {fit}",
+    use_model: "For predictions use {model}{determined}{follows}{predicts}{distrust}.",
+    determined: " ({determined} of {parameters} numbers determined)",
+    follows: ": it follows the displacement to {fit}",
     predicts: " and predicts a crush of {crush}{interval} at {speed}",
     predicts_collision: " and predicts against {partner} a crush of {crush}{interval}",
     none_recommended: "No model is recommended: {because}{closest}.",
@@ -205,8 +202,8 @@ pub const GERMAN: Phrases = Phrases {
     two_vehicles: "Zwei Fahrzeuge stießen zusammen: Dieses verlor {change}{time}; sein Weg über Grund ist nicht seine \
                    Eindrückung.",
     occupant: "Der Aufnehmer sitzt in einem Insassen ({place}), nicht im Fahrzeug{criteria}.",
-    occupant_use: "Eindrückung, Steifigkeit und Modelle einer solchen Aufzeichnung sind die des Aufnehmers: Keines gilt \
-                   für das Fahrzeug{bounds}.",
+    occupant_use: "Eindrückung, Steifigkeit und Modelle einer solchen Aufzeichnung sind die des Aufnehmers: Keines \
+                   gilt für das Fahrzeug{bounds}.",
     lower_bounds: "; die Kriterien sind untere Schranken, da nicht alle Achsen gemessen wurden",
     recorded: "Das Aufzeichnungsgerät hielt eine Geschwindigkeitsänderung von {change} fest{time}.",
     recorder_use: "Spitzenwert und Kraft lassen sich aus einer so groben Tabelle nicht ablesen{crush}.",
@@ -214,8 +211,8 @@ pub const GERMAN: Phrases = Phrases {
     identified: "{model} folgt der Aufzeichnung zu {fit}{mode}.",
     damping: ", Dämpfungsgrad {ratio}",
     mode: "; die langsamste Eigenschwingung liegt bei {frequency}{damping}",
-    identified_use: "Es gilt für die Amplituden und Frequenzen, die diese Aufzeichnung anregte; alles darüber hinaus ist \
-                     Extrapolation.",
+    identified_use: "Es gilt für die Amplituden und Frequenzen, die diese Aufzeichnung anregte; alles darüber hinaus \
+                     ist Extrapolation.",
     not_stated: [
         "Masse und Aufprallgeschwindigkeit sind nicht angegeben, wie erlaubt: keine Eindrückung, keine Kraft, keine \
          Steifigkeit.",
@@ -228,10 +225,9 @@ pub const GERMAN: Phrases = Phrases {
     read_the_notes: "die Anmerkungen des Laufs sagen mehr: just notes und der Ordner des Laufs",
     measured_only: "Dieser Bericht enthält keine Bewegung eines Fahrzeugs.",
     no_models_here: "Er enthält keine Modelle: Deren Stufen liefen nicht.",
-    use_model: "Für Vorhersagen: {model}: {determined}{follows}{predicts}{distrust}.",
-    all_determined: "alle {parameters} Zahlen sind bestimmt",
-    some_determined: "{determined} von {parameters} Zahlen sind bestimmt",
-    follows: ", es folgt dem Weg zu {fit}",
+    use_model: "Für Vorhersagen gilt {model}{determined}{follows}{predicts}{distrust}.",
+    determined: " ({determined} von {parameters} Zahlen bestimmt)",
+    follows: ": Es folgt dem Weg zu {fit}",
     predicts: " und sagt bei {speed} eine Eindrückung von {crush}{interval} voraus",
     predicts_collision: " und sagt gegen {partner} eine Eindrückung von {crush}{interval} voraus",
     none_recommended: "Kein Modell wird empfohlen: {because}{closest}.",
@@ -245,8 +241,8 @@ pub const GERMAN: Phrases = Phrases {
     extrapolates: "alles über {speed}, der Geschwindigkeit des Versuchs: Dort wird extrapoliert",
     decisive: "alles, bis die erste Warnung geklärt ist",
     and: "und",
-    sensors_differ: "Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}, außerhalb des Intervalls \
-                     dieses einen",
+    sensors_differ: "Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}, außerhalb des \
+                     Intervalls dieses einen",
     warn_open: "{names} des empfohlenen Modells {model} kann nach dieser Aufzeichnung alles sein",
     warn_hardly: "{names} des empfohlenen Modells {model} ist nur der Größenordnung nach bekannt",
     warn_dual: "das empfohlene Modell {model} hat ein Spiegelbild mit genau derselben Aufzeichnung; ein zweiter \
@@ -254,8 +250,8 @@ pub const GERMAN: Phrases = Phrases {
     warn_closest: "das nächste Modell, {model}, lässt {open} von {parameters} Zahlen offen: Seine Kurve ist brauchbar, \
                    seine Zahlen sind es nicht",
     warn_extrapolates: "Vorhersagen über {speed} gehen über das Geprüfte hinaus",
-    warn_two_vehicles: "ein Zusammenstoß zweier Fahrzeuge: Der Weg über Grund ist keines Fahrzeugs Eindrückung, und die \
-                        Modelle nehmen das andere für eine starre Wand",
+    warn_two_vehicles: "ein Zusammenstoß zweier Fahrzeuge: Der Weg über Grund ist keines Fahrzeugs Eindrückung, und \
+                        die Modelle nehmen das andere für eine starre Wand",
     before_use: "Vor dem Gebrauch",
     one_more: "1 weitere Warnung",
     more: "{count} weitere Warnungen",

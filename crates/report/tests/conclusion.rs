@@ -139,7 +139,7 @@ fn shown_in_si(shown: &str) -> (f64, f64) {
 /// `names`: words with digits that are no numbers.
 fn assert_numbers_are_those_of_the_summary(run: &Run, names: &[&str]) -> Vec<String> {
     let summary = summary_of(run);
-    let (said, _) = verdict(run, &Ranking::of_run(run));
+    let (said, _) = conclusion(run, &Ranking::of_run(run));
     let mut sentences = said.sentences.join(" ");
     for name in names {
         sentences = sentences.replace(name, "");
@@ -175,7 +175,7 @@ fn a_barrier_test_says_crush_model_prediction_and_what_to_distrust() {
         [
             "The vehicle was crushed by 447.6 mm (440.1 to 455.3 mm) within 77.2 ms of an impact at 35.0 km/h and \
              rebounded with 0.80 of that speed.",
-            "For predictions use Kelvin, direct fit 1: all 2 of its numbers are determined, it follows the \
+            "For predictions use Kelvin, direct fit 1 (2 of 2 numbers determined): it follows the \
              displacement to 99.9 % and predicts a crush of 368.3 mm (348.3 to 388.3 mm) at 28.8 km/h; distrust it \
              above the 35.0 km/h of the test, where it extrapolates.",
         ]
@@ -189,7 +189,7 @@ fn open_numbers_and_mirror_images_are_what_to_distrust() {
     open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
     let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
     assert!(
-        said[1].contains("1 of its 2 numbers are determined")
+        said[1].contains("(1 of 2 numbers determined)")
             && said[1].ends_with(
                 "distrust c, which this record \
         leaves open."
@@ -213,7 +213,7 @@ fn a_vehicle_that_does_not_stop_has_a_change_of_velocity_and_no_model() {
     assert!(said[0].contains("did not stop within the record: it lost 63.1\u{a0}km/h in 144.0\u{a0}ms"), "{said:?}");
     assert!(said[1].starts_with("No model is recommended: springs that stop a mass"), "{said:?}");
     assert!(said[1].contains("the closest, Kelvin, direct fit 1, follows the displacement to 99.9\u{a0}%"), "{said:?}");
-    assert_eq!(verdict(&run, &Ranking::of_run(&run)).0.standing, Standing::NoneRecommended);
+    assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.standing, Standing::NoneRecommended);
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn of_two_vehicles_the_way_over_ground_is_no_crush() {
     run.test.barrier = Some(ANOTHER_VEHICLE.to_owned());
     let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
     assert!(said[0].starts_with("Two vehicles collided: this one lost 63.1\u{a0}km/h"), "{said:?}");
-    let (_, concerns) = verdict(&run, &Ranking::of_run(&run));
+    let (_, concerns) = conclusion(&run, &Ranking::of_run(&run));
     assert!(concerns[0].about == "motion" && concerns[0].weight == 9, "{concerns:?}");
 
     // A partner that was asked for stands in the place of the wall.
@@ -340,10 +340,10 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
     let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
     assert!(said[0].starts_with("The record states neither mass nor impact speed, as allowed"), "{said:?}");
     assert!(said[1].starts_with("A linear model alone was identified: n4sid-4 follows 88.3\u{a0}%"), "{said:?}");
-    assert_eq!(verdict(&run, &Ranking::of_run(&run)).0.kind, Kind::LinearModel);
+    assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.kind, Kind::LinearModel);
     // Without a linear model either there is nothing.
     run.models.clear();
-    assert_eq!(verdict(&run, &Ranking::of_run(&run)).0.kind, Kind::NoModel);
+    assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.kind, Kind::NoModel);
 }
 
 #[test]
@@ -358,7 +358,7 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
         concern("integrate", "pulse", 2, "dropouts"),
         concern("integrate", "time", 3, "late contact"),
     ];
-    let (said, concerns) = verdict(&run, &Ranking::of_run(&run));
+    let (said, concerns) = conclusion(&run, &Ranking::of_run(&run));
     let texts: Vec<&str> = concerns.iter().map(|concern| concern.text.as_str()).collect();
     // Two on the pulse are as grave; the second gives way to what concerns something else.
     assert_eq!(texts[..3], ["late contact", "clipped", "kelvin: nearly rigid"]);
@@ -376,7 +376,8 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
     assert_eq!(
         summary["concerns"][0],
         json!({
-            "stage": "integrate", "severity": "warning", "about": "time", "weight": 9, "text": "late contact", "remedy": null
+            "stage": "integrate", "severity": "warning", "about": "time", "weight": 9, "text": "late contact",
+            "remedy": null
         })
     );
 }

@@ -3,13 +3,13 @@
 use crumple_artifact::records::ConcernV1;
 
 use crate::results::concerns::{Concern, SHOWN_FIRST};
-use crate::results::verdict::{Standing, Verdict};
+use crate::results::conclusion::{Conclusion, Standing};
 use crate::text::escape::html;
 use crate::text::language::fill;
 use crate::text::phrases::Phrases;
 
 /// The two sentences; without a result a bar that says what to do.
-pub(super) fn write(out: &mut String, verdict: &Verdict, phrases: &Phrases) {
+pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &Phrases) {
     let (class, role) = match verdict.standing {
         Standing::Model => ("verdict", ""),
         Standing::NoneRecommended => ("verdict none", ""),
@@ -23,7 +23,7 @@ pub(super) fn write(out: &mut String, verdict: &Verdict, phrases: &Phrases) {
 }
 
 /// At most three warnings; the others are counted and linked.
-pub(super) fn write_before_use(out: &mut String, verdict: &Verdict, concerns: &[Concern], phrases: &Phrases) {
+pub(super) fn write_before_use(out: &mut String, verdict: &Conclusion, concerns: &[Concern], phrases: &Phrases) {
     // The red bar has said why there is no result.
     let said = |concern: &&Concern| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
     let warnings: Vec<&Concern> = concerns.iter().filter(|concern| !said(concern)).collect();

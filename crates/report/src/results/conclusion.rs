@@ -35,7 +35,7 @@ pub struct Number {
 
 /// The verdict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Verdict {
+pub struct Conclusion {
     /// What kind of record it is about.
     pub kind: Kind,
     /// Whether there is what was asked for.
@@ -57,7 +57,7 @@ pub struct Verdict {
 }
 
 /// The verdict on a run and its concerns.
-pub fn verdict(run: &Run, ranking: &Ranking) -> (Verdict, Vec<Concern>) {
+pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
     let language = run.language;
     let kind = kind_of(run);
     let concerns = concerns(run, ranking, kind);
@@ -71,7 +71,7 @@ pub fn verdict(run: &Run, ranking: &Ranking) -> (Verdict, Vec<Concern>) {
         _ if best.is_some() => Standing::Model,
         _ => Standing::NoneRecommended,
     };
-    let verdict = Verdict {
+    let verdict = Conclusion {
         kind,
         standing,
         language: language.code(),
@@ -294,16 +294,12 @@ impl<'a> Text<'a> {
         }
         let Some(best) = self.best() else { return Some(self.none_recommended()) };
         let (open, parameters) = best.undetermined();
-        let counted = (1.0, 0, "");
-        let of = self.number("/verdict/parameters", parameters as f64, counted);
-        let determined = match (open, parameters) {
-            (_, 0) => None,
-            (0, _) => Some(fill(phrases.all_determined, &[("parameters", &of)])),
-            _ => {
-                let some = self.number("/verdict/determined", (parameters - open) as f64, counted);
-                Some(fill(phrases.some_determined, &[("determined", &some), ("parameters", &of)]))
-            }
-        };
+        let determined = (parameters > 0).then(|| {
+            let counted = (1.0, 0, "");
+            let determined = self.number("/verdict/determined", (parameters - open) as f64, counted);
+            let parameters = self.number("/verdict/parameters", parameters as f64, counted);
+            fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)])
+        });
         let follows = self.follows(best).map(|fit| fill(phrases.follows, &[("fit", &fit)]));
         let predicts = self.predicts(best);
         let what = self.distrust(best, concerns);
@@ -315,9 +311,7 @@ impl<'a> Text<'a> {
             ("predicts", predicts.unwrap_or_default()),
             ("distrust", distrust.unwrap_or_default()),
         ];
-        let sentence = fill(phrases.use_model, &texts.each_ref().map(|(name, text)| (*name, text.as_str())));
-        // A candidate of which nothing was asked has no count in front of its fit.
-        Some(sentence.replacen(": , ", ": ", 1))
+        Some(fill(phrases.use_model, &texts.each_ref().map(|(name, text)| (*name, text.as_str()))))
     }
 
     /// How closely a candidate follows the displacement.
