@@ -6,6 +6,7 @@ pub mod channels;
 pub mod document;
 pub mod energy;
 pub mod header;
+pub mod how_well;
 pub mod key_numbers;
 pub mod model_picture;
 pub mod models;

@@ -5,5 +5,6 @@ pub mod distinct_curves;
 pub mod key_numbers;
 pub mod mass_divisions;
 pub mod ranking;
+pub mod residual;
 pub mod run;
 pub mod summary;
