@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use super::{
-    candidates, channels, conclusion as top, energy, header, key_numbers, model_picture, models, numbers, predictions,
-    ratings, remarks, what_if,
+    candidates, channels, conclusion as top, energy, header, how_well, key_numbers, model_picture, models, numbers,
+    predictions, ratings, remarks, what_if,
 };
 use crate::drawing::figure::Figure;
 use crate::figures::all::all_figures;
@@ -71,6 +71,7 @@ impl Page {
         }
         what_if::write(&mut body, run, ranking);
         candidates::write(&mut body, run, ranking);
+        how_well::write(&mut body, run, ranking);
         predictions::write(&mut body, run);
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);

@@ -7,6 +7,7 @@ pub mod conclusion;
 pub mod document;
 pub mod energy;
 pub mod header;
+pub mod how_well;
 pub mod key_numbers;
 pub mod model_picture;
 pub mod models;

@@ -16,8 +16,17 @@ pub(super) fn write(out: &mut String, run: &Run) {
         return;
     }
     out.push_str("<section>\n<h2>Identified models</h2>\n");
+    // Of a crash they are a way to the physical model, of any other record they are the result.
+    let count = run.models.len();
+    if !run.is_generic() {
+        let plural = if count == 1 { "" } else { "s" };
+        out.push_str(&format!("<details><summary>{count} model{plural} with poles</summary>\n"));
+    }
     for model in &run.models {
         write_model(out, model);
+    }
+    if !run.is_generic() {
+        out.push_str("</details>\n");
     }
     out.push_str("</section>\n");
 }

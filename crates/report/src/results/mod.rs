@@ -9,5 +9,6 @@ pub mod kind;
 pub mod mass_divisions;
 pub mod overview;
 pub mod ranking;
+pub mod residual;
 pub mod run;
 pub mod summary;

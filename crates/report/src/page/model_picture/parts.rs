@@ -217,32 +217,39 @@ fn element(
             (Glyph::Curve(vec![(0.0, 0.0), (1.0, 1.0), ((1.0 - back).clamp(0.0, 1.0), 0.0)]), "k")
         }
         Element::ForceDeflection(curve) => {
-            let knots = curve.knots();
-            let force = |knot: &(f64, f64)| knot.1;
-            let largest = knots.iter().enumerate().max_by(|a, b| force(a.1).total_cmp(&force(b.1)));
-            if let Some((index, (deflection, force))) = largest {
-                let at_knot = format!("knot{index}_n");
-                let name = own.iter().find(|name| name.ends_with(at_knot.as_str()));
-                lines.push(format!(
-                    "{} up to {} kN at {} mm{}",
-                    symbol("F"),
-                    significant(1e-3 * force, 3),
-                    significant(1e3 * deflection, 3),
-                    if name.is_some_and(|name| known[name].open) { " ?" } else { "" }
-                ));
-                lines.extend(name.and_then(|name| known[name].interval.clone()));
-            }
-            let count = knots.len() - 1;
-            lines.push(match (asked.len(), open) {
-                (0, _) => format!("{count} knots"),
-                (_, 0) => format!("{count} knots, all determined"),
-                (asked, open) => format!("{count} knots, {open} of {asked} open"),
-            });
-            (Glyph::Curve(crushed_curve(knots, curve.unloading_n_per_m())), "F")
+            lines.extend(words_of_curve(&symbol("F"), curve.knots(), &known, open, asked.len()));
+            (Glyph::Curve(crushed_curve(curve.knots(), curve.unloading_n_per_m())), "F")
         }
     };
     // Of several numbers most.
     ElementPart { front, rear, glyph, symbol: symbol(letter), lines, open: 2 * open > asked.len() }
+}
+
+/// `F up to 656 kN at 750 mm`, the interval of that force, how many of the knots are open.
+fn words_of_curve(
+    symbol: &str,
+    knots: &[(f64, f64)],
+    known: &BTreeMap<&str, Known>,
+    open: usize,
+    asked: usize,
+) -> Vec<String> {
+    let mut lines = Vec::new();
+    let largest = knots.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    if let Some((index, (deflection, force))) = largest {
+        let at_knot = format!("knot{index}_n");
+        let known = known.iter().find(|(name, _)| name.ends_with(at_knot.as_str())).map(|(_, known)| known);
+        let doubt = if known.is_some_and(|known| known.open) { " ?" } else { "" };
+        let (force, deflection) = (significant(1e-3 * force, 3), significant(1e3 * deflection, 3));
+        lines.push(format!("{symbol} up to {force} kN at {deflection} mm{doubt}"));
+        lines.extend(known.and_then(|known| known.interval.clone()));
+    }
+    let count = knots.len().saturating_sub(1);
+    lines.push(match (asked, open) {
+        (0, _) => format!("{count} knots"),
+        (_, 0) => format!("{count} knots, all determined"),
+        (asked, open) => format!("{count} knots, {open} of {asked} open"),
+    });
+    lines
 }
 
 /// `k 0 to 643 kN/m`, and how many of its numbers are open.
