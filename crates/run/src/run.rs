@@ -196,8 +196,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The state of the folder after a whole run, where every stage is a program of the project and leaves alone what is up
-    /// to date. Others are always run.
+    /// The state of the folder after a whole run, where every stage is a program of the project and leaves alone what is
+    /// up to date. Others are always run.
     fn state(&self, programs: &[Program]) -> Option<String> {
         let stages = &self.stages.0;
         let is_asked = |text: &str| words(text).any(|word| matches!(word.as_str(), "--force" | "--json"));
@@ -209,8 +209,8 @@ impl Run<'_> {
         state_of(self.folder.path(), self.stages.outputs(), &programs).ok()
     }
 
-    /// Has the programs of the project check their options before anything runs. `Some`: how the first that refuses them
-    /// ended; it has said why.
+    /// Has the programs of the project check their options before anything runs. `Some`: how the first that refuses
+    /// them ended; it has said why.
     fn check_options(&self, programs: &[Program]) -> anyhow::Result<Option<ExitStatus>> {
         for (number, (stage, program)) in self.stages.0.iter().zip(programs).enumerate() {
             if !is_own(stage, program) {

@@ -8,15 +8,16 @@ use crate::FilterError;
 const ORDINARY_HZ: f64 = 20e3;
 /// The lowest rate that is kept unless the class asks for more, Hz.
 const LOWEST_HZ: f64 = 10e3;
-/// The kept rate over the -3 dB frequency of the filter, CFC/0.6. At half the kept rate both passes leave `1/(1 + 50⁴)`.
+/// The kept rate over the -3 dB frequency of the filter, CFC/0.6: at half the kept rate both passes leave
+/// `1/(1 + 50⁴)`.
 const CORNERS: f64 = 100.0;
 
 /// Every n-th sample to keep of a record behind a filter with this -3 dB frequency; 1: all of them.
 ///
 /// A record above 20 kHz keeps at least 10 kHz, at least 100 times the -3 dB frequency, and at least `lowest_hz`. What
-/// lies above half the kept rate and would fold back is down by `50⁴`, 136 dB: white noise of 1 m/s² a sample folds back
-/// less than 2e-7 m/s². The trapezoidal rule over the kept samples errs by `(ω·T)²/12` of a component: 3e-4 at the -3 dB
-/// frequency itself, 3e-6 at a tenth of it, where a crash pulse has its motion.
+/// lies above half the kept rate and would fold back is down by `50⁴`, 136 dB: white noise of 1 m/s² a sample folds
+/// back less than 2e-7 m/s². The trapezoidal rule over the kept samples errs by `(ω·T)²/12` of a component: 3e-4 at the
+/// -3 dB frequency itself, 3e-6 at a tenth of it, where a crash pulse has its motion.
 pub fn keep_every(rate_hz: f64, half_power_hz: f64, lowest_hz: f64) -> usize {
     if rate_hz <= ORDINARY_HZ * (1.0 + 1e-9) {
         return 1;

@@ -1,4 +1,5 @@
-//! What is done to samples beside the filters: zero level, moving average, derivative, resampling, which are kept, delay.
+//! What is done to samples beside the filters: zero level, moving average, derivative, resampling, delay; which are
+//! kept.
 //! May use nothing.
 
 pub mod delay;

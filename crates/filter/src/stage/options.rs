@@ -86,9 +86,9 @@ pub struct Options {
     /// Rate to keep of channels that were filtered to a class: auto, full, or the lowest to keep, e.g. 50kHz [default:
     /// auto]
     ///
-    /// auto leaves records up to 20 kHz as they are. Of one sampled faster every n-th sample is kept after filtering, so
-    /// that at least 10 kHz and 100 times the -3 dB frequency of the class remain: what would fold back is down by 136
-    /// dB. A rate raises that, full keeps every sample.
+    /// auto leaves records up to 20 kHz as they are. Of one sampled faster every n-th sample is kept after filtering,
+    /// so that at least 10 kHz and 100 times the -3 dB frequency of the class remain: what would fold back is down by
+    /// 136 dB. A rate raises that, full keeps every sample.
     #[arg(long, value_name = "RATE")]
     pub rate: Option<KeptRate>,
 

@@ -19,6 +19,15 @@ impl LineNumbers {
         self.rows += 1;
     }
 
+    /// Adds the rows of a part whose lines are counted from `line`.
+    pub fn append(&mut self, part: &Self, line: usize) {
+        for (k, (row, first)) in part.runs.iter().enumerate() {
+            let end = part.runs.get(k + 1).map_or(part.rows, |next| next.0);
+            self.push(line + first);
+            self.rows += end - row - 1;
+        }
+    }
+
     /// Number of rows.
     #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
     pub fn len(&self) -> usize {

@@ -160,7 +160,8 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
             mass_kg: test.mass_kg,
             impact_speed_m_per_s: test.impact_speed_m_per_s,
             channel,
-            sample_rate_hz: run.acceleration().map(crumple_signal::Sampled::rate_hz),
+            // That of the record: of one sampled fast, the filter keeps fewer.
+            sample_rate_hz: run.measured.raw.as_ref().or(run.acceleration()).map(crumple_signal::Sampled::rate_hz),
             vehicle: test.vehicle.as_deref(),
             barrier: test.barrier.as_deref(),
         },

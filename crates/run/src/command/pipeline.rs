@@ -43,8 +43,8 @@ impl Pipeline {
         self.file.starts_with(project.join("pipelines"))
     }
 
-    /// The pipeline of a run that was made: what it was run with, else that of its summary where the project has it, else
-    /// what is typed.
+    /// The pipeline of a run that was made: what it was run with, else that of its summary where the project has it,
+    /// else what is typed.
     pub(crate) fn of_run(folder: &Path, typed: &str, project: &Path) -> Self {
         let file = folder.join(PIPELINE_OF_A_RUN);
         if let Some(name) = crumple_stage::Pipeline::read(&file, None).ok().as_ref().and_then(|made| made.name()) {

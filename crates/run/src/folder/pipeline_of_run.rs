@@ -14,8 +14,8 @@ use crate::command::pipeline::PIPELINE_OF_A_RUN;
 /// How the file begins, so that no other is replaced.
 const HEAD: &str = "# The pipeline of this run, with everything it was laid over and what was set beside it.\n";
 
-/// The pipeline on its way to the stages. It becomes that of the folder once the run is whole: until then the one of the
-/// run before stays.
+/// The pipeline on its way to the stages. It becomes that of the folder once the run is whole: until then the one of
+/// the run before stays.
 #[derive(Debug)]
 pub(crate) struct PipelineOfRun {
     file: PathBuf,

@@ -1,4 +1,5 @@
-//! What a run does with its pipeline: laid over the default, options set beside it, what changed against the run before.
+//! What a run does with its pipeline: laid over the default, options set beside it, what changed against the run
+//! before.
 
 use std::fs;
 use std::process::{Command, Output};

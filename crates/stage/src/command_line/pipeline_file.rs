@@ -274,7 +274,8 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         std::fs::write(
             &default,
-            "title = 'Default'\nbase = 'none'\n[filter]\ncfc = '60'\nmode = 'iso6487'\n[identify]\norders = [4]\n[predict]\n",
+            "title = 'Default'\nbase = 'none'\n[filter]\ncfc = '60'\nmode = 'iso6487'\n[identify]\norders = [4]\n\
+             [predict]\n",
         )
         .unwrap();
         Pipeline::read(&path, Some(&default))

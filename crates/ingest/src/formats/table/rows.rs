@@ -2,6 +2,8 @@
 
 use std::io::Read;
 
+use rayon::prelude::*;
+
 use crate::formats::table::layout::{Delimiter, Layout, decimal_comma, is_blank_row};
 use crate::formats::text::lines::{LINE_LIMIT, comment, decode, line_at};
 use crate::formats::text::numbers::{ParsedNumber, is_gap, scan, unquoted};
@@ -45,9 +47,64 @@ pub enum Remnant {
 /// field by field, which also finds the place of what is wrong.
 pub fn read(text: &[u8], layout: &Layout, file: &str, name: impl Fn(usize) -> String) -> Result<Rows, IngestError> {
     let body = &text[layout.first_row..];
-    let mut parser = Parser::new(layout, body.len(), body, (1 << 24) / layout.columns, file, name);
+    let threads = if body.len() < WORTH_THREADS { 1 } else { rayon::current_num_threads() };
+    read_in_parts(body, layout, file, name, threads)
+}
+
+/// Shorter texts are read before a second thread has started.
+const WORTH_THREADS: usize = 1 << 20;
+
+/// Reads the rows in so many parts at once; what they come to does not depend on the number.
+fn read_in_parts(
+    body: &[u8],
+    layout: &Layout,
+    file: &str,
+    name: impl Fn(usize) -> String,
+    parts: usize,
+) -> Result<Rows, IngestError> {
+    let most_rows = (1 << 24) / layout.columns;
+    let pieces = whole_lines(body, parts);
+    if let [first, others @ ..] = &pieces[..]
+        && !others.is_empty()
+    {
+        // Lines that are left out stand where the record starts or ends: between parts they are found one after another.
+        let read = |piece: &[u8], line: usize, length: usize| {
+            let mut parser = Parser::new(layout, length, piece, most_rows, file, |_: usize| String::new());
+            parser.line = line;
+            parser.feed(piece).ok().filter(|()| parser.error.is_none() && parser.rows.left_out.is_empty())?;
+            Some((parser.rows, parser.line))
+        };
+        // The first has room for all; lines of the others count from their own start.
+        let (rows, rest) = rayon::join(
+            || read(first, layout.first_line, body.len()),
+            || others.par_iter().map(|piece| read(piece, 0, piece.len())).collect::<Option<Vec<_>>>(),
+        );
+        if let (Some((mut rows, mut line)), Some(rest)) = (rows, rest) {
+            for (part, lines) in rest {
+                rows.append(part, line);
+                line += lines;
+            }
+            return Ok(rows);
+        }
+        // Something is wrong somewhere: line after line its place is found.
+    }
+    let mut parser = Parser::new(layout, body.len(), body, most_rows, file, name);
     parser.feed(body)?;
     parser.finish()
+}
+
+/// The text in parts of about one length, each of whole lines.
+fn whole_lines(body: &[u8], parts: usize) -> Vec<&[u8]> {
+    let mut pieces = Vec::with_capacity(parts);
+    let mut rest = body;
+    for left in (2..=parts).rev() {
+        let Some(end) = rest[rest.len() / left..].iter().position(|b| *b == b'\n') else { break };
+        let (piece, behind) = rest.split_at(rest.len() / left + end + 1);
+        pieces.push(piece);
+        rest = behind;
+    }
+    pieces.push(rest);
+    pieces
 }
 
 /// A text that is read piece by piece.
@@ -206,6 +263,17 @@ impl Rows {
             *digits = (*digits).max(number.digits);
         }
         self.lines.push(line);
+    }
+
+    /// Adds the rows of a part whose lines are counted from `line`.
+    fn append(&mut self, part: Self, line: usize) {
+        for (column, of_part) in self.columns.iter_mut().zip(&part.columns) {
+            column.extend_from_slice(of_part);
+        }
+        for (digits, of_part) in self.digits.iter_mut().zip(&part.digits) {
+            *digits = (*digits).max(*of_part);
+        }
+        self.lines.append(&part.lines, line);
     }
 }
 
@@ -382,6 +450,29 @@ mod tests {
     fn lines_are_counted_through_comments() {
         let rows = rows("# x\nt,a\n0,1\n\n1,2\n").unwrap();
         assert_eq!((rows.lines.of_row(0), rows.lines.of_row(1), rows.lines.of_row(2), rows.lines.len()), (3, 5, 0, 2));
+    }
+
+    #[test]
+    fn parts_read_at_once_give_the_same_rows_and_the_same_errors() {
+        let mut text = "# c\nt,a\n".to_owned();
+        for k in 0..500 {
+            text.push_str(&format!("{k}.5,{}\n{}", k * k, if k % 90 == 7 { "# half time\n\n" } else { "" }));
+        }
+        let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
+        let whole = rows(&text).unwrap();
+        let broken = text.replace("400.5,160000", "400.5,x");
+        let expected = rows(&broken).unwrap_err();
+        for parts in [1, 2, 3, 7, 100, 5000] {
+            let read = |text: &str| {
+                let body = &text.as_bytes()[layout.first_row..];
+                read_in_parts(body, &layout, "t.csv", |k| format!("c{k}"), parts)
+            };
+            let rows = read(&text).unwrap();
+            assert_eq!((&rows.columns, &rows.digits), (&whole.columns, &whole.digits), "{parts}");
+            let lines = |rows: &Rows| (0..=rows.lines.len()).map(|row| rows.lines.of_row(row)).collect::<Vec<_>>();
+            assert_eq!(lines(&rows), lines(&whole), "{parts}");
+            assert_eq!(read(&broken).unwrap_err(), expected, "{parts}");
+        }
     }
 
     fn pieces(body: &[u8], piece: usize) -> Pieces<'_, &[u8]> {
