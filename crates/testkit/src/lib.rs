@@ -1,10 +1,11 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 //!
-//! rooms: bytes interval_cover prediction_error | programs records | random places benchmark
+//! rooms: bytes interval_cover made_fleet prediction_error | programs records | random places benchmark
 
 mod benchmark;
 pub mod bytes;
 pub mod interval_cover;
+pub mod made_fleet;
 mod places;
 pub mod prediction_error;
 mod programs;
