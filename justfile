@@ -23,27 +23,30 @@ simulate := quote(bin / "crumple-simulate")
 predict := quote(bin / "crumple-predict")
 report := quote(bin / "crumple-report")
 
+# Which program reads what and writes what.
+stages := "--optional predict " + \
+    "--stage " + quote(ingest) + " RECORD -o 1-ingest.mcap " + \
+    "--stage " + quote(filter) + " 1-ingest.mcap -o 2-filter.mcap " + \
+    "--stage " + quote(integrate) + " 2-filter.mcap -o 3-integrate.mcap " + \
+    "--stage " + quote(identify) + " 2-filter.mcap 3-integrate.mcap -o 4-identify.mcap " + \
+    "--stage " + quote(parameter_solve) + " 2-filter.mcap 3-integrate.mcap 4-identify.mcap -o 5-parameter-solve.mcap " + \
+    "--stage " + quote(simulate) + " 2-filter.mcap 3-integrate.mcap 5-parameter-solve.mcap -o 6-simulate.mcap " + \
+    "--stage " + quote(predict) + " 3-integrate.mcap 5-parameter-solve.mcap -o 7-predict.mcap " + \
+    "--stage " + quote(report) + " 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap" + \
+    " 6-simulate.mcap 7-predict.mcap -o report.html summary.json"
+
 [private]
 default:
     @just --list --unsorted
 
-# Which program reads what and writes what; crumple-run starts them and keeps what a run folder promises.
+# crumple-run starts the stages above and keeps what a run folder promises.
 # The main job: `just run crash.csv [--set filter.cfc=180] [--mass 873kg --impact-speed 35km/h ...]`; other flags go to ingest.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 run record *args: build
     @{{ quote(bin / "crumple-run") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} --optional predict \
-        --stage {{ quote(ingest) }} RECORD -o 1-ingest.mcap \
-        --stage {{ quote(filter) }} 1-ingest.mcap -o 2-filter.mcap \
-        --stage {{ quote(integrate) }} 2-filter.mcap -o 3-integrate.mcap \
-        --stage {{ quote(identify) }} 2-filter.mcap 3-integrate.mcap -o 4-identify.mcap \
-        --stage {{ quote(parameter_solve) }} 2-filter.mcap 3-integrate.mcap 4-identify.mcap -o 5-parameter-solve.mcap \
-        --stage {{ quote(simulate) }} 2-filter.mcap 3-integrate.mcap 5-parameter-solve.mcap -o 6-simulate.mcap \
-        --stage {{ quote(predict) }} 3-integrate.mcap 5-parameter-solve.mcap -o 7-predict.mcap \
-        --stage {{ quote(report) }} 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap \
-                 6-simulate.mcap 7-predict.mcap -o report.html summary.json \
+        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} {{ stages }} \
         -- "$@"
 
 # Writes 7-predict.mcap of that run again, with the speeds of its pipeline and those asked for, and the report and the summary.
@@ -70,6 +73,30 @@ together *args: build
         --parameter-solve {{ quote(parameter_solve) }} --predict {{ quote(predict) }} \
         --run {{ quote(quote(just_executable()) + " --justfile " + quote(justfile()) + " bin=" + quote(bin) + " pipeline=" + quote(pipeline) + " flags=" + quote(flags) + " run") }} \
         -- "$@"
+
+# A run that is up to date is left alone, a record that fails is a row with its error; tables and fleet.html in runs/fleet/NAME (docs/fleet.md).
+# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+fleet *args: build
+    @{{ quote(bin / "crumple-fleet") }} --project {{ quote(justfile_directory()) }} \
+        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
+        --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
+        "$@"
+
+# Runs the fleet, joins the tests of each vehicle, regresses stiffness and damping, predicts each test from the others: runs/fleet/NAME/study.
+# What many tests say of vehicles: `just study FOLDER [--classes FILE] [flags of just fleet]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+study *args: build
+    @{{ quote(bin / "crumple-study") }} --project {{ quote(justfile_directory()) }} \
+        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
+        --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
+        --together {{ quote(quote(bin / "crumple-together") + " --project " + quote(justfile_directory()) + " --run false" + \
+            " --parameter-solve " + quote(parameter_solve) + " --predict " + quote(predict)) }} \
+        "$@"
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
 [group('pipeline')]

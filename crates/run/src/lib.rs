@@ -16,6 +16,7 @@ mod steps;
 mod together;
 
 pub use command::options::Options;
+pub use command::pipeline::Pipeline;
 pub use run::run;
 pub use together::joint_run::together;
 pub use together::options::TogetherOptions;

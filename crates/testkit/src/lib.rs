@@ -1,11 +1,12 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 //!
-//! rooms: bytes fuzz interval_cover prediction_error | programs records | random places benchmark
+//! rooms: bytes fuzz interval_cover made_fleet prediction_error | programs records | random places benchmark
 
 mod benchmark;
 pub mod bytes;
 pub mod fuzz;
 pub mod interval_cover;
+pub mod made_fleet;
 mod places;
 pub mod prediction_error;
 mod programs;

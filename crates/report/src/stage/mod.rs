@@ -63,6 +63,10 @@ pub struct Cli {
     #[arg(long, hide = true)]
     pub force: bool,
 
+    /// Accepted for the same reason: neither file is an artifact.
+    #[arg(long, hide = true, value_name = "KIND")]
+    pub compress: Option<String>,
+
     /// No summary on stderr.
     #[arg(short, long)]
     pub quiet: bool,

@@ -7,16 +7,16 @@ pub(crate) const PIPELINE_OF_A_RUN: &str = "0-pipeline.toml";
 
 /// A pipeline file and the name that its run folders have.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Pipeline {
+pub struct Pipeline {
     /// The file.
-    pub(crate) file: PathBuf,
+    pub file: PathBuf,
     /// `default`, `papers/civic`.
-    pub(crate) name: String,
+    pub name: String,
 }
 
 impl Pipeline {
     /// The path of a file is that file; all else is a name below `pipelines/` of the project.
-    pub(crate) fn resolve(text: &str, project: &Path) -> Self {
+    pub fn resolve(text: &str, project: &Path) -> Self {
         let below = text.strip_prefix("pipelines/").unwrap_or(text);
         let name = below.strip_suffix(".toml").unwrap_or(below);
         let is_path = text.starts_with(['/', '.']) || (text.ends_with(".toml") && Path::new(text).is_file());

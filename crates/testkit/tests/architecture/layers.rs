@@ -4,9 +4,9 @@ use crate::modules::line_of_path;
 use crate::rule::Violation;
 use crate::source::{Package, Source};
 
-/// Crates by layer, foundations first. A crate may use crates of lower layers; those of the last layer but one are
-/// programs and use none of each other.
-pub const LAYERS: [&[&str]; 7] = [
+/// Crates by layer, foundations first. A crate may use crates of lower layers; the programs of one run use none of each
+/// other, and those of many runs stand above them.
+pub const LAYERS: [&[&str]; 8] = [
     &["signal", "linalg", "memory", "source-digest"],
     &["lti", "estimation", "artifact"],
     &["metrics", "lumped"],
@@ -25,6 +25,7 @@ pub const LAYERS: [&[&str]; 7] = [
         "artifact-cli",
         "run",
     ],
+    &["fleet"],
     &["testkit"],
 ];
 

@@ -1,0 +1,191 @@
+//! The command line of `crumple-fleet`.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use crumple_stage::Usage;
+
+use crate::command::sweep::Sweep;
+
+/// Runs pipelines on many records, each into a run folder of its own, and makes tables and a page of the runs.
+///
+/// The recipe `fleet` of the justfile calls it. A run that is up to date (record, pipeline, programs) is left alone;
+/// one that fails is a row with its error and exit code. What was finished stays finished, however the fleet ends.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-fleet",
+    version,
+    after_help = "Exit codes: 0 every record has its row, failed ones too; 1 unforeseen failure, 2 usage, 3 no record \
+                  to be found."
+)]
+pub struct Options {
+    /// Records: folders with all below them, lists of paths (@list.txt), patterns ('tests/**/*.csv'), files.
+    #[arg(required = true, value_name = "RECORDS")]
+    pub(crate) inputs: Vec<String>,
+
+    /// Pipelines to run on each record: names below `pipelines/` or files [default: that of --pipeline].
+    #[arg(long, value_name = "NAME|FILE", value_delimiter = ',')]
+    pub(crate) pipelines: Vec<String>,
+
+    /// Option of a stage, with the values to go through: `parameter-solve.front_mass_fraction=0.15,0.25`. Several are
+    /// combined, each value with each.
+    #[arg(long = "set", value_name = "STAGE.KEY=VALUE,...")]
+    pub(crate) sweeps: Vec<Sweep>,
+
+    /// Runs at a time [default: one a processor core].
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) jobs: Option<u16>,
+
+    /// Name of the fleet: its folder is runs/fleet/NAME [default: that of the folder or the list].
+    #[arg(long, value_name = "NAME")]
+    pub(crate) name: Option<String>,
+
+    /// Folder of the fleet, instead of one below `runs/fleet/` of the project.
+    #[arg(long, value_name = "FOLDER", default_value = "", allow_hyphen_values = true, overrides_with = "out")]
+    pub(crate) out: OsString,
+
+    /// Part K of N of the records, by the digest of what each is called: for a cluster. Writes no tables.
+    #[arg(long, value_name = "K/N")]
+    pub(crate) batch: Option<Batch>,
+
+    /// Runs nothing: tables and page of the runs that are up to date; the others are named as missing.
+    #[arg(long, conflicts_with = "batch")]
+    pub(crate) tables_only: bool,
+
+    /// Compression of the artifacts: zstd makes them smaller and a run slower.
+    #[arg(long, value_name = "KIND", value_parser = ["zstd"])]
+    pub(crate) compress: Option<String>,
+
+    /// No line about the runs on stderr.
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+
+    /// Folder with `pipelines/` and `runs/`.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub(crate) project: PathBuf,
+
+    /// Pipeline where --pipelines names none.
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        default_value = "default",
+        allow_hyphen_values = true,
+        overrides_with = "pipeline"
+    )]
+    pub(crate) pipeline: String,
+
+    /// Flags for every stage, as one would type them.
+    #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
+    pub(crate) flags: String,
+
+    /// Command that runs one record: `crumple-run` with the stages.
+    #[arg(long, value_name = "COMMAND")]
+    pub(crate) run: String,
+}
+
+/// One part of a fleet that is run in several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Batch {
+    /// Number of the part, from 1.
+    pub(crate) part: u64,
+    /// Number of parts.
+    pub(crate) of: u64,
+}
+
+impl std::str::FromStr for Batch {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
+        match numbers {
+            Some((part, of)) if 1 <= part && part <= of => Ok(Self { part, of }),
+            _ => Err("a part is K/N with K from 1 to N, for example 3/20".to_owned()),
+        }
+    }
+}
+
+impl Batch {
+    /// Whether a record of this name is in the part: the same whatever other records there are.
+    pub(crate) fn holds(self, identity: &str) -> bool {
+        let digest = blake3::hash(identity.as_bytes());
+        let start = digest.as_bytes()[..8].iter().fold(0_u64, |number, byte| number << 8 | u64::from(*byte));
+        start % self.of == self.part - 1
+    }
+}
+
+impl Options {
+    /// Flags for every stage.
+    pub(crate) fn flags(&self) -> String {
+        let compress = self.compress.as_ref().map_or_else(String::new, |kind| format!(" --compress {kind}"));
+        format!("{}{compress}", self.flags)
+    }
+
+    /// The pipelines, as they are typed.
+    pub(crate) fn pipelines(&self) -> &[String] {
+        if self.pipelines.is_empty() { std::slice::from_ref(&self.pipeline) } else { &self.pipelines }
+    }
+
+    /// The folder of the fleet.
+    pub(crate) fn folder(&self) -> Result<PathBuf, Usage> {
+        if !self.out.is_empty() {
+            return Ok(PathBuf::from(&self.out));
+        }
+        let name = match &self.name {
+            Some(name) if name.is_empty() || name.contains('/') || name.starts_with('.') => {
+                return Err(
+                    Usage::new(format!("--name {name:?} is no name of a folder")).hint("a name without slashes")
+                );
+            }
+            Some(name) => name.clone(),
+            None => self.inputs.first().and_then(|word| name_of(word)).ok_or_else(|| {
+                Usage::new(format!("{} gives the fleet no name", self.inputs.join(" "))).hint("say --name NAME")
+            })?,
+        };
+        Ok(self.project.join("runs/fleet").join(name))
+    }
+}
+
+/// The name that a word gives to the fleet: of the folder, the list, or the folder of a pattern.
+fn name_of(word: &str) -> Option<String> {
+    let path = word.strip_prefix('@').unwrap_or(word);
+    let literal = match path.find(['*', '?', '[']) {
+        Some(at) => path[..at].rsplit_once('/').map_or(".", |(folder, _)| folder),
+        None => path,
+    };
+    let path = Path::new(literal);
+    let full = if path.file_name().is_some() { path.to_owned() } else { path.canonicalize().ok()? };
+    let name = if full.is_dir() { full.file_name()? } else { full.file_stem()? };
+    Some(name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    fn options(words: &[&str]) -> Options {
+        Options::parse_from([&["fleet", "--run", "r", "--project", "/p"], words].concat())
+    }
+
+    #[test]
+    fn a_fleet_is_named_after_its_records() {
+        let folder = |words: &[&str]| options(words).folder().map(|path| path.display().to_string());
+        assert_eq!(folder(&["tests/ncap/"]).unwrap(), "/p/runs/fleet/ncap");
+        assert_eq!(folder(&["@lists/small.txt"]).unwrap(), "/p/runs/fleet/small");
+        assert_eq!(folder(&["tests/*.csv"]).unwrap(), "/p/runs/fleet/tests");
+        assert_eq!(folder(&["a", "b", "--name", "both"]).unwrap(), "/p/runs/fleet/both");
+        assert_eq!(folder(&["a", "--out", "/x"]).unwrap(), "/x");
+        assert!(folder(&["a", "--name", "b/c"]).is_err());
+    }
+
+    #[test]
+    fn the_parts_of_a_fleet_hold_each_record_once() {
+        let parts: Vec<Batch> = (1..=7).map(|part| Batch { part, of: 7 }).collect();
+        for record in 0..100 {
+            let name = format!("tests/{record}.csv");
+            assert_eq!(parts.iter().filter(|part| part.holds(&name)).count(), 1);
+        }
+        assert!("0/3".parse::<Batch>().is_err() && "4/3".parse::<Batch>().is_err() && "3".parse::<Batch>().is_err());
+    }
+}

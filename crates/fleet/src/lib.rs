@@ -1,0 +1,20 @@
+//! Many records, one run folder each: the program behind `just fleet`.
+//!
+//! It knows which records there are, which of their runs are up to date, and how many run at a time. A run itself is
+//! that of `crumple-run`, with all that it promises. What the runs found is gathered into tables and a page; [`study`]
+//! asks what they say of vehicles.
+//!
+//! rooms: study | fleet | page | tables | runs | records | command
+
+mod command;
+mod fleet;
+mod page;
+mod records;
+mod runs;
+mod study;
+mod tables;
+
+pub use command::options::Options;
+pub use fleet::make::fleet;
+pub use study::options::StudyOptions;
+pub use study::vehicle_models::study;

@@ -1,0 +1,30 @@
+//! Which programs a run is made with.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+
+/// Digest of the programs that a command names: of its text, of every file that stands in it, and of the programs of
+/// the project beside this one. A program that another one starts is not seen.
+pub(crate) fn digest_of_programs(command: &str) -> io::Result<String> {
+    let mut files: BTreeSet<PathBuf> = command
+        .split(|c: char| c.is_whitespace() || "'\"\\".contains(c))
+        .map(PathBuf::from)
+        .filter(|path| path.is_file())
+        .collect();
+    let own = std::env::current_exe()?;
+    for entry in own.parent().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_of_a_run = name.starts_with("crumple-") && !name.contains('.') && !name.starts_with("crumple-fleet");
+        if is_of_a_run && entry.path().is_file() && entry.path() != own {
+            files.insert(entry.path());
+        }
+    }
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(command.as_bytes());
+    for path in files {
+        hasher.update_reader(fs::File::open(&path)?)?;
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
