@@ -5,6 +5,7 @@ pub mod candidates;
 pub mod channels;
 pub mod document;
 pub mod energy;
+mod figures;
 pub mod header;
 pub mod models;
 pub mod numbers;

@@ -11,7 +11,7 @@ use std::thread;
 use anyhow::Context;
 use crumple_artifact::{replace_atomically, write_atomically};
 use crumple_report::numbers::{KM_PER_H_PER_M_PER_S, MILLI, decimals};
-use crumple_report::{Page, Ranking, Run, summary};
+use crumple_report::{Page, Ranking, Run, all_figures, summary};
 use crumple_signal::Severity;
 use crumple_stage::{ExitStatus, Usage, be_quiet, check_pipeline, load_artifacts, say};
 
@@ -36,6 +36,10 @@ pub struct Cli {
     /// Summary to write [default: summary.json beside the report].
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
+
+    /// Folder to write each figure to, as an SVG file of its own.
+    #[arg(long, value_name = "FOLDER")]
+    pub svg: Option<PathBuf>,
 
     /// Pipeline file of the run; its name goes into the report and the summary.
     #[arg(short, long, value_name = "FILE")]
@@ -87,6 +91,10 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     let json = summary(&run, &ranking).to_json()?;
     write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;
+    if let Some(folder) = &cli.svg {
+        write_figures(folder, &run, &ranking)
+            .with_context(|| format!("cannot write the figures into {}", folder.display()))?;
+    }
     if cli.json {
         // A reader that has seen enough closes the pipe; that is not an error.
         let _ = std::io::stdout().lock().write_all(json.as_bytes());
@@ -121,6 +129,17 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
             Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
         })
     })
+}
+
+/// Each figure as `<id>.svg`.
+fn write_figures(folder: &Path, run: &Run, ranking: &Ranking) -> anyhow::Result<()> {
+    fs::create_dir_all(folder)?;
+    for figure in all_figures(run, ranking) {
+        write_atomically(&folder.join(figure.id).with_extension("svg"), |file| {
+            Ok::<_, anyhow::Error>(file.write_all(figure.to_svg().as_bytes())?)
+        })?;
+    }
+    Ok(())
 }
 
 fn refuse_to_overwrite_an_input(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {

@@ -2,7 +2,7 @@
 
 /// Text for an element or a quoted attribute: `& < > " '` become entities.
 ///
-/// Also right for text that plotly draws, which reads entities and a few tags.
+
 pub fn html(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
