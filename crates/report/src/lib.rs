@@ -11,6 +11,9 @@ mod page;
 mod results;
 mod text;
 
+pub use drawing::figure::{Axis, Curve, Entry, Figure, Label, Mark, Panel};
+pub use drawing::look::{Colour, Dash, Look, Symbol, Width};
+pub use figures::all::all_figures;
 pub use page::document::Page;
 pub use results::concerns::{Concern, SHOWN_FIRST};
 pub use results::conclusion::{Conclusion, Number, Standing, conclusion};

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{CandidateResult, Model, Page, Ranking, Run, SensorMotion, summary};
+use crumple_report::{CandidateResult, Figure, Model, Page, Ranking, Run, SensorMotion, all_figures, summary};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
@@ -101,22 +101,23 @@ fn crash() -> Run {
     run
 }
 
-/// The page without plotly's script.
+/// The page.
 fn page(run: &Run) -> String {
     let mut bytes = Vec::new();
     Page::new(run, &Ranking::of_candidates(&run.candidates)).write_to(&mut bytes).unwrap();
-    let html = String::from_utf8(bytes).unwrap();
-    let start = html.find("/**\n* plotly.js").unwrap();
-    let end = start + html[start..].find("</script>").unwrap();
-    format!("{}{}", &html[..start], &html[end..])
+    String::from_utf8(bytes).unwrap()
 }
 
-/// The figure's traces by name.
-fn traces(page: &str, figure: &str) -> BTreeMap<String, serde_json::Value> {
-    let data = page.split(&format!("id=\"{figure}-data\">")).nth(1).unwrap().split("</script>").next().unwrap();
-    let figure: serde_json::Value = serde_json::from_str(&data.replace("\\u003c", "<")).unwrap();
-    let traces = figure["data"].as_array().unwrap().iter();
-    traces.map(|trace| (trace["name"].as_str().unwrap_or_default().to_owned(), trace.clone())).collect()
+/// The figures of the run by id.
+fn figures(run: &Run) -> BTreeMap<&'static str, Figure> {
+    let figures = all_figures(run, &Ranking::of_candidates(&run.candidates));
+    figures.into_iter().map(|figure| (figure.id, figure)).collect()
+}
+
+/// The names of a figure's legend, and whether their curves are shown at first.
+fn legend(run: &Run, figure: &str) -> BTreeMap<String, bool> {
+    let figure = &figures(run)[figure];
+    figure.legend.iter().map(|entry| (entry.name.clone(), entry.shown)).collect()
 }
 
 #[test]
@@ -188,7 +189,9 @@ fn ratings_stand_in_one_table_with_their_marks_and_what_is_missing_says_why() {
             && with.contains(">−0.062<")
             && with.contains("CORA (mark M) has interval: the compared window.")
     );
-    assert!(with.contains("<abbr title=\"absent: sampled at 1000 Hz, the standard wants 10 kHz\">–</abbr>"));
+    assert!(
+        with.contains("<abbr tabindex=\"0\" title=\"absent: sampled at 1000 Hz, the standard wants 10 kHz\">–</abbr>")
+    );
     assert!(with.contains("Over 0.0 to 100.0 ms after time zero."));
     run.candidates[0].simulation.as_mut().unwrap().ratings.clear();
     assert!(!page(&run).contains("Ratings: model against test"));
@@ -232,10 +235,14 @@ fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
         ..MetricV1::default()
     });
     let page = page(&run);
-    let traces = traces(&page, "sensors");
-    assert_eq!(traces["sensor 95"]["visible"], true);
-    assert_eq!(traces["sensor 94"]["visible"], "legendonly");
-    assert!(traces.contains_key("mass 1 of Double spring-mass-damper, direct fit 1"), "{:?}", traces.keys());
+    let names = legend(&run, "sensors");
+    assert!(names["sensor 95"] && !names["sensor 94"]);
+    assert!(names["mass 1 of Double spring-mass-damper, direct fit 1"], "{:?}", names.keys());
+    // The range over 93 and 94 makes them sensors of one place.
+    let curves = &figures(&run)["curves"];
+    let place = curves.legend.iter().position(|entry| entry.name == "sensors at the same place: 93, 94").unwrap();
+    let displacement = curves.panels.iter().find(|panel| panel.y.title == "displacement, mm").unwrap();
+    assert!(displacement.bands.iter().any(|band| band.entry == place && band.points.len() == 400));
     assert!(page.contains("models of several masses were fitted to channel 95 too"));
     assert!(
         !page.contains("Everything here is read from one sensor") && !page.contains("One compartment accelerometer")
@@ -249,10 +256,11 @@ fn a_second_sensor_is_drawn_with_the_mass_that_sits_on_it() {
 #[test]
 fn the_force_of_the_load_cells_stands_beside_that_of_the_sensor() {
     let mut run = crash();
-    assert!(!traces(&page(&run), "force").contains_key("barrier load cells"));
+    let cells = "barrier load cells (force over crush)";
+    assert!(!legend(&run, "curves").contains_key(cells));
     run.measured.barrier_force = Some(ramp(1.1e6));
     let page = page(&run);
-    assert!(traces(&page, "force").contains_key("barrier load cells"));
+    assert!(legend(&run, "curves")[cells]);
     assert!(page.contains("The load cells measured it at the barrier"));
 }
 
@@ -263,10 +271,8 @@ fn a_chain_of_the_users_own_is_shown_at_first() {
         run.candidates.push(candidate(&format!("kelvin/direct-fit/{k}"), &[("k_n_per_m", 1.0)], 99.0 - f64::from(k)));
     }
     run.candidates.push(candidate("chain/mine/1", &[("k1_n_per_m", 1.0)], 60.0));
-    let page = page(&run);
-    let traces = traces(&page, "models");
-    assert_eq!(traces["Kelvin, direct fit 4 (95.00 %)"]["visible"], "legendonly");
-    assert_eq!(traces["Chain, mine 1 (60.00 %)"]["visible"], true);
+    let names = legend(&run, "curves");
+    assert!(!names["Kelvin, direct fit 4 (95.00 %)"] && names["Chain, mine 1 (60.00 %)"]);
 }
 
 #[test]
@@ -286,25 +292,27 @@ fn of_sets_of_one_model_that_fit_alike_the_first_is_shown_and_those_on_bounds_wa
     add("kelvin/closed-form/1", 97.4, false);
     add("kelvin/direct-fit/1", 97.8, false);
     add("elastoplastic/closed-form/1", 30.0, false);
-    let page = page(&run);
-    let traces = traces(&page, "models");
-    let shown: Vec<&str> = traces.iter().filter(|(_, t)| t["visible"] == true).map(|(name, _)| name.as_str()).collect();
-    // The two fits of Kelvin's model are apart.
+    let models = |shown: bool| -> Vec<String> {
+        let names = legend(&run, "residual");
+        names.into_iter().filter(|(_, is_shown)| *is_shown == shown).map(|(name, _)| name).collect()
+    };
     assert_eq!(
-        shown,
-        [
-            "<b>Triple spring-mass-damper, direct fit 1 (99.070 %)</b>",
-            "Kelvin, closed form 1 (97.40 %)",
-            "Kelvin, direct fit 1 (97.80 %)",
-            "Maxwell, direct fit 1 (98.60 %)",
-        ]
+        models(true),
+        ["Maxwell, direct fit 1 (98.60 %)", "recommended: Triple spring-mass-damper, direct fit 1 (99.070 %)"]
     );
-    let colours: std::collections::BTreeSet<_> =
-        shown.iter().map(|name| traces[*name]["line"]["color"].to_string()).collect();
-    assert_eq!(colours.len(), 4, "{colours:?}");
-    assert_eq!(traces["Triple spring-mass-damper, direct fit 2 (99.070 %)"]["visible"], "legendonly");
-    assert_eq!(traces["Nonlinear 1, direct fit 1 (99.50 %)"]["visible"], "legendonly");
-    assert!(page.contains("of parameter sets of one model that fit alike the first"));
+    for hidden in ["Triple spring-mass-damper, direct fit 2 (99.070 %)", "Nonlinear 1, direct fit 1 (99.50 %)"] {
+        assert!(models(false).iter().any(|name| name == hidden), "{hidden}");
+    }
+    // With a recommendation the closest is shown beside the recommended.
+    run.recommendation = Some(record(serde_json::json!({
+        "recommended": "triple-spring-mass-damper/direct-fit/1", "recommended_because": "", "simplest": null,
+        "simplest_because": "", "closest": "nonlinear-1/direct-fit/1", "closest_because": "", "evidence": null,
+        "priors": [], "candidates": []
+    })));
+    let names = legend(&run, "curves");
+    assert!(names["closest: Nonlinear 1, direct fit 1 (99.50 %)"] && !names["Maxwell, direct fit 1 (98.60 %)"]);
+    let looks: Vec<_> = figures(&run)["residual"].legend.iter().map(|e| format!("{:?}", e.look)).collect();
+    assert_eq!(looks.iter().collect::<std::collections::BTreeSet<_>>().len(), looks.len());
 }
 
 #[test]
@@ -313,7 +321,7 @@ fn fits_that_are_equal_to_two_decimals_have_a_third_in_the_legend() {
     for (k, fit_percent) in [99.9942, 99.97, 91.08].into_iter().enumerate() {
         run.candidates.push(candidate(&format!("m{k}/fit/1"), &[("k_n_per_m", 1.0)], fit_percent));
     }
-    let names = |run: &Run| traces(&page(run), "models").into_keys().collect::<Vec<_>>().join(", ");
+    let names = |run: &Run| legend(run, "curves").into_keys().collect::<Vec<_>>().join(", ");
     let two = names(&run);
     assert!(two.contains("(99.99 %)") && two.contains("(91.08 %)"), "{two}");
     run.candidates[0].simulation.as_mut().unwrap().fit_percent = Some(99.9738);
@@ -332,11 +340,10 @@ fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
         {"channel": "94", "mass": 1, "rmse_displacement_m": 1e-3, "fit_percent": 97.0}
     ]));
     run.candidates.push(best);
-    let with = traces(&page(&run), "sensors");
-    assert_ne!(with["compartment of Kelvin, closed form 1"]["visible"], "legendonly");
-    assert_eq!((&with["sensor 94"]["visible"], &with["sensor 96"]["visible"]), (&true.into(), &"legendonly".into()));
+    let with = legend(&run, "sensors");
+    assert!(with["compartment of Kelvin, closed form 1"] && with["sensor 94"] && !with["sensor 96"]);
     run.candidates[0].record.physical = false;
-    assert!(!traces(&page(&run), "sensors").contains_key("compartment of Kelvin, closed form 1"), "no best");
+    assert!(!legend(&run, "sensors").contains_key("compartment of Kelvin, closed form 1"), "no best");
 }
 
 #[test]
@@ -389,9 +396,10 @@ fn a_record_that_is_no_crash_has_no_empty_cards_and_no_units_of_its_own() {
     {
         assert!(!page.contains(word), "{word}");
     }
-    assert!(page.contains("Response of y to a unit sample") && page.contains("time from the start of the window, s\""));
+    assert!(page.contains("Response of y to a unit sample") && page.contains("time from the start of the window, s<"));
     // exp(-t) is below 1 % from 4.6 s on, the next sample stands at 4.8 s; the record has 80.
-    assert!(page.contains("\"range\":[0,7.2]"));
+    let view = figures(&run)["responses"].panels[0].x.view.unwrap();
+    assert!(view[0] == 0.0 && (view[1] - 7.2).abs() < 1e-9, "{view:?}");
 }
 
 fn metric(channel: &str, name: &str, value: f64, unit: &str, definition: &str) -> MetricV1 {
@@ -533,7 +541,7 @@ fn the_choice_and_the_predictions_stand_on_the_page_and_in_the_summary() {
         "Simplest: <strong>none</strong>, each has an open number.",
         "plastic &lt; damped",
         "<td class=\"n\">64.0</td><td class=\"n\">1500</td>",
-        "841<br><span title=\"rate effect\">[803 to 878]</span>",
+        "841<br><span tabindex=\"0\" title=\"rate effect\">[803 to 878]</span>",
         "against a &lt;car&gt;, 1200 kg, closing at 126.0 km/h: common velocity 7.2 km/h, mutual crush 1500 mm, of \
          it the partner’s 659 mm; energy 200.0 and 150.0 kJ; partner’s Δv –",
         "occupant: peak 40.0 g, 250 mm ahead of the compartment, ride-down 40 %",

@@ -16,6 +16,10 @@ pub enum OutputKind {
     Report,
     /// A summary: JSON with a schema of this project.
     Summary,
+    /// A figure of a report as a file of its own.
+    Figure,
+    /// A table of a fleet: Parquet, or CSV that begins with the record and its digest.
+    Table,
     /// Lines of JSON, as of an artifact that was unpacked.
     Lines,
     /// Bare numbers, as of a waveform that was unpacked; such files are known by the name `*.f64` alone.
@@ -44,9 +48,14 @@ impl OutputKind {
                 (start.starts_with(b"\x89MCAP") && names_a_type(), "exists and is no artifact of this project")
             }
             Self::Report => {
-                (start.starts_with(b"<!DOCTYPE html>") && has(b"crumple-report"), "exists and is no report")
+                (start.starts_with(b"<!DOCTYPE html>") && has(b"content=\"crumple-"), "exists and is no report")
             }
             Self::Summary => (starts_as_json(&start) && names_a_type(), "exists and is no summary of a run"),
+            Self::Figure => (start.starts_with(b"<svg"), "exists and is no figure"),
+            Self::Table => (
+                start.starts_with(b"PAR1") || start.starts_with(b"record,record_digest,"),
+                "exists and is no table of a fleet",
+            ),
             Self::Lines => (starts_as_json(&start), "exists and holds no lines of JSON"),
             Self::Numbers => (path.extension().is_some_and(|e| e == "f64"), "exists and is no file of numbers (*.f64)"),
         };
@@ -88,6 +97,10 @@ mod tests {
         assert!(!is_it(b"time,crumple.", Artifact, "a.mcap"));
         assert!(is_it(b"<!DOCTYPE html>\n<meta content=\"crumple-report 0.1.0\">", Report, "r"));
         assert!(!is_it(b"<!DOCTYPE html>\n<title>mine</title>", Report, "r") && !is_it(b"t;a\n", Report, "r.html"));
+        assert!(is_it(b"<svg xmlns=\"", OutputKind::Figure, "f.svg") && !is_it(b"t,a\n", OutputKind::Figure, "f.svg"));
+        assert!(
+            is_it(b"record,record_digest,", OutputKind::Table, "t.csv") && !is_it(b"t,a\n", OutputKind::Table, "t.csv")
+        );
         assert!(is_it(b"{\n \"schema\": \"crumple.summary.v1\"}", Summary, "s.json"));
         assert!(!is_it(b"{\"name\": \"package\"}", Summary, "s.json"));
         assert!(is_it(b" {}\n", Lines, "l") && !is_it(b"a,b\n", Lines, "l"));

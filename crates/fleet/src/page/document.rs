@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
-use crumple_artifact::write_atomically;
+use crumple_artifact::{OutputKind, write_atomically};
 
 use crate::page::failures::failures;
 use crate::page::histogram::histogram;
@@ -18,7 +18,7 @@ use crate::tables::rows::Row;
 pub(crate) fn write_page(fleet: &Path, rows: &[Row]) -> anyhow::Result<()> {
     let path = fleet.join("fleet.html");
     let page = page(fleet, rows);
-    write_atomically(&path, |file| file.write_all(page.as_bytes()))
+    write_atomically(&path, OutputKind::Report, |file| file.write_all(page.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))
 }
 
@@ -32,7 +32,8 @@ fn page(fleet: &Path, rows: &[Row]) -> String {
     let failures = failures(rows);
     let failed = if failures.is_empty() { String::new() } else { format!("<h2>Without a result</h2>{failures}") };
     format!(
-        "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n\
+        "<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n\
+         <meta name=generator content=\"crumple-fleet {}\">\n\
          <title>{name}: {} runs</title>\n<style>\n{}</style>\n<h1>{name}</h1>\n\
          <p>{} runs, {done} done. Tables of all that is here: <a href=tests.csv>tests</a>, \
          <a href=candidates.csv>candidates</a>, <a href=metrics.csv>metrics</a>, \
@@ -42,6 +43,7 @@ fn page(fleet: &Path, rows: &[Row]) -> String {
          deviations off it and lead to their reports.</p>\n<div class=f>{figures}</div>\n\
          <h2>Distributions</h2>\n<div class=f>{distributions}</div>\n\
          <h2>Runs</h2>\n<p>A click on a column sorts.</p>\n{}\n<script>\n{}</script>\n",
+        env!("CARGO_PKG_VERSION"),
         rows.len(),
         include_str!("style.css"),
         rows.len(),

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
-use crumple_artifact::write_atomically;
+use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::say;
 use serde::Serialize;
 
@@ -64,7 +64,7 @@ impl Study {
         let path = folder.join("study.json");
         let mut text = serde_json::to_string_pretty(self)?;
         text.push('\n');
-        write_atomically(&path, |file| file.write_all(text.as_bytes()))
+        write_atomically(&path, OutputKind::Summary, |file| file.write_all(text.as_bytes()))
             .with_context(|| format!("cannot write {}", path.display()))
     }
 

@@ -1,19 +1,16 @@
 //! All figures, in the order of the page.
 
-use serde_json::json;
-
-use super::crash::{elements, force, mass_split, models, motion, sensors};
+use super::crash::{curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};
-use crate::drawing::figure::{Figure, set};
+use crate::drawing::figure::Figure;
 use crate::{Ranking, Run};
 
 /// All figures that the run has records for, in the order of the page.
 pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
-    let mut figures: Vec<Figure> = [
-        motion::figure(run),
-        models::figure(run, ranking),
+    let figures = [
+        curves::figure(run, ranking),
+        residual::figure(run, ranking),
         sensors::figure(run, ranking),
-        force::figure(run, ranking),
         elements::figure(run, ranking),
         mass_split::figure(run, ranking),
         poles::figure(run),
@@ -21,13 +18,6 @@ pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         stabilisation::figure(run),
         bode::figure(run),
         responses::figure(run),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    // Left alone, plotly drops points of a line by its own rule, and smooth curves come out with corners.
-    for line in figures.iter_mut().flat_map(|figure| &mut figure.traces).filter_map(|trace| trace.get_mut("line")) {
-        set(line, json!({"simplify": false}));
-    }
-    figures
+    ];
+    figures.into_iter().flatten().collect()
 }

@@ -6,6 +6,7 @@ pub mod channels;
 pub mod conclusion;
 pub mod document;
 pub mod energy;
+mod figures;
 pub mod header;
 pub mod how_well;
 pub mod key_numbers;

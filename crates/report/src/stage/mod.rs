@@ -11,7 +11,7 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{Kind, Language, Page, Ranking, conclusion, summary};
+use crumple_report::{Kind, Language, Page, Ranking, Run, all_figures, conclusion, summary};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
     unknown_name,
@@ -38,6 +38,10 @@ pub struct Cli {
     /// Summary to write [default: summary.json beside the report].
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
+
+    /// Folder to write each figure to, as an SVG file of its own.
+    #[arg(long, value_name = "FOLDER")]
+    pub svg: Option<PathBuf>,
 
     /// Pipeline file of the run; its name goes into the report and the summary.
     #[arg(short, long, value_name = "FILE")]
@@ -112,6 +116,10 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     let json = summary(&run, &ranking).to_json()?;
     write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;
+    if let Some(folder) = &cli.svg {
+        write_figures(folder, &run, &ranking)
+            .with_context(|| format!("cannot write the figures into {}", folder.display()))?;
+    }
     if cli.json {
         to_stdout(json.as_bytes())?;
     }
@@ -138,6 +146,17 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
             Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
         })
     })
+}
+
+/// Each figure as `<id>.svg`.
+fn write_figures(folder: &Path, run: &Run, ranking: &Ranking) -> anyhow::Result<()> {
+    fs::create_dir_all(folder)?;
+    for figure in all_figures(run, ranking) {
+        write_atomically(&folder.join(figure.id).with_extension("svg"), OutputKind::Figure, |file| {
+            Ok::<_, anyhow::Error>(file.write_all(figure.to_svg().as_bytes())?)
+        })?;
+    }
+    Ok(())
 }
 
 /// Name of a pipeline: its path below a folder `pipelines` without the ending, else the file's stem.

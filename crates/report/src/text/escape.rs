@@ -1,8 +1,6 @@
 //! Text of a test made safe for the places it stands in.
 
 /// Text for an element or a quoted attribute: `& < > " '` become entities.
-///
-/// Also right for text that plotly draws, which reads entities and a few tags.
 pub fn html(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

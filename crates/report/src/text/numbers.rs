@@ -76,7 +76,8 @@ fn minus(text: &str) -> String {
     text.replacen('-', "−", 1)
 }
 
-fn superscript(exponent: i32) -> String {
+/// An exponent in raised digits.
+pub(crate) fn superscript(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let digit = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
     exponent.to_string().chars().map(digit).collect()

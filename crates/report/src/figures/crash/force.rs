@@ -1,93 +1,79 @@
-//! Force against crush: loading and unloading, the equal-energy line, the best model.
+//! Force against crush: loading and unloading, the equal-energy line, the models, the barrier's load cells.
 
 use crumple_signal::Sampled;
-use serde_json::{Value, json};
 
-use crate::drawing::figure::{
-    COMPUTED_POINTS, Figure, MEASURED_POINTS, axis, base_layout, colour, over, set, short, with,
-};
-use crate::text::escape::html;
-use crate::text::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP, candidate_name, decimals, significant};
-use crate::{Ranking, Run};
+use super::drawn_models::DrawnModels;
+use crate::drawing::figure::{Axis, Figure, Panel, over, span};
+use crate::drawing::look::{Colour, Dash, Look};
+use crate::text::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP, decimals, significant};
+use crate::{CandidateResult, Run};
 
-/// Force over displacement; without a mass the deceleration takes the force's place. `None` without a displacement.
-pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
+/// The panel with what is to be said of it; without a mass the deceleration takes the force's place. `None` without a
+/// displacement.
+pub fn panel(
+    run: &Run,
+    models: &DrawnModels,
+    entries: &[usize],
+    test: usize,
+    figure: &mut Figure,
+) -> Option<(Panel, String)> {
     let displacement = run.measured.displacement.as_ref()?;
     let drawn = match &run.measured.force {
-        Some(force) => Ordinate { signal: force.clone(), factor: KILO, unit: "kN", title: "force, kN" },
+        Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: "force, kN" },
         None => Ordinate {
             signal: negated(run.acceleration()?)?,
             factor: G_PER_M_PER_S2,
-            unit: "g",
             title: "deceleration, g (mass not known)",
         },
     };
-
     // After separation the force is noise about zero: the unloading branch ends at the rebound, if the record shows it.
     let t_end = run.events.as_ref().and_then(|e| e.time_of_rebound_s).unwrap_or(f64::INFINITY);
     let (loading, unloading) = branches(displacement, &drawn, run.time_of_crush_s(), t_end);
-    let hover = format!("%{{y:.1f}} {} at %{{x:.1f}} mm", drawn.unit);
-    let mut traces = vec![with(
-        over(&loading.scaled_x(), &loading.scaled_y(drawn.factor), MEASURED_POINTS),
-        json!({"name": "loading", "line": {"color": colour::MAIN, "width": 2.2}, "fill": "tozeroy",
-               "fillcolor": "rgba(0,114,178,0.08)", "hovertemplate": hover}),
-    )];
-    if !unloading.x.is_empty() {
-        traces.push(with(
-            over(&unloading.scaled_x(), &unloading.scaled_y(drawn.factor), MEASURED_POINTS),
-            json!({"name": "unloading", "line": {"color": colour::SECOND, "width": 2.2, "dash": "dash"},
-                   "hovertemplate": hover}),
-        ));
-    }
+    let mut panel = Panel::new(Axis::new("displacement, mm"), Axis::new(drawn.title));
+    // What an acceleration of 1 g is on this axis: a body's own mass times it, or itself.
+    let per_g = match (&run.measured.force, run.test.mass_kg) {
+        (Some(_), mass_kg) => mass_kg.map(|mass_kg| -KILO * mass_kg / G_PER_M_PER_S2),
+        (None, _) => Some(-1.0),
+    };
+    panel.follows = per_g;
+    let whole = Branch { x: [&loading.x[..], &unloading.x].concat(), y: [&loading.y[..], &unloading.y].concat() };
+    let (low, high) = span(&whole.x)?;
+    let reach = MILLI * (high - low.min(0.0));
+    panel.x.view = (reach > 0.0).then_some([MILLI * low.min(0.0) - 0.02 * reach, MILLI * high + 0.05 * reach]);
 
-    let work = loading.work();
     let crush = run.events.as_ref().and_then(|e| e.dynamic_crush_m).filter(|crush| *crush > 0.0);
     if let Some(crush) = crush {
         // The linear spring that takes up the same work at the same crush: k C²/2 = work.
-        let end = drawn.factor * 2.0 * work / crush;
-        traces.push(json!({
-            "type": "scatter", "mode": "lines", "x": [0, short(MILLI * crush)], "y": [0, short(end)],
-            "name": "equal-energy line", "line": {"color": colour::MUTED, "width": 1.6, "dash": "dot"},
-            "hoverinfo": "skip",
-        }));
+        let end = drawn.factor * 2.0 * loading.work() / crush;
+        let name = "equal-energy line (force over crush)";
+        let line = figure.entry(name, Look::line(Colour::Muted, Dash::Dotted), true);
+        panel.line(line, vec![[0.0, 0.0], [MILLI * crush, end]]);
+        panel.mark(MILLI * crush, format!("C = {}{NBSP}mm", decimals(MILLI * crush, 1)), Colour::Event, Dash::Dashed);
     }
-    traces.extend(model_trace(run, ranking, &hover));
+    panel.line(test, over(&whole.scaled_x(), &whole.scaled_y(drawn.factor)));
     // The load cells saw all masses, each with its own deceleration.
-    if let Some(cells) = run.measured.barrier_force.as_ref().filter(|_| drawn.unit == "kN") {
-        traces.push(load_cell_trace(cells, displacement, t_end, &hover));
+    if let Some(cells) = run.measured.barrier_force.as_ref().filter(|_| run.measured.force.is_some()) {
+        let name = "barrier load cells (force over crush)";
+        let entry = figure.entry(name, Look::line(Colour::Series(2), Dash::DashDot), true);
+        panel.line(entry, load_cells(cells, displacement, t_end));
     }
-    let mut labels = Vec::new();
-    if let Some(crush) = crush {
-        labels.push(json!({
-            "x": short(MILLI * crush), "y": 0, "xref": "x", "yref": "y", "ax": -70, "ay": -30,
-            "arrowcolor": colour::EVENT,
-            "arrowwidth": 1.2, "arrowhead": 2, "text": format!("<b>C = {} mm</b>", decimals(MILLI * crush, 1)),
-            "font": {"color": colour::EVENT}, "bgcolor": "rgba(255,255,255,0.85)",
-        }));
+    for ((candidate, _), entry) in models.models.iter().zip(entries) {
+        panel.line(*entry, per_g.and_then(|per_g| model_line(candidate, per_g)).unwrap_or_default());
     }
-    let caption = caption(run, crush, &loading, &unloading);
-    let reach = |extreme: fn(f64, f64) -> f64| loading.x.iter().chain(&unloading.x).copied().fold(0.0, extreme);
-    let (low, high) = (reach(f64::min), reach(f64::max));
-    let view = [MILLI * (low - 0.02 * (high - low)), MILLI * (high + 0.05 * (high - low))];
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "closest",
-            "xaxis": axis("displacement, mm", json!({"range": [short(view[0]), short(view[1])]})),
-            "yaxis": axis(drawn.title, json!({})),
-            "annotations": labels,
-        }),
+    let mut heights = whole.scaled_y(drawn.factor);
+    heights.extend(
+        panel
+            .curves
+            .iter()
+            .filter(|c| figure.legend[c.entry].shown && !entries.contains(&c.entry))
+            .flat_map(|c| &c.points)
+            .map(|p| p[1]),
     );
-    Some(Figure {
-        id: "force",
-        title: if run.measured.force.is_some() { "Force against crush" } else { "Deceleration against crush" },
-        caption,
-        height_px: 460,
-        half_width: false,
-        traces,
-        layout,
-    })
+    panel.y.view = span(&heights).filter(|(low, high)| high > low).map(|(low, high)| {
+        let margin = 0.06 * (high - low);
+        [low - margin, high + margin]
+    });
+    Some((panel, caption(run, crush, &loading, &unloading)))
 }
 
 /// The loading branch, up to the time of crush, and the unloading branch after it, up to `t_end`.
@@ -109,42 +95,27 @@ fn branches(displacement: &Sampled, ordinate: &Ordinate, t_m: Option<f64>, t_end
     (loading, unloading)
 }
 
-/// Force of the best model over the displacement of its compartment.
-fn model_trace(run: &Run, ranking: &Ranking, hover: &str) -> Option<Value> {
-    let best = ranking.best.as_deref().and_then(|id| run.candidate(id))?;
-    let (x, a) = (best.displacement.as_ref()?, best.acceleration.as_ref()?);
-    let mass_kg = run.test.mass_kg;
-    let scale = if run.measured.force.is_some() { KILO * mass_kg.unwrap_or(f64::NAN) } else { G_PER_M_PER_S2 };
-    let to_s = best.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
+/// Force of a model over the displacement of its compartment, up to where it is compared.
+fn model_line(candidate: &CandidateResult, per_g: f64) -> Option<Vec<[f64; 2]>> {
+    let (x, a) = (candidate.displacement.as_ref()?, candidate.acceleration.as_ref()?);
+    let to_s = candidate.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
     let last = x.index_at_or_after(to_s).saturating_add(1).min(x.len()).min(a.len());
-    let xs: Vec<f64> = x.samples()[..last].iter().map(|x| MILLI * x).collect();
-    let ys: Vec<f64> = a.samples()[..last].iter().map(|a| -scale * a).collect();
-    scale.is_finite().then(|| {
-        with(
-            over(&xs, &ys, COMPUTED_POINTS),
-            json!({"name": format!("model: {}", html(&candidate_name(&best.id))),
-                   "line": {"color": colour::SERIES[2], "width": 1.8, "dash": "dashdot"}, "hovertemplate": hover}),
-        )
-    })
+    let pairs = x.samples()[..last].iter().zip(a.samples());
+    Some(pairs.map(|(x, a)| [MILLI * x, per_g * G_PER_M_PER_S2 * a]).collect())
 }
 
 /// The barrier force as its load cells measured it, up to `t_end`.
-fn load_cell_trace(cells: &Sampled, displacement: &Sampled, t_end: f64, hover: &str) -> Value {
+fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 2]> {
     let last = t_end.min(displacement.end_s());
-    let (x, y): (Vec<f64>, Vec<f64>) = (displacement.index_at_or_after(0.0)..displacement.len())
+    (displacement.index_at_or_after(0.0)..displacement.len())
         .map(|k| (displacement.time_s(k), displacement.samples()[k]))
         .take_while(|(t, _)| *t <= last)
-        .filter_map(|(t, x)| Some((MILLI * x, KILO * cells.at(t)?)))
-        .unzip();
-    with(
-        over(&x, &y, MEASURED_POINTS),
-        json!({"name": "barrier load \
-            cells", "line": {"color": colour::MEASURED, "width": 1.6}, "hovertemplate": hover}),
-    )
+        .filter_map(|(t, x)| Some([MILLI * x, KILO * cells.at(t)?]))
+        .collect()
 }
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
-    let mut caption = String::new();
+    let mut caption = String::from(" ");
     if let Some(crush) = crush
         && run.test.mass_kg.is_some()
         && run.measured.force.is_some()
@@ -176,7 +147,6 @@ fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) 
 struct Ordinate {
     signal: Sampled,
     factor: f64,
-    unit: &'static str,
     title: &'static str,
 }
 

@@ -1,20 +1,20 @@
 //! Parameters of the double model over the division of the mass: which divisions a passive structure can have.
 
 use crumple_artifact::records::MatchingSweepV1;
-use serde_json::{Value, json};
 
-use crate::drawing::figure::{Figure, axis, base_layout, colour, event_line, room_above, set, short};
+use crate::drawing::figure::{Axis, Figure, Panel};
+use crate::drawing::look::{Colour, Dash, Look, Symbol};
 use crate::results::mass_divisions::{Divisions, ratio};
 use crate::text::numbers::{KILO, significant};
 use crate::{Ranking, Run};
 
-/// Name, panel and value of the four parameters.
-type Parameter = (&'static str, &'static str, fn(&MatchingSweepV1) -> f64);
+/// Name, panel and value of the four parameters, with their marks where all four are positive and where not.
+type Parameter = (&'static str, usize, fn(&MatchingSweepV1) -> f64, [Symbol; 2]);
 const PARAMETERS: [Parameter; 4] = [
-    ("k1", "y", |s| s.k1_n_per_m),
-    ("k2", "y", |s| s.k2_n_per_m),
-    ("c1", "y2", |s| s.c1_n_s_per_m),
-    ("c2", "y2", |s| s.c2_n_s_per_m),
+    ("k1", 0, |s| s.k1_n_per_m, [Symbol::Disc, Symbol::Ring]),
+    ("k2", 0, |s| s.k2_n_per_m, [Symbol::Diamond, Symbol::Square]),
+    ("c1", 1, |s| s.c1_n_s_per_m, [Symbol::Disc, Symbol::Ring]),
+    ("c2", 1, |s| s.c2_n_s_per_m, [Symbol::Diamond, Symbol::Square]),
 ];
 
 /// See [`Divisions::of_run`] for whose.
@@ -22,65 +22,30 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let divisions = Divisions::of_run(run, ranking)?;
     let used = divisions.m2_kg / divisions.m1_kg;
     let feasible = divisions.feasible_ranges();
-    let mut traces = Vec::new();
-    for (place, &(name, panel, value)) in PARAMETERS.iter().enumerate() {
-        for physical in [true, false] {
-            let shown = || divisions.sweep.iter().filter(|s| s.physical == physical && value(s) > 0.0);
-            if shown().next().is_none() {
-                continue;
-            }
-            traces.push(json!({
-                "type": "scatter", "mode": "markers", "yaxis": panel,
-                "x": shown().map(|s| short(ratio(s))).collect::<Vec<_>>(),
-                "y": shown().map(|s| short(KILO * value(s))).collect::<Vec<_>>(),
-                "name": format!("{name}, {}", if physical { "all four positive" } else { "another is negative" }),
-                "marker": {"size": 7, "color": colour::SERIES[place],
-                           "symbol": if physical { "circle" } else { "circle-open" }},
-            }));
+    let mut figure = Figure::new("mass-split", "Which divisions of the mass a double model can have");
+    let logarithmic = |title: &str| Axis { logarithmic: true, ..Axis::new(title) };
+    let mut panels = ["stiffness, kN/m", "damping, kN·s/m"]
+        .map(|title| Panel::new(logarithmic("mass ratio m2/m1 (compartment over chassis)"), logarithmic(title)));
+    for (place, &(name, panel, value, symbols)) in PARAMETERS.iter().enumerate() {
+        for (physical, symbol) in [true, false].into_iter().zip(symbols) {
+            // Negative values have no place on a logarithmic axis.
+            let points: Vec<[f64; 2]> = (divisions.sweep.iter())
+                .filter(|s| s.physical == physical && value(s) > 0.0)
+                .map(|s| [ratio(s), KILO * value(s)])
+                .collect();
+            let name = format!("{name}, {}", if physical { "all four positive" } else { "another is negative" });
+            let entry = figure.entry(name, Look::marks(Colour::Series(place), symbol), true);
+            panels[panel].points(entry, points);
         }
     }
-    let mut shapes: Vec<Value> = feasible
-        .iter()
-        .map(|(low, high)| {
-            json!({"type": "rect", "xref": "x", "yref": "paper", "x0": short(*low), "x1": short(*high), "y0": 0,
-                "y1": 1,
-                   "fillcolor": colour::SERIES[2], "opacity": 0.12, "line": {"width": 0}, "layer": "below"})
-        })
-        .collect();
-    let (line, mut label) = event_line(used, "used", colour::EVENT, "dash");
-    // Text stands at the logarithm on a logarithmic axis, a line at the value.
-    set(&mut label, json!({"x": short(used.log10())}));
-    shapes.push(line);
-    let mut layout = base_layout();
-    let log = |domain: [f64; 2]| {
-        json!({"type": "log", "domain": domain, "exponentformat": "power", "dtick": 1,
-        "minor": {"ticks": "outside", "ticklen": 2}})
-    };
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "closest", "shapes": shapes, "annotations": [label],
-            "xaxis": axis("mass ratio m2/m1 (compartment over chassis)", json!({"type": "log", "anchor": "y2",
-                "tickmode": "array", "tickvals": RATIO_MARKS, "ticktext": RATIO_MARKS.map(|x| x.to_string())})),
-            "yaxis": axis("stiffness, kN/m", log([0.53, 1.0])),
-            "yaxis2": axis("damping, kN·s/m", log([0.0, 0.47])),
-        }),
-    );
-    room_above(&mut layout, HEIGHT_PX, 1, 2);
-    Some(Figure {
-        id: "mass-split",
-        title: "Which divisions of the mass a double model can have",
-        caption: caption(&divisions, used, &feasible),
-        height_px: HEIGHT_PX,
-        half_width: false,
-        traces,
-        layout,
-    })
+    for panel in &mut panels {
+        panel.windows.extend(feasible.iter().map(|(low, high)| [*low, *high]));
+        panel.mark(used, "used", Colour::Event, Dash::Dashed);
+    }
+    figure.caption = caption(&divisions, used, &feasible);
+    figure.panels = panels.into();
+    Some(figure.tidy())
 }
-
-const HEIGHT_PX: u32 = 620;
-/// Marks with their full number: plotly's own minor digits ("2", "5") read as values.
-const RATIO_MARKS: [f64; 11] = [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 
 fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String {
     let inside = feasible.iter().any(|(low, high)| (*low..=*high).contains(&used));
@@ -117,7 +82,7 @@ mod tests {
             Run { matchings: vec![("era-4".to_owned(), matching(Some(2.0), &[false, true, true]))], ..Run::default() };
         let figure = figure(&run, &Ranking::default()).unwrap();
         // c1 has no hollow points, for they are negative.
-        assert_eq!(figure.traces.len(), 7);
+        assert_eq!(figure.legend.len(), 7);
         assert!(
             figure.caption.contains("up to 2.00. The division used, m2/m1 = 4.00, is not among them"),
             "{}",

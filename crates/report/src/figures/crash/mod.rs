@@ -1,9 +1,11 @@
-//! Figures of the crash: the motion, the candidates over it, other sensors, forces, divisions of the mass.
+//! Figures of the crash: the test with its models, other sensors, springs at work, divisions of the mass.
 //! Uses drawing, results and text.
 
+pub mod curves;
+mod drawn_models;
 pub mod elements;
-pub mod force;
+mod force;
 pub mod mass_split;
-pub mod models;
-pub mod motion;
+pub mod residual;
+mod same_place;
 pub mod sensors;

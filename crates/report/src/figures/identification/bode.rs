@@ -3,17 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use crumple_artifact::records::TransferFunctionV1;
-use serde_json::{Value, json};
 
-use crate::drawing::figure::{Figure, axis, base_layout, colour, compact, room_above, set, short, with};
-use crate::text::escape::html;
+use crate::drawing::figure::{Axis, Figure, Panel, over};
+use crate::drawing::look::{Colour, Dash, Look};
 use crate::text::numbers::{significant, words_and_unit};
 use crate::{Model, Run};
 
 const POINTS: usize = 400;
-const HEIGHT_PX: u32 = 500;
-/// Rows that the names of natural frequencies are spread over.
-const NAME_ROWS: u32 = 3;
 
 /// Magnitude and phase of one model, with the words of its ends and its band.
 struct Curve {
@@ -45,42 +41,28 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
 
-    let (mut traces, mut shapes, mut labels) = (Vec::new(), Vec::new(), Vec::new());
+    let axis = || Axis { logarithmic: true, ..Axis::new("frequency, Hz").from_to([low, high]) };
+    let mut figure = Figure::new("bode", "Frequency response");
+    let mut magnitude = Panel::new(axis(), Axis::new("magnitude, dB"));
+    let mut phase = Panel::new(axis(), Axis::new("phase, °"));
     for (place, (model, curve)) in models.iter().enumerate() {
-        let colour = colour::SERIES[place % colour::SERIES.len()];
-        let line = json!({"color": colour, "width": 2, "dash": colour::DASHES[place % colour::DASHES.len()]});
-        let x = compact_log(&curve.frequencies_hz);
-        for (edges, axis) in [(&curve.edges[..2], "y"), (&curve.edges[2..], "y2")] {
-            if let Some(band) = band(&curve.frequencies_hz, &edges[0], &edges[1]) {
-                traces.push(with(
-                    band,
-                    json!({"yaxis": axis, "legendgroup": model.id, "fillcolor": colour, "opacity": 0.22}),
-                ));
-            }
+        let entry = figure.entry(&model.id, Look::of_series(place), true);
+        for (panel, line, edges) in [
+            (&mut magnitude, &curve.magnitude_db, &curve.edges[..2]),
+            (&mut phase, &curve.phase_deg, &curve.edges[2..]),
+        ] {
+            panel.band(entry, &band(&curve.frequencies_hz, &edges[0], &edges[1]));
+            panel.line(entry, over(&curve.frequencies_hz, line));
         }
-        traces.push(
-            json!({"type": "scatter", "mode": "lines", "x": x.clone(), "y": compact(curve.magnitude_db.iter().copied()),
-            "name": html(&model.id), "legendgroup": model.id, "line": line, "hovertemplate": "%{y:.2f} dB"}),
-        );
-        traces.push(json!({"type": "scatter", "mode": "lines", "x": x, "y": compact(curve.phase_deg.iter().copied()),
-            "yaxis": "y2", "name": html(&model.id), "legendgroup": model.id, "showlegend": false, "line": line,
-            "hovertemplate": "%{y:.1f}°"}));
-        // One label a resonance: a conjugate pair is one, an aperiodic pole none.
+        // One mark a resonance: a conjugate pair is one, an aperiodic pole none.
         for mode in model.modes.iter().filter(|mode| mode.im_rad_per_s > 0.0) {
             let f = mode.natural_frequency_rad_per_s / TAU;
             if !(low..=high).contains(&f) {
                 continue;
             }
-            shapes.push(json!({"type": "line", "x0": short(f), "x1": short(f), "y0": 0, "y1": 1, "yref": "paper",
-                               "line": {"color": colour::GUIDE, "width": 1.2, "dash": "dot"}, "layer": "below"}));
             let damping = mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", significant(z, 3)));
-            // A label on a logarithmic axis stands at the logarithm. Neighbours take turns in height.
-            let level = labels.len() as u32 % NAME_ROWS;
-            labels.push(
-                json!({"x": short(f.log10()), "y": 1, "yref": "paper", "xanchor": "center", "yanchor": "bottom",
-                "yshift": 1 + 16 * level, "showarrow": false, "text": format!("{} Hz{damping}", significant(f, 3)),
-                "font": {"size": 12, "color": colour::MUTED}}),
-            );
+            magnitude.mark(f, format!("{} Hz{damping}", significant(f, 3)), Colour::Muted, Dash::Dotted);
+            phase.mark(f, "", Colour::Muted, Dash::Dotted);
         }
     }
     let ((in_words, _), (out_words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
@@ -93,30 +75,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
     for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
         caption.push_str(&format!(" Band of {}: {band}.", model.id));
     }
-    let labels_drawn = labels.len();
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "x unified", "hoversubplots": "axis",
-            "xaxis": axis("frequency, Hz", json!({"type": "log", "anchor": "y2", "hoverformat": ".3~f",
-                "range": [short(low.log10()), short(high.log10())], "dtick": 1, "minor": {"showgrid": true,
-                "gridcolor": "#f1f3f5"}})),
-            "yaxis": axis("magnitude, dB", json!({"domain": [0.44, 1.0]})),
-            "yaxis2": axis("phase, °", json!({"domain": [0.0, 0.38]})),
-            "shapes": shapes, "annotations": labels,
-        }),
-    );
-    room_above(&mut layout, HEIGHT_PX, (labels_drawn as u32).clamp(1, NAME_ROWS), 1);
-    Some(Figure {
-        id: "bode",
-        title: "Frequency response",
-        caption,
-        height_px: HEIGHT_PX,
-        half_width: false,
-        traces,
-        layout,
-    })
+    figure.caption = caption;
+    figure.panels = vec![magnitude, phase];
+    Some(figure.tidy())
 }
 
 fn curve(model: &Model, (low, high): (f64, f64)) -> Option<Curve> {
@@ -151,19 +112,10 @@ fn decibel(x: f64) -> f64 {
     20.0 * x.log10()
 }
 
-/// The area between two edges, where both are known; `None` where they nowhere are.
-fn band(frequencies_hz: &[f64], lower: &[Option<f64>], upper: &[Option<f64>]) -> Option<Value> {
-    let known: Vec<(f64, f64, f64)> =
-        frequencies_hz.iter().zip(lower.iter().zip(upper)).filter_map(|(f, (l, u))| Some((*f, (*l)?, (*u)?))).collect();
-    if known.is_empty() {
-        return None;
-    }
-    // Along the upper edge and back along the lower.
-    let x: Vec<f64> = known.iter().chain(known.iter().rev()).map(|point| point.0).collect();
-    let y: Vec<f64> = known.iter().map(|point| point.2).chain(known.iter().rev().map(|point| point.1)).collect();
-    Some(json!({"type": "scatter", "mode": "lines", "fill": "toself", "x": compact_log(&x),
-            "y": compact(y.iter().copied()),
-        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": false}))
+/// Frequency, lower and upper edge, where both are known.
+fn band(frequencies_hz: &[f64], lower: &[Option<f64>], upper: &[Option<f64>]) -> Vec<[f64; 3]> {
+    let edges = frequencies_hz.iter().zip(lower.iter().zip(upper));
+    edges.filter_map(|(f, (l, u))| Some([*f, (*l)?, (*u)?])).collect()
 }
 
 fn words<'a>(text: &'a str, otherwise: &'a str) -> &'a str {
@@ -199,11 +151,6 @@ fn response(tf: &TransferFunctionV1, frequencies_hz: &[f64]) -> (Vec<f64>, Vec<f
 /// A polynomial, highest power first, at `iω` by Horner's rule.
 fn at_i_omega(coefficients: &[f64], omega: f64) -> (f64, f64) {
     coefficients.iter().fold((0.0, 0.0), |(re, im), c| (c - omega * im, omega * re))
-}
-
-/// Frequencies on a logarithmic grid: digits relative to each value, not to the span.
-fn compact_log(frequencies: &[f64]) -> Value {
-    frequencies.iter().map(|f| format!("{f:.5e}").parse::<f64>().unwrap_or(*f)).collect()
 }
 
 #[cfg(test)]

@@ -2,18 +2,18 @@
 
 use std::f64::consts::TAU;
 
-use serde_json::{Value, json};
-
 use crate::Run;
-use crate::drawing::figure::{Figure, axis, base_layout, colour, set, short};
-use crate::text::escape::html;
+use crate::drawing::figure::{Axis, Figure, Label, Panel};
+use crate::drawing::look::{Colour, Look, Symbol};
 use crate::text::numbers::{decimals, significant};
 
-/// Marker symbols of the models, so that they differ without colour too.
-const SYMBOLS: [&str; 6] = ["x", "cross", "star", "hexagram", "diamond-tall", "hourglass"];
+/// Marks of the models, so that they differ without colour too.
+const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];
 const DAMPING_RAYS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// A pole this many times farther out than the next nearer one lies outside the first view.
 const FAR: f64 = 8.0;
+/// Width between the ends of a panel's axis.
+const PLANE_WIDTH: f64 = 480.0;
 
 /// Every model's poles; `None` where no model has any.
 pub fn figure(run: &Run) -> Option<Figure> {
@@ -25,145 +25,77 @@ pub fn figure(run: &Run) -> Option<Figure> {
     moduli.sort_by(f64::total_cmp);
     let (radius, outside) = first_view(&moduli);
 
-    let (mut traces, unstable) = pole_traces(run);
-    let (zeros, far_zeros) = zero_traces(run, radius);
-    traces.extend(zeros);
-    let (shapes, labels) = guide_lines(radius);
-    let caption = caption(unstable, far_zeros, outside);
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "closest",
-            "xaxis": axis("real part, 1/s", json!({
-                "range": [short(-1.2 * radius), short(0.45 * radius)], "zeroline": false, "constrain": "range",
-            })),
-            "yaxis": axis("imaginary part, rad/s", json!({"range": [short(-1.2 * radius), short(1.2 * radius)],
-                "scaleanchor": "x", "scaleratio": 1, "constrain": "range"})),
-            "shapes": shapes, "annotations": labels,
-        }),
-    );
-    Some(Figure {
-        id: "poles",
-        title: "Poles and zeros of the identified models",
-        caption,
-        height_px: 480,
-        half_width: true,
-        traces,
-        layout,
-    })
+    let mut figure = Figure::new("poles", "Poles and zeros of the identified models");
+    // The upper half of the plane: poles of a real system are mirrored in the lower one.
+    let (left, right, low, high) = (-1.2 * radius, 0.42 * radius, -0.1 * radius, 1.18 * radius);
+    let real = Axis::new("real part, 1/s").from_to([left, right]);
+    let mut panel = Panel::new(real, Axis::new("imaginary part, rad/s").from_to([low, high]));
+    // One length for a unit on both axes, so that circles are round.
+    panel.height = PLANE_WIDTH * (high - low) / (right - left);
+    guide_lines(&mut panel, radius, [low, high]);
+    let unstable = poles(run, &mut figure, &mut panel);
+    let far_zeros = zeros(run, &mut figure, &mut panel, radius);
+    figure.caption = caption(unstable, far_zeros, outside);
+    figure.panels.push(panel);
+    Some(figure.tidy())
 }
 
-/// The poles of every model, stable and unstable apart, and how many are unstable.
-fn pole_traces(run: &Run) -> (Vec<Value>, usize) {
-    let mut traces = Vec::new();
+/// The poles of every model, stable and unstable apart. Gives how many are unstable.
+fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) -> usize {
     let mut unstable = 0;
     for (place, model) in run.models.iter().enumerate() {
         for stable in [true, false] {
-            let poles: Vec<_> = model.modes.iter().filter(|p| (p.re_per_s <= 0.0) == stable).collect();
-            if poles.is_empty() {
-                continue;
-            }
-            if !stable {
-                unstable += poles.len();
-            }
-            let hover: Vec<String> = poles
-                .iter()
-                .map(|p| {
-                    let damping =
-                        p.damping_ratio.map_or_else(String::new, |z| format!("<br>ζ = {}", significant(z, 4)));
-                    format!(
-                        "{} {} {}i 1/s<br>f<sub>n</sub> = {} Hz{damping}",
-                        significant(p.re_per_s, 5),
-                        if p.im_rad_per_s < 0.0 { "−" } else { "+" },
-                        significant(p.im_rad_per_s.abs(), 5),
-                        significant(p.natural_frequency_rad_per_s / TAU, 4)
-                    )
-                })
-                .collect();
-            let id = html(&model.id);
-            traces.push(json!({
-                "type": "scatter", "mode": "markers",
-                "x": poles.iter().map(|p| short(p.re_per_s)).collect::<Vec<_>>(),
-                "y": poles.iter().map(|p| short(p.im_rad_per_s)).collect::<Vec<_>>(),
-                "text": hover, "hovertemplate": format!("%{{text}}<extra>{id}</extra>"),
-                "name": if stable { id.clone() } else { format!("{id}, unstable") },
-                "marker": if stable {
-                    json!({"symbol": SYMBOLS[place % SYMBOLS.len()], "size": 11,
-                           "color": colour::SERIES[place % colour::SERIES.len()]})
-                } else {
-                    json!({"symbol": "triangle-up-open", "size": 13, "color": "#b3261e", "line": {"width": 2.5}})
-                },
-            }));
+            let poles = || model.modes.iter().filter(|p| (p.re_per_s <= 0.0) == stable);
+            unstable += if stable { 0 } else { poles().count() };
+            let name = if stable { model.id.clone() } else { format!("{}, unstable", model.id) };
+            let symbol = if stable { SYMBOLS[place % SYMBOLS.len()] } else { Symbol::Triangle };
+            let colour = if stable { Colour::Series(place) } else { Colour::Event };
+            let entry = figure.entry(name, Look::marks(colour, symbol), true);
+            panel.points(
+                entry,
+                poles().filter(|p| p.im_rad_per_s >= 0.0).map(|p| [p.re_per_s, p.im_rad_per_s]).collect(),
+            );
         }
     }
-    (traces, unstable)
+    unstable
 }
 
-/// The zeros of every model, and how many lie outside the first view of this radius.
-fn zero_traces(run: &Run, radius: f64) -> (Vec<Value>, usize) {
-    let mut traces = Vec::new();
-    let mut far_zeros = 0;
+/// The zeros of every model. Gives how many lie outside the first view of this radius.
+fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usize {
+    let mut far = 0;
     for (place, model) in run.models.iter().enumerate() {
         let Some(response) = &model.response else { continue };
-        let zeros: Vec<(f64, f64)> =
-            response.zeros_re_per_s.iter().zip(&response.zeros_im_rad_per_s).map(|(re, im)| (*re, *im)).collect();
-        far_zeros += zeros.iter().filter(|(re, im)| re.hypot(*im) > 1.2 * radius).count();
-        if zeros.is_empty() {
-            continue;
-        }
-        let id = html(&model.id);
-        traces.push(json!({
-            "type": "scatter", "mode": "markers",
-            "x": zeros.iter().map(|z| short(z.0)).collect::<Vec<_>>(),
-            "y": zeros.iter().map(|z| short(z.1)).collect::<Vec<_>>(),
-            "hovertemplate": format!("zero %{{x:.5~g}} %{{y:+.5~g}}i 1/s<extra>{id}</extra>"),
-            // No name in the legend without a mark in the first view.
-            "showlegend": zeros.iter().any(|(re, im)| re.hypot(*im) <= 1.2 * radius),
-            "name": format!("{id}, zeros"),
-            "visible": if run.models.len() > 3 { json!("legendonly") } else { json!(true) },
-            "marker": {"symbol": "circle-open", "size": 10, "color": colour::SERIES[place % colour::SERIES.len()],
-                       "line": {"width": 2}},
-        }));
+        let zeros = || response.zeros_re_per_s.iter().zip(&response.zeros_im_rad_per_s).map(|(re, im)| [*re, *im]);
+        let near = |[re, im]: &[f64; 2]| re.hypot(*im) <= 1.2 * radius;
+        far += zeros().filter(|z| !near(z)).count();
+        let look = Look::marks(Colour::Series(place), Symbol::Ring);
+        let entry = figure.entry(format!("{}, zeros", model.id), look, run.models.len() <= 3);
+        // No name in the legend without a mark in the view.
+        panel.points(entry, zeros().filter(|z| near(z) && z[1] >= 0.0).collect());
     }
-    (traces, far_zeros)
+    far
 }
 
 /// Rays of equal damping, rings of equal frequency and the imaginary axis, with their labels.
-fn guide_lines(radius: f64) -> (Vec<Value>, Vec<Value>) {
-    let (mut shapes, mut labels) = (Vec::new(), Vec::new());
-    let guide = json!({"color": colour::GUIDE, "width": 1, "dash": "dot"});
-    let label = |x: f64, y: f64, text: String, xanchor: &str, yanchor: &str| {
-        json!({"x": short(x), "y": short(y), "text": text, "showarrow": false, "xanchor": xanchor, "yanchor": yanchor,
-               "font": {"size": 11, "color": colour::MUTED}, "bgcolor": "rgba(255,255,255,0.75)"})
-    };
+fn guide_lines(panel: &mut Panel, radius: f64, [low, high]: [f64; 2]) {
     for damping in DAMPING_RAYS {
-        let (x, y) = (-damping * radius, (1.0 - damping * damping).sqrt() * radius);
-        for sign in [1.0, -1.0] {
-            shapes.push(json!({"type": "line", "x0": 0, "y0": 0, "x1": short(x), "y1": short(sign * y), "line": guide,
-                               "layer": "below"}));
-        }
-        labels.push(label(x, y, format!("ζ {}", decimals(damping, 1)), "right", "bottom"));
+        let end = [-damping * radius, (1.0 - damping * damping).sqrt() * radius];
+        panel.guides.push(vec![[0.0, 0.0], end]);
+        panel.labels.push(Label { at: end, text: format!("ζ {}", decimals(damping, 1)) });
     }
     let step = nice_step(radius / TAU / 2.5);
-    for ring in 1..=4 {
-        let r = TAU * step * f64::from(ring);
-        if r > 1.02 * radius {
-            break;
-        }
-        shapes.push(json!({"type": "circle", "x0": short(-r), "x1": short(r), "y0": short(-r), "y1": short(r),
-                           "line": guide, "layer": "below"}));
-        labels.push(label(0.0, -r, format!("{} Hz", significant(step * f64::from(ring), 2)), "left", "middle"));
+    for ring in (1..=4).map(|ring| TAU * step * f64::from(ring)).take_while(|r| *r <= 1.02 * radius) {
+        let arc = (0..=60).map(|k| f64::from(k) / 60.0 * std::f64::consts::PI);
+        panel.guides.push(arc.map(|angle| [ring * angle.cos(), ring * angle.sin()]).collect());
+        panel.labels.push(Label { at: [0.0, ring], text: format!("{} Hz", significant(ring / TAU, 2)) });
     }
-    shapes.push(json!({"type": "line", "x0": 0, "x1": 0, "y0": 0, "y1": 1, "yref": "paper",
-                       "line": {"color": "#7b8794", "width": 1}, "layer": "below"}));
-    (shapes, labels)
+    panel.guides.push(vec![[0.0, low], [0.0, high]]);
 }
 
 fn caption(unstable: usize, far_zeros: usize, outside: usize) -> String {
     let mut caption = String::from(
-        "Continuous poles, and zeros as circles. Rays join poles of equal damping ratio ζ, circles those of equal \
-         natural frequency.",
+        "Continuous poles, and zeros as circles; their mirror images below the real axis are not drawn. Rays join \
+         poles of equal damping ratio ζ, circles those of equal natural frequency.",
     );
     match unstable {
         0 => caption.push_str(" All poles are stable."),
@@ -178,7 +110,7 @@ fn caption(unstable: usize, far_zeros: usize, outside: usize) -> String {
         caption.push_str(&format!(" {far_zeros} {lie} farther out than these poles."));
     }
     if outside > 0 {
-        caption.push_str(&format!(" {outside} far poles lie outside the first view; double-click to see all."));
+        caption.push_str(&format!(" {outside} far poles lie outside the axes."));
     }
     caption
 }

@@ -1,13 +1,10 @@
 //! Impulse and step response of the identified models.
 
-use serde_json::{Value, json};
-
-use crate::drawing::figure::{Figure, axis, base_layout, colour, over, room_above, set, short};
-use crate::text::escape::html;
+use crate::drawing::figure::{Axis, Figure, Panel, over};
+use crate::drawing::look::{Colour, Dash, Look, Width};
 use crate::text::numbers::{LONG_S, words_and_unit};
 use crate::{Model, Run};
 
-const HEIGHT_PX: u32 = 460;
 /// A model that grows this far beyond the others would hide them.
 const GROWN: f64 = 1e3;
 /// An impulse response has died down once it stays below this share of its peak.
@@ -36,38 +33,33 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let seen_s = || models.iter().map(|(_, r)| settles(&r.time_s, &r.impulse)).fold(0.0, f64::max).min(longest_s);
     let (factor, unit) = if seen_s() > LONG_S { (1.0, "s") } else { (1e3, "ms") };
     // Models with another input or output have other units: they start hidden.
-    let mut traces = Vec::new();
+    let mut figure = Figure::new("responses", "Impulse and step response");
+    let (mut impulse, mut step) =
+        (Panel::new(Axis::default(), Axis::default()), Panel::new(Axis::default(), Axis::default()));
+    if first.impulse_of == "unit sample"
+        && first.input.contains("Markov")
+        && let Some(record) = record(run, models[0].0, factor)
+    {
+        let look = Look::line(Colour::Raw, Dash::Solid).width(Width::Thin);
+        let entry = figure.entry("the record", look, true);
+        impulse.line(entry, record);
+    }
     let mut hidden = 0;
     for (place, (model, response)) in models.iter().enumerate() {
-        let line = json!({"color": colour::SERIES[place % colour::SERIES.len()], "width": 2,
-                          "dash": colour::DASHES[place % colour::DASHES.len()]});
         let has_same_units = response.output == first.output && response.impulse_of == first.impulse_of;
         let shown = has_same_units && peak(&response.impulse) <= GROWN * least;
         hidden += usize::from(!shown);
-        let visible = if shown { json!(true) } else { json!("legendonly") };
         if shown {
             settled_s = settled_s.max(settles(&response.time_s, &response.impulse));
         }
         let times: Vec<f64> = response.time_s.iter().map(|t| factor * t).collect();
-        for (values, axis, legend) in [(&response.impulse, "y", true), (&response.step, "y2", false)] {
-            let mut trace = over(&times, values, 1_600);
-            set(
-                &mut trace,
-                json!({"yaxis": axis, "name": html(&model.id), "legendgroup": model.id, "showlegend": legend,
-                       "line": line, "visible": visible, "hovertemplate": "%{y:.4~g}"}),
-            );
-            traces.push(trace);
-        }
-    }
-    if first.impulse_of == "unit sample"
-        && first.input.contains("Markov")
-        && let Some(record) = record_trace(run, models[0].0, factor)
-    {
-        traces.insert(0, record);
+        let entry = figure.entry(&model.id, Look::of_series(place), shown);
+        impulse.line(entry, over(&times, &response.impulse));
+        step.line(entry, over(&times, &response.step));
     }
     let ((_, in_unit), (words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
     let mut caption = format!(
-        "Response of {} to a {} (above) and to a unit step (below), from rest.",
+        "Response of {} to a {} and to a unit step, from rest.",
         if words.is_empty() { "the output" } else { words },
         first.impulse_of
     );
@@ -80,42 +72,27 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let impulse_title = format!("impulse response{}", per(if first.impulse_of == "unit impulse" { "·s" } else { "" }));
     let time_title = format!("time from the start of the window, {unit}");
     let step_title = format!("step response{}", per(""));
-    let view = if settled_s > 0.0 && ROOM * settled_s < 0.5 * longest_s {
-        caption.push_str(" The first view ends where the impulse response has died down; double-click shows all.");
-        json!([0, short(factor * ROOM * settled_s)])
-    } else {
-        Value::Null
-    };
+    let view = (settled_s > 0.0 && ROOM * settled_s < 0.5 * longest_s).then_some([0.0, factor * ROOM * settled_s]);
+    if view.is_some() {
+        caption.push_str(" The axis of time ends where the impulse response has died down.");
+    }
     if hidden > 0 {
         caption.push_str(&format!(
-            " {hidden} models with another output, another impulse, or far larger responses are hidden: click their \
-             names."
+            " {hidden} models with another output, another impulse, or far larger responses are hidden: their names in \
+             the legend show them."
         ));
     }
-    let mut layout = base_layout();
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "x unified", "hoversubplots": "axis",
-            "xaxis": axis(&time_title, json!({"anchor": "y2", "range": view})),
-            "yaxis": axis(&impulse_title, json!({"domain": [0.54, 1.0], "exponentformat": "power"})),
-            "yaxis2": axis(&step_title, json!({"domain": [0.0, 0.46], "exponentformat": "power"})),
-        }),
-    );
-    room_above(&mut layout, HEIGHT_PX, 0, 1);
-    Some(Figure {
-        id: "responses",
-        title: "Impulse and step response",
-        caption,
-        height_px: HEIGHT_PX,
-        half_width: false,
-        traces,
-        layout,
-    })
+    for (panel, title) in [(&mut impulse, impulse_title), (&mut step, step_title)] {
+        panel.x = Axis { view, ..Axis::new(&time_title) };
+        panel.y = Axis::new(title);
+    }
+    figure.caption = caption;
+    figure.panels = vec![impulse, step];
+    Some(figure.tidy())
 }
 
 /// The record itself, which an impulse response of a sample is compared with; times are multiplied by `factor`.
-fn record_trace(run: &Run, model: &Model, factor: f64) -> Option<Value> {
+fn record(run: &Run, model: &Model, factor: f64) -> Option<Vec<[f64; 2]>> {
     let (record, identification) = (run.acceleration()?, model.identification.as_ref()?);
     let zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
     let from = record.index_at_or_after(identification.from_s - zero_s - 0.5 * record.dt_s());
@@ -125,10 +102,5 @@ fn record_trace(run: &Run, model: &Model, factor: f64) -> Option<Value> {
     }
     let samples = &record.samples()[from..end];
     let times: Vec<f64> = (0..samples.len()).map(|k| factor * record.dt_s() * k as f64).collect();
-    let mut trace = over(&times, samples, 5_000);
-    set(
-        &mut trace,
-        json!({"name": "the record", "line": {"color": colour::MEASURED, "width": 1}, "hovertemplate": "%{y:.4~g}"}),
-    );
-    Some(trace)
+    Some(over(&times, samples))
 }

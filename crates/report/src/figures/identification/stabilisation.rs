@@ -2,62 +2,38 @@
 
 use std::f64::consts::TAU;
 
-use serde_json::json;
-
 use crate::Run;
-use crate::drawing::figure::{Figure, axis, base_layout, colour, room_above, set, short};
+use crate::drawing::figure::{Axis, Figure, Panel};
+use crate::drawing::look::{Colour, Dash, Look, Symbol};
 use crate::text::numbers::{decimals, significant};
 
-const HEIGHT_PX: u32 = 460;
-
-/// Marks in the order of the legend: word of the record, name, symbol, size, colour.
-const MARKS: [(&str, &str, &str, u32, &str); 5] = [
-    ("all", "frequency, damping, shape stable", "circle", 10, "#009e73"),
-    ("frequency-and-damping", "frequency and damping stable", "diamond", 9, "#0072b2"),
-    ("frequency", "frequency stable", "triangle-up", 8, "#b87a00"),
-    ("new", "new", "x-thin-open", 7, "#55616d"),
-    ("rejected", "rejected", "circle-open", 5, "#8794a1"),
+/// Marks in the order of the legend: word of the record, name, symbol, colour.
+const MARKS: [(&str, &str, Symbol, Colour); 5] = [
+    ("all", "frequency, damping, shape stable", Symbol::Disc, Colour::Series(2)),
+    ("frequency-and-damping", "frequency and damping stable", Symbol::Diamond, Colour::Series(0)),
+    ("frequency", "frequency stable", Symbol::Triangle, Colour::Series(4)),
+    ("new", "new", Symbol::Cross, Colour::Muted),
+    ("rejected", "rejected", Symbol::Ring, Colour::Raw),
 ];
 
 /// The first diagram of the run; `None` without one.
 pub fn figure(run: &Run) -> Option<Figure> {
     let diagram = run.stabilizations.first().filter(|d| !d.poles.is_empty())?;
     let hz = |re: f64, im: f64| re.hypot(im) / TAU;
-    let mut traces = Vec::new();
-    for (word, name, symbol, size, colour) in MARKS {
-        let poles: Vec<_> = diagram.poles.iter().filter(|pole| pole.stability == word).collect();
-        if poles.is_empty() {
-            continue;
-        }
-        let hover: Vec<String> = poles
-            .iter()
-            .map(|p| {
-                let modulus = p.re_per_s.hypot(p.im_rad_per_s);
-                format!(
-                    "{} Hz, ζ {}, order {}",
-                    significant(modulus / TAU, 4),
-                    significant(-p.re_per_s / modulus, 3),
-                    p.order
-                )
-            })
-            .collect();
-        traces.push(json!({
-            "type": "scatter", "mode": "markers", "name": name,
-            "x": poles.iter().map(|p| short(hz(p.re_per_s, p.im_rad_per_s))).collect::<Vec<_>>(),
-            "y": poles.iter().map(|p| p.order).collect::<Vec<_>>(),
-            "text": hover, "hovertemplate": "%{text}<extra></extra>",
-            "marker": {"symbol": symbol, "size": size, "color": colour, "line": {"width": 1.5}},
-        }));
+    let mut figure = Figure::new("stabilisation", "Stabilisation diagram");
+    let axis = Axis { logarithmic: true, ..Axis::new("natural frequency, Hz") };
+    let mut panel = Panel::new(axis, Axis { whole: true, ..Axis::new("order") });
+    panel.height = 300.0;
+    for (word, name, symbol, colour) in MARKS {
+        let poles = diagram.poles.iter().filter(|pole| pole.stability == word);
+        let points = poles.map(|p| [hz(p.re_per_s, p.im_rad_per_s), f64::from(p.order)]).collect();
+        let entry = figure.entry(name, Look::marks(colour, symbol), true);
+        panel.points(entry, points);
     }
-    let (mut shapes, mut labels) = (Vec::new(), Vec::new());
-    for (place, cluster) in diagram.clusters.iter().enumerate() {
+    for cluster in &diagram.clusters {
         let f = cluster.natural_frequency_rad_per_s / TAU;
-        shapes.push(json!({"type": "line", "x0": short(f), "x1": short(f), "y0": 0, "y1": 1, "yref": "paper",
-                           "line": {"color": colour::GUIDE, "width": 1.2, "dash": "dot"}, "layer": "below"}));
-        labels.push(json!({"x": short(f.log10()), "y": 1, "yref": "paper", "xanchor": "center", "yanchor": "bottom",
-            "yshift": 1 + 16 * (place % 3), "showarrow": false,
-            "text": format!("{} Hz, ζ {}", significant(f, 4), significant(cluster.damping_ratio, 3)),
-            "font": {"size": 12, "color": colour::MUTED}}));
+        let name = format!("{} Hz, ζ {}", significant(f, 4), significant(cluster.damping_ratio, 3));
+        panel.mark(f, name, Colour::Muted, Dash::Dotted);
     }
     let percent = |x: f64| format!("{} %", decimals(100.0 * x, 0));
     let mut caption = format!(
@@ -79,27 +55,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     if run.stabilizations.len() > 1 {
         caption.push_str(&format!(" {} more are in the artifact.", run.stabilizations.len() - 1));
     }
-    let mut layout = base_layout();
-    let rows = u32::try_from(labels.len()).unwrap_or(3).clamp(1, 3);
-    set(
-        &mut layout,
-        json!({
-            "hovermode": "closest",
-            "xaxis": axis("natural frequency, Hz", json!({
-                "type": "log", "dtick": 1, "minor": {"showgrid": true, "gridcolor": "#f1f3f5"},
-            })),
-            "yaxis": axis("order", json!({"rangemode": "tozero", "dtick": 2, "zeroline": false})),
-            "shapes": shapes, "annotations": labels,
-        }),
-    );
-    room_above(&mut layout, HEIGHT_PX, rows, 1);
-    Some(Figure {
-        id: "stabilisation",
-        title: "Stabilisation diagram",
-        caption,
-        height_px: HEIGHT_PX,
-        half_width: false,
-        traces,
-        layout,
-    })
+    figure.caption = caption;
+    figure.panels.push(panel);
+    Some(figure.tidy())
 }

@@ -1,0 +1,95 @@
+//! Fewer points with the same look: of a pixel's columns the extremes, and no point that a straight line replaces.
+
+/// Columns a unit of width: two of a display's pixels on most displays, and room to zoom.
+const COLUMNS: f64 = 2.0;
+/// A point is needless where the line without it stays this near, units of the drawing.
+const NEAR: f64 = 0.05;
+
+/// Thins points of a drawing. Ends and extremes stay: of every column the first, the lowest, the highest and the last
+/// point, and a peak is moved by less than [`NEAR`].
+pub fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let rising = points.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
+    if rising { straightened(&by_columns(points)) } else { straightened(points) }
+}
+
+fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut kept = Vec::new();
+    for column in points.chunk_by(|a, b| (a[0] * COLUMNS).floor() == (b[0] * COLUMNS).floor()) {
+        let extreme = |better: fn(f64, f64) -> bool| {
+            (0..column.len()).fold(0, |best, k| if better(column[k][1], column[best][1]) { k } else { best })
+        };
+        let mut places = [0, extreme(|a, b| a < b), extreme(|a, b| a > b), column.len() - 1];
+        places.sort_unstable();
+        kept.extend(
+            places.iter().enumerate().filter(|(k, p)| *k == 0 || places[k - 1] != **p).map(|(_, p)| column[*p]),
+        );
+    }
+    kept
+}
+
+/// Ramer (1972), Douglas & Peucker (1973), without recursion.
+fn straightened(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    if points.len() < 3 {
+        return points.to_vec();
+    }
+    let mut needed = vec![false; points.len()];
+    needed[0] = true;
+    needed[points.len() - 1] = true;
+    let mut stretches = vec![(0, points.len() - 1)];
+    while let Some((from, to)) = stretches.pop() {
+        let far = (from + 1..to)
+            .map(|k| (distance(points[k], points[from], points[to]), k))
+            .fold((NEAR, None), |(most, at), (d, k)| if d > most { (d, Some(k)) } else { (most, at) });
+        if let (_, Some(k)) = far {
+            needed[k] = true;
+            stretches.extend([(from, k), (k, to)]);
+        }
+    }
+    points.iter().zip(needed).filter_map(|(point, needed)| needed.then_some(*point)).collect()
+}
+
+/// Distance of a point from a stretch of line.
+fn distance([x, y]: [f64; 2], [x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> f64 {
+    let (along, up) = (x1 - x0, y1 - y0);
+    let length = along * along + up * up;
+    let share = if length > 0.0 { (((x - x0) * along + (y - y0) * up) / length).clamp(0.0, 1.0) } else { 0.0 };
+    (x - x0 - share * along).hypot(y - y0 - share * up)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peak_of_one_sample_survives_and_both_ends_do() {
+        let mut points: Vec<[f64; 2]> =
+            (0..100_000).map(|k| [f64::from(k) * 4.8e-3, 100.0 + 20.0 * (f64::from(k) * 1e-3).sin()]).collect();
+        points[54_321][1] = 7.0;
+        points[77_777][1] = 190.0;
+        let kept = thinned(&points);
+        assert!(kept.len() < 3_000, "{}", kept.len());
+        for index in [0, 54_321, 77_777, 99_999] {
+            assert!(kept.contains(&points[index]), "{index}");
+        }
+    }
+
+    #[test]
+    fn a_smooth_curve_is_met_everywhere_with_few_points() {
+        let curve = |x: f64| 120.0 - 110.0 * (x / 480.0 * std::f64::consts::PI).sin();
+        let points: Vec<[f64; 2]> = (0..=4_800).map(|k| [f64::from(k) * 0.1, curve(f64::from(k) * 0.1)]).collect();
+        let kept = thinned(&points);
+        assert!(kept.len() < 150, "{}", kept.len());
+        for pair in kept.windows(2) {
+            let middle = [(pair[0][0] + pair[1][0]) / 2.0, (pair[0][1] + pair[1][1]) / 2.0];
+            // Twice the distance allowed: that is to the nearest of the given points, which lie 0.1 apart.
+            assert!((curve(middle[0]) - middle[1]).abs() < 2.0 * NEAR, "{middle:?}");
+        }
+    }
+
+    #[test]
+    fn a_loop_keeps_its_order() {
+        // Up and back again: not a function of x, so no columns.
+        let points: Vec<[f64; 2]> = (0..=20).map(|k| [f64::from(10 - (k - 10_i32).abs()), f64::from(k)]).collect();
+        assert_eq!(thinned(&points), [[0.0, 0.0], [10.0, 10.0], [0.0, 20.0]]);
+    }
+}

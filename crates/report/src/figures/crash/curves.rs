@@ -1,0 +1,190 @@
+//! The crash: acceleration, velocity and displacement over time, force over crush; the test, the models over it and
+//! the other sensors at the same place.
+
+use super::drawn_models::DrawnModels;
+use super::force;
+use super::same_place::Envelope;
+use crate::drawing::figure::{Axis, Figure, Panel, over_time, span};
+use crate::drawing::look::{Colour, Dash, Look, Width};
+use crate::drawing::time_view::time_view_ms;
+use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals};
+use crate::{CandidateResult, Ranking, Run};
+use crumple_signal::Sampled;
+
+/// A model may widen an axis beyond the test by this share of what the test spans.
+const ROOM_FOR_MODELS: f64 = 0.25;
+
+/// As many panels as there are records for; `None` without any.
+pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
+    let measured = &run.measured;
+    if run.acceleration().is_none() && measured.displacement.is_none() {
+        return None;
+    }
+    let models = DrawnModels::of(run, ranking);
+    let mut figure = Figure::new(
+        "curves",
+        if models.models.is_empty() { "The test: curves" } else { "What the test did, what the models do" },
+    );
+    let test = figure.entry(test_name(run), Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
+    let raw =
+        figure.entry("as read", Look::line(Colour::Raw, Dash::Solid).width(Width::Thin), measured.filtered.is_none());
+    let envelope = Envelope::of_run(run);
+    let same_place = figure.entry(
+        envelope.as_ref().map_or_else(String::new, |e| format!("sensors at the same place: {}", e.channels.join(", "))),
+        Look::area(Colour::Test),
+        true,
+    );
+    let entries = models.entries(&mut figure);
+    let view = view_ms(run);
+
+    type Of = fn(&CandidateResult) -> Option<&Sampled>;
+    let acceleration: (_, &str, f64, Of) =
+        (run.acceleration(), "acceleration, g", G_PER_M_PER_S2, |c| c.acceleration.as_ref());
+    let velocity: (_, &str, f64, Of) =
+        (measured.velocity.as_ref(), "velocity, km/h", KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+    let displacement: (_, &str, f64, Of) =
+        (measured.displacement.as_ref(), "displacement, mm", MILLI, |c| c.displacement.as_ref());
+    for (place, (signal, title, factor, of)) in [acceleration, velocity, displacement].into_iter().enumerate() {
+        let Some(signal) = signal else { continue };
+        let drawn: Vec<(usize, &Sampled)> =
+            models.models.iter().zip(&entries).filter_map(|((c, _), entry)| Some((*entry, of(c)?))).collect();
+        let shown = drawn.iter().filter(|(entry, _)| figure.legend[*entry].shown).map(|(_, signal)| *signal);
+        let mut panel = Panel::over_time(view, Axis { view: y_view(signal, shown, factor, view), ..Axis::new(title) });
+        if let Some(edges) = envelope.as_ref().and_then(|e| e.edges(place, factor)) {
+            panel.band(same_place, &edges);
+        }
+        if let Some(unfiltered) = measured.raw.as_ref().filter(|_| place == 0) {
+            panel.line(if measured.filtered.is_some() { raw } else { test }, over_time(unfiltered, factor));
+        }
+        if place > 0 || measured.filtered.is_some() {
+            panel.line(test, over_time(signal, factor));
+        }
+        for (entry, signal) in drawn {
+            panel.line(entry, over_time(signal, factor));
+        }
+        mark_events(run, &mut panel, place);
+        panel.windows.extend(window_ms(run));
+        figure.panels.push(panel);
+    }
+    let mut caption = caption(run, &models);
+    if let Some((panel, words)) = force::panel(run, &models, &entries, test, &mut figure) {
+        figure.panels.push(panel);
+        caption.push_str(&words);
+    }
+    figure.caption = caption;
+    Some(figure.tidy())
+}
+
+/// `test, CFC 60`.
+fn test_name(run: &Run) -> String {
+    let cfc = run.filter.as_ref().and_then(|f| f.cfc).or_else(|| run.channel().and_then(|c| c.cfc));
+    match (cfc, &run.measured.filtered) {
+        (Some(cfc), Some(_)) => format!("test, CFC{NBSP}{cfc}"),
+        (None, Some(_)) => "test, filtered".to_owned(),
+        _ => "test, as read".to_owned(),
+    }
+}
+
+/// First view of time: to a little beyond the rebound, or twice the time of crush.
+pub(super) fn view_ms(run: &Run) -> Option<[f64; 2]> {
+    let [start, end] = time_view_ms(run)?;
+    let Some(t_m) = run.time_of_crush_s().map(|t| MILLI * t).filter(|t| *t > 0.0) else { return Some([start, end]) };
+    let rebound = run.events.as_ref().and_then(|e| e.time_of_rebound_s).map_or(0.0, |t| 1.1 * MILLI * t);
+    Some([start.max(-0.1 * t_m), end.min(rebound.clamp(1.6 * t_m, 2.5 * t_m))])
+}
+
+/// The stretch that the models are compared over.
+pub(super) fn window_ms(run: &Run) -> Option<[f64; 2]> {
+    let simulation = run.candidates.iter().find_map(|candidate| candidate.simulation.as_ref())?;
+    Some([MILLI * simulation.from_s, MILLI * simulation.to_s])
+}
+
+/// What the test spans in the first view, and of the models shown what is not far beyond it.
+fn y_view<'a>(
+    test: &Sampled,
+    models: impl Iterator<Item = &'a Sampled>,
+    factor: f64,
+    view: Option<[f64; 2]>,
+) -> Option<[f64; 2]> {
+    let seen = |signal: &Sampled| {
+        let [from, to] = view.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]).map(|t| t / MILLI);
+        let from = signal.index_at_or_after(from).min(signal.len());
+        let to = signal.index_at_or_after(to).saturating_add(1).min(signal.len()).max(from);
+        span(&signal.samples()[from..to]).map(|(low, high)| (factor * low, factor * high))
+    };
+    let (low, high) = seen(test)?;
+    let room = ROOM_FOR_MODELS * (high - low);
+    let wide = models
+        .filter_map(seen)
+        .fold((low, high), |(l, h), (a, b)| (l.min(a.max(low - room)), h.max(b.min(high + room))));
+    let margin = 0.06 * (wide.1 - wide.0);
+    (margin > 0.0).then_some([wide.0 - margin, wide.1 + margin])
+}
+
+/// Time of crush and rebound in one of the three panels over time.
+fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
+    let events = run.events.as_ref();
+    let crush = events.and_then(|e| e.dynamic_crush_m);
+    if let Some(t_m) = run.time_of_crush_s().map(|t| MILLI * t) {
+        let time = format!("tₘ = {}{NBSP}ms", decimals(t_m, 1));
+        let name = match (place, crush) {
+            (2, Some(crush)) => format!("C = {}{NBSP}mm", decimals(MILLI * crush, 1)),
+            _ => time,
+        };
+        panel.mark(t_m, name, Colour::Event, Dash::Dashed);
+        match (place, crush) {
+            (1, _) => panel.dots.push([t_m, 0.0]),
+            (2, Some(crush)) => panel.dots.push([t_m, MILLI * crush]),
+            _ => {}
+        }
+    }
+    let in_view = |t: &f64| panel.x.view.is_none_or(|[from, to]| (from..=to).contains(t));
+    if let Some(t) = events.and_then(|e| e.time_of_rebound_s).map(|t| MILLI * t).filter(in_view) {
+        panel.mark(t, format!("rebound, {}{NBSP}ms", decimals(t, 1)), Colour::Muted, Dash::Dotted);
+    }
+    if panel.x.view.is_some_and(|[from, _]| from < 0.0) {
+        panel.mark(0.0, "", Colour::Muted, Dash::Solid);
+    }
+}
+
+fn caption(run: &Run, models: &DrawnModels) -> String {
+    let mut text = format!("Channel {}", run.channel_id().unwrap_or("unknown"));
+    if let Some(channel) = run.channel().filter(|channel| !channel.location.is_empty()) {
+        text.push_str(&format!(" ({})", channel.location));
+    }
+    text.push_str(", SAE J211 sign: deceleration is negative.");
+    if let Some(filter) = run.filter.as_ref().filter(|filter| filter.cfc.is_some()) {
+        text.push_str(&format!(" Filtered in mode {}; ", filter.mode));
+        text.push_str("the record as read waits in the legend, and may reach beyond the axes.");
+    }
+    if let Some(events) = &run.events {
+        match (events.rule.as_deref(), events.start.as_deref()) {
+            (Some(rule), Some(start)) => text.push_str(&format!(
+                " Velocity and displacement by the {} rule from {}.",
+                rule.replace('-', " "),
+                start.replace('-', " ")
+            )),
+            (Some(rule), None) => text.push_str(&format!(" Integrated by the {} rule.", rule.replace('-', " "))),
+            _ => {}
+        }
+        if events.time_of_dynamic_crush_s.is_none() {
+            text.push_str(" The velocity does not reach zero within the record: there is no dynamic crush to mark.");
+        }
+    }
+    if let Some([from, to]) = window_ms(run).filter(|_| !models.models.is_empty()) {
+        text.push_str(&format!(
+            " The shaded window, {} to {} ms, is the one the models are compared over; outside it they are only drawn.",
+            decimals(from, 1),
+            decimals(to, 1)
+        ));
+    }
+    if models.hides_some() {
+        text.push_str(
+            " Other models wait in the legend; of parameter sets of one model that fit alike the first stands for all.",
+        );
+    }
+    if models.equals > 0 {
+        text.push_str(" Parameter sets that give exactly the same record (duals) are drawn once.");
+    }
+    text
+}

@@ -1,0 +1,77 @@
+//! What the models leave of the test: test minus model.
+
+use crumple_signal::Sampled;
+
+use super::curves::{view_ms, window_ms};
+use super::drawn_models::DrawnModels;
+use crate::drawing::figure::{Axis, Figure, Panel, over_time};
+use crate::drawing::look::{Colour, Dash};
+use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crate::{CandidateResult, Ranking, Run};
+
+/// Of displacement and velocity; `None` without a test or without a model.
+pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
+    let models = DrawnModels::of(run, ranking);
+    let mut figure = Figure::new("residual", "Test minus model");
+    let entries = models.entries(&mut figure);
+    let window = window_ms(run);
+    type Of = fn(&CandidateResult) -> Option<&Sampled>;
+    let displacement: (_, &str, f64, Of) =
+        (&run.measured.displacement, "residual of the displacement, mm", MILLI, |c| c.displacement.as_ref());
+    let velocity: (_, &str, f64, Of) =
+        (&run.measured.velocity, "residual of the velocity, km/h", KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+    for (test, title, factor, of) in [displacement, velocity] {
+        let mut panel = Panel::over_time(view_ms(run), Axis::new(title));
+        let mut largest = 0.0_f64;
+        for ((candidate, _), entry) in models.models.iter().zip(&entries) {
+            let Some(left) = test.as_ref().zip(of(candidate)).and_then(|(test, model)| residual(test, model)) else {
+                continue;
+            };
+            if models.is_shown(candidate) {
+                largest = largest.max(factor * largest_within(&left, window));
+            }
+            panel.line(*entry, over_time(&left, factor));
+        }
+        // By what lies inside the compared window: what a model does after it would flatten the rest.
+        panel.y.view = (largest > 0.0).then_some([-1.15 * largest, 1.15 * largest]);
+        panel.windows.extend(window);
+        if let Some(t_m) = run.time_of_crush_s() {
+            panel.mark(MILLI * t_m, "", Colour::Event, Dash::Dashed);
+        }
+        figure.panels.push(panel);
+    }
+    let figure = figure.tidy();
+    (!figure.panels.is_empty()).then(|| Figure {
+        caption: "The axes hold the largest residual inside the shaded window, which the models are compared over; a \
+                  model that was made for the loading phase may leave them after it."
+            .to_owned(),
+        ..figure
+    })
+}
+
+/// Test minus model at the model's samples, as far as the test reaches.
+fn residual(test: &Sampled, model: &Sampled) -> Option<Sampled> {
+    let first = (0..model.len()).find(|&k| test.at(model.time_s(k)).is_some())?;
+    let left: Vec<f64> =
+        (first..model.len()).map_while(|k| Some(test.at(model.time_s(k))? - model.samples()[k])).collect();
+    Sampled::new(model.time_s(first), model.dt_s(), left).ok()
+}
+
+/// Largest magnitude inside the window in ms, or of all where there is none.
+fn largest_within(signal: &Sampled, window: Option<[f64; 2]>) -> f64 {
+    let [from, to] = window.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    let inside = (0..signal.len()).filter(|&k| (from..=to).contains(&(MILLI * signal.time_s(k))));
+    inside.fold(0.0, |largest, k| largest.max(signal.samples()[k].abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_residual_is_scaled_by_the_compared_window() {
+        let residual = Sampled::new(0.0, 0.01, vec![0.0, 1e-3, -2e-3, 5.0]).unwrap();
+        assert_eq!(largest_within(&residual, Some([0.0, 25.0])), 2e-3);
+        assert_eq!(largest_within(&residual, None), 5.0);
+    }
+}

@@ -1,0 +1,56 @@
+//! Figures on the page: heading, legend, panels, caption. They are drawn without a script, which adds a cursor, a zoom
+//! and downloads.
+
+use crate::drawing::figure::Figure;
+use crate::drawing::file::swatch;
+use crate::drawing::panel::Drawing;
+use crate::text::escape::html;
+
+/// Writes figures into a grid of two columns where the window has room for them.
+pub(super) fn write(out: &mut String, figures: &[Figure]) {
+    if figures.is_empty() {
+        return;
+    }
+    out.push_str("<div class=\"figures\">\n");
+    for figure in figures {
+        write_figure(out, figure);
+    }
+    out.push_str("</div>\n");
+}
+
+fn write_figure(out: &mut String, figure: &Figure) {
+    let id = figure.id;
+    let wide = if figure.panels.len() > 1 { " wide" } else { "" };
+    out.push_str(&format!(
+        "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n\
+         <ul class=\"legend\" aria-label=\"Curves, to show or hide\">\n",
+        html(&figure.title)
+    ));
+    for entry in &figure.legend {
+        // A box that is ticked shows its curves by style alone, so that it works without a script.
+        out.push_str(&format!(
+            "<li><label><input type=\"checkbox\" autocomplete=\"off\"{}>\
+             <svg viewBox=\"0 0 28 12\" aria-hidden=\"true\">{}</svg>{}</label></li>\n",
+            if entry.shown { " checked" } else { "" },
+            swatch(entry),
+            html(&entry.name)
+        ));
+    }
+    out.push_str("</ul>\n<div class=\"panels\">\n");
+    for (place, panel) in figure.panels.iter().enumerate() {
+        out.push_str(&Drawing::new(figure, panel).svg(&format!("{id}-{place}"), true));
+    }
+    out.push_str(&format!("</div>\n<p class=\"caption\">{}</p>\n</section>\n", html(&figure.caption)));
+}
+
+/// Rules by which a legend's box hides its curves.
+pub(super) fn toggle_rules(figures: &[Figure]) -> String {
+    let most = figures.iter().map(|figure| figure.legend.len()).max().unwrap_or(0);
+    let rule = |k: usize| {
+        format!(
+            ".figure:has(.legend li:nth-child({}) input:not(:checked)) :is(.panels,.file) .e{k}{{display:none}}\n",
+            k + 1
+        )
+    };
+    (0..most).map(rule).collect()
+}
