@@ -329,7 +329,9 @@ fn shown<'a>(figure: &'a Figure, panel: &'a Panel) -> impl Iterator<Item = &'a C
 
 /// The scale along a panel.
 fn along(figure: &Figure, panel: &Panel) -> Scale {
-    let all = || reach(&panel.x, 0.0, shown(figure, panel).flat_map(|c| &c.points).map(|p| p[0]));
+    // Marks of points need room at the edges, lines none.
+    let margin = if panel.curves.iter().any(|curve| curve.marked) { 0.03 } else { 0.0 };
+    let all = || reach(&panel.x, margin, shown(figure, panel).flat_map(|c| &c.points).map(|p| p[0]));
     Scale::new(&panel.x, panel.x.view.unwrap_or_else(all), [0.0, WIDTH - LEFT - RIGHT])
 }
 

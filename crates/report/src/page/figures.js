@@ -26,7 +26,8 @@
       this.log = svg.dataset.log || "";
       this.follows = "follows" in svg.dataset ? Number(svg.dataset.follows) : null;
       const titles = svg.querySelectorAll(":scope > text.t:not(.halo)");
-      [this.yTitle, this.xTitle] = [titles[0].textContent, titles[1].textContent];
+      // The power of ten belongs to the axis' numbers; values are told in full.
+      [this.yTitle, this.xTitle] = [0, 1].map((k) => titles[k].textContent.replace(/ × 10\S+$/, ""));
       this.firstTicks = svg.querySelector("g.xs").innerHTML;
     }
     value(share, [low, high], log) {
