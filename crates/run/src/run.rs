@@ -196,8 +196,8 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The state of the folder after a whole run, where every stage is a program of the project and leaves alone what is
-    /// up to date. Others are always run.
+    /// The state of the folder after a whole run, where every stage is a program of the project and leaves alone what
+    /// is up to date. Others are always run.
     fn state(&self, programs: &[Program]) -> Option<String> {
         let stages = &self.stages.0;
         let is_asked = |text: &str| words(text).any(|word| matches!(word.as_str(), "--force" | "--json"));

@@ -160,7 +160,7 @@ impl Pipeline {
         }
     }
 
-    /// Notes how the run ended that the pipeline is of: a digest of all that it left and was made by, and its exit code.
+    /// Notes how the run ended that the pipeline is of: a digest of all that it left and was made by, its exit code.
     pub fn note_end(&mut self, state: &str, code: u8) {
         self.run.insert("state".to_owned(), Value::from(state));
         self.run.insert("exit_code".to_owned(), Value::from(i64::from(code)));
