@@ -6,7 +6,7 @@ use crumple_artifact::records::{
     CandidateV1, ConcernV1, EventIntervalV1, EventsV1, IdentificationV1, MetricV1, ModeV1, PredictedCollisionV1,
     PredictedIntervalV1, PredictionV1, RecommendationV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, summary, verdict};
+use crumple_report::{CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, conclusion, summary};
 use crumple_signal::{ANOTHER_VEHICLE, Axis, Channel, QuantityKind};
 use serde_json::{Value, json};
 

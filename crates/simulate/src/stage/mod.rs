@@ -187,7 +187,7 @@ fn write_stated(
     let mut candidate = stated.candidate(&chain);
     if !candidate.physical {
         out.notes().concern(
-            About::Model(id.clone()),
+            About::Model(id.to_owned()),
             Weight::Marked,
             format!(
                 "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
@@ -196,7 +196,7 @@ fn write_stated(
         );
     }
     if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(chain.masses_kg(), kg)) {
-        out.notes().concern(About::Model(id.clone()), Weight::Marked, format!("{id}: {text}"));
+        out.notes().concern(About::Model(id.to_owned()), Weight::Marked, format!("{id}: {text}"));
         candidate.notes.push(text);
     }
     out.put(&format!("/parameters/{id}"), &candidate)?;
