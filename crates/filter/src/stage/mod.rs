@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use crumple_filter::{Applied, Pass, Resampling, resample, resolve_id, resolve_ids};
 use crumple_signal::{Channel, QuantityKind, TestDescription};
-use crumple_stage::records::{DamageV1, TestV1};
+use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
 
 use crate::stage::align::align;
@@ -100,6 +100,9 @@ impl Stage for Filter {
         out.put("/test", &TestV1::from(&test))?;
         if let Some(damage) = input.record_if::<DamageV1>("/damage")? {
             out.put("/damage", &damage)?;
+        }
+        if let Some(vehicles) = input.record_if::<VehiclesV1>("/vehicles")? {
+            out.put("/vehicles", &vehicles)?;
         }
         Ok(Outcome::Done)
     }

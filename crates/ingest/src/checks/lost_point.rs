@@ -45,9 +45,13 @@ pub fn check(file: &str, pulse: &ReadChannel, notes: &mut Notes) -> Result<(), I
         };
         return Err(IngestError::content(
             place.in_column(id.clone()),
-            format!("{} {}", words(lone, wave, unit), if lone.power.is_some() { "(a lost decimal point?)" } else { "" })
-                .trim_end()
-                .to_owned(),
+            format!(
+                "{} {}",
+                words(lone, wave, unit),
+                if lone.power.is_some() { "(a lost decimal point?)" } else { "" }
+            )
+            .trim_end()
+            .to_owned(),
             "samples that follow each other",
             "correct that sample, or export the record again",
         ));
@@ -103,9 +107,9 @@ fn lone_samples(read: &ReadChannel) -> Option<(&Sampled, Vec<Lone>, (f64, &'stat
 fn words(lone: &Lone, wave: &Sampled, (factor, unit): (f64, &str)) -> String {
     let number = |x: f64| if x.abs() < 1e5 { format!("{x:.3}") } else { format!("{x:e}") };
     let value = lone.value / factor;
-    let meant = lone.power.map_or_else(String::new, |power| {
-        format!(", {} {unit} would fit", number(value / 10_f64.powi(power)))
-    });
+    let meant = lone
+        .power
+        .map_or_else(String::new, |power| format!(", {} {unit} would fit", number(value / 10_f64.powi(power))));
     format!(
         "sample {} at {:.3} ms is {} {unit}, those beside it are at most {} {unit}{meant}",
         lone.index + 1,
@@ -128,7 +132,8 @@ fn find(samples: &[f64], smallest: f64, largest: f64) -> Vec<Lone> {
         if magnitude < smallest || (magnitude < NOTED * next.abs() && magnitude <= largest) {
             continue;
         }
-        let (before, after) = (&samples[index.saturating_sub(BESIDE)..index], &samples[index + 1..n.min(index + 1 + BESIDE)]);
+        let (before, after) =
+            (&samples[index.saturating_sub(BESIDE)..index], &samples[index + 1..n.min(index + 1 + BESIDE)]);
         if before.len() + after.len() < BESIDE {
             continue;
         }
@@ -152,7 +157,9 @@ mod tests {
     use super::*;
 
     fn half_sine() -> Vec<f64> {
-        let at = |k: i32| if (500..1400).contains(&k) { -(f64::from(k - 500) * std::f64::consts::PI / 900.0).sin() } else { 0.0 };
+        let at = |k: i32| {
+            if (500..1400).contains(&k) { -(f64::from(k - 500) * std::f64::consts::PI / 900.0).sin() } else { 0.0 }
+        };
         (0..2500).map(|k| 30.0 * G * at(k)).collect()
     }
 

@@ -20,9 +20,7 @@ pub fn choose(
     wanted: Option<&str>,
     notes: &mut Notes,
 ) -> Result<Option<usize>, IngestError> {
-    let has = |quantity| {
-        recording.channels.iter().any(|read| read.channel.quantity == quantity && read.wave.is_some())
-    };
+    let has = |quantity| recording.channels.iter().any(|read| read.channel.quantity == quantity && read.wave.is_some());
     // Speeds before the crash stand beside the changes of velocity of a recorder.
     let (quantity, what) = if has(QuantityKind::VelocityChange) {
         (QuantityKind::VelocityChange, "change of velocity")

@@ -31,6 +31,23 @@ pub struct Damage {
     pub from: String,
 }
 
+/// A vehicle of a test with several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TestVehicle {
+    /// Number by which the record names it.
+    pub number: u32,
+    /// In words.
+    pub description: Option<String>,
+    /// Test mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Speed just before contact, m/s; 0: it stands.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// The channel that serves best as its pulse.
+    pub pulse: Option<String>,
+    /// Ids of all channels on it and in it.
+    pub channels: Vec<String>,
+}
+
 /// What the record says of the test.
 #[derive(Debug, Clone, Default)]
 pub struct Details {
@@ -48,6 +65,10 @@ pub struct Details {
     pub time_zero_s: Option<Stated<f64>>,
     /// What was measured on the vehicle afterwards.
     pub damage: Option<Damage>,
+    /// The vehicles of a test with several; empty for one.
+    pub vehicles: Vec<TestVehicle>,
+    /// Speed at which they approach each other, m/s.
+    pub closing_speed_m_per_s: Option<f64>,
     /// What the record says of the impact speed and is not taken, and why, in words.
     pub speed_not_taken: Option<String>,
     /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and
@@ -227,12 +248,14 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
         let found = details.speed_not_taken.as_ref().map_or_else(String::new, |found| format!(" ({found})"));
         if from_rest {
             notes.info(format!(
-                "no impact speed is stated{found}, and the pulse pushes the vehicle forward, as on a sled or from behind: \
+                "no impact speed is stated{found}, and the pulse pushes the vehicle forward, as on a sled or from \
+                 behind: \
                  its velocity is taken as the change from time zero"
             ));
         } else {
             notes.warning(format!(
-                "no impact speed is stated{found}: peak, change of velocity and shape of the pulse need none; for crush, \
+                "no impact speed is stated{found}: peak, change of velocity and shape of the pulse need none; for \
+                 crush, \
                  restitution and models add --impact-speed 50km/h{}",
                 lines("impact speed: 50 km/h")
             ));
@@ -262,7 +285,8 @@ pub fn question_mass(details: &Details) -> Option<String> {
     let meant =
         meant.map_or_else(String::new, |(unit, factor)| format!(" ({:.0} kg if {unit} is meant)", value * factor));
     Some(format!(
-        "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with it; \
+        "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with \
+         it; \
          --mass 1500kg states another"
     ))
 }
@@ -307,7 +331,10 @@ mod tests {
             notes.to_texts()
         };
         let frontal = texts(&Details::default(), false);
-        assert!(frontal[0].contains("--impact-speed 50km/h, or a header line \"# impact speed: 50 km/h\""), "{frontal:?}");
+        assert!(
+            frontal[0].contains("--impact-speed 50km/h, or a header line \"# impact speed: 50 km/h\""),
+            "{frontal:?}"
+        );
         assert!(frontal[1].contains("no mass is stated: for force, energy"), "{frontal:?}");
         let sled = texts(&Details::default(), true);
         assert!(sled[0].contains("as on a sled") && !sled[0].contains("--impact-speed"), "{sled:?}");

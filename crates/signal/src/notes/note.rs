@@ -73,6 +73,11 @@ impl Notes {
         self.0.push(Note::warning(text));
     }
 
+    /// Puts a warning before all other notes: what the rest rests on is in doubt.
+    pub fn warning_first(&mut self, text: impl Into<String>) {
+        self.0.insert(0, Note::warning(text));
+    }
+
     /// Adds a note as it is.
     pub fn push(&mut self, note: Note) {
         self.0.push(note);

@@ -2,7 +2,7 @@
 
 use crumple_signal::unit;
 
-use crate::formats::table::layout::{Delimiter, Layout};
+use crate::formats::table::rows::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
 use crate::formats::text::lines::{Line, decode};
 use crate::formats::text::numbers::unquoted;
@@ -112,15 +112,15 @@ pub fn read(layout: &Layout) -> TableHeader {
 /// remarks may stand below the units).
 fn units_line(lines: &[(usize, Vec<String>)], count: usize) -> Option<usize> {
     let last = lines.len().checked_sub(1)?;
-    let is_below_names = |k: usize| {
-        k > 0 && is_unit_line(&lines[k].1) && !is_header_below_a_title(&lines[k].1, &lines[k - 1].1, count)
-    };
+    let is_below_names =
+        |k: usize| k > 0 && is_unit_line(&lines[k].1) && !is_header_below_a_title(&lines[k].1, &lines[k - 1].1, count);
     if is_below_names(last) {
         return Some(last);
     }
     let names_above = |k: usize| lines[k - 1].1.len() == count && lines[k - 1].1.iter().any(|cell| is_time_name(cell));
     let all_units = |cells: &[String]| {
-        cells.len() == count && cells.iter().all(|cell| !matches!(unit_cell(cell, ""), Unit::Unstated | Unit::Unknown(_)))
+        cells.len() == count
+            && cells.iter().all(|cell| !matches!(unit_cell(cell, ""), Unit::Unstated | Unit::Unknown(_)))
     };
     (last >= 2 && all_units(&lines[last - 1].1) && names_above(last - 1)).then(|| last - 1)
 }
@@ -218,7 +218,7 @@ fn unit_cell(cell: &str, title: &str) -> Unit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::table::layout::sniff;
+    use crate::formats::table::rows::layout::sniff;
     use crumple_signal::QuantityKind;
 
     const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);

@@ -4,7 +4,7 @@ use crumple_signal::Notes;
 use crumple_signal::value::Frequency;
 
 use crate::formats::table::header::TableHeader;
-use crate::formats::table::rows::Rows;
+use crate::formats::table::rows::numbers::Rows;
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
 use crate::time::grid::{self, Grid, GridError};
@@ -77,12 +77,7 @@ fn counters(header: &TableHeader, rows: &Rows, may_count: impl Fn(usize) -> bool
 
 /// The column of the time: the one named for it, else the one with a unit of time. Where no name says so, the first is
 /// it if a person states its unit, or if the table has no names and its numbers grow by other steps than one.
-fn time_column(
-    file: &str,
-    header: &TableHeader,
-    rows: &Rows,
-    is_unit_stated: bool,
-) -> Result<usize, IngestError> {
+fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bool) -> Result<usize, IngestError> {
     let named = header.columns.iter().position(|c| header.named && is_time_name(&c.title));
     let with_unit = header.columns.iter().position(|c| matches!(c.unit, Unit::Time(_)));
     let found = named.or(with_unit);
@@ -91,7 +86,12 @@ fn time_column(
     let numbers = &rows.columns[column];
     let expected = "times in a column that is named for it, with its unit: time_s";
     let refuse = |found: String, hint: String| {
-        Err(IngestError::content(Place::file(file).in_column(format!("{} ({title})", column + 1)), found, expected, hint))
+        Err(IngestError::content(
+            Place::file(file).in_column(format!("{} ({title})", column + 1)),
+            found,
+            expected,
+            hint,
+        ))
     };
     let has_unit = is_unit_stated || matches!(header.columns[column].unit, Unit::Time(_));
     if found.is_some() {
@@ -105,7 +105,8 @@ fn time_column(
         }
         return Ok(column);
     }
-    let only_signals = header.columns.iter().all(|c| matches!(c.unit, Unit::Signal(..)) || names_acceleration(&c.title));
+    let only_signals =
+        header.columns.iter().all(|c| matches!(c.unit, Unit::Signal(..)) || names_acceleration(&c.title));
     if only_signals && header.named {
         let titles: Vec<&str> = header.columns.iter().take(12).map(|c| c.title.as_str()).collect();
         return Err(IngestError::content(
@@ -245,8 +246,7 @@ fn same_times(
     column: usize,
     notes: &mut Notes,
 ) -> Result<Vec<usize>, IngestError> {
-    let others: Vec<usize> =
-        (0..header.columns.len()).filter(|k| *k != column && is_time_column(header, *k)).collect();
+    let others: Vec<usize> = (0..header.columns.len()).filter(|k| *k != column && is_time_column(header, *k)).collect();
     for &k in &others {
         let (title, first) = (&header.columns[k].title, &header.columns[column].title);
         let factor = |k: usize| if let Unit::Time(factor) = header.columns[k].unit { factor } else { 1.0 };

@@ -126,8 +126,28 @@ pub fn is_time_name(text: &str) -> bool {
 /// Whether a header cell names a count of the rows: `Sample`, `Index`, `#`, `No.`, `Sample number`, `lfd. Nr.`
 pub fn is_counter_name(text: &str) -> bool {
     const COUNTED: [&str; 22] = [
-        "", "sample", "samples", "data", "datapoint", "point", "points", "row", "line", "frame", "record", "scan", "step",
-        "item", "messpunkt", "messwert", "punkt", "zeile", "lfd", "laufende", "count", "counter",
+        "",
+        "sample",
+        "samples",
+        "data",
+        "datapoint",
+        "point",
+        "points",
+        "row",
+        "line",
+        "frame",
+        "record",
+        "scan",
+        "step",
+        "item",
+        "messpunkt",
+        "messwert",
+        "punkt",
+        "zeile",
+        "lfd",
+        "laufende",
+        "count",
+        "counter",
     ];
     const NUMBER: [&str; 11] = ["", "no", "nr", "num", "number", "nummer", "index", "idx", "id", "count", "#"];
     let (name, unit) = split_unit(text);
@@ -220,7 +240,8 @@ mod tests {
                 && !is_time_name("trunk_g")
                 && !is_time_name("temperature")
         );
-        for name in ["Sample", "Index", "#", "No.", "Nr", "Sample no.", "sample_number", "Sample [-]", "lfd. Nr.", "i"] {
+        for name in ["Sample", "Index", "#", "No.", "Nr", "Sample no.", "sample_number", "Sample [-]", "lfd. Nr.", "i"]
+        {
             assert!(is_counter_name(name), "{name}");
         }
         for name in ["Sample time [s]", "index_g", "accel", "t", "Messung", "Noise", "data [g]", "", "node"] {

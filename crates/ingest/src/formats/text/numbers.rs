@@ -156,8 +156,10 @@ fn grouped(bytes: &[u8], style: NumberStyle) -> Option<ParsedNumber> {
     }
     // `0,123` is a decimal comma whatever other cells say.
     let plain_lead = !unsigned.starts_with(b"0");
-    let certain =
-        groups > 1 || rest.first() == Some(&decimal) || !matches!(mark, [b',' | b'.']) || style.lone_groups && plain_lead;
+    let certain = groups > 1
+        || rest.first() == Some(&decimal)
+        || !matches!(mark, [b',' | b'.'])
+        || style.lone_groups && plain_lead;
     plain.extend(rest);
     let (number, length) = scan(&plain, decimal)?;
     ((1..=3).contains(&lead) && groups > 0 && certain && length == plain.len()).then_some(number)

@@ -162,7 +162,9 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         let (line, next) = line_at(text, offset, number, file)?;
         if let Some(words) = comment(line.bytes) {
             comments.push((lines.len(), Line { bytes: words, ..line }));
-        } else if is_open_quote(line.bytes) && let Some((cell, after, last)) = whole_cell(text, line, next) {
+        } else if is_open_quote(line.bytes)
+            && let Some((cell, after, last)) = whole_cell(text, line, next)
+        {
             lines.push(cell);
             (offset, number) = (after, last + 1);
             continue;
@@ -182,7 +184,9 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
     let best = WAYS
         .iter()
         .zip(&fields_by_way)
-        .flat_map(|(way, fields)| [true, false].map(|agree| (way, agree, first_row(&lines, fields, *way, agree, least))))
+        .flat_map(|(way, fields)| {
+            [true, false].map(|agree| (way, agree, first_row(&lines, fields, *way, agree, least)))
+        })
         .filter_map(|(way, agree, row)| row.map(|row| (way, agree, row)))
         .filter(|(way, _, row)| !way.style.lone_groups || decimal_mark(&lines[row.line..], **way) == Some(b'.'))
         .min_by_key(|(_, agree, row)| (row.line, !agree));
@@ -204,7 +208,8 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
             first_row: lines[first].offset,
             first_line: lines[first].number,
             comments: comments.iter().filter(|(before, _)| *before <= first).map(|(_, line)| *line).collect(),
-            header: lines[..first].to_vec(),
+            // A row of gaps is no header.
+            header: lines[..first].iter().filter(|line| !is_row_of_gaps(line.bytes, way.delimiter)).copied().collect(),
         };
         refuse_broken_decimal_commas(&layout, &lines[first..], file)?;
         return Ok(layout);
@@ -222,6 +227,11 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
 /// Whether a line holds nothing but delimiters and empty quotes, as spreadsheets write below the last row.
 pub fn is_blank_row(line: &[u8]) -> bool {
     line.iter().all(|b| matches!(b, b',' | b';' | b'"') || b.is_ascii_whitespace())
+}
+
+/// Whether a line holds `NaN` and the like alone.
+fn is_row_of_gaps(line: &[u8], delimiter: Delimiter) -> bool {
+    delimiter.split(line).iter().all(|text| is_gap(text))
 }
 
 /// Whether a quote is left open at the end of a line.
@@ -291,7 +301,10 @@ fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> R
     let whole_numbers = || {
         rows.iter().all(|row| !row.bytes.contains(&b'.') && !row.bytes.contains(&b'e') && !row.bytes.contains(&b'E'))
     };
-    if (layout.delimiter, layout.style.decimal) != (Delimiter::Byte(b','), b'.') || layout.columns < 3 || !whole_numbers() {
+    if (layout.delimiter, layout.style.decimal) != (Delimiter::Byte(b','), b'.')
+        || layout.columns < 3
+        || !whole_numbers()
+    {
         return Ok(());
     }
     let names = layout.header.last().map(|line| Delimiter::Byte(b',').split(line.bytes).len());
@@ -372,8 +385,10 @@ fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
             shapes.windows(ALIKE).position(|rows| is_row(&rows[0]) && rows.iter().all(|row| *row == rows[0]))?;
         let column = shapes[first].iter().position(|number| !number)?;
         let text = decode(unquoted(way.delimiter.split(lines[first].bytes)[column]));
-        let names =
-            first.checked_sub(1).map(|k| way.delimiter.split(lines[k].bytes)).filter(|n| n.len() == shapes[first].len());
+        let names = first
+            .checked_sub(1)
+            .map(|k| way.delimiter.split(lines[k].bytes))
+            .filter(|n| n.len() == shapes[first].len());
         let number = column + 1;
         let title = names.map_or_else(|| number.to_string(), |n| format!("{number} ({})", decode(unquoted(n[column]))));
         let is_clock = text.contains(':') && text.bytes().any(|b| b.is_ascii_digit());
