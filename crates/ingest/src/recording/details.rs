@@ -140,11 +140,11 @@ pub fn from_comments<'a>(
                     // 873 kg and 0.873 t are one mass.
                     let same = slot.as_ref().is_some_and(|old| (old.value - value).abs() <= 1e-9 * value.abs());
                     if !same {
-                        let unit = dimension.si_unit();
-                        let of = |stated: &Stated<f64>| Stated {
-                            value: format!("{} {unit}", stated.value),
-                            from: stated.from.clone(),
+                        let show = |si: f64| match dimension {
+                            Dimension::Signal(_) => format!("{} km/h", (3.6e6 * si).round() / 1e6),
+                            _ => format!("{si} {}", dimension.si_unit()),
                         };
+                        let of = |stated: &Stated<f64>| Stated { value: show(stated.value), from: stated.from.clone() };
                         let stated = Stated { value, from };
                         state_once(&mut slot.as_ref().map(of), of(&stated), is_over, place, flag)?;
                         *slot = Some(stated);
