@@ -613,6 +613,17 @@ fn the_layout_of_every_record_type_is_frozen() {
         classification: Some("12FDEW2".into()),
         from: "DPD1-DPD6, VEHWID".into(),
     });
+    freeze(&VehiclesV1 {
+        vehicles: vec![VehicleV1 {
+            number: 2,
+            description: Some("2015 sedan".into()),
+            mass_kg: Some(1400.0),
+            impact_speed_m_per_s: Some(0.0),
+            pulse: Some("21".into()),
+            channels: vec!["21".into(), "22".into()],
+        }],
+        closing_speed_m_per_s: Some(12.5),
+    });
     freeze(&ChannelFilterV1 {
         cfc: Some(60),
         mode: "iso6487".into(),

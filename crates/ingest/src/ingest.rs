@@ -8,7 +8,7 @@ use crate::formats::reader::{Bundle, stem};
 use crate::pulse::polarity::{self, Polarity};
 use crate::pulse::{choice, velocity};
 use crate::recording::content::Recording;
-use crate::recording::details::{self, Damage, Details, Stated};
+use crate::recording::details::{self, Damage, Details, Stated, TestVehicle};
 use crate::recording::read_channel::ReadChannel;
 use crate::recording::wave::Wave;
 use crate::recording::{quality, unheeded_flags};
@@ -24,6 +24,10 @@ pub struct Ingested {
     pub waves: Vec<Wave>,
     /// What was measured on the vehicle afterwards, where the record says so.
     pub damage: Option<Damage>,
+    /// The vehicles of a test with several, that of the pulse with what was stated about it.
+    pub vehicles: Vec<TestVehicle>,
+    /// Speed at which they approach each other, m/s.
+    pub closing_speed_m_per_s: Option<f64>,
     /// Remarks.
     pub notes: Notes,
 }
@@ -41,7 +45,8 @@ impl Ingested {
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
 pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
-    let stated_in_sidecar = sidecar::settings(bundle)?;
+    let stated_in_sidecar = sidecar::settings(bundle)?.with_number_of_vehicle();
+    let flags = &flags.with_number_of_vehicle();
     let choices = flags.over(&stated_in_sidecar);
     let reader = bundle.reader;
     let mut recording = reader.read(bundle, &choices)?;
@@ -62,6 +67,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     lost_point::check_others(others.map(|(_, read)| read), &mut notes);
 
     if let Some(pulse) = pulse {
+        facts_of_its_vehicle(&mut recording, pulse, &mut notes);
         speed_of_the_pulse(&mut recording, pulse, &mut notes);
     }
     if let Some(sidecar) = &bundle.sidecar {
@@ -98,10 +104,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
     if let Some(question) = details::question_mass(&recording.details).filter(|_| !is_of_occupant) {
-        // What everything else rests on is said first.
-        let rest = std::mem::take(&mut notes);
-        notes.warning(question);
-        notes.extend(rest);
+        notes.concern_first(About::Mass, question);
     }
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();
@@ -109,6 +112,13 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
 
     let details = recording.details;
     let damage = details.damage;
+    let mut vehicles = details.vehicles;
+    let carries = |vehicle: &TestVehicle| pulse_id.as_ref().is_some_and(|id| vehicle.channels.contains(id));
+    if let Some(own) = vehicles.iter_mut().find(|vehicle| carries(vehicle)) {
+        own.mass_kg = details.mass_kg.as_ref().map(|s| s.value);
+        own.impact_speed_m_per_s = speed;
+        own.pulse.clone_from(&pulse_id);
+    }
     let words = |stated: Option<Stated<String>>| stated.map(|s| s.value);
     let test = TestDescription {
         title: words(details.title).unwrap_or_else(|| stem(file).to_owned()),
@@ -122,11 +132,12 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         notes: details.facts,
         time_zero,
     };
-    Ok(Ingested { test, waves, damage, notes })
+    let closing_speed_m_per_s = details.closing_speed_m_per_s;
+    Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, notes })
 }
 
-/// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record without a
-/// pulse.
+/// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record
+/// without a pulse.
 fn missing_details(details: &Details, has_comments: bool, is_of_occupant: bool, from_rest: bool, notes: &mut Notes) {
     if is_of_occupant {
         if details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none() {
@@ -172,6 +183,31 @@ fn take_waves(recording: &mut Recording) -> Vec<Wave> {
         Some(Wave { id: read.channel.id.clone(), quantity: read.channel.quantity, samples, quality })
     };
     recording.channels.iter_mut().filter_map(take).collect()
+}
+
+/// A pulse on another vehicle than the one that the record was read for has the mass and the speed of its own.
+fn facts_of_its_vehicle(recording: &mut Recording, pulse: usize, notes: &mut Notes) {
+    let id = &recording.channels[pulse].channel.id;
+    let details = &mut recording.details;
+    let Some(own) = details.vehicles.iter().find(|vehicle| vehicle.channels.contains(id)) else { return };
+    let numbers: Vec<String> = details.vehicles.iter().map(|vehicle| vehicle.number.to_string()).collect();
+    let others: Vec<&String> = numbers.iter().filter(|number| **number != own.number.to_string()).collect();
+    let other = others.first().map_or("", |number| number.as_str());
+    notes.info(format!(
+        "vehicles {} meet: mass, speed and description are those of vehicle {}, which carries the pulse; --vehicle \
+         {other} takes the other",
+        numbers.join(" and "),
+        own.number
+    ));
+    let of = |value| Stated { value, from: format!("the entry of vehicle {}", own.number) };
+    let words = own.description.clone();
+    details.vehicle = words.map(|value| Stated { value, from: format!("the entry of vehicle {}", own.number) });
+    if details.mass_kg.as_ref().map(|s| s.value) != own.mass_kg {
+        // Read for another vehicle, whose damage it is, too.
+        details.damage = None;
+    }
+    details.mass_kg = own.mass_kg.map(of);
+    details.impact_speed_m_per_s = own.impact_speed_m_per_s.map(of);
 }
 
 /// The pulse's own initial velocity is the better statement of the impact speed than the vehicle's.

@@ -26,14 +26,17 @@ fn the_table_has_a_line_a_channel() {
     let (code, text, _) = list(&table(), &[]);
     assert_eq!(code, 0);
     let cells: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
-    let head = ["id", "code", "location", "axis", "quantity", "unit", "rate_hz", "samples", "cfc", "status", "comment"];
+    let head = "id code location attached axis quantity unit rate_hz samples cfc status comment";
+    let head: Vec<&str> = head.split(' ').collect();
     assert_eq!(cells[0], head);
     assert_eq!(
         cells[1],
-        ["accel_x_cfc60_g", "-", "-", "x", "acceleration", "m/s^2", "10000", "100", "60", "valid", "-"]
+        ["accel_x_cfc60_g", "-", "-", "-", "x", "acceleration", "m/s^2", "10000", "100", "60", "valid", "-"]
     );
-    assert_eq!(cells[2], ["force", "-", "-", "-", "force", "N", "10000", "100", "-", "valid", "-"]);
-    assert_eq!(cells[3][4], "other");
+    assert_eq!(cells[2], ["force", "-", "-", "-", "-", "force", "N", "10000", "100", "-", "valid", "-"]);
+    assert_eq!(cells[3][5], "other");
+    let (_, text, _) = list(&table(), &["--search", "FORCE", "--with-data"]);
+    assert_eq!(text.lines().count(), 2, "{text}");
     assert_eq!(cells.len(), 4);
 }
 

@@ -96,18 +96,20 @@ fn twenty_samples() {
 }
 
 #[test]
-fn mass_or_speed_missing() {
+fn mass_or_speed_missing_is_no_reason_to_refuse() {
     let text = format!("time_s,accel_g\n{}", rows(300));
-    refused(
-        "a.csv",
-        &text,
-        &STATED[2..],
-        &["does not state the mass of the vehicle", "--mass 1500kg", "--allow-missing"],
-    );
-    refused("a.csv", &text, &STATED[..2], &["does not state the impact speed", "--impact-speed 50km/h"]);
-    let (code, text) = run("a.csv", text.as_bytes(), &["--allow-missing"]);
-    assert_eq!(code, 0, "{text}");
-    assert!(text.contains("mass unknown") && text.contains("warning: not stated, as allowed"), "{text}");
+    for (flags, words) in [
+        (&STATED[2..], "mass unknown"),
+        (&STATED[..2], "impact speed unknown"),
+        (&[], "mass unknown, impact speed unknown"),
+    ] {
+        let (code, said) = run("a.csv", text.as_bytes(), flags);
+        assert_eq!(code, 0, "{said}");
+        assert!(said.contains(words), "{said}");
+        // What follows from it, and how to state it.
+        assert_eq!(said.contains("add --mass 1500kg"), words.contains("mass"), "{said}");
+        assert_eq!(said.contains("add --impact-speed 50km/h"), words.contains("speed"), "{said}");
+    }
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn events_and_metrics_are_those_of_an_independent_implementation() {
             velocity: &motion.velocity,
             displacement: &motion.displacement,
             events: &events,
-            impact_speed_m_per_s: v0,
+            impact_speed_m_per_s: Some(v0),
             mass_kg: Some(mass_kg),
             time_zero_s: 0.0,
         })

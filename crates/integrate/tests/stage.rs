@@ -93,7 +93,7 @@ fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
     assert_eq!(events.end_of_event_rule.as_deref(), Some("end of the record"));
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
     assert_eq!(
-        notes.notes,
+        notes.notes[1..],
         ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: no dynamic crush, no \
              rebound; delta-v is 29.980 m/s at 149.9 ms, the lowest velocity up to the end of the event at 149.9 ms \
              (end of the record): a lower bound, it still changes there"]
@@ -101,12 +101,13 @@ fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
 }
 
 #[test]
-fn a_missing_impact_speed_is_asked_for_by_name_and_a_flag_gives_it() {
+fn a_missing_impact_speed_leaves_the_pulse_and_a_flag_gives_it() {
     let folder = tempfile::tempdir().unwrap();
     let input = filtered(folder.path(), &constant(None, None, None));
     let output = run(&input, &[]);
     let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(4), "{stderr}");
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("change of velocity 29.980 m/s"), "{stderr}");
     assert!(stderr.contains("no impact speed") && stderr.contains("--impact-speed 35km/h"), "{stderr}");
     assert_eq!(run(&input, &["--impact-speed", "20"]).status.code(), Some(2));
 
@@ -245,4 +246,43 @@ fn the_pulse_may_be_named_by_code_or_pattern() {
         assert_eq!(events(&result(&input, &["--channel", name])).channel, "a", "{name}");
     }
     assert_eq!(run(&input, &["--channel", "1?ENGN*"]).status.code(), Some(3));
+}
+
+#[test]
+fn without_an_impact_speed_the_metrics_that_need_none_are_those_with_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = result(&filtered(folder.path(), &constant(Some(20.0), Some(900.0), None)), &[]);
+    let without = result(&filtered(folder.path(), &constant(None, Some(900.0), None)), &[]);
+    let metrics = |artifact: &Artifact| artifact.record::<MetricsV1>("/metrics").unwrap().unwrap().0;
+    let (with, without_speed) = (metrics(&with), metrics(&without));
+    assert_eq!(with.len(), without_speed.len());
+    let value = |metrics: &[crumple_artifact::records::MetricV1], name: &str| {
+        metrics.iter().find(|metric| metric.name == name).unwrap().value
+    };
+    for name in ["peak_acceleration", "time_of_peak_acceleration", "sm25", "olc", "vpi"] {
+        let (a, b) = (value(&with, name).unwrap(), value(&without_speed, name).unwrap());
+        // The sums start at 20 and at 0: rounding.
+        assert!((a - b).abs() <= 1e-9 * a.abs(), "{name}: {a} {b}");
+    }
+    // 150 ms at 200 m/s² take 30 m/s off, whatever the speed was.
+    assert!((value(&without_speed, "delta_v").unwrap() - 0.1499 * 200.0).abs() < 1e-9);
+    for name in ["dynamic_crush", "coefficient_of_restitution", "impact_energy", "average_stiffness"] {
+        let metric = without_speed.iter().find(|metric| metric.name == name).unwrap();
+        assert_eq!(metric.value, None, "{name}");
+        assert!(metric.definition.contains("the impact speed is not stated"), "{}", metric.definition);
+    }
+    assert_eq!(without.waves().keys().collect::<Vec<_>>(), ["a/velocity_change"]);
+    assert!(without.record::<EventsV1>("/events").unwrap().is_none());
+}
+
+#[test]
+fn a_speed_that_does_not_fit_the_pulse_is_questioned_before_anything_else() {
+    let folder = tempfile::tempdir().unwrap();
+    // 30 m/s are taken off: at 15 m/s the vehicle would leave the wall as fast as it came.
+    for (speed, words) in [(15.0, "rebounds at 1.00 of it"), (40.0, "never comes to rest")] {
+        let artifact = result(&filtered(folder.path(), &constant(Some(speed), Some(900.0), None)), &[]);
+        let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+        assert!(notes.notes[0].starts_with("warning: is the impact speed of"), "{:?}", notes.notes);
+        assert!(notes.notes[0].contains(words) && notes.notes[0].contains("94 km/h would fit"), "{:?}", notes.notes);
+    }
 }

@@ -242,7 +242,7 @@ fn every_event_and_metric_has_an_interval_but_what_replicates_lack_and_a_check_o
         velocity: &motion.velocity,
         displacement: &motion.displacement,
         events: &crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap(),
-        impact_speed_m_per_s: V0,
+        impact_speed_m_per_s: Some(V0),
         mass_kg: Some(1000.0),
         time_zero_s: 0.0,
     })

@@ -35,6 +35,7 @@ pub use energy::damage_profile::DamageProfile;
 pub use energy::wall_stiffness::{INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, WallStiffness, wall_stiffness};
 pub use energy::work::energy_equivalent_speed;
 pub use error::MetricsError;
+pub use events::collision::{MutualCrush, TwoVehicleImpact, collision, common_velocity};
 pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
 pub use events::separation::{acceleration_after_separation, restitution_of_two_bodies};
 pub use events::time_zero::{

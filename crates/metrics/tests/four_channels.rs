@@ -23,7 +23,7 @@ fn metrics(record: &Sampled) -> Vec<Metric> {
         velocity: &v,
         displacement: &x,
         events: &events,
-        impact_speed_m_per_s: v0,
+        impact_speed_m_per_s: Some(v0),
         mass_kg: Some(1719.0),
         time_zero_s: 0.0,
     })

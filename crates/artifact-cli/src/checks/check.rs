@@ -3,7 +3,8 @@
 use crumple_artifact::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
     IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
-    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, WaveBlockV1,
+    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1,
+    WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
@@ -46,6 +47,7 @@ const STATED: [(&str, &[&str]); 24] = [
     ("/parameters/", &[CandidateV1::SCHEMA]),
     ("/simulation/", &[SimulationV1::SCHEMA]),
     ("/damage", &[DamageV1::SCHEMA]),
+    ("/vehicles", &[VehiclesV1::SCHEMA]),
     ("/recommendation", &[RecommendationV1::SCHEMA]),
     ("/prediction/", &[PredictionV1::SCHEMA]),
     ("/notes", &[NotesV1::SCHEMA]),

@@ -13,7 +13,7 @@ use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
     IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
     SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
-    WaveBlockV1,
+    VehiclesV1, WaveBlockV1,
 };
 
 /// A type that may stand in an artifact.
@@ -88,6 +88,7 @@ record! {
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
     DamageV1 => "crumple.Damage.v1",
     ConcernsV1 => "crumple.Concerns.v1",
+    VehiclesV1 => "crumple.Vehicles.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",
     EventsV1 => "crumple.Events.v1",
     EvidenceV1 => "crumple.Evidence.v1",

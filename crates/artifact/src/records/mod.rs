@@ -25,7 +25,7 @@ pub use identified::{
 };
 pub use measured::{
     ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1,
-    MissingIntervalV1, QualityV1, SourceV1, TestV1, WaveBlockV1,
+    MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1, VehiclesV1, WaveBlockV1,
 };
 pub use predicted::{
     AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,

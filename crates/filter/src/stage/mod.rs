@@ -16,7 +16,7 @@ use crumple_filter::{
     Applied, Coefficients, Pass, Resampling, keep_every, kept, resample, resolve_id, resolve_ids, samples_added,
 };
 use crumple_signal::{Channel, QuantityKind, TestDescription};
-use crumple_stage::records::{DamageV1, TestV1};
+use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
 
 use crate::stage::align::align;
@@ -104,6 +104,9 @@ impl Stage for Filter {
         out.put("/test", &TestV1::from(&test))?;
         if let Some(damage) = input.record_if::<DamageV1>("/damage")? {
             out.put("/damage", &damage)?;
+        }
+        if let Some(vehicles) = input.record_if::<VehiclesV1>("/vehicles")? {
+            out.put("/vehicles", &vehicles)?;
         }
         Ok(Outcome::Done)
     }

@@ -389,11 +389,8 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
         barrier: words(&test.barrier),
         mass_kg: test.mass_kg.map(stated),
         impact_speed_m_per_s: test.impact_speed_m_per_s.map(stated),
-        time_zero_s: None,
-        speed_not_taken: None,
-        damage: None,
-        no_pulse: false,
         facts,
+        ..Details::default()
     };
     let read = |channel: Channel| {
         let wave = artifact.waves().get(&channel.id).filter(|w| w.quantity == channel.quantity);

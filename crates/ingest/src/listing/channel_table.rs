@@ -17,6 +17,8 @@ pub struct ListedChannel {
     pub code: Option<String>,
     /// Where the sensor sits.
     pub location: String,
+    /// Where it is attached by the record's own code: `DSLF`, `VECG`.
+    pub attachment: Option<String>,
     /// `x`, `y`, `z`, `resultant`.
     pub axis: Option<String>,
     /// What is measured.
@@ -43,6 +45,7 @@ impl ListedChannel {
             id: channel.id.clone(),
             code: channel.code.clone(),
             location: channel.location.clone(),
+            attachment: read.attachment.clone(),
             axis: channel.axis.map(|a| a.to_string()),
             quantity: channel.quantity.to_string(),
             unit: channel.quantity.si_unit().to_owned(),
@@ -60,10 +63,25 @@ impl ListedChannel {
     }
 }
 
-/// The channels of a record, in its order. What would stop a stage for want of a unit, a mass or a pulse does not stop
-/// here.
+impl ListedChannel {
+    /// Whether it has samples.
+    pub fn has_data(&self) -> bool {
+        self.samples > 0
+    }
+
+    /// Whether a word stands in what the table says of it, in any case.
+    pub fn mentions(&self, word: &str) -> bool {
+        let texts = [&self.code, &self.axis, &self.attachment, &self.comment].into_iter().flatten();
+        let mut texts = texts.chain([&self.id, &self.location, &self.quantity, &self.status]);
+        texts.any(|text| text.to_lowercase().contains(&word.to_lowercase()))
+    }
+}
+
+/// The channels of a record, those with data first, else in its order. What would stop a stage for want of a unit, a
+/// mass or a pulse does not stop here.
 pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>, IngestError> {
-    let stated_in_sidecar = sidecar::settings(bundle)?;
+    let stated_in_sidecar = sidecar::settings(bundle)?.with_number_of_vehicle();
+    let flags = &flags.with_number_of_vehicle();
     let mut choices = flags.over(&stated_in_sidecar);
     let wanted = choices.channel.take();
     choices.allow_missing = Some(true);
@@ -84,5 +102,9 @@ pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel
         }
         None => (0..recording.channels.len()).collect(),
     };
-    Ok(shown.into_iter().map(|k| ListedChannel::new(&recording.channels[k])).collect())
+    let mut listed: Vec<ListedChannel> =
+        shown.into_iter().map(|k| ListedChannel::new(&recording.channels[k])).collect();
+    // Stable: a test may list hundreds whose files are not here.
+    listed.sort_by_key(|channel| !channel.has_data());
+    Ok(listed)
 }

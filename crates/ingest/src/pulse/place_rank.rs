@@ -20,8 +20,8 @@ pub fn fitness(code: &IsoCode, vehicle: u32) -> Option<Fitness> {
     let (place, why) = match code.main_location() {
         "SECM" | "CRME" | "SEAT" | "FORA" => (0, "rear-seat crossmember or rear floor"),
         // NHTSA names a sill by its door.
-        "SILB" | "DOOR" if rear => (1, "rear sill"),
-        "SILB" => (2, "sill"),
+        "SILB" | "SILL" | "DOOR" if rear => (1, "rear sill"),
+        "SILB" | "SILL" => (2, "sill"),
         "BPIL" => (3, "B-pillar"),
         "VEHC" => (4, "vehicle centre of gravity"),
         "TUNN" => (5, "tunnel"),

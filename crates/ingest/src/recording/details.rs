@@ -31,6 +31,23 @@ pub struct Damage {
     pub from: String,
 }
 
+/// A vehicle of a test with several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TestVehicle {
+    /// Number by which the record names it.
+    pub number: u32,
+    /// In words.
+    pub description: Option<String>,
+    /// Test mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Speed just before contact, m/s; 0: it stands.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// The channel that serves best as its pulse.
+    pub pulse: Option<String>,
+    /// Ids of all channels on it and in it.
+    pub channels: Vec<String>,
+}
+
 /// What the record says of the test.
 #[derive(Debug, Clone, Default)]
 pub struct Details {
@@ -48,6 +65,10 @@ pub struct Details {
     pub time_zero_s: Option<Stated<f64>>,
     /// What was measured on the vehicle afterwards.
     pub damage: Option<Damage>,
+    /// The vehicles of a test with several; empty for one.
+    pub vehicles: Vec<TestVehicle>,
+    /// Speed at which they approach each other, m/s.
+    pub closing_speed_m_per_s: Option<f64>,
     /// What the record says of the impact speed and is not taken, and why, in words.
     pub speed_not_taken: Option<String>,
     /// The record is of a kind that has no crash pulse (an event data recorder's velocity change, say): mass, speed and
@@ -119,11 +140,11 @@ pub fn from_comments<'a>(
                     // 873 kg and 0.873 t are one mass.
                     let same = slot.as_ref().is_some_and(|old| (old.value - value).abs() <= 1e-9 * value.abs());
                     if !same {
-                        let unit = dimension.si_unit();
-                        let of = |stated: &Stated<f64>| Stated {
-                            value: format!("{} {unit}", stated.value),
-                            from: stated.from.clone(),
+                        let show = |si: f64| match dimension {
+                            Dimension::Signal(_) => format!("{} km/h", (3.6e6 * si).round() / 1e6),
+                            _ => format!("{si} {}", dimension.si_unit()),
                         };
+                        let of = |stated: &Stated<f64>| Stated { value: show(stated.value), from: stated.from.clone() };
                         let stated = Stated { value, from };
                         state_once(&mut slot.as_ref().map(of), of(&stated), is_over, place, flag)?;
                         *slot = Some(stated);
@@ -227,15 +248,21 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
         let found = details.speed_not_taken.as_ref().map_or_else(String::new, |found| format!(" ({found})"));
         if from_rest {
             notes.info(format!(
-                "no impact speed is stated{found}, and the pulse pushes the vehicle forward, as on a sled or from behind: \
+                "no impact speed is stated{found}, and the pulse pushes the vehicle forward, as on a sled or from \
+                 behind: \
                  its velocity is taken as the change from time zero"
             ));
         } else {
-            notes.concern(About::ImpactSpeed, Weight::Decisive, format!(
-                "no impact speed is stated{found}: peak, change of velocity and shape of the pulse need none; for crush, \
+            notes.concern(
+                About::ImpactSpeed,
+                Weight::Decisive,
+                format!(
+                    "no impact speed is stated{found}: peak, change of velocity and shape of the pulse need none; for \
+                 crush, \
                  restitution and models add --impact-speed 50km/h{}",
-                lines("impact speed: 50 km/h")
-            ));
+                    lines("impact speed: 50 km/h")
+                ),
+            );
         }
     }
     if details.mass_kg.is_none() {
@@ -266,7 +293,8 @@ pub fn question_mass(details: &Details) -> Option<String> {
     let meant =
         meant.map_or_else(String::new, |(unit, factor)| format!(" ({:.0} kg if {unit} is meant)", value * factor));
     Some(format!(
-        "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with it; \
+        "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with \
+         it; \
          --mass 1500kg states another"
     ))
 }

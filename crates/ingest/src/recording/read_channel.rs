@@ -19,6 +19,8 @@ pub struct ReadChannel {
     pub fitness: Option<Fitness>,
     /// Other names under which the channel may be asked for.
     pub aliases: Vec<String>,
+    /// Where it is attached by the record's own code: `DSLF`, `VECG`.
+    pub attachment: Option<String>,
     /// Why its file cannot be read, with file and line, where it is here.
     pub unread: Option<String>,
     /// The lines of its samples, where they stand in a text with other channels.
@@ -28,7 +30,16 @@ pub struct ReadChannel {
 impl ReadChannel {
     /// A channel without samples, neither named otherwise nor fit for the pulse.
     pub fn new(channel: Channel) -> Self {
-        Self { channel, wave: None, jitter: 0.0, fitness: None, aliases: Vec::new(), unread: None, lines: None }
+        Self {
+            channel,
+            wave: None,
+            jitter: 0.0,
+            fitness: None,
+            aliases: Vec::new(),
+            attachment: None,
+            unread: None,
+            lines: None,
+        }
     }
 
     /// A channel whose file is here and cannot be read: listed without data, the reason in its comment.

@@ -77,7 +77,7 @@ pub struct IngestSettings {
     /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
     #[arg(long, value_name = "NUMBER")]
     pub vehicle_number: Option<u32>,
-    /// Vehicle, in words.
+    /// Vehicle, in words; 1 or 2: its number, as --vehicle-number.
     #[arg(long, value_name = "TEXT")]
     pub vehicle: Option<String>,
     /// Title of the test. Default: the file's, else the file name.
@@ -86,8 +86,8 @@ pub struct IngestSettings {
     /// Barrier, in words.
     #[arg(long, value_name = "TEXT")]
     pub barrier: Option<String>,
-    /// Go on without test mass or impact speed: enough to filter and to identify a linear model, not for crush, force
-    /// or physical parameters. Default: false.
+    /// Go on without a crash pulse: inputs and outputs of any quantity, enough to filter and to identify a linear
+    /// model. Default: false.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub allow_missing: Option<bool>,
     /// Only the table of channels is wanted: nothing is asked back. Not an option of its own.
@@ -118,6 +118,16 @@ impl IngestSettings {
             barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
             allow_missing: self.allow_missing.or(below.allow_missing),
             listing: self.listing,
+        }
+    }
+
+    /// The same, a bare number in place of the vehicle's description taken for its number: `--vehicle 2`.
+    #[must_use]
+    pub fn with_number_of_vehicle(&self) -> Self {
+        let number = self.vehicle.as_deref().and_then(|text| text.trim().parse().ok()).filter(|n| (1..=9).contains(n));
+        match number {
+            Some(_) => Self { vehicle: None, vehicle_number: self.vehicle_number.or(number), ..self.clone() },
+            None => self.clone(),
         }
     }
 

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use crumple_artifact::InputDigest;
-use crumple_artifact::records::{DamageV1, QualityV1, TestV1};
+use crumple_artifact::records::{DamageV1, QualityV1, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Loaded, Outcome, Output, Stage, Usage};
 
-use crumple_ingest::{Bundle, Damage, IngestSettings, Ingested, Quality, ingest};
+use crumple_ingest::{Bundle, Damage, IngestSettings, Ingested, Quality, TestVehicle, ingest};
 
 use crate::stage::process::{refused, show_progress};
 
@@ -61,6 +61,11 @@ impl Stage for Ingest {
         if let Some(damage) = &ingested.damage {
             out.put("/damage", &damage_record(damage))?;
         }
+        if !ingested.vehicles.is_empty() {
+            let vehicles = ingested.vehicles.iter().map(vehicle_record).collect();
+            let closing_speed_m_per_s = ingested.closing_speed_m_per_s;
+            out.put("/vehicles", &VehiclesV1 { vehicles, closing_speed_m_per_s })?;
+        }
         for wave in ingested.waves {
             out.put(&format!("/quality/{}", wave.id), &quality_record(&wave.quality))?;
             out.wave(&wave.id, wave.quantity, wave.samples)?;
@@ -77,6 +82,17 @@ fn damage_record(damage: &Damage) -> DamageV1 {
         vehicle_width_m: damage.vehicle_width_m,
         classification: damage.classification.clone(),
         from: damage.from.clone(),
+    }
+}
+
+fn vehicle_record(vehicle: &TestVehicle) -> VehicleV1 {
+    VehicleV1 {
+        number: vehicle.number,
+        description: vehicle.description.clone(),
+        mass_kg: vehicle.mass_kg,
+        impact_speed_m_per_s: vehicle.impact_speed_m_per_s,
+        pulse: vehicle.pulse.clone(),
+        channels: vehicle.channels.clone(),
     }
 }
 

@@ -3,4 +3,5 @@
 
 pub mod findings;
 pub mod sign;
+pub mod speed_question;
 pub mod time_zero;

@@ -1,13 +1,15 @@
 //! The program: reads the filtered pulse, integrates it, writes motion, events and metrics.
 //! May use the library and `crumple_stage`; nothing uses it.
 //!
-//! rooms: without_motion | pulse criteria | options metric_record
+//! rooms: without_motion without_speed collision | pulse criteria | options metric_record
 
+mod collision;
 mod criteria;
 mod metric_record;
 mod options;
 mod pulse;
 mod without_motion;
+mod without_speed;
 
 use std::path::PathBuf;
 
@@ -15,6 +17,7 @@ use crumple_signal::{About, Channel, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
+use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
 use crate::stage::criteria::load_cells;
 use crate::stage::criteria::occupants_and_roadside::Criteria;
 use crate::stage::criteria::recorder::recorded_changes;
@@ -28,6 +31,7 @@ use crate::stage::pulse::records::{events_record, metric_records};
 use crate::stage::pulse::summary::{note_findings, note_warnings, summary, warn_unless_of_the_vehicle};
 use crate::stage::pulse::time_zero::time_zero;
 use crate::stage::without_motion::{missing_for_motion, without_motion};
+use crate::stage::without_speed::without_speed;
 
 /// The stage.
 pub struct Integrate;
@@ -60,15 +64,26 @@ impl Stage for Integrate {
             return without_motion(settings, input, &test, &channel, missing, out);
         }
         refuse_left_out(&channel, input)?;
+        if speed.is_none() {
+            return without_speed(settings, input, &test, &channel, out);
+        }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
         // What follows works with the speed the motion was made with.
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);
 
         let samples = acceleration(input, &channel)?;
         let zero = time_zero(settings, input, &test, &channel, &samples, impact_speed_m_per_s, out.notes())?;
-        let task = ChannelIntegration { settings, input, test: &test, impact_speed_m_per_s, time_zero_s: zero.time_s };
+        let task = ChannelIntegration {
+            settings,
+            input,
+            test: &test,
+            impact_speed_m_per_s: Some(impact_speed_m_per_s),
+            time_zero_s: zero.time_s,
+        };
         let pulse = task.integrate(&channel, &samples, out)?;
-        note_findings(&pulse, zero.time_s, impact_speed_m_per_s, out.notes());
+        let vehicles = vehicles(input)?;
+        // A partner that gives way leaves speed: the collision is assessed below.
+        note_findings(&pulse, zero.time_s, impact_speed_m_per_s, vehicles.is_empty(), out.notes());
         warn_unless_of_the_vehicle(&channel, out.notes());
         if let Some(uncertainty) = &settings.uncertainty {
             out.notes().info(options::uncertainty::uncertainty_note(uncertainty, pulse.motion.start));
@@ -80,7 +95,10 @@ impl Stage for Integrate {
         out.put("/events", &events_record(&channel.id, settings, &zero, &pulse, impact_speed_m_per_s))?;
         out.summary(summary(&channel.id, &pulse, zero.time_s, impact_speed_m_per_s));
 
-        metrics.extend(integrate_others(&task, &channel, &mut others, out)?);
+        let own_test = of_one_vehicle(&test, &vehicles, &channel.id);
+        let own_task = ChannelIntegration { test: &own_test, ..task };
+        metrics.extend(integrate_others(&own_task, &channel, &mut others, out)?);
+        metrics.extend(other_vehicle(&task, &vehicles, &channel, &pulse, out)?);
         metrics.extend(others.spread(out));
         let against = load_cells::Pulse {
             id: &channel.id,
@@ -141,7 +159,8 @@ fn integrate_others(
     others: &mut ChannelAgreement<'_>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
-    let ChannelIntegration { settings, input, test, impact_speed_m_per_s, time_zero_s } = *task;
+    let ChannelIntegration { settings, input, test, time_zero_s, .. } = *task;
+    let impact_speed_m_per_s = task.impact_speed_m_per_s.unwrap_or(0.0);
     let mut metrics = Vec::new();
     for other in other_channels(&settings.channels, test, &pulse.id, input, out.notes())? {
         let motion = task.integrate(other, &acceleration(input, other)?, out)?;

@@ -1,6 +1,6 @@
 //! What a record shows without a motion: criteria of occupants and recorded changes of velocity need no impact speed.
 
-use crumple_signal::{Channel, TestDescription, part_of};
+use crumple_signal::{Channel, QuantityKind, TestDescription, part_of};
 use crumple_stage::records::{MetricsV1, TestV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
@@ -28,7 +28,10 @@ pub fn missing_for_motion(
     if input.wave_if(&pulse.id).is_none() && occupants() {
         return Some(Missing::Pulse);
     }
-    speed_m_per_s.is_none().then_some(Missing::Speed)
+    // A vehicle has a change of velocity without it; an occupant and a recorder say what they can by themselves.
+    let is_recorded =
+        || test.channels.iter().any(|c| c.quantity == QuantityKind::VelocityChange && input.wave_if(&c.id).is_some());
+    (speed_m_per_s.is_none() && (part_of(pulse).is_some() || is_recorded())).then_some(Missing::Speed)
 }
 
 /// Writes the test and the criteria. Done where the pulse is an occupant's, or not in the inputs: nobody asked for a

@@ -204,7 +204,7 @@ pub fn propagate(
             velocity: &motion.velocity,
             displacement: &motion.displacement,
             events: &events,
-            impact_speed_m_per_s: v0,
+            impact_speed_m_per_s: Some(v0),
             mass_kg,
             time_zero_s,
         })

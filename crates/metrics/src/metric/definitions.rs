@@ -84,6 +84,17 @@ catalogue! {
         "e = -v_s/v0 against a rigid barrier" "definition";
     RESTITUTION_TWO = "restitution-two-bodies" "coefficient_of_restitution" "1" Checked
         "e = (v2' - v1')/(v1 - v2) of two bodies" "definition";
+    RELATIVE_CRUSH = "two-vehicles-relative-crush" "relative_crush" "m" Checked
+        "how much closer the sensors of two vehicles have come at their common velocity, integral of v1 - v2 along the \
+         axis of the first" "definition";
+    TIME_OF_COMMON_VELOCITY = "two-vehicles-common-velocity-time" "time_of_common_velocity" "s" Checked
+        "first zero of the relative velocity of two vehicles, linearly interpolated" "definition";
+    COMMON_VELOCITY = "two-vehicles-common-velocity" "common_velocity" "m/s" Checked
+        "velocity of the first vehicle at the first zero of the relative velocity" "definition";
+    COMMON_VELOCITY_BY_MOMENTUM = "two-vehicles-common-velocity-momentum" "common_velocity_by_momentum" "m/s" Checked
+        "(m1 v1 + m2 v2)/(m1 + m2) of the speeds before contact, along the axis of the first" "definition";
+    MOMENTUM_GAP = "two-vehicles-momentum-gap" "momentum_gap" "1" Checked
+        "(m1 dv1 + m2 dv2)/(m1 |dv1|) up to the common velocity: 0 if no other force acts" "definition";
     REBOUND_DISPLACEMENT = "rebound-displacement" "rebound_displacement" "m" Checked
         "d_e = C - x(t_s), displacement recovered until the lowest velocity" "definition";
     ESW = "square-wave-displacement" "equivalent_square_wave" "m/s^2" Checked

@@ -34,8 +34,8 @@ pub struct Pulse<'a> {
     pub displacement: &'a Signal<Displacement>,
     /// Events of this motion.
     pub events: &'a CrashEvents,
-    /// Impact speed v0, m/s.
-    pub impact_speed_m_per_s: f64,
+    /// Impact speed v0, m/s; `None`: not known, and the velocity is the change of it from time zero.
+    pub impact_speed_m_per_s: Option<f64>,
     /// Test mass, kg, if known.
     pub mass_kg: Option<f64>,
     /// Time zero on the axis of the signals, s.
@@ -49,15 +49,20 @@ pub struct Pulse<'a> {
 pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     same_grid(("the acceleration", pulse.acceleration), ("the velocity", pulse.velocity))?;
     same_grid(("the velocity", pulse.velocity), ("the displacement", pulse.displacement))?;
-    let (v0, mass, crush, rebound, zero_s) =
-        (pulse.impact_speed_m_per_s, pulse.mass_kg, pulse.events.crush, pulse.events.rebound, pulse.time_zero_s);
+    let (v0, mass, crush, rebound, zero_s) = (
+        pulse.impact_speed_m_per_s.unwrap_or(0.0),
+        pulse.mass_kg,
+        pulse.events.crush,
+        pulse.events.rebound,
+        pulse.time_zero_s,
+    );
     let peak = peak(pulse.acceleration);
     let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
 
-    let no_crush = if v0 == 0.0 {
-        "the motion starts from rest".to_owned()
-    } else {
-        format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s)
+    let no_crush = match pulse.impact_speed_m_per_s {
+        None => "the impact speed is not stated".to_owned(),
+        Some(0.0) => "the motion starts from rest".to_owned(),
+        Some(_) => format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s),
     };
     let metric = |definition: &Definition, value: Option<f64>| {
         let reason = match crush {
@@ -88,7 +93,10 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         Some((c, r)) => recovered.over(c.time_s, r.time_s),
         None => recovered,
     };
-    let delta_v = bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower);
+    let delta_v = match largest_change(pulse.velocity, zero_s).filter(|_| v0 == 0.0) {
+        Some(change) => delta_v_from_rest(change),
+        None => bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower),
+    };
     let delta_v = match pulse.events.unstopped {
         Some(unstopped) => {
             let remark = match unstopped.end {
@@ -127,7 +135,8 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         olc(pulse.velocity, pulse.displacement, v0, zero_s, OlcOptions::default())?,
         vpi(pulse.acceleration, zero_s, VpiOptions::default()),
         loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
-        metric(&IMPACT_ENERGY, mass.map(|m| kinetic_energy(m, v0))).over(0.0, 0.0),
+        metric(&IMPACT_ENERGY, pulse.impact_speed_m_per_s.zip(mass).map(|(v0, m)| kinetic_energy(m, v0)))
+            .over(0.0, 0.0),
         bound(metric(&ABSORBED_ENERGY, absorbed), upper),
         bound(metric(&RETURNED_ENERGY, returned), lower),
         bound(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e)), upper),
@@ -135,6 +144,24 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         loading(metric(&CLOSURE, work.map(|w| w / (v0 * v0 / 2.0) - 1.0))),
         drift,
     ])
+}
+
+/// Delta-v of a motion from rest: its largest velocity and when that is, with its direction as a remark.
+fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64)) -> Metric {
+    let way = if change_m_per_s < 0.0 { "rearward" } else { "forward" };
+    let remark = format!("{way}, the largest change from time zero");
+    Metric::with_value(&DELTA_V, change_m_per_s.abs()).over(0.0, time_s).remarked(&remark)
+}
+
+/// The largest velocity of a motion from rest after time zero, signed, m/s, and its time, s from time zero.
+///
+/// For a vehicle that rebounds from a barrier it is the delta-v of the motion with its impact speed, v0 - v_s, whatever
+/// that speed is.
+fn largest_change(velocity: &Signal<Velocity>, zero_s: f64) -> Option<(f64, f64)> {
+    let (v, first) = (velocity.samples(), velocity.index_at_or_after(zero_s));
+    v.get(first)?;
+    let largest = (first..v.len()).fold(first, |k, j| if v[j].abs() > v[k].abs() { j } else { k });
+    Some((v[largest], velocity.time_s(largest) - zero_s))
 }
 
 #[cfg(test)]
@@ -153,7 +180,7 @@ mod tests {
             velocity: &velocity,
             displacement: &x,
             events: &events,
-            impact_speed_m_per_s: 4.0,
+            impact_speed_m_per_s: Some(4.0),
             mass_kg,
             time_zero_s: 0.0,
         })
@@ -189,7 +216,7 @@ mod tests {
                 velocity: &velocity,
                 displacement: &x,
                 events: &events,
-                impact_speed_m_per_s: 15.0,
+                impact_speed_m_per_s: Some(15.0),
                 mass_kg: None,
                 time_zero_s: 0.0,
             });

@@ -35,7 +35,7 @@ impl Motion {
             velocity: &self.velocity,
             displacement: &self.displacement,
             events: &self.events,
-            impact_speed_m_per_s: self.v0,
+            impact_speed_m_per_s: Some(self.v0),
             mass_kg,
             time_zero_s: 0.0,
         });

@@ -42,6 +42,7 @@ pub(super) fn main_location_words(main: &str) -> Option<&'static str> {
         "SECM" => "seat cross member",
         "CRME" => "crossmember",
         "SILB" => "sill beam",
+        "SILL" => "sill",
         "BPIL" => "B-pillar",
         "FORA" => "floor over the rear axle",
         "TUNN" => "tunnel",

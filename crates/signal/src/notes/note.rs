@@ -98,6 +98,11 @@ impl Notes {
         self
     }
 
+    /// Puts a warning before all other notes: what the rest rests on is in doubt.
+    pub fn concern_first(&mut self, about: About, text: impl Into<String>) {
+        self.0.insert(0, Note::warning(text).bears_on(about, Weight::Decisive));
+    }
+
     /// Adds a note as it is.
     pub fn push(&mut self, note: Note) {
         self.0.push(note);

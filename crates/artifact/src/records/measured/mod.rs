@@ -1,4 +1,4 @@
-//! Records of ingest, filter and integrate: the test, its damage, waveforms, filters, quality, events,
+//! Records of ingest, filter and integrate: the test, its vehicles and damage, waveforms, filters, quality, events,
 //! metrics.
 //! Uses error only.
 
@@ -8,6 +8,7 @@ mod events;
 mod metrics;
 mod quality;
 mod test;
+mod vehicles;
 mod wave;
 
 pub use channel_filter::{ChannelFilterV1, CorridorPointV1};
@@ -16,4 +17,5 @@ pub use events::{EventIntervalV1, EventsV1, MissingIntervalV1};
 pub use metrics::{MetricV1, MetricsV1};
 pub use quality::QualityV1;
 pub use test::{ChannelV1, SourceV1, TestV1};
+pub use vehicles::{VehicleV1, VehiclesV1};
 pub use wave::WaveBlockV1;

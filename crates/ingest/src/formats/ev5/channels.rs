@@ -65,7 +65,8 @@ pub fn channel(
             }
         },
     };
-    Ok(ReadChannel { fitness, aliases, ..read })
+    let attachment = Some(curve.attachment.clone()).filter(|code| !code.is_empty());
+    Ok(ReadChannel { fitness, aliases, attachment, ..read })
 }
 
 fn samples(

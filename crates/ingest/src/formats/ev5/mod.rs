@@ -13,10 +13,12 @@ pub mod test_details;
 use std::collections::BTreeMap;
 
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{About, ChannelStatus, Notes, Weight};
+use crumple_signal::{About, ChannelStatus, Notes, QuantityKind, Weight};
 
+use crate::formats::ev5::records::Vehicle;
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::recording::content::{PulseRule, Recording};
+use crate::recording::details::{Details, TestVehicle};
 use crate::recording::read_channel::ReadChannel;
 use crate::{IngestError, IngestSettings, Place};
 use specification::Specification;
@@ -96,12 +98,49 @@ pub fn read(
     channel_notes(&channels, &mut notes);
     unit_note(&specification, &mut notes);
     Ok(Recording {
-        details: test_details::details(&specification.test, specification.barrier.as_ref(), vehicle),
+        details: Details {
+            vehicles: vehicles(&specification, &channels),
+            ..test_details::details(
+                &specification.test,
+                specification.barrier.as_ref(),
+                vehicle,
+                &specification.vehicles,
+            )
+        },
         channels,
         pulse_rule: PulseRule::Fittest,
         contact_at_zero: true,
         notes,
     })
+}
+
+/// The vehicles of a test with several, each with its channels and the best of them as its pulse.
+fn vehicles(specification: &Specification, channels: &[ReadChannel]) -> Vec<TestVehicle> {
+    let Specification { test, vehicles, curves, .. } = specification;
+    if vehicles.len() < 2 {
+        return Vec::new();
+    }
+    let of = |vehicle: &Vehicle| {
+        let own = || curves.iter().zip(channels).filter(|(curve, _)| curve.vehicle == vehicle.number);
+        let candidates = own().filter(|(_, read)| read.wave.is_some() && read.channel.status.has_data());
+        let is_sound = |read: &ReadChannel| {
+            matches!(read.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
+                && read.channel.quantity == QuantityKind::Acceleration
+        };
+        let pulse = candidates
+            .filter(|(_, read)| is_sound(read))
+            .filter_map(|(curve, read)| Some((sensor::fitness(curve, vehicle.number)?, &read.channel.id)))
+            .min_by_key(|(fitness, _)| *fitness);
+        TestVehicle {
+            number: vehicle.number,
+            description: test_details::vehicle_words(test, vehicle),
+            mass_kg: vehicle.test_mass_kg,
+            impact_speed_m_per_s: test_details::speed_km_per_h(test, vehicle, vehicles).map(|(v, _)| v / 3.6),
+            pulse: pulse.map(|(_, id)| id.clone()),
+            channels: own().map(|(_, read)| read.channel.id.clone()).collect(),
+        }
+    };
+    vehicles.iter().map(of).collect()
 }
 
 fn no_files(file: &str, specification: &Specification) -> IngestError {

@@ -3,6 +3,15 @@
 use crate::formats::ev5::fields::Fields;
 use crumple_signal::ChannelStatus;
 
+/// Whether a comment is none: `NO COMMENTS`, `NONE`, `N/A`.
+pub fn says_nothing(comment: &str) -> bool {
+    let words: String = comment.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_uppercase();
+    matches!(
+        words.as_str(),
+        "" | "NOCOMMENT" | "NOCOMMENTS" | "NONE" | "NA" | "NOTAPPLICABLE" | "UNKNOWN" | "NOREMARKS"
+    )
+}
+
 /// TEST.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Test {
@@ -37,7 +46,7 @@ impl Test {
             closing_speed_km_per_h: fields.positive(15),
             impact_angle_deg: fields.number(16),
             offset_mm: fields.number(17),
-            comment: fields.words(20),
+            comment: fields.words(20).filter(|c| !says_nothing(c)),
         }
     }
 }
@@ -55,12 +64,18 @@ pub struct Vehicle {
     pub test_mass_kg: Option<f64>,
     /// 15 VEHWID, mm.
     pub width_mm: Option<f64>,
-    /// 42 VEHSPD, km/h.
+    /// 42 VEHSPD, km/h; 0 may be a vehicle that stands, or not recorded.
     pub speed_km_per_h: Option<f64>,
     /// 48-53 DPD1-DPD6, crush profile, mm; may be negative.
     pub crush_profile_mm: Vec<f64>,
     /// 54 VDI, collision deformation classification.
     pub damage_classification: Option<String>,
+    /// 43 CRBANG, angle of the vehicle's axis to its path, degrees.
+    pub crab_angle_deg: Option<f64>,
+    /// 44 PDOF, principal direction of force, degrees.
+    pub principal_direction_deg: Option<f64>,
+    /// 56 DAMDST, distance of the damage's middle from that of the vehicle, mm.
+    pub damage_offset_mm: Option<f64>,
     /// 55 LENCNT, length of the contact damage, mm.
     pub damage_width_mm: Option<f64>,
     /// 57 CRHDST, largest static crush, mm.
@@ -77,13 +92,16 @@ impl Vehicle {
             year: fields.words(4),
             test_mass_kg: fields.positive(11),
             width_mm: fields.positive(15),
-            speed_km_per_h: fields.positive(42),
+            speed_km_per_h: fields.number(42).filter(|v| *v >= 0.0),
             crush_profile_mm: (48..=53).filter_map(|k| fields.number(k)).collect(),
             damage_classification: fields.words(54),
+            crab_angle_deg: fields.number(43).filter(|a| *a != 0.0),
+            principal_direction_deg: fields.number(44).filter(|a| *a != 0.0),
+            damage_offset_mm: fields.number(56).filter(|x| *x != 0.0),
             damage_width_mm: fields.positive(55),
             static_crush_mm: fields.positive(57),
             // A lone 0 is "nothing recorded" here, too.
-            comment: fields.words(81).filter(|c| c != "0"),
+            comment: fields.words(81).filter(|c| c != "0" && !says_nothing(c)),
         }
     }
 }
@@ -110,7 +128,7 @@ impl Barrier {
             shape: fields.words(2),
             angle_deg: fields.positive(3),
             diameter_mm: fields.positive(4),
-            comment: fields.words(5),
+            comment: fields.words(5).filter(|c| !says_nothing(c)),
         }
     }
 
@@ -209,7 +227,7 @@ impl Curve {
             interval_us: fields.positive(17),
             status: text(18),
             channel_status: text(19),
-            comment: fields.words(20),
+            comment: fields.words(20).filter(|c| !says_nothing(c)),
         })
     }
 

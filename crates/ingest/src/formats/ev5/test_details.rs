@@ -9,12 +9,9 @@ use crate::recording::details::{Damage, Details, Stated};
 const STATIONS: usize = 6;
 
 /// Facts of the test from its records.
-pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Details {
+pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle, vehicles: &[Vehicle]) -> Details {
     let stated = |value: String, from: &str| Stated { value, from: from.to_owned() };
-    let speed = vehicle.speed_km_per_h.map(|v| (v, "VEHSPD")).or_else(|| {
-        // The closing speed is the vehicle's own only if the other object stands still.
-        test.closing_speed_km_per_h.filter(|_| test.configuration.as_deref() == Some("VTB")).map(|v| (v, "CLSSPD"))
-    });
+    let speed = speed_km_per_h(test, vehicle, vehicles);
     Details {
         title: test.title.clone().map(|t| stated(t, "TITLE")),
         vehicle: vehicle_words(test, vehicle).map(|v| stated(v, "TITLE")),
@@ -26,24 +23,35 @@ pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle) -> Det
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
         time_zero_s: None,
         damage: damage(vehicle),
+        vehicles: Vec::new(),
+        closing_speed_m_per_s: test.closing_speed_km_per_h.map(|v| v / 3.6),
         speed_not_taken: None,
         no_pulse: false,
         facts: facts(test, vehicle),
     }
 }
 
-/// `2018 TOYOTA CAMRY LE 4-DOOR SEDAN`: the title from the model year on; make and model are codes.
-fn vehicle_words(test: &Test, vehicle: &Vehicle) -> Option<String> {
+/// The speed of a vehicle, km/h, and the field that states it. 0 is a speed where another vehicle moves, or where the
+/// closing speed is that of something that hits this one; else it means not recorded.
+pub fn speed_km_per_h(test: &Test, vehicle: &Vehicle, vehicles: &[Vehicle]) -> Option<(f64, &'static str)> {
+    let is_barrier = test.configuration.as_deref() == Some("VTB");
+    let another_moves = vehicles.iter().any(|other| other.number != vehicle.number && other.speed_km_per_h > Some(0.0));
+    let may_stand = another_moves || (test.closing_speed_km_per_h.is_some() && !is_barrier);
+    let own = vehicle.speed_km_per_h.filter(|v| *v > 0.0 || may_stand).map(|v| (v, "VEHSPD"));
+    // The closing speed is the vehicle's own only if the other object stands still.
+    own.or_else(|| test.closing_speed_km_per_h.filter(|_| is_barrier).map(|v| (v, "CLSSPD")))
+}
+
+/// `2018 TOYOTA CAMRY LE 4-DOOR SEDAN`: the title from the model year on, its part after `INTO` for the second vehicle.
+/// Make and model are codes whose tables are not public: they stay out.
+pub fn vehicle_words(test: &Test, vehicle: &Vehicle) -> Option<String> {
     let year = vehicle.year.as_deref()?;
     let from_title = test.title.as_deref().and_then(|title| {
-        let words = &title[title.find(year)?..];
-        let words = words.split(" INTO ").next().unwrap_or(words).trim();
+        let part = title.split(" INTO ").nth(usize::try_from(vehicle.number).ok()?.checked_sub(1)?)?;
+        let words = part[part.find(year)?..].trim();
         (words.len() > year.len()).then(|| words.to_owned())
     });
-    from_title.or_else(|| {
-        let [make, model] = &vehicle.make_and_model;
-        Some(format!("{year}, make code {}, model code {}", make.as_deref()?, model.as_deref()?))
-    })
+    from_title.or_else(|| Some(format!("of model year {year}")))
 }
 
 /// The crush profile DPD1 to DPD6; all zero is nothing recorded.
@@ -85,6 +93,14 @@ fn facts(test: &Test, vehicle: &Vehicle) -> Vec<String> {
         let angle = test.impact_angle_deg.map_or_else(String::new, |a| format!(", impact angle {a} deg"));
         let offset = test.offset_mm.filter(|o| *o != 0.0).map_or_else(String::new, |o| format!(", offset {o} mm"));
         facts.push(format!("configuration: {words}{angle}{offset}"));
+    }
+    let angles =
+        [("crab angle", vehicle.crab_angle_deg), ("principal direction of force", vehicle.principal_direction_deg)];
+    for (what, angle) in angles.into_iter().filter_map(|(what, angle)| Some((what, angle?))) {
+        facts.push(format!("{what} {angle} deg"));
+    }
+    if let Some(offset) = vehicle.damage_offset_mm {
+        facts.push(format!("middle of the damage {offset} mm from that of the vehicle"));
     }
     facts.extend(vehicle.comment.iter().chain(&test.comment).cloned());
     facts

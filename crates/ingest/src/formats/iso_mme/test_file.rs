@@ -47,11 +47,9 @@ pub fn details(file: &str, header: &Header, settings: &IngestSettings, notes: &m
         barrier: words("barrier").or_else(|| words("type of barrier")),
         mass_kg,
         impact_speed_m_per_s,
-        time_zero_s: None,
         speed_not_taken,
-        damage: None,
-        no_pulse: false,
         facts,
+        ..Details::default()
     }
 }
 

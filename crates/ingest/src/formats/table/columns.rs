@@ -9,7 +9,7 @@ use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, 
 
 use crate::formats::iso13499;
 use crate::formats::table::header::{Column, TableHeader};
-use crate::formats::table::rows::Rows;
+use crate::formats::table::rows::numbers::Rows;
 use crate::formats::table::time_axis::TimeAxis;
 use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
 use crate::recording::channel_selection::is_pattern;

@@ -2,7 +2,7 @@
 
 use crumple_signal::unit;
 
-use crate::formats::table::layout::{Delimiter, Layout};
+use crate::formats::table::rows::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
 use crate::formats::text::lines::{Line, decode};
 use crate::formats::text::numbers::unquoted;
@@ -218,7 +218,7 @@ fn unit_cell(cell: &str, title: &str) -> Unit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::table::layout::sniff;
+    use crate::formats::table::rows::layout::sniff;
     use crumple_signal::QuantityKind;
 
     const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);

@@ -4,7 +4,6 @@
 mod columns;
 mod event_data_recorder;
 mod header;
-mod layout;
 mod one_table;
 mod rows;
 mod section;

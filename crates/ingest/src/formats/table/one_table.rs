@@ -3,8 +3,9 @@
 use crumple_signal::Notes;
 
 use crate::formats::reader::Bundle;
-use crate::formats::table::rows::{LeftOut, Remnant};
-use crate::formats::table::{columns, header, layout, rows, time_axis};
+use crate::formats::table::rows::numbers::{LeftOut, Remnant};
+use crate::formats::table::rows::{layout, numbers};
+use crate::formats::table::{columns, header, time_axis};
 use crate::formats::text::lines::decode;
 use crate::recording::content::MINIMUM_SAMPLES;
 use crate::recording::details::{Details, from_comments};
@@ -56,7 +57,7 @@ pub fn one_table(
     }
     let name = |k: usize| header.columns[k].title.clone();
     let mut rows = match &bundle.large {
-        None => rows::read(text, &layout, file, name)?,
+        None => numbers::read(text, &layout, file, name)?,
         Some(large) => {
             let skipped = bytes.len() - text.len() + layout.first_row;
             let source = large.from_offset(skipped as u64).map_err(|error| {
@@ -70,7 +71,7 @@ pub fn one_table(
             let length = usize::try_from(large.length).unwrap_or(usize::MAX).saturating_sub(skipped);
             let head = &text[layout.first_row..];
             let advance = (bundle.show_progress)(format!("reading {}", bundle.name), large.length);
-            rows::read_stream(rows::Pieces { source, length, head, piece: PIECE }, &layout, file, name, advance)?
+            numbers::read_stream(numbers::Pieces { source, length, head, piece: PIECE }, &layout, file, name, advance)?
         }
     };
     let samples = rows.lines.len();
@@ -125,7 +126,7 @@ fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove,
     }
 }
 
-fn left_out_notes(file: &str, rows: &rows::Rows, notes: &mut Notes) {
+fn left_out_notes(file: &str, rows: &numbers::Rows, notes: &mut Notes) {
     let (gaps, text): (Vec<&LeftOut>, Vec<&LeftOut>) =
         rows.left_out.iter().partition(|left_out| left_out.what == Remnant::Gap);
     if let [first, ..] = gaps.as_slice() {

@@ -1,6 +1,6 @@
 //! One table of several in a text: from the line after a title to the end of its rows.
 
-use crate::formats::table::layout::Delimiter;
+use crate::formats::table::rows::layout::Delimiter;
 use crate::formats::text::lines::line_at;
 use crate::formats::text::numbers::{field, unquoted};
 use crate::{IngestError, Place};

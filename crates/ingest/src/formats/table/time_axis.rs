@@ -4,7 +4,7 @@ use crumple_signal::value::Frequency;
 use crumple_signal::{About, Notes, Weight};
 
 use crate::formats::table::header::TableHeader;
-use crate::formats::table::rows::Rows;
+use crate::formats::table::rows::numbers::Rows;
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
 use crate::time::grid::{self, Grid, GridError};

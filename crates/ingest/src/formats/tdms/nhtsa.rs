@@ -6,7 +6,7 @@
 
 use crumple_signal::{About, Notes, QuantityKind, Weight};
 
-use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle};
+use crate::formats::ev5::records::{Barrier, Curve, Test, Vehicle, says_nothing};
 use crate::formats::ev5::sensor;
 use crate::formats::ev5::test_details::details;
 use crate::formats::tdms::metadata::{Properties, Property};
@@ -118,13 +118,16 @@ pub fn test(all: &[&Properties], vehicle: u32) -> Option<Details> {
         make_and_model: [words(of_vehicle, "MAKE"), words(of_vehicle, "MODEL")],
         year: words(of_vehicle, "YEAR"),
         test_mass_kg: positive(of_vehicle, "VEHTWT"),
-        speed_km_per_h: positive(of_vehicle, "VEHSPD"),
+        speed_km_per_h: number(of_vehicle, "VEHSPD").filter(|v| *v >= 0.0),
         width_mm: positive(of_vehicle, "VEHWID"),
         crush_profile_mm: (1..=6).filter_map(|k| number(of_vehicle, &format!("DPD{k}"))).collect(),
         damage_classification: words(of_vehicle, "VDI"),
+        crab_angle_deg: number(of_vehicle, "CRBANG").filter(|a| *a != 0.0),
+        principal_direction_deg: number(of_vehicle, "PDOF").filter(|a| *a != 0.0),
+        damage_offset_mm: number(of_vehicle, "DAMDST").filter(|x| *x != 0.0),
         damage_width_mm: positive(of_vehicle, "LENCNT"),
         static_crush_mm: positive(of_vehicle, "CRHDST"),
-        comment: words(of_vehicle, "VEHCOM").filter(|c| c != "0"),
+        comment: words(of_vehicle, "VEHCOM").filter(|c| c != "0" && !says_nothing(c)),
     };
     let barrier = Barrier {
         rigidity: words(of_vehicle, "BARRIG"),
@@ -133,5 +136,5 @@ pub fn test(all: &[&Properties], vehicle: u32) -> Option<Details> {
         diameter_mm: positive(of_vehicle, "BARDIA"),
         comment: words(of_vehicle, "BARCOM"),
     };
-    Some(details(&test, Some(&barrier), &vehicle))
+    Some(details(&test, Some(&barrier), &vehicle, std::slice::from_ref(&vehicle)))
 }

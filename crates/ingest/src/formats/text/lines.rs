@@ -85,8 +85,14 @@ pub fn line_at<'a>(text: &'a [u8], offset: usize, number: usize, file: &str) -> 
 
 /// What a comment line says: the text behind `#`, `%`, `//` or `;`. A `;` counts only where no number follows (it may
 /// be an empty first field).
+///
+/// A `#` alone in its cell is the name of a column.
 pub fn comment(line: &[u8]) -> Option<&[u8]> {
     let line = line.trim_ascii_start();
+    let cell = line.strip_prefix(b"\"#\"").or(line.strip_prefix(b"#"));
+    if cell.is_some_and(|rest| matches!(rest.first(), Some(b',' | b';' | b'\t'))) {
+        return None;
+    }
     let line = line
         .strip_prefix(b"\"")
         .filter(|rest| rest.starts_with(b"#"))
@@ -124,6 +130,7 @@ mod tests {
         assert_eq!(comment(b"; a remark"), Some(&b"a remark"[..]));
         assert_eq!(comment(b";1,5;2"), None);
         assert_eq!(comment(b"1,2"), None);
+        assert_eq!((comment(b"#,a_g"), comment(b"\"#\",a_g")), (None, None));
     }
 
     #[test]

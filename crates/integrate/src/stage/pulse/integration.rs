@@ -24,7 +24,8 @@ pub struct ChannelIntegration<'a> {
     pub settings: &'a StageSettings,
     pub input: &'a Inputs,
     pub test: &'a TestDescription,
-    pub impact_speed_m_per_s: f64,
+    /// `None`: not known; the velocity is then its change from time zero.
+    pub impact_speed_m_per_s: Option<f64>,
     pub time_zero_s: f64,
 }
 
@@ -36,11 +37,12 @@ impl ChannelIntegration<'_> {
         acceleration: &Signal<Acceleration>,
         out: &mut Output,
     ) -> anyhow::Result<Integrated> {
+        let impact_speed_m_per_s = self.impact_speed_m_per_s.unwrap_or(0.0);
         let settings = Settings {
             rule: self.settings.rule,
             start: self.settings.start,
             time_zero_s: self.time_zero_s,
-            impact_speed_m_per_s: self.impact_speed_m_per_s,
+            impact_speed_m_per_s,
             low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
         };
         let (motion, drift) = match self.settings.end_condition {
@@ -58,7 +60,7 @@ impl ChannelIntegration<'_> {
                 (motion, Some(drift))
             }
         };
-        let events = events_of(&motion, self.time_zero_s, self.impact_speed_m_per_s)?;
+        let events = events_of(&motion, self.time_zero_s, impact_speed_m_per_s)?;
         let mut metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
@@ -94,7 +96,8 @@ impl ChannelIntegration<'_> {
         settings: &Settings,
         out: &mut Output,
     ) -> Option<Intervals> {
-        let uncertainty = self.settings.uncertainty.as_ref()?;
+        // An interval of a change of velocity from an unknown speed would have no speed to vary.
+        let uncertainty = self.settings.uncertainty.as_ref().filter(|_| self.impact_speed_m_per_s.is_some())?;
         if acceleration.len() > MOST_SAMPLES {
             out.notes().warning(format!(
                 "no intervals: {} samples, the integration is repeated for records of up to {MOST_SAMPLES}",

@@ -1,18 +1,31 @@
 //! The pulse in words: findings, warnings, a line of the summary.
 
-use crumple_integrate::{WRONG_SIGN, findings, wrong_sign};
+use crumple_integrate::{WRONG_SIGN, findings, question_speed, wrong_sign};
 use crumple_signal::{About, Channel, Notes, Severity, Weight, part_of};
 
 use crate::stage::pulse::integrated::Integrated;
 
-/// Notes what the motion of the pulse shows: first where its sign is wrong, because most other notes follow from that.
-pub fn note_findings(pulse: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64, notes: &mut Notes) {
+/// Notes what the motion of the pulse shows: first where its sign is wrong or the impact speed does not fit it, because
+/// most other notes follow from that.
+///
+/// `at_barrier`: nothing but the vehicle gives way, so that its speed can be held against its pulse.
+pub fn note_findings(
+    pulse: &Integrated,
+    time_zero_s: f64,
+    impact_speed_m_per_s: f64,
+    at_barrier: bool,
+    notes: &mut Notes,
+) {
     let of_pulse = findings(&pulse.motion, &pulse.events, time_zero_s, impact_speed_m_per_s);
     if wrong_sign(&pulse.motion.velocity, time_zero_s, impact_speed_m_per_s) {
         let before = std::mem::replace(notes, of_pulse);
         notes.extend(before);
-    } else {
-        notes.extend(of_pulse);
+        return;
+    }
+    notes.extend(of_pulse);
+    let question = question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s);
+    if let Some(question) = question.filter(|_| at_barrier) {
+        notes.concern_first(About::ImpactSpeed, question);
     }
 }
 

@@ -76,7 +76,9 @@ fn late_contact(
     if test.time_zero.is_some() || matches!(test.source.format.as_str(), "nhtsa-ev5" | "iso-mme") {
         return;
     }
-    let Some(zero) = threshold_crossing(pulse).filter(|zero| zero.time_s > LATE_S) else { return };
+    // What stands does not move on until contact.
+    let is_late = |zero: &TimeZeroEstimate| zero.time_s > LATE_S && speed_m_per_s > 0.0;
+    let Some(zero) = threshold_crossing(pulse).filter(is_late) else { return };
     let late_ms = 1e3 * zero.time_s;
     notes.concern(About::Time, Weight::Decisive, format!(
         "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
@@ -99,7 +101,9 @@ fn uncertainty(rule: &ZeroRule, zero: TimeZeroEstimate, impact_speed_m_per_s: f6
     let TimeZeroEstimate { time_s, earlier_by_s, later_by_s } = zero;
     let side = |by_s: f64, word: &str| {
         (by_s > 0.0).then(|| {
-            format!("{:.2} ms {word} ({:.1} mm at the impact speed)", 1e3 * by_s, 1e3 * by_s * impact_speed_m_per_s)
+            let mm = 1e3 * by_s * impact_speed_m_per_s;
+            let distance = if mm > 0.0 { format!(" ({mm:.1} mm at the impact speed)") } else { String::new() };
+            format!("{:.2} ms {word}{distance}", 1e3 * by_s)
         })
     };
     let sides: Vec<String> = [side(earlier_by_s, "earlier"), side(later_by_s, "later")].into_iter().flatten().collect();

@@ -8,7 +8,7 @@ use crumple_signal::Notes;
 use crumple_signal::unit::signal_unit;
 
 use crate::IngestError;
-use crate::formats::table::layout::Delimiter;
+use crate::formats::table::rows::layout::Delimiter;
 use crate::formats::text::column_names::{axis, names_acceleration, names_velocity_change};
 use crate::formats::text::lines::{comment, decode, line_at};
 use crate::formats::text::numbers::{field, is_gap, unquoted};

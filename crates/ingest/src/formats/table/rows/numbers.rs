@@ -4,7 +4,7 @@ use std::io::Read;
 
 use rayon::prelude::*;
 
-use crate::formats::table::layout::{Delimiter, Layout, decimal_comma, is_blank_row};
+use crate::formats::table::rows::layout::{Delimiter, Layout, decimal_comma, is_blank_row};
 use crate::formats::text::lines::{LINE_LIMIT, comment, decode, line_at};
 use crate::formats::text::numbers::{ParsedNumber, is_gap, scan, unquoted};
 use crate::recording::line_numbers::LineNumbers;
@@ -396,7 +396,8 @@ fn careful_row(
                     format!("{:?} is not a finite number", decode(&bare[..bare.len().min(40)]))
                 };
                 let hint = if is_gap(text) {
-                    "leave that column out of the export, cut the record before the gap, or fill it in the program that \
+                    "leave that column out of the export, cut the record before the gap, or fill it in the program \
+                     that \
                      made it: gaps are not filled here"
                 } else {
                     "export it again, or remove the line"
@@ -411,7 +412,7 @@ fn careful_row(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::table::layout::sniff;
+    use crate::formats::table::rows::layout::sniff;
 
     fn rows(text: &str) -> Result<Rows, IngestError> {
         let layout = sniff(text.as_bytes(), "t.csv", 2)?;

@@ -208,7 +208,8 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
             first_row: lines[first].offset,
             first_line: lines[first].number,
             comments: comments.iter().filter(|(before, _)| *before <= first).map(|(_, line)| *line).collect(),
-            header: lines[..first].to_vec(),
+            // A row of gaps is no header.
+            header: lines[..first].iter().filter(|line| !is_row_of_gaps(line.bytes, way.delimiter)).copied().collect(),
         };
         refuse_broken_decimal_commas(&layout, &lines[first..], file)?;
         return Ok(layout);
@@ -226,6 +227,11 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
 /// Whether a line holds nothing but delimiters and empty quotes, as spreadsheets write below the last row.
 pub fn is_blank_row(line: &[u8]) -> bool {
     line.iter().all(|b| matches!(b, b',' | b';' | b'"') || b.is_ascii_whitespace())
+}
+
+/// Whether a line holds `NaN` and the like alone.
+fn is_row_of_gaps(line: &[u8], delimiter: Delimiter) -> bool {
+    delimiter.split(line).iter().all(|text| is_gap(text))
 }
 
 /// Whether a quote is left open at the end of a line.

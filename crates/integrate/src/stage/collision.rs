@@ -1,0 +1,165 @@
+//! The other vehicle of a test with two: its own motion, and what both say of their collision.
+
+use crumple_metrics::definitions::{
+    COMMON_VELOCITY, COMMON_VELOCITY_BY_MOMENTUM, MOMENTUM_GAP, RELATIVE_CRUSH, RESTITUTION_TWO,
+    TIME_OF_COMMON_VELOCITY,
+};
+use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
+use crumple_signal::{Channel, QuantityKind, TestDescription};
+use crumple_stage::records::{MetricV1, VehicleV1, VehiclesV1};
+use crumple_stage::{Inputs, Output};
+
+use crate::stage::metric_record::metric_record;
+use crate::stage::pulse::integrated::Integrated;
+use crate::stage::pulse::integration::{ChannelIntegration, acceleration};
+use crate::stage::pulse::records::metric_records;
+
+/// Momentum left over that is worth a warning: sensors and masses are better than that.
+const LARGE_GAP: f64 = 0.1;
+
+/// The vehicles of the test, if it has several.
+pub fn vehicles(input: &Inputs) -> anyhow::Result<Vec<VehicleV1>> {
+    Ok(input.record_if::<VehiclesV1>("/vehicles")?.map_or_else(Vec::new, |record| record.vehicles))
+}
+
+/// The vehicle that carries a channel.
+fn carrier<'a>(vehicles: &'a [VehicleV1], id: &str) -> Option<&'a VehicleV1> {
+    vehicles.iter().find(|vehicle| vehicle.channels.iter().any(|channel| channel == id))
+}
+
+/// The test with the channels of the vehicle that carries the pulse, and those of none: sensors of another vehicle have
+/// another speed and another mass.
+pub fn of_one_vehicle(test: &TestDescription, vehicles: &[VehicleV1], pulse: &str) -> TestDescription {
+    let number = |channel: &Channel| match carrier(vehicles, &channel.id) {
+        Some(vehicle) => Some(vehicle.number),
+        // The test object of an ISO 13499 code.
+        None => channel.code.as_deref()?.chars().next()?.to_digit(10).filter(|object| *object > 0),
+    };
+    let Some(own) = test.channel(pulse).and_then(number) else { return test.clone() };
+    let is_here = |channel: &Channel| number(channel).is_none_or(|other| other == own);
+    let channels = test.channels.iter().filter(|channel| is_here(channel)).cloned().collect();
+    TestDescription { channels, ..test.clone() }
+}
+
+/// Integrates the pulse of the other vehicle with its own speed and mass; returns its metrics and those of the
+/// collision. Its velocity is written, no displacement: that of a sensor would be compared with the models.
+pub fn other_vehicle(
+    task: &ChannelIntegration<'_>,
+    vehicles: &[VehicleV1],
+    pulse: &Channel,
+    integrated: &Integrated,
+    out: &mut Output,
+) -> anyhow::Result<Vec<MetricV1>> {
+    let Some(own) = carrier(vehicles, &pulse.id) else { return Ok(Vec::new()) };
+    let Some(other) = vehicles.iter().find(|vehicle| vehicle.number != own.number) else { return Ok(Vec::new()) };
+    let number = other.number;
+    let channel = other.pulse.as_deref().and_then(|id| task.test.channel(id));
+    let Some(channel) = channel.filter(|channel| task.input.wave_if(&channel.id).is_some()) else {
+        out.notes().info(format!(
+            "vehicle {number} has no pulse in the inputs: no relative crush, common velocity and balance of momentum"
+        ));
+        return Ok(Vec::new());
+    };
+    let mut described = task.test.clone();
+    described.mass_kg = other.mass_kg;
+    described.impact_speed_m_per_s = other.impact_speed_m_per_s;
+    let its_task = ChannelIntegration { test: &described, impact_speed_m_per_s: other.impact_speed_m_per_s, ..*task };
+    let motion = its_task.integrate(channel, &acceleration(task.input, channel)?, out)?;
+    let mut metrics = metric_records(&channel.id, &motion, task.time_zero_s);
+    let velocity = &motion.motion.velocity;
+    let Some(other_speed) = other.impact_speed_m_per_s else {
+        out.notes().warning(format!(
+            "vehicle {number} states no speed (0 would be one): its velocity is the change of it, and nothing is \
+             said of \
+             both"
+        ));
+        out.wave(
+            &format!("{}/velocity_change", channel.id),
+            QuantityKind::VelocityChange,
+            velocity.clone().into_sampled(),
+        )?;
+        return Ok(metrics);
+    };
+    match collision(&integrated.motion.velocity, velocity, task.time_zero_s) {
+        Some(found) => {
+            let masses = own.mass_kg.or(task.test.mass_kg).zip(other.mass_kg);
+            let speeds = [task.impact_speed_m_per_s.unwrap_or(0.0), other_speed];
+            let ids = format!("{}+{}", pulse.id, channel.id);
+            say(&found, [own.number, number], masses, speeds, out);
+            metrics.extend(collision_metrics(&found, masses, speeds).iter().map(|metric| metric_record(&ids, metric)));
+        }
+        None => out.notes().warning(format!(
+            "the pulses {} and {} of both vehicles show no collision along x (another grid, no change of velocity, or \
+             a \
+             hit across): nothing is said of both",
+            pulse.id, channel.id
+        )),
+    }
+    out.wave(&format!("{}/velocity", channel.id), QuantityKind::Velocity, velocity.clone().into_sampled())?;
+    Ok(metrics)
+}
+
+/// The metrics of two vehicles, always the same names in the same order.
+fn collision_metrics(found: &TwoVehicleImpact, masses: Option<(f64, f64)>, speeds: [f64; 2]) -> Vec<Metric> {
+    const APPROACHING: &str = "they still approach each other at the end of the record";
+    const NO_MASS: &str = "the mass of a vehicle is not known";
+    let sign = if found.same_heading { 1.0 } else { -1.0 };
+    let masses = masses.map(|(first, second)| [first, second]);
+    let end_s = found.common.map(|common| common.time_s);
+    let over = |metric: Metric| end_s.map_or(metric.clone(), |end_s| metric.over(0.0, end_s));
+    let by_momentum = masses.map(|masses| common_velocity(masses, [speeds[0], sign * speeds[1]]));
+    vec![
+        over(Metric::of(&RELATIVE_CRUSH, found.common.map(|c| c.relative_crush_m), APPROACHING)),
+        over(Metric::of(&TIME_OF_COMMON_VELOCITY, end_s, APPROACHING)),
+        over(Metric::of(&COMMON_VELOCITY, found.common.map(|c| c.velocity_m_per_s), APPROACHING)),
+        Metric::of(&COMMON_VELOCITY_BY_MOMENTUM, by_momentum, NO_MASS),
+        over(Metric::of(&MOMENTUM_GAP, masses.and_then(|masses| found.momentum_gap(masses)), NO_MASS)),
+        Metric::of(&RESTITUTION_TWO, found.restitution, APPROACHING),
+    ]
+}
+
+/// The collision in words.
+fn say(
+    found: &TwoVehicleImpact,
+    [own, other]: [u32; 2],
+    masses: Option<(f64, f64)>,
+    speeds: [f64; 2],
+    out: &mut Output,
+) {
+    let heading = if found.same_heading { "the same way" } else { "towards it" };
+    let text = match found.common {
+        Some(common) => format!(
+            "vehicles {own} and {other}: relative crush {:.4} m and common velocity {:.3} m/s at {:.2} ms",
+            common.relative_crush_m,
+            common.velocity_m_per_s,
+            1e3 * common.time_s
+        ),
+        None => format!("vehicles {own} and {other} still approach each other at the end of the record"),
+    };
+    out.summary(text);
+    out.notes().info(format!(
+        "vehicle {other} heads {heading}, as the changes of velocity say: closing speed {:.3} m/s; the velocities \
+         along \
+         the axis of vehicle {own}",
+        found.closing_speed_m_per_s
+    ));
+    out.notes().info(
+        "models of one vehicle at a rigid barrier are fitted to the pulse as if it had met one: their crush and \
+         parameters are not those of the vehicle alone",
+    );
+    let Some((first, second)) = masses else { return };
+    let sign = if found.same_heading { 1.0 } else { -1.0 };
+    let expected = common_velocity([first, second], [speeds[0], sign * speeds[1]]);
+    let Some(gap) = found.momentum_gap([first, second]) else { return };
+    let text = format!(
+        "momentum: the changes of both vehicles leave {:+.1} % of that of vehicle {own} over; the masses and speeds \
+         give a \
+         common velocity of {expected:.3} m/s",
+        100.0 * gap
+    );
+    if gap.abs() <= LARGE_GAP {
+        out.notes().info(text);
+    } else {
+        out.notes().warning(format!("{text}: a mass, a speed, a sensor or the direction is not as stated"));
+    }
+}
