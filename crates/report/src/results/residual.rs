@@ -116,11 +116,10 @@ mod tests {
         // A sine comes back after its period of 125.7 samples.
         assert_eq!(wave.autocorrelation[0], 1.0);
         assert!(wave.autocorrelation[63] < -0.8 && wave.autocorrelation[126] > 0.7);
-        // A multiplicative congruential generator.
-        let noise = of(|k| {
-            let hash = (k as u64 + 1).wrapping_mul(6_364_136_223_846_793_005).rotate_left(29);
-            (hash.wrapping_mul(2_862_933_555_777_941_757) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        });
+        // A linear congruential generator, its upper bits.
+        let step = |state: &u64| Some(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+        let states: Vec<u64> = std::iter::successors(Some(1), step).skip(10).take(1000).collect();
+        let noise = of(|k| (states[k] >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
         assert!(noise.share_outside < 0.12, "{}", noise.share_outside);
     }
 }
