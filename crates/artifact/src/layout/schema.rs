@@ -74,7 +74,12 @@ fn viewer_value(schema: &Value, definitions: &Map<String, Value>, depth: usize) 
     match kind {
         "boolean" | "string" | "number" | "integer" => Some(json!({ "type": kind })),
         "array" => {
-            let items = viewer_value(schema.get("items")?, definitions, depth + 1)?;
+            let items = schema.get("items")?;
+            // A field that is unknown is left out of a record; an entry of a list is null.
+            if takes_null(items) {
+                return None;
+            }
+            let items = viewer_value(items, definitions, depth + 1)?;
             (items["type"] != "array").then(|| json!({ "type": "array", "items": items }))
         }
         "object" => {
@@ -84,6 +89,11 @@ fn viewer_value(schema: &Value, definitions: &Map<String, Value>, depth: usize) 
         }
         _ => None,
     }
+}
+
+fn takes_null(schema: &Value) -> bool {
+    let is_null = |kind: &Value| kind == "null" || kind["type"] == "null";
+    [&schema["type"], &schema["anyOf"]].iter().any(|kinds| kinds.as_array().is_some_and(|all| all.iter().any(is_null)))
 }
 
 #[cfg(test)]
