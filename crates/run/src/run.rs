@@ -53,8 +53,8 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         options.stages.in_use(|name| !options.optional.iter().any(|o| o == name) || composed.table(name).is_some());
     let stages = &in_use.0;
     let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
+    composed.note_run(&pipeline.name);
     if options.again.is_none() {
-        composed.note_run(&pipeline.name);
         note_typed(&mut composed, &options, stages, &programs);
     }
     let folder = LockedFolder::lock(&path)?;

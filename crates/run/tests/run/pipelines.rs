@@ -117,3 +117,19 @@ fn an_unchanged_run_starts_the_first_stage_alone_and_nothing_else_passes_for_one
     assert_eq!(ran(&[], &["--mass", "900kg"]), (7, false));
     chain.assert_whole("a");
 }
+
+#[test]
+fn stages_that_run_again_have_the_pipeline_of_the_run_or_that_of_its_name() {
+    let chain = Chain::new(Stages::Own);
+    assert!(run(&chain, &["--set", "filter.cfc=180"], &[]).status.success());
+    let again = || {
+        let output = chain.again(&chain.folder(), &[]).output().unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        pipeline(&chain)
+    };
+    assert!(again().contains("cfc = 180"));
+    // A folder from before there was such a file.
+    fs::remove_file(chain.folder().join("0-pipeline.toml")).unwrap();
+    let made = again();
+    assert!(made.contains("name = \"default\"") && !made.contains("cfc"), "{made}");
+}
