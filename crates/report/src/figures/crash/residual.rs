@@ -9,6 +9,9 @@ use crate::drawing::look::{Colour, Dash};
 use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::{CandidateResult, Ranking, Run};
 
+/// Models drawn: the recommended, the closest, then by rank. A residual has many times the points of a motion.
+const DRAWN: usize = 6;
+
 /// Of displacement and velocity; `None` without a test or without a model.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let models = DrawnModels::of(run, ranking);
@@ -23,7 +26,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     for (test, title, factor, of) in [displacement, velocity] {
         let mut panel = Panel::over_time(view_ms(run), Axis::new(title));
         let mut largest = 0.0_f64;
-        for ((candidate, _), entry) in models.models.iter().zip(&entries) {
+        for ((candidate, _), entry) in models.models.iter().zip(&entries).take(DRAWN) {
             let Some(left) = test.as_ref().zip(of(candidate)).and_then(|(test, model)| residual(test, model)) else {
                 continue;
             };
@@ -43,7 +46,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let figure = figure.tidy();
     (!figure.panels.is_empty()).then(|| Figure {
         caption: "The axes hold the largest residual inside the shaded window, which the models are compared over; a \
-                  model that was made for the loading phase may leave them after it."
+                  model that was made for the loading phase may leave them after it. Of many models \
+                  the first six are drawn."
             .to_owned(),
         ..figure
     })
