@@ -206,7 +206,7 @@ impl Pipeline {
         let (old, new) = (before.options(), self.options());
         let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
         let text = |options: &std::collections::BTreeMap<String, &Value>, name: &String| {
-            options.get(name).map(|value| value.to_string())
+            options.get(name).map(ToString::to_string)
         };
         // 180 and "180" are one value to a stage.
         let plain = |value: &&Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
