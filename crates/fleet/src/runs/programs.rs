@@ -5,6 +5,9 @@ use std::fs;
 use std::io;
 use std::path::PathBuf;
 
+/// Programs of the project that no run is made with.
+const OTHERS: [&str; 5] = ["crumple-fleet", "crumple-study", "crumple-together", "crumple-diff", "crumple-artifact"];
+
 /// Digest of the programs that a command names: of its text, of every file that stands in it, and of the programs of
 /// the project beside this one. A program that another one starts is not seen.
 pub(crate) fn digest_of_programs(command: &str) -> io::Result<String> {
@@ -16,8 +19,8 @@ pub(crate) fn digest_of_programs(command: &str) -> io::Result<String> {
     let own = std::env::current_exe()?;
     for entry in own.parent().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let is_of_a_run = name.starts_with("crumple-") && !name.contains('.') && !name.starts_with("crumple-fleet");
-        if is_of_a_run && entry.path().is_file() && entry.path() != own {
+        let is_of_a_run = name.starts_with("crumple-") && !name.contains('.') && !OTHERS.contains(&name.as_str());
+        if is_of_a_run && entry.path().is_file() {
             files.insert(entry.path());
         }
     }
