@@ -235,7 +235,7 @@ fn no_file_of_another_kind_is_overwritten() {
 #[test]
 fn completions_and_the_man_page_are_printed_without_a_command() {
     let folder = folder();
-    for (kind, word) in [("bash", "_crumple-artifact"), ("zsh", "#compdef"), ("fish", "complete -c"), ("man", ".TH")] {
+    for (kind, word) in [("bash", "crumple-artifact"), ("zsh", "#compdef"), ("fish", "complete -c"), ("man", ".TH")] {
         let output = artifact(folder.path(), &["--generate", kind]);
         assert_eq!(output.code, 0, "{}", output.stderr);
         assert!(output.stdout.contains(word), "{kind}");

@@ -350,5 +350,5 @@ fn a_vehicle_that_speeds_up_has_no_model() {
     let output = run(folder.path(), &[]);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{error}");
-    assert!(error.contains("crumple-ingest --sign flip"), "{error}");
+    assert!(error.contains("--sign flip at crumple-ingest"), "{error}");
 }

@@ -3,24 +3,25 @@
 //! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it,
 //! [`Page`] what a person looks at. Both are functions of the run alone. Units other than SI exist on the page only.
 //!
-//! rooms: page | figures | drawing | results | text
+//! rooms: page | figures | drawing | conclusions | results | text
 
+mod conclusions;
 mod drawing;
 mod figures;
 mod page;
 mod results;
 mod text;
 
+pub use conclusions::concerns::{Concern, SHOWN_FIRST};
+pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
+pub use conclusions::kind::Kind;
+pub use conclusions::overview::overview;
+pub use conclusions::summary::{Summary, summary};
 pub use drawing::figure::{Axis, Curve, Entry, Figure, Label, Mark, Panel};
 pub use drawing::look::{Colour, Dash, Look, Symbol, Width};
 pub use figures::all::all_figures;
 pub use page::document::Page;
-pub use results::concerns::{Concern, SHOWN_FIRST};
-pub use results::conclusion::{Conclusion, Number, Standing, conclusion};
-pub use results::kind::Kind;
-pub use results::overview::overview;
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord};
-pub use results::summary::{Summary, summary};
 pub use text::language::Language;
 pub use text::numbers;

@@ -216,6 +216,7 @@ fn every_control_and_definition_has_a_name_and_takes_the_focus() {
     let folder = tempfile::tempdir().unwrap();
     let page = sample_page(folder.path());
     let script = "
+        document.querySelectorAll('details').forEach((d) => { d.open = true; });
         const controls = [...document.querySelectorAll('button, input, summary, [title], .panels[role]')];
         const cannot = controls.filter((c) => { c.focus(); return document.activeElement !== c; });
         const nameless = controls.filter((c) =>

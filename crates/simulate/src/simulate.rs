@@ -30,7 +30,8 @@ pub fn simulate(model: &Model, test: &Measured<'_>, window: Window) -> Result<Si
 /// samples, interpolated between two: right to about `dt²` times the rate of the deceleration.
 ///
 /// A drive is a record of the test, interpolated linearly to the model's instants and zero outside, or a pulse of a
-/// family, exact in between. Where the drive needs the mass of the vehicle ([`Excitation::PulseAsForce`]), it is the sum of the model's masses.
+/// family, exact in between. Where the drive needs the mass of the vehicle ([`Excitation::PulseAsForce`]), it is the
+/// sum of the model's masses.
 pub fn simulate_driven(
     model: &Model,
     test: &Measured<'_>,
@@ -98,7 +99,7 @@ pub fn simulate_chain(
 /// Refuses a speed that is not positive where models start at it.
 fn check_speed(speed_m_per_s: f64, excitation: &Excitation<'_>) -> Result<(), SimulateError> {
     let positive = speed_m_per_s.is_finite() && speed_m_per_s > 0.0;
-    if positive || !excitation.from_impact_speed() { Ok(()) } else { Err(SimulateError::Speed(speed_m_per_s)) }
+    if positive || !excitation.starts_at_impact_speed() { Ok(()) } else { Err(SimulateError::Speed(speed_m_per_s)) }
 }
 
 /// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: the samples of

@@ -66,16 +66,6 @@ fn bad_tables_are_refused_by_name() {
         ),
         text_case("short.csv", table(1e4, 20, &FULL, |_| {}), &["short.csv", "20"]),
         text_case("slow.csv", table(400.0, 200, &FULL, |_| {}), &["400", "600"]),
-        text_case(
-            "no-mass.csv",
-            table(1e4, 2000, &["# impact speed: 50 km/h", "time_s,accel_g"], |_| {}),
-            &["mass", "--mass"],
-        ),
-        text_case(
-            "no-speed.csv",
-            table(1e4, 2000, &["# mass: 1200 kg", "time_s,accel_g"], |_| {}),
-            &["impact speed", "--impact-speed"],
-        ),
         Case {
             name: "report.csv",
             content: b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj\n".to_vec(),

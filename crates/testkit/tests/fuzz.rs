@@ -6,7 +6,6 @@ use crumple_testkit::fuzz::{Campaign, run_campaign};
 use crumple_testkit::pipeline;
 
 #[test]
-#[ignore = "until a first campaign has been run and what it finds is mended"]
 fn programs_end_as_they_may_on_mutated_files_and_tampered_artifacts() {
     let folder = tempfile::tempdir().unwrap();
     let bin = pipeline::binary("crumple-ingest").parent().unwrap().to_owned();

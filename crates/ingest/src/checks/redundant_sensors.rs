@@ -134,9 +134,9 @@ fn note_pair(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, not
         warn = part > TOO_MUCH;
     }
     if warn {
-        notes.concern(About::Pulse, Weight::Marked, format!("{text}: one of them may be wrong"))
+        notes.concern(About::Pulse, Weight::Marked, format!("{text}: one of them may be wrong"));
     } else {
-        notes.info(text)
+        notes.info(text);
     }
 }
 

@@ -63,7 +63,7 @@ pub fn collision(first: &Signal<Velocity>, second: &Signal<Velocity>, time_zero_
     // By the changes up to the largest of the first: later both roll on.
     let turn = (1..n).fold(0, |k, j| if (v[0][j] - v[0][0]).abs() > (v[0][k] - v[0][0]).abs() { j } else { k });
     let changes = v.map(|v| v[turn] - v[0]);
-    if changes.iter().any(|change| *change == 0.0) {
+    if changes.contains(&0.0) {
         return None;
     }
     let same_heading = changes[0].signum() != changes[1].signum();

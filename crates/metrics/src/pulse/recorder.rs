@@ -89,7 +89,7 @@ mod tests {
         // Whole mph are no whole km/h.
         let mph = [0.0, 0.0, -7.0, -25.0, -24.0].map(|v| v * 1.609_344);
         near(interval(&mph)[0], -25.5 * 0.447_04, -24.5 * 0.447_04);
-        assert_eq!(interval(&[0.0, 0.0, -3.141_592, -40.0])[0], None, "no step that is known");
+        assert_eq!(interval(&[0.0, 0.0, -3.151_592, -40.0])[0], None, "no step that is known");
         assert_eq!(interval(&[0.0, 0.0, -3.0, -40.0]), [None, None], "a lower bound");
     }
 

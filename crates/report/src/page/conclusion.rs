@@ -2,8 +2,8 @@
 
 use crumple_artifact::records::ConcernV1;
 
-use crate::results::concerns::{Concern, SHOWN_FIRST};
-use crate::results::conclusion::{Conclusion, Standing};
+use crate::conclusions::concerns::{Concern, SHOWN_FIRST};
+use crate::conclusions::conclusion::{Conclusion, Standing};
 use crate::text::escape::html;
 use crate::text::language::fill;
 use crate::text::phrases::Phrases;

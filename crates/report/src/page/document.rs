@@ -6,9 +6,9 @@ use super::{
     candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
     numbers, predictions, ratings, remarks, what_if,
 };
+use crate::conclusions::conclusion::conclusion;
 use crate::drawing::look::{page_rules, palette};
 use crate::figures::all::all_figures;
-use crate::results::conclusion::conclusion;
 use crate::text::escape::{html, json_in_script};
 use crate::{Ranking, Run, summary};
 

@@ -1,7 +1,7 @@
 //! The first numbers of a run, with interval and spread of sensors.
 
 use crate::Run;
-use crate::results::key_numbers::{KeyNumber, key_numbers};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, MILLI, NBSP, decimals, range, unit};
 

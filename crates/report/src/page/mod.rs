@@ -1,5 +1,5 @@
 //! The page as HTML: its frame and its sections.
-//! Uses figures, drawing, results and text.
+//! Uses figures, drawing, conclusions, results and text.
 
 pub mod candidates;
 pub mod channels;

@@ -2,8 +2,8 @@
 
 use crumple_signal::Severity;
 
+use crate::conclusions::concerns::Concern;
 use crate::page::conclusion;
-use crate::results::concerns::Concern;
 use crate::results::ranking::AS_GOOD_PERCENT;
 use crate::text::escape::html;
 use crate::text::numbers::{candidate_name, decimals};

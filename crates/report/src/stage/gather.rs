@@ -237,10 +237,10 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
             file_remarks.iter().for_each(|note| add("ingest", note.clone()));
             remarks_are_in = true;
         }
-        if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)? {
-            if diagnosis.has_result {
-                run.without.get_or_insert(diagnosis.reason);
-            }
+        if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)?
+            && diagnosis.has_result
+        {
+            run.without.get_or_insert(diagnosis.reason);
         }
     }
     if !remarks_are_in {

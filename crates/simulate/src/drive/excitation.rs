@@ -37,7 +37,7 @@ pub enum Excitation<'a> {
 
 impl Excitation<'_> {
     /// Whether models start at the impact speed.
-    pub(crate) fn from_impact_speed(&self) -> bool {
+    pub(crate) fn starts_at_impact_speed(&self) -> bool {
         matches!(self, Self::Impact | Self::PulseAsForce { .. })
     }
 

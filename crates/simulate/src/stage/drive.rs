@@ -81,14 +81,14 @@ impl Driven {
     }
 
     /// Whether models start from rest.
-    pub fn from_rest(&self) -> bool {
+    pub fn starts_from_rest(&self) -> bool {
         matches!(self.drive, "force" | "base")
     }
 
     /// How far the comparison with the test holds where it is not the impact that moves the models. Of a pulse given
     /// back as a force [`Driven::words`] say all.
     pub fn caution(&self) -> Option<&'static str> {
-        self.from_rest().then_some(
+        self.starts_from_rest().then_some(
             "fits and errors still compare with the test as recorded: they assess and rank no model unless the test \
              was driven in the same way, and under a displacement fit of 50 % no model is called the best",
         )

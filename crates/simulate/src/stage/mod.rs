@@ -58,7 +58,7 @@ impl Stage for Simulate {
         refuse_fitted_names(&settings.chain, &candidates)?;
         let stated_speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
         // What starts from rest needs none.
-        let impact_speed_m_per_s = stated_speed.or(settings.all_from_rest().then_some(0.0)).ok_or_else(|| {
+        let impact_speed_m_per_s = stated_speed.or(settings.all_start_from_rest().then_some(0.0)).ok_or_else(|| {
             Refused::new("neither the events nor the test have an impact speed").hint(
                 "--impact-speed 35km/h at crumple-ingest; a sled: --drive base --drive-wave \"half-sine 20g 90ms\", or \
                  the id of its acceleration",

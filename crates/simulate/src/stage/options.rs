@@ -21,9 +21,9 @@ pub struct Options {
     pub stay_attached: Option<bool>,
 
     /// What moves the models: impact (the impact speed), force (a waveform of the inputs, N, from rest), base (the
-    /// barrier's acceleration, a waveform of the inputs or a sled pulse, from rest), pulse-as-force (the impact speed, and the mass
-    /// times the measured acceleration as a force on the front mass: the transfer-function paper's simulation,
-    /// circular) [default: impact]
+    /// barrier's acceleration, a waveform of the inputs or a sled pulse, from rest), pulse-as-force (the impact speed,
+    /// and the mass times the measured acceleration as a force on the front mass: the transfer-function paper's
+    /// simulation, circular) [default: impact]
     #[arg(long, value_name = "NAME")]
     pub drive: Option<String>,
 
@@ -54,9 +54,9 @@ pub struct Settings {
 
 impl Settings {
     /// Whether every model starts from rest.
-    pub fn all_from_rest(&self) -> bool {
+    pub fn all_start_from_rest(&self) -> bool {
         let stated = self.chain.iter().map(|stated| &stated.driven);
-        stated.chain([&self.driven]).all(Driven::from_rest)
+        stated.chain([&self.driven]).all(Driven::starts_from_rest)
     }
 
     /// The settings with defaults filled in and names checked.

@@ -43,7 +43,7 @@ mod tests {
         let input = write("1-ingest.mcap", b"\x89MCAP0\r\n crumple.Test.v1");
         let record = write("crash.csv", b"time_s,accel_g\n");
         let refused = |output: &Path| {
-            let asked = refuse_to_overwrite(output, OutputKind::Artifact, &[input.clone()]);
+            let asked = refuse_to_overwrite(output, OutputKind::Artifact, std::slice::from_ref(&input));
             asked.err().map(|error| error.to_string().replace(&folder.path().display().to_string(), "F"))
         };
         assert_eq!(refused(&old), None);

@@ -103,24 +103,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     if !common.force
         && let Some(existing) = up_to_date(&common.output, &provenance)
     {
-        if sums_up {
-            say(format_args!("{:<16} up to date: {}", S::NAME, common.output.display()));
-            let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
-            print_notes(S::NAME, notes.iter().map(|text| Note::parse(text)), &common.output);
-        }
-        if common.json {
-            print_records(
-                existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())),
-            )?;
-        }
-        return Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
-            Some(diagnosis) if diagnosis.has_result => ExitStatus::Done,
-            Some(diagnosis) => {
-                let concerns = existing.record::<ConcernsV1>("/concerns").ok().flatten().map_or(Vec::new(), |c| c.0);
-                no_acceptable_result(common, S::NAME, &diagnosis.reason, remedy_of(&concerns))
-            }
-            None => ExitStatus::Done,
-        });
+        return tell_again(S::NAME, common, sums_up, &existing);
     }
 
     let mut out = Output::new();
@@ -189,6 +172,25 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     Ok(match outcome {
         Outcome::Done => ExitStatus::Done,
         Outcome::NoAcceptableResult(reason) => no_acceptable_result(common, S::NAME, &reason, remedy.as_deref()),
+    })
+}
+
+/// Says of an output that is up to date what was said when it was written.
+fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artifact) -> anyhow::Result<ExitStatus> {
+    if sums_up {
+        say(format_args!("{stage:<16} up to date: {}", common.output.display()));
+        let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
+        print_notes(stage, notes.iter().map(|text| Note::parse(text)), &common.output);
+    }
+    if common.json {
+        print_records(existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())))?;
+    }
+    Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
+        Some(diagnosis) if !diagnosis.has_result => {
+            let concerns = existing.record::<ConcernsV1>("/concerns").ok().flatten().map_or(Vec::new(), |c| c.0);
+            no_acceptable_result(common, stage, &diagnosis.reason, remedy_of(&concerns))
+        }
+        _ => ExitStatus::Done,
     })
 }
 

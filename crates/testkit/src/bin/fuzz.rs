@@ -1,6 +1,6 @@
-//! `fuzz --bin BIN [--files N] [--first K] [--folder FOLDER]`: N mutated files and N tampered artifacts, each read by the
-//! program that it is meant for. Exit code 1 where one of them aborts, takes too much memory or time, or gives a wrong
-//! result; the files stay in FOLDER.
+//! `fuzz --bin BIN [--files N] [--first K] [--folder FOLDER]`: N mutated files and N tampered artifacts, each read by
+//! the program that it is meant for. Exit code 1 where one of them aborts, takes too much memory or time, or gives a
+//! wrong result; the files stay in FOLDER.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -116,32 +116,49 @@ impl Draw {
                 )?
             }
             Self::ForceDeflection => {
-                let forces = [between(0.2, 0.5), between(0.2, 0.6), between(0.3, 0.8), between(0.4, 1.2)];
-                let at: [f64; 4] = std::array::from_fn(|j| (j as f64 + between(0.3, 0.7)) * crush / 3.0);
-                let knots: Vec<(f64, f64)> = at.iter().zip(forces).map(|(x, force)| (*x, force * k * crush)).collect();
-                let unloading = k / between(0.08, 0.2).powi(2);
-                Model::ForceDeflection(CrushedStructure::new(mass_kg, &knots, unloading, between(0.0, 0.008))?)
+                let of_force = [(0.2, 0.5), (0.2, 0.6), (0.3, 0.8), (0.4, 1.2)];
+                let knots = std::array::from_fn(|j| {
+                    let force = between(of_force[j].0, of_force[j].1) * k * crush;
+                    ((j as f64 + between(0.3, 0.7)) * crush / 3.0, force)
+                });
+                crushed(mass_kg, knots, k / between(0.08, 0.2).powi(2), between(0.0, 0.008))?
             }
-            Self::Triple => Model::TripleSpringMassDamper(TripleSpringMassDamper {
-                masses_kg: [0.125, 0.125, 0.75].map(|share| share * mass_kg),
-                springs_n_per_m: std::array::from_fn(|_| k * between(1.5, 4.0)),
-                dampers_n_s_per_m: std::array::from_fn(|_| c * between(0.05, 0.4)),
-            }),
+            Self::Triple => {
+                let springs = std::array::from_fn(|_| k * between(1.5, 4.0));
+                triple(mass_kg, springs, std::array::from_fn(|_| c * between(0.05, 0.4)))
+            }
             Self::Double { front, engine: with_engine } => {
                 engine = with_engine;
                 let m1_kg = between(front.0, front.1) * mass_kg;
-                Model::DoubleSpringMassDamper(DoubleSpringMassDamper {
-                    m1_kg,
-                    m2_kg: mass_kg - m1_kg,
-                    k1_n_per_m: k * between(1.0, 3.0),
-                    k2_n_per_m: k * between(1.0, 3.0),
-                    c1_n_s_per_m: c * between(0.05, 0.4),
-                    c2_n_s_per_m: c * between(0.05, 0.4),
-                })
+                let springs = std::array::from_fn(|_| k * between(1.0, 3.0));
+                double([m1_kg, mass_kg - m1_kg], springs, std::array::from_fn(|_| c * between(0.05, 0.4)))
             }
         };
         Ok(Car { model, mass_kg, impact_speed_m_per_s: v0, engine })
     }
+}
+
+/// Two masses, springs and dampers, from the barrier on.
+fn double([m1_kg, m2_kg]: [f64; 2], [k1, k2]: [f64; 2], [c1, c2]: [f64; 2]) -> Model {
+    Model::DoubleSpringMassDamper(DoubleSpringMassDamper {
+        m1_kg,
+        m2_kg,
+        k1_n_per_m: k1,
+        k2_n_per_m: k2,
+        c1_n_s_per_m: c1,
+        c2_n_s_per_m: c2,
+    })
+}
+
+/// Three masses, divided as the solver assumes.
+fn triple(mass_kg: f64, springs_n_per_m: [f64; 3], dampers_n_s_per_m: [f64; 3]) -> Model {
+    let masses_kg = [0.125, 0.125, 0.75].map(|share| share * mass_kg);
+    Model::TripleSpringMassDamper(TripleSpringMassDamper { masses_kg, springs_n_per_m, dampers_n_s_per_m })
+}
+
+/// A curve of knots `(deflection, force)`; unloading is not softer than its steepest slope.
+fn crushed(mass_kg: f64, knots: [(f64, f64); 4], unloading: f64, rate_s_per_m: f64) -> Result<Model, LumpedError> {
+    Ok(Model::ForceDeflection(CrushedStructure::new(mass_kg, &knots, unloading, rate_s_per_m)?))
 }
 
 /// The model whose last knot of the spring is at its own dynamic crush, where the solvers put it.

@@ -77,8 +77,8 @@ fn trial(family: &Family, number: usize, programs: &Steps<'_>) -> Result<Cover, 
     Ok(count(family, &car, &printed))
 }
 
-/// Draws a car and measures its test: `2.mcap` and `3.mcap` in the folder of the programs. Without a pipeline no input's
-/// uncertainty is propagated, so that the intervals are those of the fits.
+/// Draws a car and measures its test: `2.mcap` and `3.mcap` in the folder of the programs. Without a pipeline no
+/// input's uncertainty is propagated, so that the intervals are those of the fits.
 pub(super) fn measured(name: &str, draw: Draw, number: usize, programs: &Steps<'_>) -> Result<Car, CoverError> {
     let mut random = RandomNumbers::seeded(blend(name, number));
     let car = draw.car(&mut random)?;

@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 
-use crate::results::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
+use crate::conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP, candidate_name, decimals, signed};
 use crate::{CandidateResult, Ranking, Run};

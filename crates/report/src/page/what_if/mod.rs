@@ -18,7 +18,7 @@ pub(super) const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("what_if.js");
 
 /// A drawing that the script fills.
-const PANEL: &str = "<svg viewBox=\"0 0 350 210\" role=\"img\"></svg>";
+const PANEL: &str = "<svg viewBox=\"0 0 350 210\" role=\"img\"><title>Motion over time</title></svg>";
 
 /// Points of a measured curve beside the model's.
 const POINTS: usize = 300;

@@ -67,7 +67,7 @@ fn read_in_parts(
     if let [first, others @ ..] = &pieces[..]
         && !others.is_empty()
     {
-        // Lines that are left out stand where the record starts or ends: between parts they are found one after another.
+        // Lines that are left out stand where the record starts or ends: between parts they are found line by line.
         let read = |piece: &[u8], line: usize, length: usize| {
             let mut parser = Parser::new(layout, length, piece, most_rows, file, |_: usize| String::new());
             parser.line = line;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::{ConcernV1, MetricV1};
 
-use crate::results::concerns::{Concern, SHOWN_FIRST};
-use crate::results::conclusion::Conclusion;
-use crate::results::kind::Kind;
+use crate::conclusions::concerns::{Concern, SHOWN_FIRST};
+use crate::conclusions::conclusion::Conclusion;
+use crate::conclusions::kind::Kind;
 use crate::text::language::fill;
 use crate::text::numbers::{
     G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, digits_of_interval, significant,

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1};
 use serde::Serialize;
 
-use crate::results::concerns::Concern;
-use crate::results::conclusion::{Conclusion, conclusion};
-use crate::results::distinct_curves::{DistinctCurve, distinct_curves};
-use crate::results::key_numbers::{KeyNumber, key_numbers};
+use crate::conclusions::concerns::Concern;
+use crate::conclusions::conclusion::{Conclusion, conclusion};
+use crate::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::results::ranking::compare_ids;
 use crate::{CandidateResult, Model, Ranking, Run};
 

@@ -4,8 +4,8 @@ use crumple_artifact::records::{ConcernV1, PredictionV1};
 use crumple_signal::Axis;
 use serde::Serialize;
 
-use crate::results::concerns::{Concern, concerns, symbols};
-use crate::results::kind::{Kind, RECORDED, kind_of};
+use crate::conclusions::concerns::{Concern, concerns, symbols};
+use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
 use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
 use crate::{CandidateResult, Model, Ranking, Run};

@@ -4,7 +4,7 @@ use crumple_artifact::records::ConcernV1;
 use crumple_signal::{About, Severity, Weight};
 use serde::Serialize;
 
-use crate::results::kind::Kind;
+use crate::conclusions::kind::Kind;
 use crate::text::language::{Language, fill};
 use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
 use crate::text::parameters::parameter;

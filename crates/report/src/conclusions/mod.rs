@@ -1,0 +1,10 @@
+//! What a run comes to: kind of record, concerns, sentences, key numbers, distinct curves, the lines of the console, summary.
+//! Uses results and text.
+
+pub mod concerns;
+pub mod conclusion;
+pub mod distinct_curves;
+pub mod key_numbers;
+pub mod kind;
+pub mod overview;
+pub mod summary;
