@@ -78,6 +78,20 @@ fn inputs_in_any_order_give_the_same_bytes() {
 }
 
 #[test]
+fn the_page_carries_the_summary_to_the_last_byte() {
+    use base64::Engine;
+    let folder = tempfile::tempdir().unwrap();
+    let inputs = sample::write_artifacts(folder.path(), true);
+    report(folder.path(), &inputs, &[]);
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let packed = page.split("id=\"summary-data\">").nth(1).unwrap().split('<').next().unwrap();
+    let bytes = base64::engine::general_purpose::STANDARD.decode(packed).unwrap();
+    let mut text = String::new();
+    std::io::Read::read_to_string(&mut flate2::read::GzDecoder::new(&bytes[..]), &mut text).unwrap();
+    assert_eq!(text, std::fs::read_to_string(folder.path().join("summary.json")).unwrap());
+}
+
+#[test]
 fn the_page_loads_nothing_and_the_test_cannot_break_it() {
     let folder = tempfile::tempdir().unwrap();
     let inputs = sample::write_artifacts(folder.path(), true);

@@ -1,4 +1,4 @@
-//! What a run comes to: kind of record, concerns, sentences, key numbers, distinct curves, the lines of the console, summary.
+//! What a run comes to: kind of record, concerns, sentences, key numbers, distinct curves, console, summary.
 //! Uses results and text.
 
 pub mod concerns;

@@ -2,6 +2,11 @@
 
 use std::io::{self, Write};
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
 use super::{
     candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
     numbers, predictions, ratings, remarks, what_if,
@@ -9,7 +14,7 @@ use super::{
 use crate::conclusions::conclusion::conclusion;
 use crate::drawing::look::{page_rules, palette};
 use crate::figures::all::all_figures;
-use crate::text::escape::{html, json_in_script};
+use crate::text::escape::html;
 use crate::{Ranking, Run, summary};
 
 const STYLE: &str = include_str!("style.css");
@@ -65,10 +70,8 @@ impl Page {
         remarks::write_notes(&mut body, run, &concerns);
         remarks::write_limits(&mut body, run, ranking);
         remarks::write_provenance(&mut body, run);
-        if let Ok(json) = serde_json::to_string(&summary(run, ranking)) {
-            body.push_str("<script type=\"application/json\" id=\"summary-data\">");
-            body.push_str(&json_in_script(&json));
-            body.push_str("</script>\n");
+        if let Ok(packed) = packed_summary(run, ranking) {
+            body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
         body.push_str(&format!("</main>\n<script>\n{FIGURES}</script>\n</body>\n</html>\n"));
         Self(reachable(&body))
@@ -78,6 +81,13 @@ impl Page {
     pub fn write_to(&self, mut writer: impl Write) -> io::Result<()> {
         writer.write_all(self.0.as_bytes())
     }
+}
+
+/// The summary for its download, gzip in base 64: a sixth of its length.
+fn packed_summary(run: &Run, ranking: &Ranking) -> io::Result<String> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(summary(run, ranking).to_json()?.as_bytes())?;
+    Ok(STANDARD.encode(encoder.finish()?))
 }
 
 /// Definitions that stand in `title` come by tap and key too: what has one can be focused, and the style shows it.

@@ -375,7 +375,11 @@
   if (summary) {
     const line = make("p", { class: "downloads" }, "Download: ");
     line.append(button("summary.json", "Download the summary as JSON",
-      () => save("summary.json", "application/json", summary.textContent)));
+      async () => {
+        const packed = Uint8Array.from(atob(summary.textContent), (c) => c.charCodeAt(0));
+        const json = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+        save("summary.json", "application/json", await new Response(json).text());
+      }));
     document.querySelector("main").append(line);
   }
   if (timePlots.length) {

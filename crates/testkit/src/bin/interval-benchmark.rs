@@ -1,7 +1,7 @@
 //! `interval-benchmark --bin BIN [--choice] [--records N] [--first K] [FAMILY ...]`: how often the 95 % intervals of
-//! fitted parameters hold the truth, by the programs in the folder BIN, as a Markdown table. Records are numbered from K
-//! on, 0 by default: another K draws other cars. A family is named by a part of its name. With `--choice`: how often the
-//! model that the record was made of, or one that the record cannot tell from it, is recommended or the simplest.
+//! fitted parameters hold the truth, by the programs in the folder BIN, as a Markdown table. Records are numbered from
+//! K on, 0 by default: another K draws other cars. A family is named by a part of its name. With `--choice`: how often
+//! the model that the record was made of, or one that the record cannot tell from it, is recommended or the simplest.
 
 use std::process::ExitCode;
 
