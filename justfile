@@ -130,7 +130,8 @@ curve folder *args: build
 [group('development')]
 build:
     @stamp={{ quote(bin / ".crumple-built") }}; \
-    if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates -newer "$stamp" -print -quit)" ]; then \
+    if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates \
+        -type d \( -name tests -o -name testkit \) -prune -o -newer "$stamp" -print -quit)" ]; then \
         mkdir -p {{ quote(bin) }}; touch "$stamp.$$"; \
         cargo build --release --workspace --exclude crumple-testkit --bins; \
         mv "$stamp.$$" "$stamp"; \
@@ -159,6 +160,11 @@ lint:
 [group('development')]
 rooms:
     CRUMPLE_WRITE_ROOMS=1 cargo test --quiet --package crumple-testkit --test architecture the_page_names_every_room
+
+# Writes docs/schemas/, the JSON Schemas of all records and of summary.json.
+[group('development')]
+schemas:
+    CRUMPLE_WRITE_SCHEMAS=1 cargo test --quiet --package crumple-testkit --test schemas the_schemas_in_the_docs
 
 # Runs the fixtures and compares with the committed results.
 [group('development')]

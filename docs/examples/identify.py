@@ -34,8 +34,8 @@ about = {"method": "ar", "order": 2, "channel": test["pulse"], "treated_as": "fr
 with open(args.output, "wb") as file:
     writer = Writer(file)
     writer.start(profile="", library="python")
-    for topic, kind, data in (("/test", "Test", test), ("/modes/ar-2", "Modes", modes), ("/identification/ar-2", "Identification", about)):
-        schema = writer.register_schema(f"crumple.{kind}.v1", "jsonschema", b"{}")
+    for topic, kind, data in (("/test", "Test.v1", test), ("/modes/ar-2", "Modes.v2", {"modes": modes}), ("/identification/ar-2", "Identification.v1", about)):
+        schema = writer.register_schema(f"crumple.{kind}", "jsonschema", b"{}")
         channel = writer.register_channel(topic, "json", schema)
         writer.add_message(channel, log_time=0, publish_time=0, data=json.dumps(data).encode())
     writer.finish()

@@ -7,7 +7,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::process::Command;
 
-use crumple_artifact::records::{ChannelV1, EventsV1, MetricV1, MetricsV1, NotesV1, SourceV1, StateSpaceV1, TestV1};
+use crumple_artifact::records::{ChannelV1, EventsV1, MetricV1, MetricsV2, NotesV1, SourceV1, StateSpaceV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, InputDigest, Provenance, Record};
 use crumple_signal::{QuantityKind, Sampled};
 
@@ -77,7 +77,7 @@ fn builder() -> ArtifactBuilder {
         definition: "as defined".into(),
         ..MetricV1::default()
     };
-    builder.put("/metrics", &MetricsV1(vec![metric("third", 1.0 / 3.0), metric("tiny", 5e-324)])).unwrap();
+    builder.put("/metrics", &MetricsV2 { metrics: vec![metric("third", 1.0 / 3.0), metric("tiny", 5e-324)] }).unwrap();
     builder.put("/notes", &NotesV1 { stage: "filter".into(), notes: vec!["a note".into()] }).unwrap();
     let wave = |t0, n: u32| Sampled::new(t0, 1e-4, (0..n).map(|k| f64::from(k % 7) / 3.0 - 1.0).collect()).unwrap();
     // More than one block of 65,536 samples.

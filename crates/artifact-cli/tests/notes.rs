@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV1, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1};
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 
 fn write(folder: &Path, name: &str, stage: &str, notes: &[&str], concerns: Vec<ConcernV1>) {
@@ -13,7 +13,7 @@ fn write(folder: &Path, name: &str, stage: &str, notes: &[&str], concerns: Vec<C
     let notes = notes.iter().map(|text| (*text).to_owned()).collect();
     builder.put("/notes", &NotesV1 { stage: stage.to_owned(), notes }).unwrap();
     if !concerns.is_empty() {
-        builder.put("/concerns", &ConcernsV1(concerns)).unwrap();
+        builder.put("/concerns", &ConcernsV2 { concerns }).unwrap();
     }
     let provenance = Provenance::new(stage, "0.1.0", "{}".to_owned(), vec![]);
     builder.write(&folder.join(name), &provenance, Compression::None).unwrap();

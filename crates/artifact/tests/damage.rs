@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crumple_artifact::records::{EventsV1, MetricV1, MetricsV1, NotesV1, WaveBlockV1};
+use crumple_artifact::records::{EventsV1, MetricV1, MetricsV1, MetricsV2, NotesV1, WaveBlockV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Codec, Compression, InputDigest, Provenance, ReadError, Record};
 use crumple_signal::{QuantityKind, Sampled};
 
@@ -25,7 +25,7 @@ fn builder() -> ArtifactBuilder {
         definition: "max |a|".into(),
         ..MetricV1::default()
     };
-    builder.put("/metrics", &MetricsV1(vec![metric])).unwrap();
+    builder.put("/metrics", &MetricsV2 { metrics: vec![metric] }).unwrap();
     builder.put("/notes", &NotesV1 { stage: "filter".into(), notes: vec!["zero level 0.01".into()] }).unwrap();
     let samples = (0..40).map(|k| f64::from(k).sin()).collect();
     builder.wave("93", QuantityKind::Acceleration, Sampled::new(-0.02, 1e-4, samples).unwrap()).unwrap();
@@ -52,8 +52,8 @@ fn what_is_written_is_read_back() {
         assert_eq!(wave.quantity, QuantityKind::Acceleration);
         assert_eq!(wave.sampled.t0_s(), -0.02);
         assert_eq!(wave.sampled.samples()[7], 7.0_f64.sin());
-        let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
-        assert_eq!(metrics.0[0].value, Some(12.5));
+        let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+        assert_eq!(metrics.metrics[0].value, Some(12.5));
         assert!(artifact.record::<EventsV1>("/events").unwrap().is_none());
     }
 }
@@ -109,6 +109,23 @@ fn a_file_cut_anywhere_is_refused() {
 }
 
 #[test]
+fn a_record_longer_than_its_file_is_said_to_be_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mcap");
+    let good = bytes(Compression::None);
+    // the length of the first record follows the magic bytes and one byte of what it is
+    for place in [11, 12, 13, 16] {
+        let mut damaged = good.clone();
+        damaged[place] |= 0x40;
+        std::fs::write(&path, &damaged).unwrap();
+        let error = Artifact::open(&path).unwrap_err();
+        assert!(matches!(error, ReadError::Truncated { at, .. } if at == good.len() as u64), "{place}: {error}");
+    }
+    std::fs::write(&path, &good[..good.len() - 40]).unwrap();
+    assert!(Artifact::open(&path).is_err());
+}
+
+#[test]
 fn trailing_bytes_and_other_files_are_refused() {
     let mut long = bytes(Compression::None);
     long.push(0);
@@ -134,6 +151,23 @@ fn foreign(topics: &[(&str, &str, &str, &[u8])], metadata: &[(&str, BTreeMap<Str
     writer.finish().unwrap();
     drop(writer);
     file.into_inner()
+}
+
+#[test]
+fn the_version_before_of_a_record_is_read_in_both_encodings() {
+    let metric = MetricV1 { name: "olc".into(), value: Some(290.0), ..MetricV1::default() };
+    let earlier = MetricsV1(vec![metric.clone()]);
+    for codec in [Codec::Json, Codec::Bincode] {
+        let payload = codec.encode(&earlier).unwrap();
+        let artifact = read(&foreign(&[("/metrics", MetricsV1::SCHEMA, codec.name(), &payload)], &[])).unwrap();
+        let now: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+        assert_eq!(now, MetricsV2 { metrics: vec![metric.clone()] });
+        assert_eq!(artifact.record::<MetricsV1>("/metrics").unwrap().unwrap(), earlier);
+    }
+    // the other way round is another program's concern: it says that it is too old
+    let now = Codec::Json.encode(&MetricsV2 { metrics: vec![metric] }).unwrap();
+    let artifact = read(&foreign(&[("/metrics", MetricsV2::SCHEMA, "json", &now)], &[])).unwrap();
+    assert!(matches!(artifact.record::<MetricsV1>("/metrics"), Err(ReadError::Newer { .. })));
 }
 
 #[test]
@@ -231,15 +265,15 @@ fn a_nan_is_neither_written_nor_read() {
         channel: "93".into(),
         ..MetricV1::default()
     };
-    let error = builder.put("/metrics", &MetricsV1(vec![metric.clone()])).unwrap_err();
-    insta::assert_snapshot!(error, @"record /metrics: [0].value is NaN, only finite numbers may be written");
+    let error = builder.put("/metrics", &MetricsV2 { metrics: vec![metric.clone()] }).unwrap_err();
+    insta::assert_snapshot!(error, @"record /metrics: metrics[0].value is NaN, only finite numbers may be written");
 
-    let payload = Codec::Bincode.encode(&MetricsV1(vec![metric])).unwrap();
-    let error = read(&foreign(&[("/metrics", MetricsV1::SCHEMA, "bincode", &payload)], &[]))
+    let payload = Codec::Bincode.encode(&MetricsV2 { metrics: vec![metric] }).unwrap();
+    let error = read(&foreign(&[("/metrics", MetricsV2::SCHEMA, "bincode", &payload)], &[]))
         .unwrap()
-        .record::<MetricsV1>("/metrics")
+        .record::<MetricsV2>("/metrics")
         .unwrap_err();
-    insta::assert_snapshot!(error, @"x.mcap: topic /metrics: [0].value is NaN, a finite number is needed");
+    insta::assert_snapshot!(error, @"x.mcap: topic /metrics: metrics[0].value is NaN, a finite number is needed");
 
     let block = WaveBlockV1 { t0_ns: 0, dt_s: 1.0, first: 0, samples: vec![0.0, f64::INFINITY] };
     let payload = Codec::Bincode.encode(&block).unwrap();

@@ -240,7 +240,7 @@ fn the_layout_of_every_record_type_is_frozen() {
             reason: "12 of 400 replicates do not have it".into(),
         }],
     });
-    freeze(&MetricsV1(vec![MetricV1 {
+    let metrics = vec![MetricV1 {
         name: "peak_acceleration".into(),
         value: Some(-445.7),
         unit: "m/s^2".into(),
@@ -252,7 +252,9 @@ fn the_layout_of_every_record_type_is_frozen() {
         low: Some(440.0),
         high: Some(450.0),
         interval_by: Some("range over 4 channels".into()),
-    }]));
+    }];
+    freeze(&MetricsV1(metrics.clone()));
+    freeze(&MetricsV2 { metrics });
     freeze(&StateSpaceV1 {
         a: vec![vec![0.5, 1.0], vec![-1.0, 0.25]],
         b: vec![vec![1.0], vec![0.0]],
@@ -274,7 +276,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         terms: vec![ExponentialTermV1 { re_amplitude: 1.0, im_amplitude: -2.0, re_per_s: -33.4, im_rad_per_s: 39.0 }],
         output: "displacement".into(),
     });
-    freeze(&ModesV1(vec![ModeV1 {
+    let modes = vec![ModeV1 {
         re_per_s: -18.0,
         im_rad_per_s: 533.0,
         natural_frequency_rad_per_s: 533.5,
@@ -283,7 +285,9 @@ fn the_layout_of_every_record_type_is_frozen() {
         mode_singular_value: None,
         discrete_re: Some(0.99),
         discrete_im: Some(0.05),
-    }]));
+    }];
+    freeze(&ModesV1(modes.clone()));
+    freeze(&ModesV2 { modes });
     freeze(&IdentificationV1 {
         method: "era".into(),
         order: 4,
@@ -558,14 +562,16 @@ fn the_layout_of_every_record_type_is_frozen() {
             start: Some(vec![0.0, 0.0, 15.6, 15.6]),
         }],
     });
-    freeze(&ConcernsV1(vec![ConcernV1 {
+    let concerns = vec![ConcernV1 {
         stage: "ingest".into(),
         severity: ConcernV1::WARNING.into(),
         about: "pulse".into(),
         weight: 3,
         text: "the pulse is positive".into(),
         remedy: Some("--sign flip".into()),
-    }]));
+    }];
+    freeze(&ConcernsV1(concerns.clone()));
+    freeze(&ConcernsV2 { concerns });
     freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
     freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into(), has_result: false });
     freeze(&QualityV1 {

@@ -9,7 +9,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use crumple_artifact::records::{EventsV1, MetricsV1, NotesV1, WaveBlockV1};
+use crumple_artifact::records::{EventsV1, MetricsV2, NotesV1, WaveBlockV1};
 use crumple_artifact::{ArtifactBuilder, Codec, Compression, Provenance, Record};
 use crumple_signal::{QuantityKind, Sampled};
 
@@ -31,7 +31,7 @@ fn write_elsewhere(made: &Made, path: &Path) {
         ("/wave/93", WaveBlockV1::SCHEMA, "json", Codec::Json.encode(&block(0, head)).unwrap()),
         ("/wave/93", WaveBlockV1::SCHEMA, "json", Codec::Json.encode(&block(77, tail)).unwrap()),
         ("/notes", NotesV1::SCHEMA, "bincode", Codec::Bincode.encode(&made.record_notes()).unwrap()),
-        ("/metrics", MetricsV1::SCHEMA, "bincode", Codec::Bincode.encode(&made.metrics()).unwrap()),
+        ("/metrics", MetricsV2::SCHEMA, "bincode", Codec::Bincode.encode(&made.metrics()).unwrap()),
     ];
     for (k, (topic, schema, encoding, payload)) in messages.iter().enumerate() {
         let schema = writer.add_schema(schema, "jsonschema", b"{}").unwrap();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StabilizationV1, StateSpaceV1,
+    EvidenceV1, IdentificationV1, ModesV2, NotesV1, ShapesV1, StabilizationV1, StateSpaceV1,
 };
 use crumple_signal::{Channel, QuantityKind};
 use crumple_sysid::{EraOptions, Order, era};
@@ -42,10 +42,10 @@ fn run(input: &Path, flags: &[&str]) -> Artifact {
 
 /// Largest relative distance of a true pole to the nearest of the model.
 fn worst(artifact: &Artifact, id: &str) -> f64 {
-    let modes: ModesV1 = artifact.record(&format!("/modes/{id}")).unwrap().unwrap();
+    let modes: ModesV2 = artifact.record(&format!("/modes/{id}")).unwrap().unwrap();
     let nearest = |(re, im): &(f64, f64)| {
         let distance = |m: &crumple_artifact::records::ModeV1| (m.re_per_s - re).hypot(m.im_rad_per_s - im);
-        modes.0.iter().map(distance).fold(f64::INFINITY, f64::min) / re.hypot(*im)
+        modes.modes.iter().map(distance).fold(f64::INFINITY, f64::min) / re.hypot(*im)
     };
     POLES.iter().map(nearest).fold(0.0, f64::max)
 }
@@ -176,8 +176,8 @@ fn models_of_several_outputs_have_shapes_and_standard_deviations() {
         }
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{evidence}")).unwrap().unwrap();
         assert_eq!(evidence.bootstrap_replicates, Some(20), "{id}");
-        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
-        for (mode, spread) in modes.0.iter().zip(&evidence.frequency_spreads) {
+        let modes: ModesV2 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        for (mode, spread) in modes.modes.iter().zip(&evidence.frequency_spreads) {
             let (frequency, spread) = (mode.natural_frequency_rad_per_s, spread.as_ref().unwrap());
             // The truth is within 5 standard deviations of the estimate; 20 replicates know theirs to 16 %.
             let exact =

@@ -7,7 +7,7 @@ mod program;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{EvidenceV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1, TransferFunctionV1};
+use crumple_artifact::records::{EvidenceV1, IdentificationV1, ModesV2, NotesV1, StateSpaceV1, TransferFunctionV1};
 use crumple_lti::{Complex, StateSpace, discretize_first_order_hold, simulate};
 use crumple_signal::{Channel, QuantityKind};
 use crumple_testkit::uniform;
@@ -45,9 +45,9 @@ fn artifact(folder: &Path) -> PathBuf {
 }
 
 /// Distance of every true pole to the nearest found one, relative, the largest.
-fn worst(modes: &ModesV1) -> f64 {
+fn worst(modes: &ModesV2) -> f64 {
     let distance = |s: Complex| {
-        let estimated = modes.0.iter().map(|mode| (Complex::new(mode.re_per_s, mode.im_rad_per_s) - s).norm());
+        let estimated = modes.modes.iter().map(|mode| (Complex::new(mode.re_per_s, mode.im_rad_per_s) - s).norm());
         estimated.fold(f64::INFINITY, f64::min) / s.norm()
     };
     truth().poles().unwrap().into_iter().map(distance).fold(0.0, f64::max)
@@ -64,7 +64,7 @@ fn every_method_takes_several_inputs_and_outputs() {
     assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     for id in ["tfest-4-3", "n4sid-4", "moesp-4", "cva-4", "arx-4"] {
-        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        let modes: ModesV2 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
         // Clean data of the model class: rounding times the condition of each method.
         assert!(worst(&modes) < 1e-6, "{id}: {:e} {modes:?}", worst(&modes));
         let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
@@ -116,7 +116,7 @@ fn one_output_of_two_inputs_and_the_old_names_of_the_options() {
     assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     for id in ["output-error-4", "arx-4", "n4sid-4"] {
-        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        let modes: ModesV2 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
         assert!(worst(&modes) < 1e-5, "{id}: {:e}", worst(&modes));
         assert!(result.record::<EvidenceV1>(&format!("/evidence/{id}")).unwrap().is_some());
     }

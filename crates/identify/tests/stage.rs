@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{DiagnosisV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1, TransferFunctionV1};
+use crumple_artifact::records::{DiagnosisV1, IdentificationV1, ModesV2, NotesV1, StateSpaceV1, TransferFunctionV1};
 use crumple_signal::{Channel, QuantityKind};
 
 use program::{identify, made, written};
@@ -48,8 +48,8 @@ fn writes_matrices_modes_and_evidence_of_every_order() {
     }
     assert!(topics.contains(&"/test"));
 
-    let modes: ModesV1 = result.record("/modes/era-4").unwrap().unwrap();
-    let poles: Vec<(f64, f64)> = modes.0.iter().map(|m| (m.re_per_s, m.im_rad_per_s)).collect();
+    let modes: ModesV2 = result.record("/modes/era-4").unwrap().unwrap();
+    let poles: Vec<(f64, f64)> = modes.modes.iter().map(|m| (m.re_per_s, m.im_rad_per_s)).collect();
     for (estimated, exact) in poles.iter().zip([(-15.0, 120.0), (-15.0, -120.0), (-40.0, 420.0), (-40.0, -420.0)]) {
         // A clean record: rounding over the sampling interval.
         assert!((estimated.0 - exact.0).abs() < 1e-8 && (estimated.1 - exact.1).abs() < 1e-8, "{poles:?}");

@@ -10,7 +10,7 @@ use std::process::Command;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    EvidenceV1, IdentificationV1, ModesV1, NotesV1, ResponseV1, SelectionV1, StabilizationV1,
+    EvidenceV1, IdentificationV1, ModesV2, NotesV1, ResponseV1, SelectionV1, StabilizationV1,
 };
 use crumple_signal::{Channel, QuantityKind};
 
@@ -106,8 +106,8 @@ fn bootstrap_gives_every_method_its_spreads_and_the_truth_lies_within_them() {
     let result = done(&input, &folder.path().join("4.mcap"), &flags);
     for id in ["era-4", "tfest-2-0", "exponentials-4", "moesp-4", "arx-4", "output-error-4"] {
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
-        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
-        assert_eq!(evidence.frequency_spreads.len(), modes.0.len(), "{id}");
+        let modes: ModesV2 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        assert_eq!(evidence.frequency_spreads.len(), modes.modes.len(), "{id}");
         assert_eq!(evidence.bootstrap_replicates.unwrap() + evidence.bootstrap_failed.unwrap(), 40, "{id}");
         assert!(evidence.bootstrap_noise.unwrap().starts_with("residuals in blocks of"), "{id}");
         if id != "exponentials-4" {
@@ -161,8 +161,8 @@ fn methods_through_markov_parameters_have_the_same_evidence() {
     let result = done(&input, &folder.path().join("4.mcap"), &flags);
     for id in ["okid-4", "fir-4", "era-dc-4"] {
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
-        let modes: ModesV1 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
-        assert_eq!(evidence.frequency_spreads.len(), modes.0.len(), "{id}");
+        let modes: ModesV2 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
+        assert_eq!(evidence.frequency_spreads.len(), modes.modes.len(), "{id}");
         assert!(evidence.bootstrap_replicates.unwrap() >= 4 && evidence.validation_fit_percent.is_some(), "{id}");
         assert_eq!(evidence.validation_from_s, Some(0.3), "{id}");
         let response: ResponseV1 = result.record(&format!("/response/{id}")).unwrap().unwrap();

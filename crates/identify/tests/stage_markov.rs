@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    DiagnosisV1, EventsV1, EvidenceV1, IdentificationV1, ModesV1, NotesV1, ShapesV1, StateSpaceV1,
+    DiagnosisV1, EventsV1, EvidenceV1, IdentificationV1, ModesV2, NotesV1, ShapesV1, StateSpaceV1,
 };
 use crumple_signal::{Channel, QuantityKind};
 
@@ -36,8 +36,8 @@ fn run(input: &Path, flags: &[&str]) -> Artifact {
 }
 
 fn poles(artifact: &Artifact, id: &str) -> Vec<(f64, f64)> {
-    let modes: ModesV1 = artifact.record(&format!("/modes/{id}")).unwrap().unwrap();
-    modes.0.iter().map(|m| (m.re_per_s, m.im_rad_per_s)).collect()
+    let modes: ModesV2 = artifact.record(&format!("/modes/{id}")).unwrap().unwrap();
+    modes.modes.iter().map(|m| (m.re_per_s, m.im_rad_per_s)).collect()
 }
 
 fn assert_poles(estimated: &[(f64, f64)], exact: &[(f64, f64)], tolerance: f64) {

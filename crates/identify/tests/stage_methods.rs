@@ -9,7 +9,7 @@ use std::process::Command;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1, TransferFunctionV1,
+    EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV2, NotesV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_signal::{Channel, QuantityKind};
 
@@ -60,14 +60,14 @@ fn tfest_gives_the_oscillator_with_deviations_and_evidence() {
     assert_eq!(run.code, Some(0), "{}", run.said);
     let result = Artifact::open(&output).unwrap();
     let tf: TransferFunctionV1 = result.record("/model/tfest-2-0/transfer-function").unwrap().unwrap();
-    let modes: ModesV1 = result.record("/modes/tfest-2-0").unwrap().unwrap();
+    let modes: ModesV2 = result.record("/modes/tfest-2-0").unwrap().unwrap();
     let evidence: EvidenceV1 = result.record("/evidence/tfest-2-0").unwrap().unwrap();
     let identification: IdentificationV1 = result.record("/identification/tfest-2-0").unwrap().unwrap();
-    let frequency = modes.0[0].natural_frequency_rad_per_s;
+    let frequency = modes.modes[0].natural_frequency_rad_per_s;
     let deviation = evidence.frequency_deviations[0].unwrap();
     // Four deviations, and what straight lines between samples of a half sine leave.
     assert!((frequency - 37.699).abs() < 4.0 * deviation + 1e-3, "{frequency} +- {deviation}");
-    assert!((modes.0[0].damping_ratio.unwrap() - 0.2).abs() < 4.0 * evidence.damping_deviations[0].unwrap() + 1e-4);
+    assert!((modes.modes[0].damping_ratio.unwrap() - 0.2).abs() < 4.0 * evidence.damping_deviations[0].unwrap() + 1e-4);
     assert!((tf.numerator[0] - 1.0).abs() < 4.0 * evidence.numerator_deviations[0] + 1e-3, "{tf:?}");
     assert!(tf.input.contains("acceleration 93") && tf.output.contains("displacement 93/displacement"), "{tf:?}");
     assert!(identification.fit_percent.unwrap() > 99.9 && identification.treated_as == "input-output");

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV1, NotesV1, StateSpaceV1,
+    ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV2, NotesV1, StateSpaceV1,
 };
 use crumple_lti::{Complex, StateSpace, simulate};
 use crumple_signal::{Channel, QuantityKind};
@@ -112,11 +112,11 @@ fn output_error_of_two_inputs_and_outputs_has_common_poles_with_deviations() {
     let result = Artifact::open(&output).unwrap();
     let model: StateSpaceV1 = result.record("/model/output-error-2/discrete").unwrap().unwrap();
     assert_eq!(model.a.len(), 4);
-    let modes: ModesV1 = result.record("/modes/output-error-2").unwrap().unwrap();
+    let modes: ModesV2 = result.record("/modes/output-error-2").unwrap().unwrap();
     let evidence: EvidenceV1 = result.record("/evidence/output-error-2/1").unwrap().unwrap();
     let exact = (Complex::new(0.9, 0.3).ln() / DT_S).norm();
     assert_eq!(evidence.frequency_deviations.len(), 4);
-    for (mode, deviation) in modes.0.iter().zip(&evidence.frequency_deviations) {
+    for (mode, deviation) in modes.modes.iter().zip(&evidence.frequency_deviations) {
         // Four standard deviations.
         let miss = (mode.natural_frequency_rad_per_s - exact).abs();
         assert!(miss < 4.0 * deviation.unwrap(), "{miss} {deviation:?}");

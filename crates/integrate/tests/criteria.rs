@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{
-    ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, MetricV1, MetricsV1, NotesV1, TestV1,
+    ChannelFilterV1, DamageV1, DiagnosisV1, EventsV1, MetricV1, MetricsV2, NotesV1, TestV1,
 };
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription};
@@ -45,7 +45,7 @@ fn result(input: &Path, flags: &[&str]) -> Artifact {
 }
 
 fn metrics(artifact: &Artifact) -> Vec<MetricV1> {
-    artifact.record::<MetricsV1>("/metrics").unwrap().unwrap().0
+    artifact.record::<MetricsV2>("/metrics").unwrap().unwrap().metrics
 }
 
 fn notes(artifact: &Artifact) -> Vec<String> {

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-use crumple_artifact::records::{EventsV1, MetricsV1, NotesV1, TestV1};
+use crumple_artifact::records::{EventsV1, MetricsV2, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
 use crumple_testkit::program::Program;
@@ -79,8 +79,12 @@ fn notes(artifact: &Artifact) -> Vec<String> {
 }
 
 fn metric(artifact: &Artifact, channel: &str, name: &str) -> Option<f64> {
-    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
-    metrics.0.iter().find(|metric| metric.channel == channel && metric.name == name).and_then(|metric| metric.value)
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    metrics
+        .metrics
+        .iter()
+        .find(|metric| metric.channel == channel && metric.name == name)
+        .and_then(|metric| metric.value)
 }
 
 #[test]
@@ -114,9 +118,9 @@ fn the_spread_of_the_channels_is_the_interval_of_every_metric_and_an_engine_is_n
     let folder = tempfile::tempdir().unwrap();
     let input = test_folder(folder.path());
     let artifact = result(&input, &["--channels", "2,3,4"]);
-    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
     let of = |channel: &str, name: &str| {
-        metrics.0.iter().find(|metric| metric.channel == channel && metric.name == name).cloned()
+        metrics.metrics.iter().find(|metric| metric.channel == channel && metric.name == name).cloned()
     };
     let crush = of("1+2+3", "dynamic_crush").unwrap();
     let single = |channel: &str| of(channel, "dynamic_crush").unwrap().value;

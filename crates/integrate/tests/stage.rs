@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{EventsV1, MetricsV1, NotesV1, TestV1};
+use crumple_artifact::records::{EventsV1, MetricsV2, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 use crumple_testkit::program::Program;
@@ -65,8 +65,8 @@ fn writes_motion_events_and_metrics_of_the_pulse() {
     assert_eq!((events.rule.as_deref(), events.start.as_deref()), (Some("trapezoid"), Some("time-zero")));
     assert_eq!((events.time_zero_s, events.time_zero_rule.as_str(), events.channel.as_str()), (0.0, "file", "a"));
     assert_eq!(artifact.waves()["a/force"].sampled.samples()[7], 180_000.0);
-    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
-    let stiffness = metrics.0.iter().find(|metric| metric.name == "average_stiffness").unwrap();
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    let stiffness = metrics.metrics.iter().find(|metric| metric.name == "average_stiffness").unwrap();
     assert!((stiffness.value.unwrap() / 360_000.0 - 1.0).abs() < 1e-12);
     assert_eq!((stiffness.unit.as_str(), stiffness.channel.as_str()), ("N/m", "a"));
 }
@@ -158,8 +158,8 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     let value = crush.dynamic_crush_m.unwrap();
     assert!(interval.low < value && value < interval.high, "{interval:?} {value}");
     assert_eq!(interval.interval_by, "5-95 % of 400 replicates");
-    let metrics: MetricsV1 = artifact.record("/metrics").unwrap().unwrap();
-    let olc = metrics.0.iter().find(|metric| metric.name == "olc").unwrap();
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    let olc = metrics.metrics.iter().find(|metric| metric.name == "olc").unwrap();
     assert_eq!(olc.definition_id.as_deref(), Some("olc-tb027"));
     assert!(olc.low < olc.value && olc.value < olc.high && olc.from_s < olc.to_s, "{olc:?}");
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
@@ -253,7 +253,7 @@ fn without_an_impact_speed_the_metrics_that_need_none_are_those_with_one() {
     let folder = tempfile::tempdir().unwrap();
     let with = result(&filtered(folder.path(), &constant(Some(20.0), Some(900.0), None)), &[]);
     let without = result(&filtered(folder.path(), &constant(None, Some(900.0), None)), &[]);
-    let metrics = |artifact: &Artifact| artifact.record::<MetricsV1>("/metrics").unwrap().unwrap().0;
+    let metrics = |artifact: &Artifact| artifact.record::<MetricsV2>("/metrics").unwrap().unwrap().metrics;
     let (with, without_speed) = (metrics(&with), metrics(&without));
     assert_eq!(with.len(), without_speed.len());
     let value = |metrics: &[crumple_artifact::records::MetricV1], name: &str| {

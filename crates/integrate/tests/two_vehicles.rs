@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{MetricV1, MetricsV1, NotesV1, TestV1, VehicleV1, VehiclesV1};
+use crumple_artifact::records::{MetricV1, MetricsV2, NotesV1, TestV1, VehicleV1, VehiclesV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled, TestDescription};
 use crumple_testkit::TwoVehicles;
@@ -68,7 +68,7 @@ fn both_vehicles_are_reported_with_what_they_say_together() {
         let folder = tempfile::tempdir().unwrap();
         let input = filtered(folder.path(), &cars);
         let artifact = Artifact::open(&PROGRAM.written(&input, &["--channels", "all"])).unwrap();
-        let metrics = artifact.record::<MetricsV1>("/metrics").unwrap().unwrap().0;
+        let metrics = artifact.record::<MetricsV2>("/metrics").unwrap().unwrap().metrics;
         let value = |name: &str| metric(&metrics, "1+4", name).value.unwrap();
         let (crush_m, time_s) = cars.relative_crush();
         // Sums of 10 kHz samples by the trapezoid.

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV1, NotesV1};
+use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV2, NotesV1};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, TestDescription};
 use crumple_testkit::program::Program;
 use crumple_testkit::write_filtered;
@@ -42,7 +42,7 @@ fn events(artifact: &Artifact) -> EventsV1 {
 }
 
 fn metrics(artifact: &Artifact) -> Vec<MetricV1> {
-    artifact.record::<MetricsV1>("/metrics").unwrap().map(|metrics| metrics.0).unwrap_or_default()
+    artifact.record::<MetricsV2>("/metrics").unwrap().map(|record| record.metrics).unwrap_or_default()
 }
 
 fn find(metrics: &[MetricV1], channel: &str, name: &str) -> MetricV1 {

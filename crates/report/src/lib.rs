@@ -16,7 +16,7 @@ pub use conclusions::concerns::{Concern, SHOWN_FIRST};
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::overview;
-pub use conclusions::summary::{Summary, summary};
+pub use conclusions::summary::{Summary, summary, summary_schema};
 pub use drawing::figure::{Axis, Curve, Entry, Figure, Label, Mark, Panel};
 pub use drawing::look::{Colour, Dash, Look, Symbol, Width};
 pub use figures::all::all_figures;

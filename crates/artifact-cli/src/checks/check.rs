@@ -1,10 +1,10 @@
 //! Whether an artifact says what the format demands, beyond being intact.
 
 use crumple_artifact::records::{
-    ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
-    IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
-    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1,
-    WaveBlockV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
+    ExponentialSumV1, IdentificationV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1, PredictionV1,
+    QualityV1, RecommendationV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1,
+    TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
@@ -33,9 +33,9 @@ const STATED: [(&str, &[&str]); 25] = [
     ("/quality/", &[QualityV1::SCHEMA]),
     ("/filter/", &[ChannelFilterV1::SCHEMA]),
     ("/events", &[EventsV1::SCHEMA]),
-    ("/metrics", &[MetricsV1::SCHEMA]),
+    ("/metrics", &[MetricsV1::SCHEMA, MetricsV2::SCHEMA]),
     ("/model/", &[StateSpaceV1::SCHEMA, TransferFunctionV1::SCHEMA, ExponentialSumV1::SCHEMA]),
-    ("/modes/", &[ModesV1::SCHEMA]),
+    ("/modes/", &[ModesV1::SCHEMA, ModesV2::SCHEMA]),
     ("/identification/", &[IdentificationV1::SCHEMA]),
     ("/evidence/", &[EvidenceV1::SCHEMA]),
     ("/shapes/", &[ShapesV1::SCHEMA]),
@@ -51,7 +51,7 @@ const STATED: [(&str, &[&str]); 25] = [
     ("/recommendation", &[RecommendationV1::SCHEMA]),
     ("/prediction/", &[PredictionV1::SCHEMA]),
     ("/notes", &[NotesV1::SCHEMA]),
-    ("/concerns", &[ConcernsV1::SCHEMA]),
+    ("/concerns", &[ConcernsV1::SCHEMA, ConcernsV2::SCHEMA]),
     ("/diagnosis", &[DiagnosisV1::SCHEMA]),
 ];
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV1, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1};
 use crumple_artifact::{Artifact, ReadError};
 use crumple_signal::{About, Note, Severity, Weight};
 
@@ -21,7 +21,7 @@ impl StageNotes {
     pub fn of<'a>(artifacts: impl IntoIterator<Item = &'a Artifact>) -> Result<Self, ReadError> {
         let mut all = Self::default();
         for artifact in artifacts {
-            let concerns = artifact.record::<ConcernsV1>("/concerns")?.map_or(Vec::new(), |concerns| concerns.0);
+            let concerns = artifact.record::<ConcernsV2>("/concerns")?.map_or(Vec::new(), |record| record.concerns);
             concerns.into_iter().for_each(|concern| all.add(concern));
             let Some(NotesV1 { stage, notes }) = artifact.record("/notes")? else { continue };
             for note in notes.iter().map(|text| Note::parse(text)) {

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::layout::names::same_type;
 use crate::layout::record::{Record, SCHEMAS, TypeVisitor, with_type};
 use crate::{Artifact, ArtifactBuilder, RawRecord, ReadError, WriteError};
 
@@ -35,7 +36,7 @@ impl Artifact {
         if let Some(text) = with_type(&raw.schema, ToJson { artifact: self, raw, form }) {
             return text.map(Some);
         }
-        match SCHEMAS.iter().find(|known| same_name(known, &raw.schema)) {
+        match SCHEMAS.iter().rfind(|known| same_type(known, &raw.schema)) {
             Some(known) => Err(ReadError::Newer {
                 path: self.path().to_owned(),
                 what: format!("the record type of topic {}", raw.topic),
@@ -47,10 +48,19 @@ impl Artifact {
     }
 }
 
-/// Whether two schema names differ at most in their version.
-fn same_name(a: &str, b: &str) -> bool {
-    let name = |schema: &str| schema.rsplit_once(".v").map(|(name, _)| name.to_owned());
-    name(a).is_some() && name(a) == name(b)
+/// JSON Schema of the record type of this name, as it stands in artifacts; `None` if it is not in [`SCHEMAS`].
+pub fn schema_json(schema: &str) -> Option<Vec<u8>> {
+    with_type(schema, SchemaJson)
+}
+
+struct SchemaJson;
+
+impl TypeVisitor for SchemaJson {
+    type Output = Vec<u8>;
+
+    fn visit<R: Record>(self) -> Self::Output {
+        R::schema_json()
+    }
 }
 
 struct ToJson<'a> {

@@ -89,7 +89,7 @@ impl<'a> ser::Serializer for &'a mut Walk {
     }
 
     fn serialize_f64(self, value: f64) -> Result<(), Stop> {
-        if value.is_finite() { Ok(()) } else { Err(Stop::Found(self.path.join("."), value)) }
+        if value.is_finite() { Ok(()) } else { Err(Stop::Found(self.path.join(".").replace(".[", "["), value)) }
     }
 
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<(), Stop> {
@@ -214,6 +214,6 @@ mod tests {
         deep.named.insert("stiffness_n_per_m".into(), Some(f64::INFINITY));
         assert_eq!(first_non_finite(&deep), Some(("named.stiffness_n_per_m".into(), f64::INFINITY)));
         deep.rows[1][1] = f64::NAN;
-        assert_eq!(first_non_finite(&deep).unwrap().0, "rows.[1].[1]");
+        assert_eq!(first_non_finite(&deep).unwrap().0, "rows[1][1]");
     }
 }

@@ -10,13 +10,13 @@ use crate::layout::finite::first_non_finite;
 use crate::layout::json_text::to_json;
 use crate::layout::schema::viewer_safe_schema;
 use crate::records::{
-    ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, DamageV1, DiagnosisV1, EventsV1, EvidenceV1, ExponentialSumV1,
-    IdentificationV1, MatchingV1, MetricsV1, ModesV1, NotesV1, PredictionV1, QualityV1, RecommendationV1, ResponseV1,
-    SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
-    VehiclesV1, WaveBlockV1,
+    ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
+    ExponentialSumV1, IdentificationV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1, PredictionV1,
+    QualityV1, RecommendationV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1,
+    TestV1, TestsV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 
-/// A type that may stand in an artifact.
+/// A type that may stand in an artifact. A record is a JSON object: viewers and checks of schemas take no other.
 pub trait Record: Serialize + DeserializeOwned + JsonSchema {
     /// Schema name and version, e.g. `crumple.Events.v1`.
     const SCHEMA: &'static str;
@@ -30,8 +30,16 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
     /// The record as JSON, what is unknown left out. Errors say what in it cannot be encoded.
     fn to_json(&self) -> Result<Vec<u8>, String>;
 
+    /// Schema name of the version before this one, if it is still read.
+    const EARLIER: Option<&'static str> = None;
+
     /// The record in a message. Errors say what does not decode; trailing bytes are one.
     fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String>;
+
+    /// The record in a message of the version before this one. Errors: those of [`Record::decode`].
+    fn decode_earlier(codec: Codec, bytes: &[u8]) -> Result<Self, String> {
+        Self::decode(codec, bytes)
+    }
 
     /// Path and value of its first number that is not finite.
     fn first_non_finite(&self) -> Option<(String, f64)>;
@@ -44,7 +52,7 @@ pub(crate) trait TypeVisitor {
 }
 
 macro_rules! record {
-    ($($type:ty => $schema:literal),* $(,)?) => {
+    ($($type:ty => $schema:literal $(after $earlier:ty)?),* $(,)?) => {
         $(impl Record for $type {
             const SCHEMA: &'static str = $schema;
 
@@ -57,12 +65,19 @@ macro_rules! record {
             }
 
             fn to_json(&self) -> Result<Vec<u8>, String> {
-                to_json(self).map_err(|error| error.to_string())
+                to_json(self)
             }
 
             fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String> {
                 codec.decode(bytes)
             }
+            $(
+                const EARLIER: Option<&'static str> = Some(<$earlier as Record>::SCHEMA);
+
+                fn decode_earlier(codec: Codec, bytes: &[u8]) -> Result<Self, String> {
+                    codec.decode::<$earlier>(bytes).map(Self::from)
+                }
+            )?
 
             fn first_non_finite(&self) -> Option<(String, f64)> {
                 first_non_finite(self)
@@ -88,6 +103,7 @@ record! {
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
     DamageV1 => "crumple.Damage.v1",
     ConcernsV1 => "crumple.Concerns.v1",
+    ConcernsV2 => "crumple.Concerns.v2" after ConcernsV1,
     VehiclesV1 => "crumple.Vehicles.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",
     EventsV1 => "crumple.Events.v1",
@@ -97,7 +113,9 @@ record! {
     IdentificationV1 => "crumple.Identification.v1",
     MatchingV1 => "crumple.Matching.v1",
     MetricsV1 => "crumple.Metrics.v1",
+    MetricsV2 => "crumple.Metrics.v2" after MetricsV1,
     ModesV1 => "crumple.Modes.v1",
+    ModesV2 => "crumple.Modes.v2" after ModesV1,
     NotesV1 => "crumple.Notes.v1",
     PredictionV1 => "crumple.Prediction.v1",
     QualityV1 => "crumple.Quality.v1",

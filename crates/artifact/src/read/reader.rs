@@ -60,10 +60,14 @@ impl Artifact {
     pub fn open_reporting(path: &Path, done: &mut dyn FnMut(u64)) -> Result<Self, ReadError> {
         let io = |source| ReadError::Io { path: path.to_owned(), source };
         let file = File::open(path).map_err(io)?;
-        if file.metadata().map_err(io)?.is_dir() {
+        let found = file.metadata().map_err(io)?;
+        if found.is_dir() {
             return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder")));
         }
-        Self::read(path, Reporting { file, done })
+        let mut scan = Scan::new(path);
+        scan.length = found.is_file().then_some(found.len());
+        scan.run(Reporting { file, done })?;
+        scan.finish()
     }
 
     /// Reads from any source; `path` is what messages call it.
@@ -110,14 +114,16 @@ impl Artifact {
         self.records.iter().find(|r| r.topic == topic).map(|raw| self.decode(raw)).transpose()
     }
 
-    /// Decodes one raw record.
+    /// Decodes one raw record, of this version of the type or the one before.
     pub fn decode<R: Record>(&self, raw: &RawRecord) -> Result<R, ReadError> {
-        if raw.schema != R::SCHEMA {
-            return Err(self.wrong_schema(raw, R::SCHEMA));
-        }
+        let decode = match raw.schema.as_str() {
+            schema if schema == R::SCHEMA => R::decode,
+            schema if Some(schema) == R::EARLIER => R::decode_earlier,
+            _ => return Err(self.wrong_schema(raw, R::SCHEMA)),
+        };
         let message = |problem| ReadError::Message { path: self.path.clone(), topic: raw.topic.clone(), problem };
         let codec = Codec::from_name(&raw.encoding).ok_or_else(|| message(unread_encoding(&raw.encoding)))?;
-        let record = R::decode(codec, &raw.payload).map_err(message)?;
+        let record = decode(codec, &raw.payload).map_err(message)?;
         match record.first_non_finite() {
             Some((field, value)) => Err(message(format!("{field} is {value}, a finite number is needed"))),
             None => Ok(record),
@@ -157,6 +163,8 @@ struct Scan<'a> {
     digest: ContentDigest,
     provenance: Option<BTreeMap<String, String>>,
     content: Option<BTreeMap<String, String>>,
+    /// Length of the file, bytes, where it is known: no record is longer.
+    length: Option<u64>,
     /// Bytes of complete records so far.
     offset: u64,
     /// The record before the place where reading stands.
@@ -194,6 +202,7 @@ impl<'a> Scan<'a> {
             digest: ContentDigest::default(),
             provenance: None,
             content: None,
+            length: None,
             offset: mcap::MAGIC.len() as u64,
             last: "the magic bytes".into(),
             chunks: 0,
@@ -205,13 +214,14 @@ impl<'a> Scan<'a> {
     }
 
     fn run(&mut self, mut source: impl Read) -> Result<(), ReadError> {
+        let longest = self.length.and_then(|length| usize::try_from(length).ok()).unwrap_or(MAX_RECORD_BYTES);
         let mut reader = LinearReader::new_with_options(
             LinearReaderOptions::default()
                 .with_emit_chunks(true)
                 .with_validate_data_section_crc(true)
                 .with_validate_summary_section_crc(true)
                 .with_check_finishes_after_end_magic(true)
-                .with_record_length_limit(MAX_RECORD_BYTES),
+                .with_record_length_limit(longest),
         );
         let mut length = 0;
         while let Some(event) = reader.next_event() {
@@ -410,9 +420,9 @@ impl<'a> Scan<'a> {
             McapError::UnexpectedEof if length < mcap::MAGIC.len() as u64 => {
                 ReadError::NotMcap { path: self.path.to_owned() }
             }
-            McapError::UnexpectedEof => ReadError::Truncated {
+            McapError::UnexpectedEof | McapError::RecordTooLarge { .. } => ReadError::Truncated {
                 path: self.path.to_owned(),
-                at: length,
+                at: self.length.unwrap_or(length),
                 record: format!("the record after {}", self.last),
             },
             // Chunks have their own CRC and passed it, so the damage is in one of the others.

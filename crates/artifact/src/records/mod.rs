@@ -20,14 +20,14 @@ pub use fitted::{
 };
 pub use identified::{
     ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeV1, ModesV1,
-    ResponseV1, SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, SpreadV1, StabilizationClusterV1,
+    ModesV2, ResponseV1, SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, SpreadV1, StabilizationClusterV1,
     StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 pub use measured::{
-    ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1,
+    ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MetricsV2,
     MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1, VehiclesV1, WaveBlockV1,
 };
 pub use predicted::{
     AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
 };
-pub use run::{ConcernV1, ConcernsV1, DiagnosisV1, NotesV1};
+pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1};

@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crumple_artifact::{Artifact, JsonForm, RawRecord, ReadError, WAVE_PREFIX, Wave, blake3_text};
+use crumple_artifact::records::{ConcernsV2, MetricsV2, ModesV2};
+use crumple_artifact::{Artifact, JsonForm, RawRecord, ReadError, Record, WAVE_PREFIX, Wave, blake3_text, same_type};
 use serde_json::{Value, json};
 
 use crate::CompareSettings;
@@ -118,7 +119,7 @@ fn compare_records(
     settings: &CompareSettings,
 ) -> Result<TopicReport, ReadError> {
     let topic = &a.1.topic;
-    if a.1.schema != b.1.schema {
+    if a.1.schema != b.1.schema && list_of(a.1).is_none_or(|list| list_of(b.1) != Some(list)) {
         let mut report = TopicReport::new(topic);
         let (a, b) = (Some(json!(a.1.schema)), Some(json!(b.1.schema)));
         report.differs(Difference { place: "schema".into(), a, b, ..Difference::default() });
@@ -130,6 +131,12 @@ fn compare_records(
     })
 }
 
+/// The list that the record is, and nothing besides: compared as that list, whatever its version.
+fn list_of(raw: &RawRecord) -> Option<&'static str> {
+    let lists = [(MetricsV2::SCHEMA, "metrics"), (ModesV2::SCHEMA, "modes"), (ConcernsV2::SCHEMA, "concerns")];
+    lists.into_iter().find(|(schema, _)| same_type(schema, &raw.schema)).map(|(_, name)| name)
+}
+
 /// The record as a value; `None` for an encoding that only its writer knows.
 fn json_of(artifact: &Artifact, raw: &RawRecord) -> Result<Option<Value>, ReadError> {
     let message = |problem: String| ReadError::Message {
@@ -138,7 +145,11 @@ fn json_of(artifact: &Artifact, raw: &RawRecord) -> Result<Option<Value>, ReadEr
         problem: format!("JSON: {problem}"),
     };
     match artifact.json_text(raw, JsonForm::Line)? {
-        Some(text) => serde_json::from_str(&text).map(Some).map_err(|error| message(error.to_string())),
+        Some(text) => {
+            let mut value: Value = serde_json::from_str(&text).map_err(|error| message(error.to_string()))?;
+            let list = list_of(raw).and_then(|name| value.get_mut(name)).map(Value::take);
+            Ok(Some(list.unwrap_or(value)))
+        }
         None if raw.encoding == "json" => {
             serde_json::from_slice(&raw.payload).map(Some).map_err(|error| message(error.to_string()))
         }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crumple_artifact::records::{MetricV1, MetricsV1, NotesV1};
+use crumple_artifact::records::{MetricV1, MetricsV2, NotesV1};
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{QuantityKind, Sampled};
 
@@ -61,8 +61,8 @@ fn metric(name: &str, value: f64) -> MetricV1 {
 }
 
 impl Made {
-    pub fn metrics(&self) -> MetricsV1 {
-        MetricsV1(vec![metric("peak_acceleration", self.peak), metric("olc", self.olc)])
+    pub fn metrics(&self) -> MetricsV2 {
+        MetricsV2 { metrics: vec![metric("peak_acceleration", self.peak), metric("olc", self.olc)] }
     }
 
     pub fn record_notes(&self) -> NotesV1 {

@@ -14,7 +14,7 @@ mod without_speed;
 use std::path::PathBuf;
 
 use crumple_signal::{About, Channel, TestDescription, Weight};
-use crumple_stage::records::{MetricV1, MetricsV1, TestV1};
+use crumple_stage::records::{MetricV1, MetricsV2, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
 use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
@@ -118,7 +118,7 @@ impl Stage for Integrate {
         metrics.extend(criteria.records(out)?);
         metrics.extend(criteria.crush_stiffness(out.notes())?);
         metrics.extend(recorded_changes(input, &test, zero.time_s, out));
-        out.put("/metrics", &MetricsV1(metrics))?;
+        out.put("/metrics", &MetricsV2 { metrics })?;
         if test.mass_kg.is_none() {
             out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
         }

@@ -1,7 +1,7 @@
 //! What a record shows without a motion: criteria of occupants and recorded changes of velocity need no impact speed.
 
 use crumple_signal::{Channel, QuantityKind, TestDescription, part_of};
-use crumple_stage::records::{MetricsV1, TestV1};
+use crumple_stage::records::{MetricsV2, TestV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::occupants_and_roadside::Criteria;
@@ -54,7 +54,7 @@ pub fn without_motion(
     let recorder = recorded.iter().any(|metric| metric.value.is_some());
     metrics.extend(recorded);
     if !metrics.is_empty() {
-        out.put("/metrics", &MetricsV1(metrics))?;
+        out.put("/metrics", &MetricsV2 { metrics })?;
     }
     let id = &pulse.id;
     let state_the_speed = "state the speed just before contact: --impact-speed 35km/h here or at crumple-ingest";

@@ -1,7 +1,7 @@
 //! A pulse without an impact speed: its change of velocity, and every metric that needs no more.
 
 use crumple_signal::{Channel, QuantityKind, TestDescription};
-use crumple_stage::records::{MetricsV1, TestV1};
+use crumple_stage::records::{MetricsV2, TestV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::occupants_and_roadside::Criteria;
@@ -46,7 +46,7 @@ pub fn without_speed(
          crumple-ingest"
     };
     out.put("/test", &TestV1::from(test))?;
-    out.put("/metrics", &MetricsV1(metrics))?;
+    out.put("/metrics", &MetricsV2 { metrics })?;
     let change = integrated.motion.velocity.into_sampled();
     out.wave(&format!("{}/velocity_change", pulse.id), QuantityKind::VelocityChange, change)?;
     out.nothing_for_later_stages(reason);

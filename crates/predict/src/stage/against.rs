@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_predict::{MadeTest, Prediction, Quantity};
 use crumple_signal::Sampled;
-use crumple_stage::records::{AgainstTestV1, EventsV1, MetricsV1};
+use crumple_stage::records::{AgainstTestV1, EventsV1, MetricsV2};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
 
 /// A test to compare with.
@@ -33,7 +33,7 @@ fn other_test(input: &Inputs) -> anyhow::Result<OtherTest> {
     let events: EventsV1 = input.record("/events")?;
     let speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
     let speed_m_per_s = speed_m_per_s.ok_or_else(|| Refused::new("the other test has no impact speed"))?;
-    let metrics = input.record_if::<MetricsV1>("/metrics")?.map(|metrics| metrics.0).unwrap_or_default();
+    let metrics = input.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
     let peak = metrics.iter().find(|metric| metric.name == "peak_acceleration" && metric.channel == events.channel);
     let from_time_zero =
         |wave: &Sampled| Sampled::new(wave.t0_s() - events.time_zero_s, wave.dt_s(), wave.samples().to_vec()).ok();

@@ -2,6 +2,7 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_signal::{About, Severity, Weight};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::kind::Kind;
@@ -14,7 +15,7 @@ use crate::{CandidateResult, Ranking, Run, SensorMotion};
 pub const SHOWN_FIRST: usize = 3;
 
 /// One concern of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Concern {
     /// The stage that says it.
     pub stage: String,

@@ -2,6 +2,7 @@
 
 use crumple_artifact::records::{ConcernV1, PredictionV1};
 use crumple_signal::Axis;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::concerns::{Concern, concerns, symbols};
@@ -11,7 +12,7 @@ use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidat
 use crate::{CandidateResult, Model, Ranking, Run};
 
 /// Whether what was asked for is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
     /// A model is recommended, or the identified one is the result.
@@ -23,7 +24,7 @@ pub enum Standing {
 }
 
 /// A number of the sentences and where `summary.json` has it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Number {
     /// JSON pointer into the summary.
     pub at: String,
@@ -34,7 +35,7 @@ pub struct Number {
 }
 
 /// The verdict.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Conclusion {
     /// What kind of record it is about.
     pub kind: Kind,

@@ -1,6 +1,7 @@
 //! Candidates that answer with the same curve, together: a table of them has one row a curve.
 
 use crumple_signal::Sampled;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::results::ranking::pairs_of_equals;
@@ -15,7 +16,7 @@ pub const SAME_CURVE: f64 = 1e-3;
 pub const SAME_RESTITUTION: f64 = 0.01;
 
 /// A curve and the candidates that have it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DistinctCurve {
     /// The candidate that stands for it: the recommended one, else the one with the fewest parameters.
     pub id: String,

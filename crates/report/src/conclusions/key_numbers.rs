@@ -1,12 +1,13 @@
 //! The numbers that people ask for first, each with its interval, its spread over sensors and why it is missing.
 
 use crumple_artifact::records::{EventsV1, MetricV1};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::Run;
 
 /// One of the first numbers of a run, SI.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct KeyNumber {
     /// Name, that of the metric where it is one.
     pub name: &'static str,
@@ -31,7 +32,7 @@ pub struct KeyNumber {
 }
 
 /// Range of a number over several sensors that measured the same.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Spread {
     /// Lowest value.
     pub low: f64,

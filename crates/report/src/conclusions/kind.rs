@@ -1,12 +1,13 @@
 //! What kind of record a run is of: what its verdict speaks about.
 
 use crumple_signal::{ANOTHER_VEHICLE, part_of};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::Run;
 
 /// What kind of record the verdict is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// A vehicle that was stopped: by a barrier, or as if by one.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::concerns::Concern;
@@ -12,8 +13,14 @@ use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::results::ranking::compare_ids;
 use crate::{CandidateResult, Model, Ranking, Run};
 
+/// The JSON Schema of `summary.json`.
+pub fn summary_schema() -> serde_json::Value {
+    let written = schemars::generate::SchemaSettings::draft2020_12().for_serialize();
+    written.into_generator().into_root_schema_for::<Summary<'_>>().to_value()
+}
+
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Summary<'a> {
     schema: &'static str,
     pipeline: Option<&'a str>,
@@ -64,7 +71,7 @@ pub struct Summary<'a> {
     missing: &'a [String],
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct TestSummary<'a> {
     title: &'a str,
     mass_kg: Option<f64>,
@@ -75,7 +82,7 @@ struct TestSummary<'a> {
     barrier: Option<&'a str>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct MetricSummary<'a> {
     value: Option<f64>,
     unit: &'a str,
@@ -87,7 +94,7 @@ struct MetricSummary<'a> {
     interval_by: Option<&'a str>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct OtherMetricSummary<'a> {
     name: &'a str,
     channel: &'a str,
@@ -96,7 +103,7 @@ struct OtherMetricSummary<'a> {
     metric: MetricSummary<'a>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct ModelSummary<'a> {
     id: &'a str,
     method: Option<&'a str>,
@@ -107,19 +114,19 @@ struct ModelSummary<'a> {
     transfer_function: Option<TransferFunctionSummary<'a>>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct PoleSummary {
     re_per_s: f64,
     im_rad_per_s: f64,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct TransferFunctionSummary<'a> {
     numerator: &'a [f64],
     denominator: &'a [f64],
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct CandidateSummary<'a> {
     id: &'a str,
     model: &'a str,
@@ -134,7 +141,7 @@ struct CandidateSummary<'a> {
 }
 
 /// Which solution of coefficient matching the simulation supports.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct MatchingSummary<'a> {
     id: &'a str,
     equivalent_to: Option<&'a str>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV1, DiagnosisV1, IdentificationV1, MetricsV1, ModesV1, NotesV1,
+    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, IdentificationV1, MetricsV2, ModesV2, NotesV1,
     PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_report::{
@@ -25,7 +25,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     run.events = inputs.record_if("/events")?;
     // The page counts every time from time zero; the artifacts keep the record's own axis.
     let time_zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
-    run.metrics = inputs.record_if::<MetricsV1>("/metrics")?.map(|metrics| metrics.0).unwrap_or_default();
+    run.metrics = inputs.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
     if let Some(id) = run.channel_id().map(str::to_owned) {
         run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;
         run.measured = measured(inputs, &id, time_zero_s);
@@ -121,8 +121,8 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     for (id, identification) in inputs.records::<IdentificationV1>("/identification/")? {
         with_model(&id, &mut |model| model.identification = Some(identification.clone()));
     }
-    for (id, modes) in inputs.records::<ModesV1>("/modes/")? {
-        with_model(&id, &mut |model| model.modes.clone_from(&modes.0));
+    for (id, modes) in inputs.records::<ModesV2>("/modes/")? {
+        with_model(&id, &mut |model| model.modes.clone_from(&modes.modes));
     }
     for (id, response) in inputs.records::<ResponseV1>("/response/")? {
         with_model(&id, &mut |model| model.response = Some(response.clone()));
@@ -259,7 +259,10 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
 fn concerns(inputs: &Inputs) -> anyhow::Result<Vec<ConcernV1>> {
     let mut all: Vec<ConcernV1> = Vec::new();
     for artifact in inputs.artifacts() {
-        let written = artifact.record::<ConcernsV1>("/concerns").map_err(Refused::from)?.map_or(Vec::new(), |c| c.0);
+        let written = artifact
+            .record::<ConcernsV2>("/concerns")
+            .map_err(Refused::from)?
+            .map_or(Vec::new(), |record| record.concerns);
         let is_diagnosed = all.iter().chain(&written).any(|concern| concern.severity == ConcernV1::NO_RESULT);
         let diagnosis = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)?;
         let diagnosis = diagnosis.filter(|_| !is_diagnosed).map(|diagnosis| ConcernV1 {

@@ -1,6 +1,6 @@
 //! The sample's test, events and metrics.
 
-use crumple_artifact::records::{EventIntervalV1, EventsV1, MetricV1, MetricsV1};
+use crumple_artifact::records::{EventIntervalV1, EventsV1, MetricV1, MetricsV2};
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, Source, TestDescription};
 
 use super::TITLE;
@@ -67,7 +67,7 @@ pub(super) fn events() -> EventsV1 {
     }
 }
 
-pub(super) fn metrics() -> MetricsV1 {
+pub(super) fn metrics() -> MetricsV2 {
     let metric = |name: &str, value, unit: &str, definition: &str| MetricV1 {
         name: name.to_owned(),
         value,
@@ -77,12 +77,14 @@ pub(super) fn metrics() -> MetricsV1 {
         definition_id: Some(name.replace('_', "-")),
         ..MetricV1::default()
     };
-    MetricsV1(vec![
-        metric("peak_acceleration", Some(-191.5), "m/s^2", "largest |a|"),
-        metric("time_of_peak_acceleration", Some(0.0612), "s", "time of it"),
-        metric("equivalent_square_wave", Some(98.7), "m/s^2", "v0^2/(2C)"),
-        metric("average_stiffness", Some(297_700.0), "N/m", "m*v0^2/C^2"),
-        metric("energy_absorbed", Some(33_214.0), "J", "m*(v0^2 - v_s^2)/2"),
-        metric("olc", None, "m/s^2", "not reached: the restraint travel of 235 mm is not used up"),
-    ])
+    MetricsV2 {
+        metrics: vec![
+            metric("peak_acceleration", Some(-191.5), "m/s^2", "largest |a|"),
+            metric("time_of_peak_acceleration", Some(0.0612), "s", "time of it"),
+            metric("equivalent_square_wave", Some(98.7), "m/s^2", "v0^2/(2C)"),
+            metric("average_stiffness", Some(297_700.0), "N/m", "m*v0^2/C^2"),
+            metric("energy_absorbed", Some(33_214.0), "J", "m*(v0^2 - v_s^2)/2"),
+            metric("olc", None, "m/s^2", "not reached: the restraint travel of 235 mm is not used up"),
+        ],
+    }
 }

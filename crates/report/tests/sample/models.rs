@@ -1,11 +1,11 @@
 //! The sample's identified models.
 
 use crumple_artifact::records::{
-    IdentificationV1, ModeV1, ModesV1, ResponseV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1,
+    IdentificationV1, ModeV1, ModesV2, ResponseV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1,
 };
 
 /// A conjugate pair and, where `far` is given, a real pole.
-pub(super) fn modes(sigma: f64, omega: f64, far: Option<f64>) -> ModesV1 {
+pub(super) fn modes(sigma: f64, omega: f64, far: Option<f64>) -> ModesV2 {
     let mode = |re: f64, im: f64| ModeV1 {
         re_per_s: re,
         im_rad_per_s: im,
@@ -18,7 +18,7 @@ pub(super) fn modes(sigma: f64, omega: f64, far: Option<f64>) -> ModesV1 {
     };
     let mut modes = vec![mode(-sigma, -omega), mode(-sigma, omega)];
     modes.extend(far.map(|re| mode(re, 0.0)));
-    ModesV1(modes)
+    ModesV2 { modes }
 }
 
 pub(super) fn identification(order: u32) -> IdentificationV1 {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV1, DiagnosisV1, TestV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::TestDescription;
 
@@ -83,8 +83,8 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
         .map(|a| InputDigest { kind: a.stage().unwrap_or("artifact").to_owned(), digest: a.digest().to_owned() })
         .collect();
     let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten()).collect();
-    let concerns = artifacts.iter().filter_map(|a| a.record::<ConcernsV1>("/concerns").ok().flatten());
-    let concerns = concerns.flat_map(|record| record.0).collect();
+    let concerns = artifacts.iter().filter_map(|a| a.record::<ConcernsV2>("/concerns").ok().flatten());
+    let concerns = concerns.flat_map(|record| record.concerns).collect();
     let inputs = Inputs { artifacts };
     inputs.refuse_a_mixture()?;
     let test = inputs.record_if::<TestV1>("/test")?;

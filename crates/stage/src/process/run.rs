@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::CommandFactory;
-use crumple_artifact::records::{ConcernV1, ConcernsV1, DiagnosisV1, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1};
 use crumple_artifact::{Artifact, OutputKind, Provenance, WriteError};
 use crumple_signal::{About, Bearing, Note, Severity, Weight};
 use serde::Serialize;
@@ -144,7 +144,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     }
     let remedy = remedy_of(&concerns).map(str::to_owned);
     if !concerns.is_empty() {
-        out.put("/concerns", &ConcernsV1(concerns))?;
+        out.put("/concerns", &ConcernsV2 { concerns })?;
     }
     if !out.notes.is_empty() {
         let notes = out.notes.to_texts();
@@ -187,7 +187,8 @@ fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artif
     }
     Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
         Some(diagnosis) if !diagnosis.has_result => {
-            let concerns = existing.record::<ConcernsV1>("/concerns").ok().flatten().map_or(Vec::new(), |c| c.0);
+            let concerns =
+                existing.record::<ConcernsV2>("/concerns").ok().flatten().map_or(Vec::new(), |record| record.concerns);
             no_acceptable_result(common, stage, &diagnosis.reason, remedy_of(&concerns))
         }
         _ => ExitStatus::Done,

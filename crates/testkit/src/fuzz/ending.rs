@@ -9,8 +9,11 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Longest a program may work on a small file.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Longest a program may work on a small file: time of the processor, all threads, so that other work on the machine
+/// does not count.
+const WORK_S: u64 = 10;
+/// Longest it may take with what it waits for.
+const PATIENCE: Duration = Duration::from_secs(120);
 /// Address space a program may take, KiB: its budget, its code, its threads, what the allocator keeps.
 const ADDRESS_SPACE_KIB: u64 = 3 << 20;
 /// Budget of every program.
@@ -79,7 +82,7 @@ impl fmt::Display for Tally {
 /// Runs a program in `folder` and returns how it ended, with what it said.
 pub fn ending_of(program: &Path, arguments: &[&str], folder: &Path) -> (Ending, String) {
     // The limit of the shell catches what the program's own count does not see.
-    let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; exec \"$0\" \"$@\"");
+    let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; ulimit -t {WORK_S}; exec \"$0\" \"$@\"");
     let mut child = Command::new("sh")
         .args(["-c", &script])
         .arg(program)
@@ -111,6 +114,8 @@ fn wait(child: &mut Child) -> Ending {
                 return match (status.code(), status.signal()) {
                     (Some(1), _) => Ending::Unforeseen,
                     (Some(code @ (0 | 2 | 3 | 4)), _) => Ending::Code(code),
+                    // The shell's limit of time sends SIGXCPU at first, then SIGKILL.
+                    (_, Some(9 | 24)) => Ending::TooLong,
                     _ => Ending::Aborted,
                 };
             }

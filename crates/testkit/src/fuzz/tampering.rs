@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 
 use crumple_artifact::records::{
-    CandidateV1, EventsV1, IdentificationV1, MetricsV1, ModesV1, NotesV1, PredictionV1, RecommendationV1, SimulationV1,
+    CandidateV1, EventsV1, IdentificationV1, MetricsV2, ModesV2, NotesV1, PredictionV1, RecommendationV1, SimulationV1,
     StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_artifact::{Codec, Record};
@@ -131,8 +131,8 @@ fn in_bincode(message: &Message) -> Option<Vec<u8>> {
         CandidateV1::SCHEMA => of::<CandidateV1>(&message.payload),
         EventsV1::SCHEMA => of::<EventsV1>(&message.payload),
         IdentificationV1::SCHEMA => of::<IdentificationV1>(&message.payload),
-        MetricsV1::SCHEMA => of::<MetricsV1>(&message.payload),
-        ModesV1::SCHEMA => of::<ModesV1>(&message.payload),
+        MetricsV2::SCHEMA => of::<MetricsV2>(&message.payload),
+        ModesV2::SCHEMA => of::<ModesV2>(&message.payload),
         NotesV1::SCHEMA => of::<NotesV1>(&message.payload),
         PredictionV1::SCHEMA => of::<PredictionV1>(&message.payload),
         RecommendationV1::SCHEMA => of::<RecommendationV1>(&message.payload),

@@ -63,10 +63,23 @@ pub struct ExponentialTermV1 {
     pub im_rad_per_s: f64,
 }
 
-/// Modes of a model, one entry a pole. Topic `/modes/<id>`; the record is a JSON array.
+/// Modes of a model. Topic `/modes/<id>`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ModesV2 {
+    /// One entry a pole.
+    pub modes: Vec<ModeV1>,
+}
+
+/// Modes of a model as they were written before: a JSON array.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct ModesV1(pub Vec<ModeV1>);
+
+impl From<ModesV1> for ModesV2 {
+    fn from(earlier: ModesV1) -> Self {
+        Self { modes: earlier.0 }
+    }
+}
 
 /// One pole of a model, continuous time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

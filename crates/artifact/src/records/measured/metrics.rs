@@ -3,10 +3,23 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Crash metrics. Topic `/metrics`; the record is a JSON array.
+/// Crash metrics. Topic `/metrics`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MetricsV2 {
+    /// The metrics, in the order of channels.
+    pub metrics: Vec<MetricV1>,
+}
+
+/// Crash metrics as they were written before: a JSON array.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct MetricsV1(pub Vec<MetricV1>);
+
+impl From<MetricsV1> for MetricsV2 {
+    fn from(earlier: MetricsV1) -> Self {
+        Self { metrics: earlier.0 }
+    }
+}
 
 /// One number about a channel.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,10 +3,23 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What speaks against the result of a stage. Topic `/concerns`; the record is a JSON array.
+/// What speaks against the result of a stage. Topic `/concerns`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ConcernsV2 {
+    /// The concerns, in the order in which the stage met them.
+    pub concerns: Vec<ConcernV1>,
+}
+
+/// What speaks against the result of a stage as it was written before: a JSON array.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct ConcernsV1(pub Vec<ConcernV1>);
+
+impl From<ConcernsV1> for ConcernsV2 {
+    fn from(earlier: ConcernsV1) -> Self {
+        Self { concerns: earlier.0 }
+    }
+}
 
 /// One warning of `/notes`, or the diagnosis of a stage without a result, as a program can rank it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -5,6 +5,6 @@ mod concerns;
 mod diagnosis;
 mod notes;
 
-pub use concerns::{ConcernV1, ConcernsV1};
+pub use concerns::{ConcernV1, ConcernsV1, ConcernsV2};
 pub use diagnosis::DiagnosisV1;
 pub use notes::NotesV1;

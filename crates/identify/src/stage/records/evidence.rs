@@ -3,7 +3,7 @@
 use crumple_lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV1, TransferFunctionV1};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV2, TransferFunctionV1};
 use crumple_sysid::{
     InformationCriteria, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures, mode_notes,
     residual_tests,
@@ -256,22 +256,21 @@ pub fn put_transfer_functions(
 }
 
 /// Modes of continuous poles, with their discrete counterparts where the model is sampled.
-pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV1 {
-    ModesV1(
-        modes
-            .map(|(mode, discrete)| ModeV1 {
-                // Adding zero takes the sign from a zero.
-                re_per_s: mode.pole.re + 0.0,
-                im_rad_per_s: mode.pole.im + 0.0,
-                natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
-                damping_ratio: mode.damping_ratio,
-                modal_amplitude_coherence: None,
-                mode_singular_value: None,
-                discrete_re: discrete.map(|z| z.re),
-                discrete_im: discrete.map(|z| z.im),
-            })
-            .collect(),
-    )
+pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV2 {
+    let modes = modes
+        .map(|(mode, discrete)| ModeV1 {
+            // Adding zero takes the sign from a zero.
+            re_per_s: mode.pole.re + 0.0,
+            im_rad_per_s: mode.pole.im + 0.0,
+            natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+            damping_ratio: mode.damping_ratio,
+            modal_amplitude_coherence: None,
+            mode_singular_value: None,
+            discrete_re: discrete.map(|z| z.re),
+            discrete_im: discrete.map(|z| z.im),
+        })
+        .collect();
+    ModesV2 { modes }
 }
 
 /// `99.76 %`, or that there is no such figure.

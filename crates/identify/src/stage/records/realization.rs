@@ -3,7 +3,7 @@
 use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, Sampled};
 use crumple_stage::records::{
-    EvidenceV1, IdentificationV1, ModeV1, ModesV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
+    EvidenceV1, IdentificationV1, ModeV1, ModesV2, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_sysid::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
 use nalgebra::DMatrix;
@@ -229,7 +229,7 @@ fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctio
 }
 
 /// One entry a pole; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of it).
-fn modes(model: &Realization) -> ModesV1 {
+fn modes(model: &Realization) -> ModesV2 {
     let entries = model.modes.iter().filter_map(|identified| {
         let mode = identified.mode?;
         Some(ModeV1 {
@@ -244,7 +244,7 @@ fn modes(model: &Realization) -> ModesV1 {
             discrete_im: Some(identified.discrete_pole.im),
         })
     });
-    ModesV1(entries.collect())
+    ModesV2 { modes: entries.collect() }
 }
 
 /// Shapes of the modes, conjugates once, and how alike they are.

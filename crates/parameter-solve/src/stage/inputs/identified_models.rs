@@ -4,7 +4,7 @@ use crumple_lti::{eigenvalues, matrix_logarithm};
 use crumple_lumped::{Complex, RealisedModel};
 use crumple_lumped_fit::{CoefficientSpread, Identified, Quartic};
 use crumple_stage::Inputs;
-use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV1, StateSpaceV1, TransferFunctionV1};
+use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
 use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
 
 /// Every model with four poles: transfer functions of fourth order with the state space of the same name where there is
@@ -50,8 +50,8 @@ pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
             models.push(Identified::of_poles(id, poles, "exponents of the sum"));
         }
     }
-    for (id, modes) in input.records::<ModesV1>("/modes/")? {
-        if let [a, b, c, d] = &modes.0[..]
+    for (id, modes) in input.records::<ModesV2>("/modes/")? {
+        if let [a, b, c, d] = &modes.modes[..]
             && !models.iter().any(|model| base_of(&model.id) == id)
         {
             let poles = [a, b, c, d].map(|mode| Complex::new(mode.re_per_s, mode.im_rad_per_s));
