@@ -85,6 +85,18 @@ fleet *args: build
         --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
         "$@"
 
+# Words behind the records: settings of pipelines/fleet/config.yaml, then flags of Snakemake. Records and fleet lie on a disk that every node sees.
+# A fleet on a Slurm cluster: `just fleet-slurm FOLDER|@LIST|'PATTERN' [out=FOLDER] [batches=N] [--dry-run ...]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+fleet-slurm records *settings: build
+    @{{ quote(justfile_directory() / "scripts/setup.sh") }} fleet >&2
+    @shift; {{ quote(justfile_directory() / ".venv-fleet/bin/snakemake") }} \
+        --snakefile {{ quote(justfile_directory() / "pipelines/fleet/Snakefile") }} \
+        --profile {{ quote(justfile_directory() / "pipelines/fleet/profiles/slurm") }} \
+        --config records={{ quote(records) }} out={{ quote(out) }} flags={{ quote(flags) }} "$@"
+
 # Runs the fleet, joins the tests of each vehicle, regresses stiffness and damping, predicts each test from the others: runs/fleet/NAME/study.
 # What many tests say of vehicles: `just study FOLDER [--classes FILE] [flags of just fleet]`.
 [group('pipeline')]
@@ -214,6 +226,9 @@ papers:
 ci-full:
     .ci/run
     CRUMPLE_KILLS=120 cargo nextest run --package crumple-run --package crumple-testkit --test run --test just_run
+    CRUMPLE_FLEET_RECORDS=200 cargo nextest run --package crumple-testkit --test fleet
+    CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
+        cargo nextest run --package crumple-testkit --test slurm --run-ignored all
     just papers
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
