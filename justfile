@@ -216,6 +216,18 @@ interval-benchmark *args: build
 prediction-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
 
+# What a fleet costs, on an idle machine: wall times as the fleet says them, then CPU time of all children so far, and disk: `just fleet-benchmark [RECORDS]`.
+[group('development')]
+fleet-benchmark records="2000" folder="target/fleet-benchmark": build
+    @rm -rf {{ quote(folder) }}
+    @cargo run --quiet --release --package crumple-testkit --bin make-fleet -- {{ quote(folder / "records") }} {{ quote(records) }} 1
+    @for run in first second; do \
+        echo "$run run"; \
+        just out={{ quote(folder / "fleet") }} fleet {{ quote(folder / "records") }}; \
+        times | tail -n 1; \
+    done
+    @du -sh {{ quote(folder / "fleet/runs") }}
+
 # The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
 [group('development')]
 papers:

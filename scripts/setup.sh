@@ -40,6 +40,7 @@ if [ "${1:-}" = fleet ] && ! .venv-fleet/bin/snakemake --version >/dev/null 2>&1
     rm -rf .venv-fleet
     python3 -m venv .venv-fleet
     .venv-fleet/bin/pip install --quiet "snakemake>=9,<10" "snakemake-executor-plugin-slurm>=2,<3" \
-        "snakemake-executor-plugin-cluster-generic>=1,<2" "snakemake-executor-plugin-kubernetes>=0.5,<0.6"
+        "snakemake-executor-plugin-cluster-generic>=1,<2" "snakemake-executor-plugin-kubernetes>=0.5,<0.6" \
+        "snakemake-storage-plugin-fs>=1,<2"
 fi
 echo "setup: ready"
