@@ -85,6 +85,18 @@ fleet *args: build
         --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
         "$@"
 
+# Words behind the records: settings of pipelines/fleet/config.yaml, then flags of Snakemake. Records and fleet lie on a disk that every node sees.
+# A fleet on a Slurm cluster: `just fleet-slurm FOLDER|@LIST|'PATTERN' [out=FOLDER] [batches=N] [--dry-run ...]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+fleet-slurm records *settings: build
+    @{{ quote(justfile_directory() / "scripts/setup.sh") }} fleet >&2
+    @shift; {{ quote(justfile_directory() / ".venv-fleet/bin/snakemake") }} \
+        --snakefile {{ quote(justfile_directory() / "pipelines/fleet/Snakefile") }} \
+        --profile {{ quote(justfile_directory() / "pipelines/fleet/profiles/slurm") }} \
+        --config records={{ quote(records) }} out={{ quote(out) }} flags={{ quote(flags) }} "$@"
+
 # Runs the fleet, joins the tests of each vehicle, regresses stiffness and damping, predicts each test from the others: runs/fleet/NAME/study.
 # What many tests say of vehicles: `just study FOLDER [--classes FILE] [flags of just fleet]`.
 [group('pipeline')]
@@ -210,6 +222,18 @@ interval-benchmark *args: build
 prediction-benchmark *args: build
     @cargo run --quiet --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
 
+# What a fleet costs, on an idle machine: wall times as the fleet says them, then CPU time of all children so far, and disk: `just fleet-benchmark [RECORDS]`.
+[group('development')]
+fleet-benchmark records="2000" folder="target/fleet-benchmark": build
+    @rm -rf {{ quote(folder) }}
+    @cargo run --quiet --release --package crumple-testkit --bin make-fleet -- {{ quote(folder / "records") }} {{ quote(records) }} 1
+    @for run in first second; do \
+        echo "$run run"; \
+        just out={{ quote(folder / "fleet") }} fleet {{ quote(folder / "records") }}; \
+        times | tail -n 1; \
+    done
+    @du -sh {{ quote(folder / "fleet/runs") }}
+
 # The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
 [group('development')]
 papers:
@@ -220,6 +244,9 @@ papers:
 ci-full:
     .ci/run
     CRUMPLE_KILLS=120 cargo nextest run --package crumple-run --package crumple-testkit --test run --test just_run
+    CRUMPLE_FLEET_RECORDS=200 cargo nextest run --package crumple-testkit --test fleet
+    CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
+        cargo nextest run --package crumple-testkit --test slurm --run-ignored all
     just papers
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt

@@ -2,6 +2,7 @@
 # Sets up a fresh Debian machine that has Rust (rustup). Does nothing where everything is there already.
 #   scripts/setup.sh        what `just run` needs: a C compiler, just
 #   scripts/setup.sh test   what `just test` needs too: cargo-nextest, Chromium, Python with the mcap package
+#   scripts/setup.sh fleet  what `just fleet-slurm` needs too: Snakemake in an environment of its own, .venv-fleet
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -29,5 +30,17 @@ if [ "${1:-}" = test ]; then
         python3 -m venv .venv
         .venv/bin/pip install --quiet "mcap>=1.2,<2"
     fi
+fi
+if [ "${1:-}" = fleet ] && ! .venv-fleet/bin/snakemake --version >/dev/null 2>&1; then
+    python3 -c "import venv, ensurepip" 2>/dev/null || apt_install python3 python3-venv
+    python3 -c "import sys; sys.exit(sys.version_info < (3, 11))" || {
+        echo "setup: Snakemake 9 needs Python 3.11 or later, here is $(python3 --version)" >&2
+        exit 1
+    }
+    rm -rf .venv-fleet
+    python3 -m venv .venv-fleet
+    .venv-fleet/bin/pip install --quiet "snakemake>=9,<10" "snakemake-executor-plugin-slurm>=2,<3" \
+        "snakemake-executor-plugin-cluster-generic>=1,<2" "snakemake-executor-plugin-kubernetes>=0.5,<0.6" \
+        "snakemake-storage-plugin-fs>=1,<2"
 fi
 echo "setup: ready"

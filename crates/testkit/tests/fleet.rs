@@ -2,24 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
 
+use crumple_testkit::fleet::{different_files, ended_runs, just_fleet, wait_for};
 use crumple_testkit::made_fleet::{FleetCar, write_fleet};
-use crumple_testkit::pipeline::{binary, just};
+use crumple_testkit::pipeline::binary;
 use crumple_testkit::workspace;
 
 /// The cars of this test.
 const SEED: u64 = 17;
-
-fn just_fleet(recipe: &str, folder: &Path) -> Command {
-    let mut command = just();
-    command
-        .arg(format!("out={}", folder.join("fleet").display()))
-        .args([recipe, "-j", "2"])
-        .arg(folder.join("records"));
-    command
-}
 
 /// A Python that has these packages from PyPI, in an environment of its own; `None` where they cannot be installed.
 fn python_with(packages: &[&str]) -> Option<PathBuf> {
@@ -43,10 +36,10 @@ fn a_study_of_made_cars_finds_their_stiffness_and_the_examples_of_the_page_work(
     let folder = tempfile::tempdir().unwrap();
     let cars = 8;
     write_fleet(&folder.path().join("records"), 2 * cars, 1, SEED).unwrap();
-    let output = just_fleet("study", folder.path()).output().unwrap();
+    let (records, fleet) = (folder.path().join("records"), folder.path().join("fleet"));
+    let output = just_fleet("study", &records, &fleet).args(["-j", "2"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    let fleet = folder.path().join("fleet");
     let read = |name: &str| std::fs::read_to_string(fleet.join(name)).unwrap();
 
     let vehicles = read("study/vehicles.csv");
@@ -66,7 +59,7 @@ fn a_study_of_made_cars_finds_their_stiffness_and_the_examples_of_the_page_work(
     assert!(error < 2.0, "{error} %");
     assert!(read("tests.csv").contains("broken-1.csv,"));
 
-    let again = just_fleet("fleet", folder.path()).output().unwrap();
+    let again = just_fleet("fleet", &records, &fleet).output().unwrap();
     let said = String::from_utf8_lossy(&again.stderr);
     assert!(said.contains(&format!("{} up to date", 2 * cars + 1)), "{said}");
 
@@ -74,4 +67,31 @@ fn a_study_of_made_cars_finds_their_stiffness_and_the_examples_of_the_page_work(
     let script = workspace().join("crates/testkit/tests/fleet_queries.py");
     let output = Command::new(python).arg(script).arg(workspace().join("docs/fleet.md")).arg(&fleet).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// `CRUMPLE_FLEET_RECORDS` states of how many records.
+#[test]
+fn a_fleet_killed_in_mid_run_goes_on_and_ends_as_if_nothing_had_been() {
+    let records = std::env::var("CRUMPLE_FLEET_RECORDS").ok().and_then(|number| number.parse().ok()).unwrap_or(16);
+    let folder = tempfile::tempdir().unwrap();
+    let [made, undisturbed, killed] =
+        ["records", "undisturbed/fleet", "killed/fleet"].map(|name| folder.path().join(name));
+    write_fleet(&made, records, 1, SEED).unwrap();
+    let journal = killed.join("journal/all.jsonl");
+    for part in 1..=3 {
+        let mut command = just_fleet("fleet", &made, &killed);
+        let mut fleet = command.args(["-j", "2"]).process_group(0).stderr(Stdio::null()).spawn().unwrap();
+        wait_for(&mut fleet, "runs that ended", || (ended_runs(&journal).len() >= part * records / 4).then_some(()));
+        // just, crumple-fleet, and every run with its stages.
+        Command::new("kill").args(["-KILL", "--", &format!("-{}", fleet.id())]).status().unwrap();
+        fleet.wait().unwrap();
+        assert!(!killed.join("tests.csv").exists(), "killed too late");
+    }
+    for fleet in [&killed, &undisturbed] {
+        let output = just_fleet("fleet", &made, fleet).args(["-j", "2"]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let [runs_of_killed, runs] = [&killed, &undisturbed].map(|fleet| ended_runs(&fleet.join("journal/all.jsonl")));
+    assert_eq!(runs_of_killed.len(), runs.len(), "what was finished is not run again");
+    assert_eq!(different_files(&killed, &undisturbed), [PathBuf::new(); 0]);
 }

@@ -41,10 +41,7 @@ pub(crate) fn make(options: &Options) -> anyhow::Result<Fleet> {
             say(line);
         }
     };
-    let (mut records, others) = records(&options.inputs)?;
-    if let Some(batch) = options.batch {
-        records.retain(|record| batch.holds(&record.identity));
-    }
+    let (records, others) = records(&options.inputs, options.batch)?;
     if let Some(other) = others.first() {
         tell(format!("fleet: {} files are no records, for example {}", others.len(), other.display()));
     }

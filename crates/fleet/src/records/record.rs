@@ -9,6 +9,7 @@ use crumple_ingest::Bundle;
 use crumple_stage::Refused;
 use rayon::prelude::*;
 
+use crate::command::options::Batch;
 use crate::records::inputs::records_meant;
 use crate::records::names::names;
 
@@ -34,8 +35,9 @@ pub(crate) struct Digests {
     pub(crate) input: blake3::Hash,
 }
 
-/// The records that are meant by the words of the command line, each once, and how many other files their folders hold.
-pub(crate) fn records(words: &[String]) -> anyhow::Result<(Vec<Record>, Vec<PathBuf>)> {
+/// The records that are meant by the words of the command line, each once, or those of one part of the fleet, and the
+/// other files in their folders. Only what is in the part is read: a fleet of many parts reads each record once.
+pub(crate) fn records(words: &[String], batch: Option<Batch>) -> anyhow::Result<(Vec<Record>, Vec<PathBuf>)> {
     let mut others = Vec::new();
     let mut found = Vec::new();
     let mut seen = BTreeSet::new();
@@ -57,7 +59,8 @@ pub(crate) fn records(words: &[String]) -> anyhow::Result<(Vec<Record>, Vec<Path
             .into());
     }
     let names = names(&found.iter().map(|(_, identity)| identity.as_str()).collect::<Vec<_>>());
-    let records = found.into_par_iter().zip(names).map(|((path, identity), name)| {
+    let in_part = |((_, identity), _): &((PathBuf, String), String)| batch.is_none_or(|batch| batch.holds(identity));
+    let records = found.into_par_iter().zip(names).filter(in_part).map(|((path, identity), name)| {
         let digests = match Bundle::open(&path) {
             Ok(bundle) => Some(digests(&bundle)),
             // It will be refused, and again as long as it is the same.
