@@ -22,6 +22,8 @@ pub use drawing::look::{Colour, Dash, Look, Symbol, Width};
 pub use figures::all::all_figures;
 pub use page::document::Page;
 pub use results::ranking::{Ranking, compare_ids};
-pub use results::run::{CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord};
+pub use results::run::{
+    CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
+};
 pub use text::language::Language;
 pub use text::numbers;

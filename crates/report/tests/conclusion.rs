@@ -189,7 +189,7 @@ fn open_numbers_and_mirror_images_are_what_to_distrust() {
     open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
     let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
     assert!(
-        said[1].contains("(1 of 2 numbers determined)")
+        said[1].contains("(1 of 2 numbers determined, 1 open)")
             && said[1].ends_with(
                 "distrust c, which this record \
         leaves open."

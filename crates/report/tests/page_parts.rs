@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{CandidateResult, Figure, Model, Page, Ranking, Run, SensorMotion, all_figures, summary};
+use crumple_report::{
+    CandidateResult, Figure, Language, Model, Page, Ranking, Run, SensorMotion, all_figures, summary,
+};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
@@ -133,10 +135,12 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     let known = open.record.uncertainty.as_mut().unwrap();
     known.interval_low = BTreeMap::from([("k_n_per_m".to_owned(), None)]);
     known.interval_high = known.interval_low.clone();
-    assert_eq!((best.undetermined(), open.undetermined()), ((1, 3), (2, 3)));
+    let open_of =
+        |candidate: &CandidateResult| (candidate.certainties().open.len(), candidate.certainties().parameters);
+    assert_eq!((open_of(&best), open_of(&open)), ((1, 3), (2, 3)));
     // Also where nothing bounds it, so that it has no deviation.
     open.record.uncertainty.as_mut().unwrap().standard_deviation.remove("k_n_per_m");
-    assert_eq!((open.undetermined(), open.record.undetermined()), ((2, 3), vec!["k_n_per_m", "x_m"]));
+    assert_eq!((open_of(&open), open.certainties().open), ((2, 3), vec!["k_n_per_m", "x_m"]));
     run.candidates.push(best);
     let ranking = Ranking::of_candidates(&run.candidates);
     let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking).to_json().unwrap()).unwrap();
@@ -146,7 +150,7 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     );
     let page = page(&run);
     // Zero on a bound is an answer, a mass that is stated was not asked of the record.
-    assert!(page.contains("1 of 3 parameters not determined by this record"), "{page}");
+    assert!(page.contains("2 of 3 numbers determined, 1 open."), "{page}");
     assert!(page.contains("(the limit of what is physical)") && !page.contains(">on a bound<"));
     assert!(page.contains("other than zero, the limit of what is physical"));
     assert!(page.contains("± is one standard deviation"));
@@ -347,7 +351,7 @@ fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
 }
 
 #[test]
-fn an_interval_over_more_than_three_decades_is_hardly_determined_in_words_alone() {
+fn an_interval_over_more_than_three_decades_is_an_order_of_magnitude_in_every_place_alike() {
     let mut run = crash();
     let mut best = candidate("maxwell/direct-fit/1", &[("c_n_s_per_m", 54e3), ("k_n_per_m", 3e5)], 99.0);
     let ends = |c: f64, k: f64| [("c_n_s_per_m".to_owned(), Some(c)), ("k_n_per_m".to_owned(), Some(k))].into();
@@ -357,21 +361,31 @@ fn an_interval_over_more_than_three_decades_is_hardly_determined_in_words_alone(
         interval_high: ends(1.8e8, 2.9e6),
         ..UncertaintyV1::default()
     });
-    assert_eq!(
-        (best.hardly_determined_parameters(), best.undetermined(), best.left_open()),
-        (vec!["c_n_s_per_m"], (0, 2), 0)
-    );
+    let certainties = best.certainties();
+    assert_eq!((certainties.order_of_magnitude, certainties.determined), (vec!["c_n_s_per_m"], 1));
+    // What picks the best does not look at it.
+    assert_eq!((certainties.open, best.left_open()), (Vec::<&str>::new(), 0));
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
-    assert_eq!(also_open.undetermined_in_words().unwrap(), "2 of 2 parameters not or hardly determined by this record");
+    assert_eq!(
+        Language::English.certainties(&also_open.certainties()).unwrap(),
+        "0 of 2 numbers determined, 1 to an order of magnitude, 1 open"
+    );
     run.candidates.push(best);
     let page = page(&run);
-    assert!(page.contains("1 of 2 parameters hardly determined by this record"), "{page}");
-    assert!(page.contains("<span class=\"no\">hardly determined</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
+    let words = "1 of 2 numbers determined, 1 to an order of magnitude";
+    assert!(page.contains(&format!("({words})")), "the conclusion: {page}");
+    assert!(page.contains(&format!("<figcaption>{words}.")), "the picture: {page}");
+    assert!(
+        page.contains(&format!("<span title=\"{words}\">1 of 2</span>").replace("<span ", "<span tabindex=\"0\" "))
+    );
+    assert!(page.contains("<span class=\"no\">to an order of magnitude</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
     let text = summary(&run, &Ranking::of_candidates(&run.candidates)).to_json().unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["best_undetermined"], serde_json::json!([]));
     assert_eq!(json["best_hardly_determined"], serde_json::json!(["c_n_s_per_m"]));
+    assert_eq!((&json["verdict"]["determined"], &json["verdict"]["order_of_magnitude"]), (&1.into(), &1.into()));
+    assert_eq!(json["candidates"][0]["certainties"]["order_of_magnitude"], serde_json::json!(["c_n_s_per_m"]));
 }
 
 #[test]

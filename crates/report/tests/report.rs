@@ -123,7 +123,7 @@ fn evidence_of_the_models_is_drawn_with_its_settings() {
         "damping ratio above 2.0, above 95 % of the Nyquist",
         "Marked: modes present in 50 % of the orders or more (1).",
         "1 zero lies farther out than these poles.",
-        "to a unit sample and to a unit step",
+        "to a unit sample, from rest.",
     ] {
         assert!(html.contains(text), "{text}");
     }

@@ -14,8 +14,8 @@ mod predicted;
 mod run;
 
 pub use fitted::{
-    CandidateV1, EnergyV1, FitV1, JointTestV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1,
-    OtherSensorV1, PhysicalCoordinatesV1, PriorTermV1, PriorV1, ProfileV1, RatedCandidateV1, RatingV1,
+    CandidateV1, Certainty, EnergyV1, FitV1, JointTestV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1,
+    MatchingV1, OtherSensorV1, PhysicalCoordinatesV1, PriorTermV1, PriorV1, ProfileV1, RatedCandidateV1, RatingV1,
     RecommendationEvidenceV1, RecommendationV1, ReplicatesV1, SensorFitV1, SimulationV1, TestsV1, UncertaintyV1,
 };
 pub use identified::{

@@ -127,11 +127,10 @@ impl ComparedCandidates<'_> {
         let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)));
         let candidate = &self.candidates[best];
         let mut because = format!(
-            "{}, {} of {} numbers determined{}, {}",
+            "{}, {}{}, {}",
             candidate.class.name(),
-            candidate.determined(),
-            candidate.parameters,
-            if candidate.open.is_empty() { "" } else { ", the others hardly felt at other speeds" },
+            candidate.determined_in_words(),
+            if candidate.open.is_empty() { "" } else { " and hardly felt at other speeds" },
             match next {
                 _ if best != by_evidence => self.beside_the_evidence(best, by_evidence),
                 Some(next) => self.beside_the_next(best, next),
@@ -208,6 +207,7 @@ impl ComparedCandidates<'_> {
         let candidate = &self.candidates[simplest];
         let fit = candidate.fit_percent.unwrap_or(0.0);
         let count = match candidate.parameters {
+            _ if candidate.order_of_magnitude > 0 => candidate.determined_in_words(),
             1 => "one number, determined".to_owned(),
             n => format!("{n} numbers, all determined"),
         };
@@ -259,6 +259,7 @@ mod tests {
             masses: 1,
             parameters,
             open: Vec::new(),
+            order_of_magnitude: 0,
             open_and_felt: Vec::new(),
             on_bound: Vec::new(),
             physical: true,

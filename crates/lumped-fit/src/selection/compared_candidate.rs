@@ -79,6 +79,8 @@ pub struct ComparedCandidate {
     pub parameters: usize,
     /// Of these, what the record does not determine, in words.
     pub open: Vec<String>,
+    /// How many of the others it knows to an order of magnitude only.
+    pub order_of_magnitude: usize,
     /// Of these, what would change the crush at other speeds if it were another, in words.
     pub open_and_felt: Vec<String>,
     /// Parameters on a bound of their search other than zero, in words.
@@ -103,7 +105,18 @@ pub struct ComparedCandidate {
 impl ComparedCandidate {
     /// How many of its numbers the record determines.
     pub fn determined(&self) -> usize {
-        self.parameters.saturating_sub(self.open.len())
+        self.parameters.saturating_sub(self.open.len() + self.order_of_magnitude)
+    }
+
+    /// `3 of 4 numbers determined, 1 to an order of magnitude`, as the report says it.
+    pub fn determined_in_words(&self) -> String {
+        let mut text = format!("{} of {} numbers determined", self.determined(), self.parameters);
+        for (count, what) in [(self.order_of_magnitude, "to an order of magnitude"), (self.open.len(), "open")] {
+            if count > 0 {
+                text.push_str(&format!(", {count} {what}"));
+            }
+        }
+        text
     }
 }
 

@@ -148,7 +148,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         let about = || About::Model(best.id.clone());
         for (names, template, weight) in [
             (best.record.undetermined(), phrases.warn_open, Weight::Decisive),
-            (best.hardly_determined_parameters(), phrases.warn_hardly, Weight::Marked),
+            (best.certainties().order_of_magnitude, phrases.warn_hardly, Weight::Marked),
         ] {
             if !names.is_empty() {
                 let names = symbols(best, &names, language);
@@ -161,7 +161,8 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     }
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
     if let Some(closest) = closest.filter(|id| Some(*id) != ranking.best.as_deref()).and_then(|id| run.candidate(id)) {
-        let (open, parameters) = closest.undetermined();
+        let certainties = closest.certainties();
+        let (open, parameters) = (certainties.open.len(), certainties.parameters);
         if open > 0 {
             let texts = [
                 ("model", candidate_name(&closest.id)),

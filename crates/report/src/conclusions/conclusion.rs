@@ -9,7 +9,7 @@ use crate::conclusions::concerns::{Concern, concerns, symbols};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
 use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
-use crate::{CandidateResult, Model, Ranking, Run};
+use crate::{CandidateResult, Certainties, Model, Ranking, Run};
 
 /// Whether what was asked for is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -51,6 +51,10 @@ pub struct Conclusion {
     pub parameters: Option<usize>,
     /// How many of them it determines.
     pub determined: Option<usize>,
+    /// How many of the others are known to an order of magnitude.
+    pub order_of_magnitude: Option<usize>,
+    /// How many may be anything.
+    pub open: Option<usize>,
     /// Why there is no result.
     pub reason: Option<String>,
     /// What to do for one.
@@ -78,8 +82,10 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
         language: language.code(),
         sentences,
         numbers: text.numbers,
-        parameters: best.map(|best| best.undetermined().1),
-        determined: best.map(|best| best.undetermined().1 - best.undetermined().0),
+        parameters: best.map(|best| best.certainties().parameters),
+        determined: best.map(|best| best.certainties().determined),
+        order_of_magnitude: best.map(|best| best.certainties().order_of_magnitude.len()),
+        open: best.map(|best| best.certainties().open.len()),
         reason: diagnosis.map(|concern| concern.text.clone()),
         remedy: diagnosis.and_then(|concern| concern.remedy.clone()),
     };
@@ -294,12 +300,20 @@ impl<'a> Text<'a> {
             return Some(phrases.no_models_here.to_owned());
         }
         let Some(best) = self.best() else { return Some(self.none_recommended()) };
-        let (open, parameters) = best.undetermined();
-        let determined = (parameters > 0).then(|| {
-            let counted = (1.0, 0, "");
-            let determined = self.number("/verdict/determined", (parameters - open) as f64, counted);
-            let parameters = self.number("/verdict/parameters", parameters as f64, counted);
-            fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)])
+        let certainties = best.certainties();
+        let determined = self.language.certainties(&certainties).map(|text| {
+            let Certainties { parameters, determined, order_of_magnitude, open } = &certainties;
+            for (at, count) in [
+                ("determined", *determined),
+                ("parameters", *parameters),
+                ("order_of_magnitude", order_of_magnitude.len()),
+                ("open", open.len()),
+            ] {
+                if count > 0 || matches!(at, "determined" | "parameters") {
+                    self.number(&format!("/verdict/{at}"), count as f64, (1.0, 0, ""));
+                }
+            }
+            format!(" ({text})")
         });
         let follows = self.follows(best).map(|fit| fill(phrases.follows, &[("fit", &fit)]));
         let predicts = self.predicts(best);
@@ -367,7 +381,7 @@ impl<'a> Text<'a> {
         };
         named(phrases.open_numbers, &best.record.undetermined())
             .or_else(|| best.record.equivalent_to.as_ref().map(|_| phrases.dual.to_owned()))
-            .or_else(|| named(phrases.hardly, &best.hardly_determined_parameters()))
+            .or_else(|| named(phrases.hardly, &best.certainties().order_of_magnitude))
             .or_else(|| {
                 let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
                 let speed = beyond.then(|| self.impact_speed())??;

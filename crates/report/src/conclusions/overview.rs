@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::{ConcernV1, MetricV1};
+use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 
 use crate::conclusions::concerns::{Concern, SHOWN_FIRST};
 use crate::conclusions::conclusion::Conclusion;
@@ -55,10 +55,10 @@ pub fn overview(
         let ends = interval.map(|interval| (interval.low, interval.high));
         lines.push((label.to_owned(), with_interval(run, value, ends, shown)));
     }
-    // A peak as read is one of vibration.
-    let filtered = run.measured.filtered.is_some();
+    // A peak as read is one of vibration, one of a recorder's steps is nothing.
+    let has_peak = run.measured.filtered.is_some() && verdict.kind != Kind::Recorder;
     for (label, name) in [(peak, "peak_acceleration"), (olc, "olc")] {
-        let Some(metric) = run.metric(name).filter(|_| filtered && (of_vehicle || name != "olc")) else { continue };
+        let Some(metric) = run.metric(name).filter(|_| has_peak && (of_vehicle || name != "olc")) else { continue };
         if let Some(text) = metric_line(run, metric) {
             lines.push((label.to_owned(), text));
         }
@@ -130,7 +130,8 @@ fn parameters(run: &Run, candidate: &CandidateResult) -> String {
             let ends = [low, high].map(|si| in_language(run, significant(in_unit(si), digits)));
             format!(" ({} {} {})", ends[0], run.language.phrases().to, ends[1])
         });
-        let open = if candidate.record.doubt(name).is_some() { " ?" } else { "" };
+        let is_sure = matches!(candidate.record.certainty(name), None | Some(Certainty::Determined));
+        let open = if is_sure { "" } else { " ?" };
         let value = in_language(run, significant(value, 4));
         texts.push(format!("{symbol} {value} {unit}{interval}{open}").replace(" ?", "?").trim_end().to_owned());
     }

@@ -11,7 +11,7 @@ use crate::conclusions::conclusion::{Conclusion, conclusion};
 use crate::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::results::ranking::compare_ids;
-use crate::{CandidateResult, Model, Ranking, Run};
+use crate::{CandidateResult, Certainties, Model, Ranking, Run};
 
 /// The JSON Schema of `summary.json`.
 pub fn summary_schema() -> serde_json::Value {
@@ -134,6 +134,8 @@ struct CandidateSummary<'a> {
     parameters: &'a BTreeMap<String, f64>,
     physical: bool,
     equivalent_to: Option<&'a str>,
+    /// How many of its numbers the record determines.
+    certainties: Certainties<'a>,
     simulation: Option<&'a SimulationV1>,
     fit: Option<&'a FitV1>,
     uncertainty: Option<&'a UncertaintyV1>,
@@ -192,6 +194,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
                 parameters: &candidate.record.parameters,
                 physical: candidate.record.physical,
                 equivalent_to: candidate.record.equivalent_to.as_deref(),
+                certainties: candidate.certainties(),
                 simulation: candidate.simulation.as_ref(),
                 fit: candidate.record.fit.as_ref(),
                 uncertainty: candidate.record.uncertainty.as_ref(),
@@ -216,7 +219,7 @@ pub fn summary<'a>(run: &'a Run, ranking: &'a Ranking) -> Summary<'a> {
             .best
             .as_deref()
             .and_then(|id| run.candidate(id))
-            .map_or_else(Vec::new, CandidateResult::hardly_determined_parameters),
+            .map_or_else(Vec::new, |best| best.certainties().order_of_magnitude),
         ranking: ranking.order.clone(),
         ranked_by: "simulation.fit_as_measured_percent: displacement fit of the model, measured as the record was, \
                     over simulation.from_s to simulation.to_s, highest first; fit_percent where it is null",

@@ -7,12 +7,26 @@ use crate::{Ranking, Run};
 
 /// All figures that the run has records for, in the order of the page.
 pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
+    let mut figures = crash_figures(run, ranking);
+    figures.extend(identification_figures(run));
+    figures
+}
+
+/// Those of the crash.
+pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
     let figures = [
         curves::figure(run, ranking),
         residual::figure(run, ranking),
         sensors::figure(run, ranking),
         elements::figure(run, ranking),
         mass_split::figure(run, ranking),
+    ];
+    figures.into_iter().flatten().collect()
+}
+
+/// Those of the identified models.
+pub fn identification_figures(run: &Run) -> Vec<Figure> {
+    let figures = [
         poles::figure(run),
         singular_values::figure(run),
         stabilisation::figure(run),

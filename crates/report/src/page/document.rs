@@ -13,7 +13,7 @@ use super::{
 };
 use crate::conclusions::conclusion::conclusion;
 use crate::drawing::look::{page_rules, palette};
-use crate::figures::all::all_figures;
+use crate::figures::all::{crash_figures, identification_figures};
 use crate::text::escape::html;
 use crate::{Ranking, Run, summary};
 
@@ -32,7 +32,7 @@ pub struct Page(String);
 impl Page {
     /// Lays the report out. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
-        let drawn = all_figures(run, ranking);
+        let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
         let phrases = run.language.phrases();
         let mut body = String::with_capacity(1 << 20);
@@ -48,7 +48,7 @@ impl Page {
             model_picture::STYLE,
             candidates::STYLE,
             what_if::STYLE,
-            figures::toggle_rules(&drawn),
+            figures::toggle_rules(crash.iter().chain(&identification)),
             page_rules()
         ));
         header::write(&mut body, run, |body| top::write(body, &said, phrases));
@@ -56,14 +56,19 @@ impl Page {
         key_numbers::write(&mut body, run);
         model_picture::write(&mut body, run, ranking);
         top::write_before_use(&mut body, &said, &concerns, phrases);
-        figures::write(&mut body, &drawn);
+        figures::write(&mut body, &crash, "h2");
+        if run.is_generic() {
+            models::write(&mut body, run, &identification);
+        }
         what_if::write(&mut body, run, ranking);
         candidates::write(&mut body, run, ranking);
         how_well::write(&mut body, run, ranking);
         predictions::write(&mut body, run);
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);
-        models::write(&mut body, run);
+        if !run.is_generic() {
+            models::write(&mut body, run, &identification);
+        }
         numbers::write(&mut body, run);
         channels::write(&mut body, run);
         remarks::write_missing(&mut body, run);

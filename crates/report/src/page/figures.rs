@@ -6,23 +6,23 @@ use crate::drawing::file::swatch;
 use crate::drawing::panel::Drawing;
 use crate::text::escape::html;
 
-/// Writes figures into a grid of two columns where the window has room for them.
-pub(super) fn write(out: &mut String, figures: &[Figure]) {
+/// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
+pub(super) fn write(out: &mut String, figures: &[Figure], heading: &str) {
     if figures.is_empty() {
         return;
     }
     out.push_str("<div class=\"figures\">\n");
     for figure in figures {
-        write_figure(out, figure);
+        write_figure(out, figure, heading);
     }
     out.push_str("</div>\n");
 }
 
-fn write_figure(out: &mut String, figure: &Figure) {
+fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
     let id = figure.id;
     let wide = if figure.panels.len() > 1 { " wide" } else { "" };
     out.push_str(&format!(
-        "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n\
+        "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n<{heading} id=\"{id}-title\">{}</{heading}>\n\
          <ul class=\"legend\" aria-label=\"Curves, to show or hide\">\n",
         html(&figure.title)
     ));
@@ -44,8 +44,8 @@ fn write_figure(out: &mut String, figure: &Figure) {
 }
 
 /// Rules by which a legend's box hides its curves.
-pub(super) fn toggle_rules(figures: &[Figure]) -> String {
-    let most = figures.iter().map(|figure| figure.legend.len()).max().unwrap_or(0);
+pub(super) fn toggle_rules<'a>(figures: impl Iterator<Item = &'a Figure>) -> String {
+    let most = figures.map(|figure| figure.legend.len()).max().unwrap_or(0);
     let rule = |k: usize| {
         format!(
             ".figure:has(.legend li:nth-child({}) input:not(:checked)) :is(.panels,.file) .e{k}{{display:none}}\n",

@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crumple_artifact::records::ModeV1;
+use crumple_artifact::records::{EvidenceV1, ModeV1};
 
+use crate::drawing::figure::Figure;
+use crate::page::figures;
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, decimals, significant, times};
 use crate::{Model, Run};
@@ -11,17 +13,20 @@ use crate::{Model, Run};
 /// Pole rows of a model that are open to view; the rest is folded.
 const OPEN_ROWS: usize = 12;
 
-pub(super) fn write(out: &mut String, run: &Run) {
+pub(super) fn write(out: &mut String, run: &Run, drawn: &[Figure]) {
     if run.models.is_empty() {
         return;
     }
-    out.push_str("<section>\n<h2>Identified models</h2>\n");
+    out.push_str(&format!("<section id=\"identification\">\n<h2>{}</h2>\n", run.language.phrases().identification));
     // Of a crash they are a way to the physical model, of any other record they are the result.
     let count = run.models.len();
     if !run.is_generic() {
         let plural = if count == 1 { "" } else { "s" };
-        out.push_str(&format!("<details><summary>{count} model{plural} with poles</summary>\n"));
+        out.push_str(&format!(
+            "<details><summary>{count} identified model{plural}: poles, order, frequency response</summary>\n"
+        ));
     }
+    figures::write(out, drawn, "h3");
     for model in &run.models {
         write_model(out, model);
     }
@@ -79,7 +84,20 @@ fn write_model(out: &mut String, model: &Model) {
          the response.\">Share</abbr></th>\
          </tr></thead>\n<tbody>\n",
     );
+    let deviations = |of: fn(&EvidenceV1) -> &[Option<f64>], mode: &ModeV1| {
+        let place = model.modes.iter().position(|other| std::ptr::eq(other, mode))?;
+        *of(model.evidence.as_ref()?).get(place)?
+    };
+    let with_deviation = |value: Option<f64>, deviation: Option<f64>, factor: f64| {
+        let Some(value) = value else { return ABSENT.to_owned() };
+        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", significant(factor * d, 2)));
+        format!("{}{deviation}", significant(factor * value, 4))
+    };
+    let mut has_deviations = false;
     for mode in lines {
+        let frequency = deviations(|evidence| &evidence.frequency_deviations, mode);
+        let damping = deviations(|evidence| &evidence.damping_deviations, mode);
+        has_deviations |= frequency.or(damping).is_some();
         let unstable = if mode.re_per_s > 0.0 { " <span class=\"no\">unstable</span>" } else { "" };
         let number =
             |value: Option<f64>, factor: f64| value.map_or_else(|| ABSENT.to_owned(), |v| significant(factor * v, 4));
@@ -87,13 +105,19 @@ fn write_model(out: &mut String, model: &Model) {
             "<tr><td class=\"n\">{}{unstable}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
              class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
             pole(mode),
-            significant(mode.natural_frequency_rad_per_s / TAU, 4),
-            number(mode.damping_ratio, 100.0),
+            with_deviation(Some(mode.natural_frequency_rad_per_s), frequency, 1.0 / TAU),
+            with_deviation(mode.damping_ratio, damping, 100.0),
             number(mode.modal_amplitude_coherence, 1.0),
             number(mode.mode_singular_value, 1.0),
         ));
     }
     out.push_str("</tbody>\n</table></div>\n");
+    let words = if has_deviations {
+        "± one standard deviation, from the covariance of the fit."
+    } else {
+        "No uncertainty of these poles is known: the method gives none from one record."
+    };
+    out.push_str(&format!("<p class=\"caption\">{words}</p>\n"));
     if folded {
         out.push_str("</details>\n");
     }

@@ -1,19 +1,15 @@
 //! What a report is made from, wherever it was read.
 
-use std::collections::BTreeMap;
-
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, ConcernV1, EventsV1, IdentificationV1, MatchingV1, MetricV1, ModeV1, PredictionV1,
-    RecommendationV1, ResponseV1, SimulationV1, StabilizationV1, TransferFunctionV1,
+    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, EventsV1, EvidenceV1, IdentificationV1, MatchingV1, MetricV1,
+    ModeV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1, StabilizationV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
+use serde::Serialize;
 
 use crate::text::language::Language;
 use crate::text::numbers::candidate_name;
-
-/// A 95 % interval whose ends are further apart than this factor leaves a parameter hardly determined.
-const HARDLY_DETERMINED: f64 = 1e3;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
@@ -101,6 +97,8 @@ pub struct Model {
     pub modes: Vec<ModeV1>,
     /// Its responses in frequency and time.
     pub response: Option<ResponseV1>,
+    /// What speaks for it, with the deviations of its modes where the method gives them.
+    pub evidence: Option<EvidenceV1>,
 }
 
 /// One set of physical parameters and what it answers with.
@@ -165,41 +163,16 @@ impl CandidateResult {
             && asked.any(|name| parameter_kind(&self.record.model, name) == Some(ParameterKind::Mass))
     }
 
-    /// Whether the 95 % interval of a parameter that counts as determined spans more than a factor of 1000: the record
-    /// says little more than its sign. Words only; what picks the best does not look at it.
-    pub fn is_hardly_determined(&self, name: &str) -> bool {
-        let Some(known) = self.record.uncertainty.as_ref().filter(|_| self.record.doubt(name).is_none()) else {
-            return false;
-        };
-        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
-        let ends = end(&known.interval_low).zip(end(&known.interval_high));
-        ends.is_some_and(|(low, high)| {
-            low * high > 0.0 && high.abs().max(low.abs()) > HARDLY_DETERMINED * high.abs().min(low.abs())
-        })
-    }
-
-    /// Names of the parameters that this record hardly determines.
-    pub fn hardly_determined_parameters(&self) -> Vec<&str> {
-        self.record.asked().filter(|name| self.is_hardly_determined(name)).collect()
-    }
-
-    /// `2 of 6 parameters not or hardly determined by this record`; `None` where it determines all that were asked of
-    /// it.
-    pub fn undetermined_in_words(&self) -> Option<String> {
-        let (open, of) = self.undetermined();
-        let hardly = self.hardly_determined_parameters().len();
-        let how = match (open, hardly) {
-            (0, 0) => return None,
-            (_, 0) => "not",
-            (0, _) => "hardly",
-            _ => "not or hardly",
-        };
-        Some(format!("{} of {of} parameters {how} determined by this record", open + hardly))
-    }
-
-    /// How many of the parameters this record does not determine, and of how many that were asked of it.
-    pub fn undetermined(&self) -> (usize, usize) {
-        (self.record.undetermined().len(), self.record.asked().count())
+    /// How many of its numbers the record determines: what conclusion, picture, tables, console and summary count.
+    pub fn certainties(&self) -> Certainties<'_> {
+        let [mut open, order_of_magnitude] =
+            [Certainty::Open, Certainty::OrderOfMagnitude].map(|certainty| self.record.parameters_of(certainty));
+        if self.divides_by_formula() {
+            open.push("the division of the mass");
+        }
+        let parameters = self.record.asked().count();
+        let determined = parameters.saturating_sub(open.len() + order_of_magnitude.len());
+        Certainties { parameters, determined, order_of_magnitude, open }
     }
 
     /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a
@@ -207,8 +180,22 @@ impl CandidateResult {
     /// and leaves none open.
     pub fn left_open(&self) -> usize {
         let stated = self.is_chain() && self.record.fit.is_none();
-        if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { self.undetermined().0 }
+        let open = || self.record.undetermined().len();
+        if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { open() }
     }
+}
+
+/// How sure a record is of the numbers of a candidate that were asked of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Certainties<'a> {
+    /// How many were asked of it.
+    pub parameters: usize,
+    /// How many of them it determines.
+    pub determined: usize,
+    /// Names of those known to an order of magnitude only.
+    pub order_of_magnitude: Vec<&'a str>,
+    /// What may be anything: names, and the division of the mass in words.
+    pub open: Vec<&'a str>,
 }
 
 /// A spring or damper at work.

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, IdentificationV1, MetricsV2, ModesV2, NotesV1,
-    PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
+    NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_report::{
     CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
@@ -134,6 +134,11 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     for (topic, _) in inputs.records::<StateSpaceV1>("/model/")? {
         let id = topic.strip_suffix("/continuous").or_else(|| topic.strip_suffix("/discrete")).unwrap_or(&topic);
         with_model(id, &mut |_| {});
+    }
+    for (id, evidence) in inputs.records::<EvidenceV1>("/evidence/")? {
+        if let Some(model) = models.get_mut(&id) {
+            model.evidence = Some(evidence.clone());
+        }
     }
     Ok(models.into_values().collect())
 }

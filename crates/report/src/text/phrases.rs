@@ -54,6 +54,10 @@ pub struct Phrases {
     pub use_model: &'static str,
     /// How many of its numbers are determined.
     pub determined: &'static str,
+    /// How many of them to an order of magnitude.
+    pub order_of_magnitude: &'static str,
+    /// How many are open.
+    pub open: &'static str,
     /// How close it is.
     pub follows: &'static str,
     /// What it predicts against the wall.
@@ -102,6 +106,8 @@ pub struct Phrases {
     pub one_more: &'static str,
     /// More warnings.
     pub more: &'static str,
+    /// Heading over the identified models.
+    pub identification: &'static str,
     /// Heading of the verdict for those who hear it.
     pub verdict: &'static str,
     /// What to do.
@@ -152,7 +158,9 @@ pub const ENGLISH: Phrases = Phrases {
     measured_only: "This report holds no motion of a vehicle.",
     no_models_here: "It holds no models: their stages did not run.",
     use_model: "For predictions use {model}{determined}{follows}{predicts}{distrust}.",
-    determined: " ({determined} of {parameters} numbers determined)",
+    determined: "{determined} of {parameters} numbers determined",
+    order_of_magnitude: ", {count} to an order of magnitude",
+    open: ", {count} open",
     follows: ": it follows the displacement to {fit}",
     predicts: " and predicts a crush of {crush}{interval} at {speed}",
     predicts_collision: " and predicts against {partner} a crush of {crush}{interval}",
@@ -180,6 +188,7 @@ pub const ENGLISH: Phrases = Phrases {
     before_use: "Before you use this",
     one_more: "1 more warning",
     more: "{count} more warnings",
+    identification: "Identification",
     verdict: "Verdict",
     what_to_do: "What to do: {remedy}.",
     labels: ["dynamic crush", "time of crush", "delta-v", "restitution", "peak", "OLC"],
@@ -226,7 +235,9 @@ pub const GERMAN: Phrases = Phrases {
     measured_only: "Dieser Bericht enthält keine Bewegung eines Fahrzeugs.",
     no_models_here: "Er enthält keine Modelle: Deren Stufen liefen nicht.",
     use_model: "Für Vorhersagen gilt {model}{determined}{follows}{predicts}{distrust}.",
-    determined: " ({determined} von {parameters} Zahlen bestimmt)",
+    determined: "{determined} von {parameters} Zahlen bestimmt",
+    order_of_magnitude: ", {count} der Größenordnung nach",
+    open: ", {count} offen",
     follows: ": Es folgt dem Weg zu {fit}",
     predicts: " und sagt bei {speed} eine Eindrückung von {crush}{interval} voraus",
     predicts_collision: " und sagt gegen {partner} eine Eindrückung von {crush}{interval} voraus",
@@ -255,6 +266,7 @@ pub const GERMAN: Phrases = Phrases {
     before_use: "Vor dem Gebrauch",
     one_more: "1 weitere Warnung",
     more: "{count} weitere Warnungen",
+    identification: "Identifikation",
     verdict: "Urteil",
     what_to_do: "Abhilfe: {remedy}.",
     labels: ["Eindrückung", "Zeit bis dahin", "Delta-v", "Stoßzahl", "Spitzenwert", "OLC"],

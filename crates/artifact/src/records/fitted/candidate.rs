@@ -58,6 +58,44 @@ impl CandidateV1 {
     pub fn undetermined(&self) -> Vec<&str> {
         self.asked().filter(|name| self.doubt(name).is_some()).collect()
     }
+
+    /// How sure a parameter is that was asked of the record; `None` for one that was given.
+    ///
+    /// Open is what is in [`CandidateV1::doubt`]. Of what is not, an interval between ends of one sign, one of them more
+    /// than a thousand times the other, gives an order of magnitude and no more.
+    pub fn certainty(&self, name: &str) -> Option<Certainty> {
+        if !self.asked().any(|asked| asked == name) {
+            return None;
+        }
+        if self.doubt(name).is_some() {
+            return Some(Certainty::Open);
+        }
+        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
+        let ends = self.uncertainty.as_ref().and_then(|u| end(&u.interval_low).zip(end(&u.interval_high)));
+        let is_wide = ends.is_some_and(|(low, high)| {
+            low * high > 0.0 && low.abs().max(high.abs()) > ORDER_OF_MAGNITUDE * low.abs().min(high.abs())
+        });
+        Some(if is_wide { Certainty::OrderOfMagnitude } else { Certainty::Determined })
+    }
+
+    /// Names of the parameters of one certainty.
+    pub fn parameters_of(&self, certainty: Certainty) -> Vec<&str> {
+        self.asked().filter(|name| self.certainty(name) == Some(certainty)).collect()
+    }
+}
+
+/// Ratio of the ends of a 95 % interval above which a parameter counts as known to an order of magnitude only.
+const ORDER_OF_MAGNITUDE: f64 = 1e3;
+
+/// How sure a record is of a parameter that was asked of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Certainty {
+    /// The record determines it.
+    Determined,
+    /// Its 95 % interval spans more than a factor of 1000.
+    OrderOfMagnitude,
+    /// It may be anything: on a bound of its search, or without an interval.
+    Open,
 }
 
 /// A fit by iteration.

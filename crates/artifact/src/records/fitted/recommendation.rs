@@ -69,7 +69,7 @@ pub struct RatedCandidateV1 {
     pub not_adequate_because: Option<String>,
     /// Free numbers that it was charged for.
     pub parameters: u32,
-    /// Of these, how many the record determines.
+    /// Of these, how many the record determines, to better than an order of magnitude.
     pub determined: u32,
     /// Root mean square misfit as measured, unit of the quantity of the evidence.
     pub misfit: Option<f64>,

@@ -6,7 +6,7 @@ use crumple_lumped_fit::{
     WallForce, crush_error_at_lower_speeds,
 };
 use crumple_signal::{Displacement, Sampled};
-use crumple_stage::records::{CandidateV1, EventsV1};
+use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Wave};
 use rayon::prelude::*;
 
@@ -168,6 +168,7 @@ impl Comparison {
             masses: structure_of(&record.model, &record.parameters).map_or(1, |structure| structure.masses_kg().len()),
             parameters: free_numbers(record).max(open.len()),
             open,
+            order_of_magnitude: record.parameters_of(Certainty::OrderOfMagnitude).len(),
             open_and_felt,
             on_bound: bounds.iter().filter(|name| !is_zero(name)).cloned().collect(),
             physical: record.physical,

@@ -75,6 +75,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
     for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
         caption.push_str(&format!(" Band of {}: {band}.", model.id));
     }
+    if models.iter().all(|(_, curve)| curve.band.is_none()) {
+        caption.push_str(" No band: the records hold no uncertainty of these models.");
+    }
     figure.caption = caption;
     figure.panels = vec![magnitude, phase];
     Some(figure.tidy())

@@ -33,7 +33,10 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let seen_s = || models.iter().map(|(_, r)| settles(&r.time_s, &r.impulse)).fold(0.0, f64::max).min(longest_s);
     let (factor, unit) = if seen_s() > LONG_S { (1.0, "s") } else { (1e3, "ms") };
     // Models with another input or output have other units: they start hidden.
-    let mut figure = Figure::new("responses", "Impulse and step response");
+    let mut figure = Figure::new(
+        "responses",
+        if first.input.contains("Markov") { "Impulse response" } else { "Impulse and step response" },
+    );
     let (mut impulse, mut step) =
         (Panel::new(Axis::default(), Axis::default()), Panel::new(Axis::default(), Axis::default()));
     if first.impulse_of == "unit sample"
@@ -45,6 +48,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         impulse.line(entry, record);
     }
     let mut hidden = 0;
+    let of_free_motion = first.input.contains("Markov");
     for (place, (model, response)) in models.iter().enumerate() {
         let has_same_units = response.output == first.output && response.impulse_of == first.impulse_of;
         let shown = has_same_units && peak(&response.impulse) <= GROWN * least;
@@ -55,13 +59,17 @@ pub fn figure(run: &Run) -> Option<Figure> {
         let times: Vec<f64> = response.time_s.iter().map(|t| factor * t).collect();
         let entry = figure.entry(&model.id, Look::of_series(place), shown);
         impulse.line(entry, over(&times, &response.impulse));
-        step.line(entry, over(&times, &response.step));
+        // What was taken as an impulse response has no input that could be a step.
+        if !of_free_motion {
+            step.line(entry, over(&times, &response.step));
+        }
     }
     let ((_, in_unit), (words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
     let mut caption = format!(
-        "Response of {} to a {} and to a unit step, from rest.",
+        "Response of {} to a {}{}, from rest.",
         if words.is_empty() { "the output" } else { words },
-        first.impulse_of
+        first.impulse_of,
+        if of_free_motion { "" } else { " and to a unit step" }
     );
     // An impulse of a unit for one sample has the input's unit, an impulse of unit area that times s.
     let per = |more: &str| match (&out_unit, &in_unit) {

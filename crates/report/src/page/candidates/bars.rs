@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crumple_artifact::records::Certainty;
+
 use crate::CandidateResult;
 use crate::text::escape::html;
 use crate::text::numbers::{digits_of_interval, significant};
@@ -31,7 +33,11 @@ fn row(candidate: &CandidateResult, name: &str) -> String {
     let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
     let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
     let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
+    let is_wide = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
     let (words, bar) = match (record.doubt(name), ends) {
+        (None, Some((low, high))) if is_wide => {
+            ("<span class=\"no\">to an order of magnitude</span>".to_owned(), bar(value, low, high))
+        }
         (Some(doubt), _) => (format!("<span class=\"no\">{doubt}</span>"), bar(value, None, None)),
         (None, _) if on_bound => ("limit of what is physical".to_owned(), String::new()),
         (None, None) if record.asked().any(|asked| asked == name) => ("–".to_owned(), String::new()),

@@ -86,12 +86,11 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
     let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
     let simulation = candidate.simulation.as_ref();
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
-    let (open, asked) = candidate.undetermined();
-    let determined = match rated {
-        Some(rated) => format!("{} of {}", rated.determined, rated.parameters),
-        None if asked > 0 => format!("{} of {asked}", asked - open),
-        None => ABSENT.to_owned(),
-    };
+    let certainties = candidate.certainties();
+    let determined = run.language.certainties(&certainties).map_or_else(
+        || ABSENT.to_owned(),
+        |words| format!("<span title=\"{words}\">{} of {}</span>", certainties.determined, certainties.parameters),
+    );
     let evidence = if has_evidence {
         format!("<td class=\"n\">{}</td>", number(rated.and_then(|r| r.difference_with_priors), &|v| decimals(v, 1)))
     } else {

@@ -1,5 +1,7 @@
 //! Every candidate: parameters, what they answer with, which is best. Folded.
 
+use crumple_artifact::records::Certainty;
+
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, signed, significant};
 use crate::text::parameters::{parameter, parameter_order};
@@ -185,8 +187,8 @@ fn parameters(candidate: &CandidateResult) -> String {
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
             let (deviation, doubt) = match (candidate.record.doubt(name), deviations.and_then(|d| d.get(name))) {
                 (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
-                (None, _) if candidate.is_hardly_determined(name) => {
-                    (String::new(), " <span class=\"no\">hardly determined</span>".to_owned())
+                (None, _) if candidate.record.certainty(name) == Some(Certainty::OrderOfMagnitude) => {
+                    (String::new(), " <span class=\"no\">to an order of magnitude</span>".to_owned())
                 }
                 (None, _) if on_bound => (String::new(), " (the limit of what is physical)".to_owned()),
                 (None, Some(&d)) => (

@@ -2,9 +2,9 @@
 
 use crumple_artifact::records::{RatedCandidateV1, RecommendationV1};
 
-use crate::Run;
 use crate::text::escape::html;
 use crate::text::numbers::{ABSENT, candidate_name, decimals};
+use crate::{CandidateResult, Run};
 
 /// The three roles, who has them and why.
 pub(super) fn write_roles(out: &mut String, run: &Run) {
@@ -25,11 +25,11 @@ pub(super) fn write_roles(out: &mut String, run: &Run) {
 pub(super) fn write_evidence(out: &mut String, run: &Run) {
     let Some(choice) = run.recommendation.as_ref().filter(|choice| !choice.candidates.is_empty()) else { return };
     out.push_str("<details><summary>Evidence for and against every candidate</summary>\n");
-    table(out, choice);
+    table(out, run, choice);
     out.push_str("</details>\n");
 }
 
-fn table(out: &mut String, choice: &RecommendationV1) {
+fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
     let priors: String = choice
         .priors
         .iter()
@@ -51,7 +51,7 @@ fn table(out: &mut String, choice: &RecommendationV1) {
          <th scope=\"col\" class=\"n\">Δ with priors</th><th scope=\"col\">Adequate</th></tr></thead>\n<tbody>\n",
     ));
     for rated in &choice.candidates {
-        row(out, choice, rated);
+        row(out, run, choice, rated);
     }
     out.push_str("</tbody>\n</table></div>\n");
     let evidence = choice.evidence.as_ref().map_or_else(String::new, |evidence| {
@@ -79,7 +79,10 @@ fn has_force(choice: &RecommendationV1) -> bool {
     choice.candidates.iter().any(|rated| rated.force_misfit_percent.is_some())
 }
 
-fn row(out: &mut String, choice: &RecommendationV1, rated: &RatedCandidateV1) {
+fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCandidateV1) {
+    let certainties = run.candidate(&rated.id).map(CandidateResult::certainties).filter(|known| known.parameters > 0);
+    let determined =
+        certainties.map_or_else(|| ABSENT.to_owned(), |known| format!("{} of {}", known.determined, known.parameters));
     let number = |value: Option<f64>, digits: usize| value.map_or_else(|| ABSENT.to_owned(), |v| decimals(v, digits));
     let terms: String = choice
         .priors
@@ -93,7 +96,7 @@ fn row(out: &mut String, choice: &RecommendationV1, rated: &RatedCandidateV1) {
     let force = force.unwrap_or_default();
     let adequate = rated.not_adequate_because.as_deref().map_or_else(|| "yes".to_owned(), |why| format!("no: {why}"));
     out.push_str(&format!(
-        "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>{force}\
+        "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{determined}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>{force}\
          <td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{}</td></tr>\n",
         if choice.recommended.as_ref() == Some(&rated.id) { " class=\"best\"" } else { "" },
         html(&candidate_name(&rated.id)),
@@ -103,8 +106,6 @@ fn row(out: &mut String, choice: &RecommendationV1, rated: &RatedCandidateV1) {
             "elastic" => "springs",
             other => other,
         }),
-        rated.determined,
-        rated.parameters,
         number(rated.fit_as_measured_percent, 2),
         number(rated.coefficient_of_restitution, 3),
         number(rated.aicc_difference, 1),

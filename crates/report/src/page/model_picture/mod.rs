@@ -66,11 +66,7 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 /// How well it is known, how well it follows the test, and what the second sensor says.
 fn words(run: &Run, candidate: &CandidateResult) -> String {
     let mut sentences = Vec::new();
-    match (candidate.undetermined_in_words(), candidate.undetermined()) {
-        (Some(open), _) => sentences.push(format!("{open}.")),
-        (None, (_, 0)) => {}
-        (None, (_, asked)) => sentences.push(format!("All {asked} parameters determined by this record.")),
-    }
+    sentences.extend(run.language.certainties(&candidate.certainties()).map(|text| format!("{text}.")));
     if let Some(simulation) = &candidate.simulation {
         let error = |value: Option<f64>| {
             value.map_or_else(|| ABSENT.to_owned(), |x| crate::text::numbers::signed(MILLI * x, 1))

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crumple_artifact::records::Certainty;
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
 };
@@ -113,7 +114,7 @@ struct Known {
 impl Known {
     fn of(candidate: &CandidateResult, name: &str) -> Self {
         let record = &candidate.record;
-        if record.doubt(name).is_some() || candidate.is_hardly_determined(name) {
+        if matches!(record.certainty(name), Some(Certainty::Open | Certainty::OrderOfMagnitude)) {
             return Self { open: true, interval: record.doubt(name).map(str::to_owned) };
         }
         let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
@@ -244,10 +245,9 @@ fn words_of_curve(
         lines.extend(known.and_then(|known| known.interval.clone()));
     }
     let count = knots.len().saturating_sub(1);
-    lines.push(match (asked, open) {
-        (0, _) => format!("{count} knots"),
-        (_, 0) => format!("{count} knots, all determined"),
-        (asked, open) => format!("{count} knots, {open} of {asked} open"),
+    lines.push(match asked {
+        0 => format!("{count} knots"),
+        asked => format!("{count} knots, {} of {asked} determined", asked - open),
     });
     lines
 }
@@ -266,8 +266,7 @@ fn range_of_knots(
     let doubt = if open > 0 { " ?" } else { "" };
     let mut lines = vec![format!("{symbol} {} to {} {unit}{doubt}", significant(low, 3), significant(high, 3))];
     if asked > 0 {
-        let said = if open == 0 { "all determined".to_owned() } else { format!("{open} of {asked} open") };
-        lines.push(format!("{} knots, {said}", knots.len()));
+        lines.push(format!("{} knots, {} of {asked} determined", knots.len(), asked - open));
     }
     lines
 }
