@@ -368,7 +368,7 @@ fn an_interval_over_more_than_three_decades_is_an_order_of_magnitude_in_every_pl
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
     assert_eq!(
-        Language::English.certainties(&also_open.certainties()).unwrap(),
+        also_open.certainties().words(Language::English).unwrap(),
         "0 of 2 numbers determined, 1 to an order of magnitude, 1 open"
     );
     run.candidates.push(best);

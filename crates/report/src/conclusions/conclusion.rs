@@ -301,7 +301,7 @@ impl<'a> Text<'a> {
         }
         let Some(best) = self.best() else { return Some(self.none_recommended()) };
         let certainties = best.certainties();
-        let determined = self.language.certainties(&certainties).map(|text| {
+        let determined = certainties.words(self.language).map(|text| {
             let Certainties { parameters, determined, order_of_magnitude, open } = &certainties;
             for (at, count) in [
                 ("determined", *determined),

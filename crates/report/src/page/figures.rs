@@ -22,8 +22,8 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
     let id = figure.id;
     let wide = if figure.panels.len() > 1 { " wide" } else { "" };
     out.push_str(&format!(
-        "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n<{heading} id=\"{id}-title\">{}</{heading}>\n\
-         <ul class=\"legend\" aria-label=\"Curves, to show or hide\">\n",
+        "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n\
+         <{heading} id=\"{id}-title\">{}</{heading}>\n<ul class=\"legend\" aria-label=\"Curves, to show or hide\">\n",
         html(&figure.title)
     ));
     for entry in &figure.legend {

@@ -8,7 +8,7 @@ use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 use serde::Serialize;
 
-use crate::text::language::Language;
+use crate::text::language::{Language, fill};
 use crate::text::numbers::candidate_name;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
@@ -196,6 +196,21 @@ pub struct Certainties<'a> {
     pub order_of_magnitude: Vec<&'a str>,
     /// What may be anything: names, and the division of the mass in words.
     pub open: Vec<&'a str>,
+}
+
+impl Certainties<'_> {
+    /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
+    /// magnitude`. `None`: nothing was asked of the record.
+    pub fn words(&self, language: Language) -> Option<String> {
+        let phrases = language.phrases();
+        let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
+        let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
+        let others = [(&self.order_of_magnitude, phrases.order_of_magnitude), (&self.open, phrases.open)];
+        for (names, template) in others.into_iter().filter(|(names, _)| !names.is_empty()) {
+            text.push_str(&fill(template, &[("count", &names.len().to_string())]));
+        }
+        (self.parameters > 0).then_some(text)
+    }
 }
 
 /// A spring or damper at work.

@@ -2,7 +2,6 @@
 
 use super::numbers::{NBSP, decimals};
 use super::phrases::{ENGLISH, GERMAN, Phrases};
-use crate::Certainties;
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -41,19 +40,6 @@ impl Language {
             Self::English => &ENGLISH,
             Self::German => &GERMAN,
         }
-    }
-
-    /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
-    /// magnitude`. `None`: nothing was asked of the record.
-    pub fn certainties(self, certainties: &Certainties<'_>) -> Option<String> {
-        let phrases = self.phrases();
-        let [determined, parameters] = [certainties.determined, certainties.parameters].map(|count| count.to_string());
-        let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
-        let others = [(&certainties.order_of_magnitude, phrases.order_of_magnitude), (&certainties.open, phrases.open)];
-        for (names, template) in others.into_iter().filter(|(names, _)| !names.is_empty()) {
-            text.push_str(&fill(template, &[("count", &names.len().to_string())]));
-        }
-        (certainties.parameters > 0).then_some(text)
     }
 
     /// A number with so many decimals and its unit: `749.9 mm`, in German `749,9 mm`.

@@ -61,8 +61,8 @@ impl CandidateV1 {
 
     /// How sure a parameter is that was asked of the record; `None` for one that was given.
     ///
-    /// Open is what is in [`CandidateV1::doubt`]. Of what is not, an interval between ends of one sign, one of them more
-    /// than a thousand times the other, gives an order of magnitude and no more.
+    /// Open is what is in [`CandidateV1::doubt`]. Of what is not, an interval between ends of one sign, one of them
+    /// more than a thousand times the other, gives an order of magnitude and no more.
     pub fn certainty(&self, name: &str) -> Option<Certainty> {
         if !self.asked().any(|asked| asked == name) {
             return None;

@@ -87,7 +87,7 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
     let simulation = candidate.simulation.as_ref();
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let certainties = candidate.certainties();
-    let determined = run.language.certainties(&certainties).map_or_else(
+    let determined = certainties.words(run.language).map_or_else(
         || ABSENT.to_owned(),
         |words| format!("<span title=\"{words}\">{} of {}</span>", certainties.determined, certainties.parameters),
     );

@@ -96,8 +96,8 @@ fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCand
     let force = force.unwrap_or_default();
     let adequate = rated.not_adequate_because.as_deref().map_or_else(|| "yes".to_owned(), |why| format!("no: {why}"));
     out.push_str(&format!(
-        "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{determined}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>{force}\
-         <td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{}</td></tr>\n",
+        "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{determined}</td><td class=\"n\">{}</td><td \
+         class=\"n\">{}</td>{force}<td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{}</td></tr>\n",
         if choice.recommended.as_ref() == Some(&rated.id) { " class=\"best\"" } else { "" },
         html(&candidate_name(&rated.id)),
         html(match rated.class.as_str() {

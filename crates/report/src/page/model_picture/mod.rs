@@ -66,7 +66,7 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 /// How well it is known, how well it follows the test, and what the second sensor says.
 fn words(run: &Run, candidate: &CandidateResult) -> String {
     let mut sentences = Vec::new();
-    sentences.extend(run.language.certainties(&candidate.certainties()).map(|text| format!("{text}.")));
+    sentences.extend(candidate.certainties().words(run.language).map(|text| format!("{text}.")));
     if let Some(simulation) = &candidate.simulation {
         let error = |value: Option<f64>| {
             value.map_or_else(|| ABSENT.to_owned(), |x| crate::text::numbers::signed(MILLI * x, 1))
