@@ -2,37 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use super::compared_run::ComparedRun;
 use super::figure::figure;
 use super::numbers::{TOLERANCE, key_number_rows, model_rows, prediction_rows};
 use super::settings;
 use super::table::{Row, to_html, to_markdown};
 use crate::conclusions::conclusion::conclusion;
+use crate::frame::framed::{FIGURES, framed};
 use crate::page::figures;
-use crate::page::frame::{FIGURES, framed};
 use crate::text::escape::{address, html};
 use crate::text::markdown::{HEAD, markdown};
 use crate::text::numbers::ABSENT;
-use crate::{CandidateResult, Ranking, Run};
-
-/// A run under the name that the comparison calls it.
-#[derive(Debug)]
-pub struct ComparedRun {
-    /// Short and unlike the others.
-    pub name: String,
-    /// Address of its report; `None`: it has none.
-    pub report: Option<String>,
-    /// What its artifacts say.
-    pub run: Run,
-    /// The order of its candidates.
-    pub ranking: Ranking,
-}
-
-impl ComparedRun {
-    /// The candidate that its run recommends.
-    pub fn recommended(&self) -> Option<&CandidateResult> {
-        self.run.candidate(self.ranking.best.as_deref()?)
-    }
-}
 
 /// Several runs beside each other.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use crumple_signal::Sampled;
 
-use super::document::ComparedRun;
+use super::compared_run::ComparedRun;
 use crate::drawing::figure::{Axis, Figure, Panel, over_time, span};
 use crate::drawing::look::{Colour, Dash, Look, Width};
 use crate::figures::crash::curves::view_ms;

@@ -3,7 +3,7 @@
 use crumple_artifact::records::ConcernV1;
 use serde_json::Value;
 
-use super::document::ComparedRun;
+use super::compared_run::ComparedRun;
 use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings::record_of;
 use super::table::to_markdown;
@@ -61,10 +61,10 @@ fn candidates(run: &ComparedRun) -> String {
         let (open, of) = candidate.undetermined();
         let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
         Some(format!(
-            "| {}{} | {} of {of} | {} | {} | {} |\n",
+            "| {}{} | {} | {} | {} | {} |\n",
             markdown(&candidate_name(id)),
             if same > 0 { format!(" and {same} with the same curve") } else { String::new() },
-            of - open,
+            if of > 0 { format!("{} of {of}", of - open) } else { ABSENT.to_owned() },
             number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| signed(MILLI * v, 1)),
             number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| signed(MILLI * v, 1)),
             number(candidate.fit_percent(), &|v| decimals(v, 2)),

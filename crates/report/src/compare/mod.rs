@@ -1,6 +1,7 @@
-//! Several runs on one page: their curves over each other, numbers, parameters and settings side by side, marked where
-//! they differ. Uses page, drawing, figures, conclusions, results and text; what counts as different is crumple-diff's.
+//! Several runs on one page: curves over each other, numbers, parameters and settings side by side, differences marked.
+//! Uses page, frame, drawing, figures, conclusions, results and text; what counts as different is crumple-diff's.
 
+pub mod compared_run;
 pub mod document;
 pub mod figure;
 pub mod first_screen;

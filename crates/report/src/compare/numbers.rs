@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
 use serde::Serialize;
 
-use super::document::ComparedRun;
+use super::compared_run::ComparedRun;
 use super::table::{Cell, Row};
 use crate::CandidateResult;
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};

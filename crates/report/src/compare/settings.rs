@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::document::ComparedRun;
+use super::compared_run::ComparedRun;
 use super::table::Row;
 use crate::text::numbers::ABSENT;
 

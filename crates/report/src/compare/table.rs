@@ -57,8 +57,8 @@ pub fn to_html(of: &str, runs: &[String], rows: &[Row]) -> String {
         format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", html(&row.name))
     };
     format!(
-        "<div class=\"scroll\"><table class=\"runs\" style=\"min-width:{}em\">\n<thead><tr><th scope=\"col\">{of}</th>{heads}</tr></thead>\n\
-         <tbody>\n{}</tbody>\n</table></div>\n",
+        "<div class=\"scroll\"><table class=\"runs\" style=\"min-width:{}em\">\n\
+         <thead><tr><th scope=\"col\">{of}</th>{heads}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n",
         9 * (runs.len() + 1),
         rows.iter().map(row).collect::<String>()
     )

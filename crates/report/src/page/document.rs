@@ -7,13 +7,13 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use super::frame::{FIGURES, framed};
 use super::{
     candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
     numbers, predictions, ratings, remarks, what_if,
 };
 use crate::conclusions::conclusion::conclusion;
 use crate::figures::all::all_figures;
+use crate::frame::framed::{FIGURES, framed};
 use crate::{Ranking, Run, summary};
 
 /// A report, ready to be written.

@@ -1,5 +1,5 @@
 //! The page as HTML: its frame and its sections.
-//! Uses figures, drawing, conclusions, results and text.
+//! Uses frame, figures, drawing, conclusions, results and text.
 
 pub mod candidates;
 pub mod channels;
@@ -7,7 +7,6 @@ pub mod conclusion;
 pub mod document;
 pub mod energy;
 pub mod figures;
-pub mod frame;
 pub mod header;
 pub mod how_well;
 pub mod key_numbers;

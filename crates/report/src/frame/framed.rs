@@ -3,9 +3,9 @@
 use crate::drawing::look::{page_rules, palette};
 use crate::text::escape::html;
 
-const STYLE: &str = include_str!("style.css");
+const STYLE: &str = include_str!("../page/style.css");
 /// Cursor, zoom and downloads of figures.
-pub(crate) const FIGURES: &str = include_str!("figures.js");
+pub(crate) const FIGURES: &str = include_str!("../page/figures.js");
 
 /// What the browser may load: what is in the file. It keeps the promise of a report without a network, whatever the
 /// text of a test may ask for.
