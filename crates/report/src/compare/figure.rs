@@ -8,8 +8,9 @@ use crate::drawing::look::{Colour, Dash, Look, Width};
 use crate::figures::crash::curves::view_ms;
 use crate::text::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
 
-/// What of a run is drawn in one panel over time: the test's and the model's, and the factor to the unit of the page.
+/// What of a run is drawn in one panel over time: the test's wave and the model's.
 type Pair<'a> = (Option<&'a Sampled>, Option<&'a Sampled>);
+type WavesOf = for<'a> fn(&'a ComparedRun) -> Pair<'a>;
 
 /// Acceleration, velocity, displacement over time and force over crush; `None` where no run has a curve.
 pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
@@ -43,7 +44,7 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
     let drawn = |k: usize| k == 0 || !one_test;
     let views = || runs.iter().filter_map(|run| view_ms(&run.run));
     let view = views().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    let quantities: [(&str, f64, fn(&ComparedRun) -> Pair); 3] = [
+    let quantities: [(&str, f64, WavesOf); 3] = [
         ("acceleration, g", G_PER_M_PER_S2, |run| {
             (run.run.acceleration(), run.recommended().and_then(|model| model.acceleration.as_ref()))
         }),
