@@ -117,6 +117,13 @@ study *args: build
 diff a b *args: build
     @{{ quote(bin / "crumple-diff") }} "$@"
 
+# One page of several runs: curves over each other, numbers and settings side by side: `just compare RUN_A RUN_B [-o compare.html] [--markdown FILE]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+compare *runs: build
+    @{{ report }} --compare "$@"
+
 # Records of an artifact as JSON, waveforms summarised.
 [group('pipeline')]
 [no-cd]

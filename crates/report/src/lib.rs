@@ -3,15 +3,20 @@
 //! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it,
 //! [`Page`] what a person looks at. Both are functions of the run alone. Units other than SI exist on the page only.
 //!
-//! rooms: page | figures | drawing | conclusions | results | text
+//! rooms: compare | page | frame figures | drawing | conclusions | results | text
 
+mod compare;
 mod conclusions;
 mod drawing;
 mod figures;
+mod frame;
 mod page;
 mod results;
 mod text;
 
+pub use compare::compared_run::ComparedRun;
+pub use compare::document::RunComparison;
+pub use compare::first_screen::first_screen;
 pub use conclusions::concerns::{Concern, SHOWN_FIRST};
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::kind::Kind;

@@ -16,8 +16,10 @@ pub enum OutputKind {
     Report,
     /// A summary: JSON with a schema of this project.
     Summary,
-    /// A figure of a report as a file of its own.
+    /// A figure of a report as a file of its own: SVG or PNG.
     Figure,
+    /// What a report says first, as Markdown.
+    Markdown,
     /// A table of a fleet: Parquet, or CSV that begins with the record and its digest.
     Table,
     /// Lines of JSON, as of an artifact that was unpacked.
@@ -51,7 +53,8 @@ impl OutputKind {
                 (start.starts_with(b"<!DOCTYPE html>") && has(b"content=\"crumple-"), "exists and is no report")
             }
             Self::Summary => (starts_as_json(&start) && names_a_type(), "exists and is no summary of a run"),
-            Self::Figure => (start.starts_with(b"<svg"), "exists and is no figure"),
+            Self::Figure => (start.starts_with(b"<svg") || start.starts_with(b"\x89PNG"), "exists and is no figure"),
+            Self::Markdown => (start.starts_with(b"<!-- crumple-"), "exists and is no Markdown of a report"),
             Self::Table => (
                 start.starts_with(b"PAR1") || start.starts_with(b"record,record_digest,"),
                 "exists and is no table of a fleet",
@@ -101,6 +104,8 @@ mod tests {
         assert!(
             is_it(b"record,record_digest,", OutputKind::Table, "t.csv") && !is_it(b"t,a\n", OutputKind::Table, "t.csv")
         );
+        assert!(is_it(b"<!-- crumple-report 0.1.0 -->", OutputKind::Markdown, "r.md"));
+        assert!(!is_it(b"# Read me\n", OutputKind::Markdown, "r.md"));
         assert!(is_it(b"{\n \"schema\": \"crumple.summary.v1\"}", Summary, "s.json"));
         assert!(!is_it(b"{\"name\": \"package\"}", Summary, "s.json"));
         assert!(is_it(b" {}\n", Lines, "l") && !is_it(b"a,b\n", Lines, "l"));

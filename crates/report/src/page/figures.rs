@@ -7,7 +7,7 @@ use crate::drawing::panel::Drawing;
 use crate::text::escape::html;
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
-pub(super) fn write(out: &mut String, figures: &[Figure], heading: &str) {
+pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {
     if figures.is_empty() {
         return;
     }
@@ -44,7 +44,7 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
 }
 
 /// Rules by which a legend's box hides its curves.
-pub(super) fn toggle_rules<'a>(figures: impl Iterator<Item = &'a Figure>) -> String {
+pub(crate) fn toggle_rules<'a>(figures: impl Iterator<Item = &'a Figure>) -> String {
     let most = figures.map(|figure| figure.legend.len()).max().unwrap_or(0);
     let rule = |k: usize| {
         format!(

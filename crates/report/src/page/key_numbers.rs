@@ -60,7 +60,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 }
 
 /// The word of the trade.
-fn title(run: &Run, name: &str) -> String {
+pub(crate) fn title(run: &Run, name: &str) -> String {
     let title = match name {
         "dynamic_crush" => "Dynamic crush C",
         "time_of_dynamic_crush" => "Time of crush t<sub>m</sub>",
@@ -86,7 +86,7 @@ fn title(run: &Run, name: &str) -> String {
 }
 
 /// Digits after the point in the unit of the page.
-fn places(name: &str) -> usize {
+pub(crate) fn places(name: &str) -> usize {
     match name {
         "coefficient_of_restitution" => 3,
         "hic15" | "hic36" | "time_of_maximum_delta_v" => 0,

@@ -1,12 +1,12 @@
 //! The page as HTML: its frame and its sections.
-//! Uses figures, drawing, conclusions, results and text.
+//! Uses frame, figures, drawing, conclusions, results and text.
 
 pub mod candidates;
 pub mod channels;
 pub mod conclusion;
 pub mod document;
 pub mod energy;
-mod figures;
+pub mod figures;
 pub mod header;
 pub mod how_well;
 pub mod key_numbers;

@@ -6,6 +6,7 @@ use crumple_artifact::records::{
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::text::language::{Language, fill};
@@ -186,7 +187,7 @@ impl CandidateResult {
 }
 
 /// How sure a record is of the numbers of a candidate that were asked of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Certainties<'a> {
     /// How many were asked of it.
     pub parameters: usize,

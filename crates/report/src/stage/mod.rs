@@ -1,8 +1,10 @@
 //! The program: options, the artifacts of a run in, the report and its summary out.
 //! Uses the library and crumple-stage.
 
+mod compare;
 mod console;
 mod gather;
+mod run_folders;
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -11,13 +13,13 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{Kind, Language, Page, Ranking, Run, all_figures, conclusion, summary};
+use crumple_report::{ComparedRun, Kind, Language, Page, Ranking, Run, all_figures, conclusion, first_screen, summary};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
     unknown_name,
 };
 
-/// Writes report.html, which a person looks at, and summary.json, which a script reads.
+/// Writes report.html, which a person looks at, and summary.json, which a script reads; or a page of several runs.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-report",
@@ -27,13 +29,21 @@ use crumple_stage::{
                   4 not one candidate could be simulated (both files are written)."
 )]
 pub struct Cli {
-    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order.
+    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders.
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
-    /// Report to write (one HTML file that needs no network).
-    #[arg(short, long, value_name = "REPORT")]
-    pub output: PathBuf,
+    /// Page to write (one HTML file that needs no network) [default with --compare: compare.html].
+    #[arg(short, long, value_name = "PAGE", required_unless_present = "compare")]
+    pub output: Option<PathBuf>,
+
+    /// Compare run folders: curves over each other, numbers and settings side by side, differences marked.
+    #[arg(long, conflicts_with_all = ["summary", "svg", "pipeline", "pipeline_name", "json"])]
+    pub compare: bool,
+
+    /// Markdown to write too, for a merge request: what the page says first.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
 
     /// Summary to write [default: summary.json beside the report].
     #[arg(long, value_name = "FILE")]
@@ -80,6 +90,11 @@ pub struct Cli {
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
 pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
+    if cli.compare {
+        let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
+        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
+    }
+    let Some(output) = &cli.output else { return Err(Usage::new("no report to write is named").hint("add -o").into()) };
     let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
     let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
     let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
@@ -98,11 +113,11 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         Some(code) => Language::of_code(code)
             .ok_or_else(|| unknown_name(&format!("no report in the language {code:?}"), code, &Language::CODES))?,
     };
-    let summary_path = cli.summary.clone().unwrap_or_else(|| cli.output.with_file_name("summary.json"));
-    if summary_path == cli.output {
+    let summary_path = cli.summary.clone().unwrap_or_else(|| output.with_file_name("summary.json"));
+    if summary_path == *output {
         return Err(Usage::new("report and summary are the same file").hint("give --summary another name").into());
     }
-    refuse_to_overwrite(&cli.output, OutputKind::Report, &cli.inputs)?;
+    refuse_to_overwrite(output, OutputKind::Report, &cli.inputs)?;
     refuse_to_overwrite(&summary_path, OutputKind::Summary, &cli.inputs)?;
     if cli.quiet {
         be_quiet();
@@ -114,8 +129,8 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     let ranking = Ranking::of_run(&run);
     let (said, concerns) = conclusion(&run, &ranking);
     let json = summary(&run, &ranking).to_json()?;
-    write_both(&cli.output, &summary_path, &json, || Page::new(&run, &ranking))
-        .with_context(|| format!("cannot write {} and {}", cli.output.display(), summary_path.display()))?;
+    write_both(output, &summary_path, &json, || Page::new(&run, &ranking))
+        .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
     if let Some(folder) = &cli.svg {
         write_figures(folder, &run, &ranking)
             .with_context(|| format!("cannot write the figures into {}", folder.display()))?;
@@ -124,7 +139,13 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         to_stdout(json.as_bytes())?;
     }
     if !cli.quiet {
-        console::print(&run, &ranking, &said, &concerns, &cli.output);
+        console::print(&run, &ranking, &said, &concerns, output);
+    }
+    if let Some(path) = &cli.markdown {
+        let own = output.with_file_name("0-pipeline.toml");
+        let own = own.is_file().then(|| own.display().to_string());
+        let run = ComparedRun { name: String::new(), report: None, run, ranking };
+        compare::write(path, OutputKind::Markdown, &first_screen(&run, own.as_deref()))?;
     }
     Ok(if said.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done })
 }

@@ -16,6 +16,20 @@ pub fn html(text: &str) -> String {
     out
 }
 
+/// A path from the folder of the page as the address of a link.
+pub fn address(path: &str) -> String {
+    let mut out = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'_' | b'.' | b'~' | b',' | b'=' => {
+                out.push(char::from(byte));
+            }
+            byte => out.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    out
+}
+
 /// JSON for a `<script type="application/json">`: no `<` is left, so neither `</script>` nor `<!--` can end it.
 ///
 /// In JSON a `<` occurs inside strings only, where its escape means the same.
@@ -30,6 +44,11 @@ mod tests {
     #[test]
     fn a_title_cannot_open_a_tag_or_leave_an_attribute() {
         assert_eq!(html("<b title=\"x\">R&D's</b>"), "&lt;b title=&quot;x&quot;&gt;R&amp;D&#39;s&lt;/b&gt;");
+    }
+
+    #[test]
+    fn nothing_in_a_path_leaves_a_link() {
+        assert_eq!(address("runs/a b#1/default,filter.cfc=60"), "runs/a%20b%231/default,filter.cfc=60");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 pub mod escape;
 pub mod language;
+pub mod markdown;
 pub mod numbers;
 pub mod parameters;
 pub mod phrases;

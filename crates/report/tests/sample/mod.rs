@@ -55,6 +55,11 @@ impl Stage {
 ///
 /// `simulated: false` leaves every candidate without a response.
 pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
+    write_with_longer_crush(folder, simulated, 0.0)
+}
+
+/// The same with events that state a crush longer by `more_m`.
+pub fn write_with_longer_crush(folder: &Path, simulated: bool, more_m: f64) -> Vec<PathBuf> {
     let mut paths = Vec::new();
     let ripple = |t: f64| if t < 0.0 { 0.0 } else { 22.0 * (1_900.0 * t).sin() * (-9.0 * t).exp() };
 
@@ -97,7 +102,9 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
     }
     let force = record_wave(|t| -TEST.mass_kg * TEST.at(t)[2]);
     integrate.builder.wave("accel/force", QuantityKind::Force, force).unwrap();
-    integrate.builder.put("/events", &events()).unwrap();
+    let mut events = events();
+    events.dynamic_crush_m = events.dynamic_crush_m.map(|crush| crush + more_m);
+    integrate.builder.put("/events", &events).unwrap();
     integrate.builder.put("/metrics", &metrics()).unwrap();
     paths.push(integrate.write(folder));
 

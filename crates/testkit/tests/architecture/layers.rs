@@ -4,14 +4,15 @@ use crate::modules::line_of_path;
 use crate::rule::Violation;
 use crate::source::{Package, Source};
 
-/// Crates by layer, foundations first. A crate may use crates of lower layers; the programs of one run use none of each
-/// other, and those of many runs stand above them.
-pub const LAYERS: [&[&str]; 8] = [
+/// Crates by layer, foundations first. A crate may use crates of lower layers; the stages of a run use none of each
+/// other, what counts as different stands below them, and the programs of many runs above them.
+pub const LAYERS: [&[&str]; 9] = [
     &["signal", "linalg", "memory", "source-digest"],
     &["lti", "estimation", "artifact"],
     &["metrics", "lumped"],
     &["sysid", "lumped-fit"],
     &["stage"],
+    &["diff"],
     &[
         "ingest",
         "filter",
@@ -21,7 +22,6 @@ pub const LAYERS: [&[&str]; 8] = [
         "simulate",
         "predict",
         "report",
-        "diff",
         "artifact-cli",
         "run",
     ],

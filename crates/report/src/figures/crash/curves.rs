@@ -86,7 +86,7 @@ fn test_name(run: &Run) -> String {
 }
 
 /// First view of time: to a little beyond the rebound, or twice the time of crush.
-pub(super) fn view_ms(run: &Run) -> Option<[f64; 2]> {
+pub(crate) fn view_ms(run: &Run) -> Option<[f64; 2]> {
     let [start, end] = time_view_ms(run)?;
     let Some(t_m) = run.time_of_crush_s().map(|t| MILLI * t).filter(|t| *t > 0.0) else { return Some([start, end]) };
     let rebound = run.events.as_ref().and_then(|e| e.time_of_rebound_s).map_or(0.0, |t| 1.1 * MILLI * t);

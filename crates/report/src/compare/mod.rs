@@ -1,0 +1,10 @@
+//! Several runs on one page: curves over each other, numbers, parameters and settings side by side, differences marked.
+//! Uses page, frame, drawing, figures, conclusions, results and text; what counts as different is crumple-diff's.
+
+pub mod compared_run;
+pub mod document;
+pub mod figure;
+pub mod first_screen;
+pub mod numbers;
+pub mod settings;
+pub mod table;

@@ -1,0 +1,81 @@
+//! What several runs were made from and with: record, pipeline, every setting of every stage that is not the same.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::Value;
+
+use super::compared_run::ComparedRun;
+use super::table::Row;
+use crate::text::numbers::ABSENT;
+
+/// The rows: record and pipeline always, then what differs.
+pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
+    let texts = |text: &dyn Fn(&ComparedRun) -> String| -> Vec<String> { runs.iter().map(text).collect() };
+    let mut rows = vec![
+        Row::of_texts("record", &texts(&|run| record_of(run))),
+        Row::of_texts("pipeline", &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned()))),
+    ];
+    let settings: Vec<BTreeMap<String, String>> = runs.iter().map(settings_of).collect();
+    let names: BTreeSet<&String> = settings.iter().flat_map(BTreeMap::keys).collect();
+    let value = |settings: &BTreeMap<String, String>, name: &str| {
+        settings.get(name).cloned().unwrap_or_else(|| ABSENT.to_owned())
+    };
+    let row = |name: &String| {
+        let values: Vec<String> = settings.iter().map(|settings| value(settings, name)).collect();
+        Row::of_texts(name.clone(), &values)
+    };
+    // In the order of the pipeline, not of the alphabet.
+    let place = |name: &str| {
+        let stage = name.split('.').next().unwrap_or_default();
+        runs.iter().find_map(|run| run.run.provenance.iter().position(|record| record.stage == stage))
+    };
+    let mut differing: Vec<Row> = names.into_iter().map(row).filter(Row::differs).collect();
+    differing.sort_by_key(|row| place(&row.name));
+    rows.extend(differing);
+    rows
+}
+
+/// The file and the first characters of its digest.
+pub fn record_of(run: &ComparedRun) -> String {
+    let source = &run.run.test.source;
+    let digest = source.digest.split_once(':').map_or(source.digest.as_str(), |(_, hex)| hex);
+    let digest = digest.get(..8).unwrap_or(digest);
+    if digest.is_empty() { source.name.clone() } else { format!("{} ({digest})", source.name) }
+}
+
+/// `stage.key.key` and the value of every setting, and the version of every stage.
+fn settings_of(run: &ComparedRun) -> BTreeMap<String, String> {
+    let mut settings = BTreeMap::new();
+    for record in &run.run.provenance {
+        settings.insert(format!("{}.version", record.stage), record.version.clone());
+        if let Ok(value) = serde_json::from_str(&record.settings) {
+            flatten(&record.stage, &value, &mut settings);
+        }
+    }
+    settings
+}
+
+fn flatten(place: &str, value: &Value, settings: &mut BTreeMap<String, String>) {
+    match value {
+        Value::Object(members) => {
+            members.iter().for_each(|(key, value)| flatten(&format!("{place}.{key}"), value, settings));
+        }
+        Value::Null => {}
+        Value::String(text) => _ = settings.insert(place.to_owned(), text.clone()),
+        other => _ = settings.insert(place.to_owned(), other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_named_by_stage_and_key() {
+        let mut settings = BTreeMap::new();
+        let value = serde_json::json!({"cfc": 60, "window": {"to_s": 0.1, "rule": "crush"}, "none": null, "l": [1, 2]});
+        flatten("filter", &value, &mut settings);
+        let pairs: Vec<String> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        assert_eq!(pairs, ["filter.cfc=60", "filter.l=[1,2]", "filter.window.rule=crush", "filter.window.to_s=0.1"]);
+    }
+}

@@ -1,0 +1,49 @@
+//! What is around every page: head, style, script, and what the browser may load.
+
+use crate::drawing::look::{page_rules, palette};
+use crate::text::escape::html;
+
+const STYLE: &str = include_str!("../page/style.css");
+/// Cursor, zoom and downloads of figures.
+pub(crate) const FIGURES: &str = include_str!("../page/figures.js");
+
+/// What the browser may load: what is in the file. It keeps the promise of a report without a network, whatever the
+/// text of a test may ask for.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
+                      font-src data:; base-uri 'none'; form-action 'none'";
+
+/// A page of this title. `style` is put after the style of all pages, `script` at the end.
+pub(crate) fn framed(title: &str, style: &str, body: &str, script: &str) -> String {
+    let mut page = String::with_capacity(body.len() + 100_000);
+    page.push_str(&format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
+         <style>\n{}{STYLE}{style}</style>\n<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
+        env!("CARGO_PKG_VERSION"),
+        html(title),
+        palette(),
+        page_rules()
+    ));
+    page.push_str(&reachable(body));
+    page.push_str(&format!("<script>\n{script}</script>\n</body>\n</html>\n"));
+    page
+}
+
+/// Definitions that stand in `title` come by tap and key too: what has one can be focused, and the style shows it.
+fn reachable(body: &str) -> String {
+    // In texts a quotation mark is an entity, so that this is an attribute wherever it stands.
+    body.replace(" title=\"", " tabindex=\"0\" title=\"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_script_is_small_and_cannot_end_its_element() {
+        assert!(!FIGURES.contains("</script") && !FIGURES.contains("<!--"));
+        assert!(FIGURES.len() < 20_000, "{}", FIGURES.len());
+    }
+}

@@ -1,0 +1,51 @@
+//! `--compare`: several runs on one page.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use crumple_artifact::{OutputKind, write_atomically};
+use crumple_report::{ComparedRun, Ranking, RunComparison};
+use crumple_stage::{
+    ExitStatus, Pipeline, Usage, columns, keep_budget, load_artifacts, refuse_to_overwrite, say, wrapped,
+};
+
+use super::gather::gather;
+use super::run_folders::{address, artifacts_in, names};
+
+/// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
+pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
+    if folders.len() < 2 {
+        return Err(Usage::new("one run has nothing to be compared with").hint("name two run folders or more").into());
+    }
+    let mut runs = Vec::new();
+    for (folder, name) in folders.iter().zip(names(folders)) {
+        let artifacts = artifacts_in(folder)?;
+        refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
+        keep_budget(&artifacts, ExitStatus::Refused);
+        let mut run = gather(&load_artifacts(&artifacts)?.input)?;
+        let note = folder.join("0-pipeline.toml");
+        if note.is_file() {
+            run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);
+        }
+        let report = address(page, &folder.join("report.html"));
+        runs.push(ComparedRun { name, report, ranking: Ranking::of_run(&run), run });
+    }
+    let comparison = RunComparison::new(&runs);
+    write(page, OutputKind::Report, &comparison.to_html())?;
+    if let Some(path) = markdown {
+        write(path, OutputKind::Markdown, &comparison.to_markdown())?;
+    }
+    if !quiet {
+        let columns = columns();
+        comparison.sentences().iter().flat_map(|text| wrapped(text, columns)).for_each(say);
+        say(page.display());
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// A file in one piece.
+pub fn write(path: &Path, kind: OutputKind, text: &str) -> anyhow::Result<()> {
+    write_atomically(path, kind, |file| file.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))
+}
