@@ -43,7 +43,7 @@ fn a_made_table_of_two_inputs_and_one_output_gives_its_model() {
     let flags = ["--methods=n4sid,arx,output-error", "--orders=2", "--inputs=p,q", "--outputs=y"];
     let records = stage("crumple-identify", &ingested, &output, &flags);
     for id in ["n4sid-2", "arx-2", "output-error-2"] {
-        let mode = &record(&records, &format!("/modes/{id}"))[0];
+        let mode = &record(&records, &format!("/modes/{id}"))["modes"][0];
         let (re, im) = (mode["discrete_re"].as_f64().unwrap(), mode["discrete_im"].as_f64().unwrap().abs());
         // Clean data: rounding times the condition of each method.
         assert!((re - 0.75).abs() < 1e-7 && (im - 0.370_809_924).abs() < 1e-7, "{id}: {mode}");

@@ -14,7 +14,8 @@ use crumple_artifact_cli::{
 };
 use crumple_signal::value::Length;
 use crumple_stage::{
-    ExitStatus, Refused, Usage, keep_budget, printable, refuse_to_overwrite, say, to_stdout, tool_main,
+    ExitStatus, Refused, Usage, artifacts_of_a_run, keep_budget, printable, refuse_to_overwrite, say, to_stdout,
+    tool_main,
 };
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
@@ -155,23 +156,6 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     notes.write(&mut bytes).context("cannot print the notes")?;
     to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
     Ok(ExitStatus::Done)
-}
-
-/// The artifacts of a run folder, in the order of their stages.
-fn artifacts_of_a_run(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
-    let mut files: Vec<PathBuf> = entries
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|path| path.extension().is_some_and(|ending| ending == "mcap"))
-        .collect();
-    files.sort();
-    if files.is_empty() {
-        return Err(Refused::new(format!("{} holds no artifact", folder.display()))
-            .expected("the folder of a run, with 1-ingest.mcap and what was made from it")
-            .hint("just run RECORD makes one, and says where it is")
-            .into());
-    }
-    Ok(files)
 }
 
 /// The concerns of the summary of a run, if it has one.

@@ -133,7 +133,7 @@ fn what_differs(numbers: &[Row], models: &[Row]) -> String {
     }
     let one_model = models.first().is_some_and(|row| !row.differs());
     match (one_model, of_models.is_empty()) {
-        (true, false) => parts.push(format!("of the model that all recommend {}", of_models.join(", "))),
+        (true, false) => parts.push(format!("of the model that all recommend: {}", of_models.join(", "))),
         (false, _) if !models.is_empty() => {
             let mut names: Vec<&str> = models[0].cells.iter().map(|cell| cell.text.as_str()).collect();
             names.dedup();

@@ -292,7 +292,7 @@
     const rules = document.getElementById("figure-style").textContent
       .replace(/var\((--[a-z0-9]+)\)/g, (_, name) => style.getPropertyValue(name));
     const svg = make("svg", { xmlns: SVG, class: "file" }, undefined, SVG);
-    const title = figure.element.querySelector("h2").textContent;
+    const title = figure.element.querySelector("h2,h3").textContent;
     svg.append(make("title", {}, title, SVG), make("style", {}, rules, SVG));
     const fill = style.getPropertyValue("--paper");
     svg.append(make("rect", { width: "100%", height: "100%", fill }, undefined, SVG));
@@ -364,7 +364,7 @@
   });
   figures.forEach((figure) => {
     const id = figure.element.id;
-    const title = figure.element.querySelector("h2").textContent;
+    const title = figure.element.querySelector("h2,h3").textContent;
     const line = make("p", { class: "downloads" }, "Download: ");
     line.append(
       button("SVG", `Download the figure “${title}” as SVG`, () => save(`${id}.svg`, "image/svg+xml", file(figure))),

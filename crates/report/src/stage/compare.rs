@@ -7,11 +7,12 @@ use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::{ComparedRun, Ranking, RunComparison};
 use crumple_stage::{
-    ExitStatus, Pipeline, Usage, columns, keep_budget, load_artifacts, refuse_to_overwrite, say, wrapped,
+    ExitStatus, Pipeline, Usage, artifacts_of_a_run, columns, keep_budget, load_artifacts, refuse_to_overwrite, say,
+    told_apart, wrapped,
 };
 
 use super::gather::gather;
-use super::run_folders::{address, artifacts_in, names};
+use super::run_folders::address;
 
 /// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
 pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
@@ -19,8 +20,8 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
         return Err(Usage::new("one run has nothing to be compared with").hint("name two run folders or more").into());
     }
     let mut runs = Vec::new();
-    for (folder, name) in folders.iter().zip(names(folders)) {
-        let artifacts = artifacts_in(folder)?;
+    for (folder, name) in folders.iter().zip(told_apart(folders)) {
+        let artifacts = artifacts_of_a_run(folder)?;
         refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
         keep_budget(&artifacts, ExitStatus::Refused);
         let mut run = gather(&load_artifacts(&artifacts)?.input)?;

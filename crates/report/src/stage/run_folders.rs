@@ -1,55 +1,6 @@
-//! Run folders on the command line: what is in them, what they are called, where one page leads to another.
+//! Run folders on the command line: where one page leads to another.
 
-use std::fs;
-use std::path::{Component, Path, PathBuf};
-
-use anyhow::Context;
-use crumple_stage::Refused;
-
-/// The artifacts in a run folder, by name. Refuses a folder without any.
-pub fn artifacts_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(folder).with_context(|| format!("cannot read the folder {}", folder.display()));
-    let entries = entries.map_err(|error| {
-        Refused::new(format!("{error:#}")).expected("a run folder").hint("name folders that just run made")
-    })?;
-    let mut artifacts = Vec::new();
-    for entry in entries {
-        let path = entry.with_context(|| format!("cannot read the folder {}", folder.display()))?.path();
-        // A stage that was killed may leave a hidden temporary file.
-        let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        if !is_hidden && path.extension().is_some_and(|extension| extension == "mcap") {
-            artifacts.push(path);
-        }
-    }
-    artifacts.sort();
-    if artifacts.is_empty() {
-        return Err(Refused::new(format!("{} holds no artifact (*.mcap)", folder.display()))
-            .expected("a run folder")
-            .hint("name folders that just run made, such as runs/crash/default")
-            .into());
-    }
-    Ok(artifacts)
-}
-
-/// The folders by what tells them apart: their paths without the folders that all begin with and the names that all
-/// end with.
-pub fn names(folders: &[PathBuf]) -> Vec<String> {
-    let parts = |folder: &PathBuf| -> Vec<String> {
-        let named = folder.components().filter(|part| !matches!(part, Component::CurDir));
-        named.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect()
-    };
-    let mut all: Vec<Vec<String>> = folders.iter().map(parts).collect();
-    let same = |all: &[Vec<String>], at: fn(&Vec<String>) -> Option<&String>| {
-        all.iter().all(|parts| parts.len() > 1 && at(parts) == at(&all[0]))
-    };
-    while same(&all, |parts| parts.first()) {
-        all.iter_mut().for_each(|parts| _ = parts.remove(0));
-    }
-    while same(&all, |parts| parts.last()) {
-        all.iter_mut().for_each(|parts| _ = parts.pop());
-    }
-    all.into_iter().map(|parts| parts.join("/")).collect()
-}
+use std::path::Path;
 
 /// The address of a file as seen from the folder of a page; `None` where the file is not there.
 pub fn address(page: &Path, file: &Path) -> Option<String> {
@@ -63,16 +14,9 @@ pub fn address(page: &Path, file: &Path) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::fs;
 
-    #[test]
-    fn folders_are_called_by_what_tells_them_apart() {
-        let of = |folders: &[&str]| names(&folders.iter().map(PathBuf::from).collect::<Vec<_>>());
-        assert_eq!(of(&["runs/a/default", "runs/b/default"]), ["a", "b"]);
-        assert_eq!(of(&["runs/a/default/", "./runs/a/unfiltered"]), ["default", "unfiltered"]);
-        assert_eq!(of(&["a", "a/x"]), ["a", "a/x"]);
-        assert_eq!(of(&["a", "a"]), ["a", "a"]);
-    }
+    use super::*;
 
     #[test]
     fn an_address_leads_from_the_page_to_the_file() {
