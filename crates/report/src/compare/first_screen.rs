@@ -74,7 +74,7 @@ fn candidates(run: &ComparedRun) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    format!("\n### Candidates\n\n| Model | Determined | ΔC, mm | Δtₘ, ms | Fit, % |\n|---|---|---:|---:|---:|\n{rows}")
+    format!("\n### Candidates\n\n| Model | Certainty | ΔC, mm | Δtₘ, ms | Fit, % |\n|---|---|---:|---:|---:|\n{rows}")
 }
 
 /// The command that makes the run again: its own pipeline file, and what was typed beside it.

@@ -75,7 +75,7 @@ pub fn model_rows(runs: &[ComparedRun]) -> Vec<Row> {
     let determined = |model: &CandidateResult| model.certainties().words(runs[0].run.language);
     let mut rows = vec![
         Row::of_texts("Recommended", &texts(&|model| Some(candidate_name(&model.id)))),
-        Row::of_texts("Determined", &texts(&determined)),
+        Row::of_texts("Certainty", &texts(&determined)),
         fit_row(&models),
     ];
     let places_apart: Vec<BTreeSet<String>> = models
