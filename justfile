@@ -237,7 +237,7 @@ fleet-benchmark records="2000" folder="target/fleet-benchmark": build
     @for run in first second; do \
         echo "$run run"; \
         just out={{ quote(folder / "fleet") }} fleet {{ quote(folder / "records") }}; \
-        times | tail -n 1; \
+        times; \
     done
     @du -sh {{ quote(folder / "fleet/runs") }}
 
