@@ -2,8 +2,6 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_signal::{About, Severity, Weight};
-use schemars::JsonSchema;
-use serde::Serialize;
 
 use crate::conclusions::kind::Kind;
 use crate::text::language::{Language, fill};
@@ -14,38 +12,20 @@ use crate::{CandidateResult, Ranking, Run, SensorMotion};
 /// Warnings that stand on the first screen.
 pub const SHOWN_FIRST: usize = 3;
 
-/// One concern of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct Concern {
-    /// The stage that says it.
-    pub stage: String,
-    /// `warning`, or `no-result`.
-    pub severity: String,
-    /// What it concerns, as in the record `/concerns`.
-    pub about: String,
-    /// 1 to 9: how much it changes there (1 to 3) times how prominently that is shown (1 to 3).
-    pub weight: u8,
-    /// One sentence.
-    pub text: String,
-    /// One thing to do about it.
-    pub remedy: Option<String>,
-    /// How much it changes there.
-    #[serde(skip)]
-    changes: Weight,
+/// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
+const LARGEST_WEIGHT: u8 = 9;
+
+/// Whether what the page shows first may be another thing than it is taken for.
+pub(crate) fn is_decisive(concern: &ConcernV1) -> bool {
+    concern.weight == LARGEST_WEIGHT
 }
 
-impl Concern {
-    /// Whether what the page shows first may be another thing than it is taken for.
-    pub fn is_decisive(&self) -> bool {
-        self.changes == Weight::Decisive && self.weight == 9
-    }
-}
-
-/// The concerns of a run, gravest first: the diagnosis of a stage without a result, the warnings of the stages, and
+/// The concerns of a run, weighed from 1 to [`LARGEST_WEIGHT`], gravest first: the diagnosis of a stage without a
+/// result, the warnings of the stages, and
 /// what follows from the results themselves. No two of the first [`SHOWN_FIRST`] concern the same thing where others
 /// are as grave within one step of how much they change.
-pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
-    let mut all: Vec<Concern> = run.concerns.iter().map(|record| of_record(record, run, ranking, kind)).collect();
+pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
+    let mut all: Vec<ConcernV1> = run.concerns.iter().map(|record| of_record(record, run, ranking, kind)).collect();
     for note in run.notes.iter().filter(|note| note.note.severity == Severity::Warning) {
         if !all.iter().any(|known| known.stage == note.stage && known.text == note.note.text) {
             let about = About::of_stage(&note.stage);
@@ -63,8 +43,8 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
 }
 
 /// Of the gravest ones those that concern different things come first.
-fn one_each_first(all: Vec<Concern>) -> Vec<Concern> {
-    let (mut first, mut others): (Vec<Concern>, Vec<Concern>) = (Vec::new(), Vec::new());
+fn one_each_first(all: Vec<ConcernV1>) -> Vec<ConcernV1> {
+    let (mut first, mut others): (Vec<ConcernV1>, Vec<ConcernV1>) = (Vec::new(), Vec::new());
     for concern in all {
         let is_new = first.iter().all(|known| known.about != concern.about);
         if first.len() < SHOWN_FIRST && is_new { first.push(concern) } else { others.push(concern) }
@@ -77,11 +57,11 @@ fn order_of(about: &str) -> Option<About> {
     about.parse().ok()
 }
 
-fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> Concern {
+fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> ConcernV1 {
     let about = record.about.parse().unwrap_or(About::Record);
     let weight = Weight::of_number(record.weight);
     let concern = concern(&record.stage, about, weight, record.text.clone(), run, ranking, kind);
-    Concern { severity: record.severity.clone(), remedy: record.remedy.clone(), ..concern }
+    ConcernV1 { severity: record.severity.clone(), remedy: record.remedy.clone(), ..concern }
 }
 
 fn concern(
@@ -92,15 +72,14 @@ fn concern(
     run: &Run,
     ranking: &Ranking,
     kind: Kind,
-) -> Concern {
-    Concern {
+) -> ConcernV1 {
+    ConcernV1 {
         stage: stage.to_owned(),
         severity: ConcernV1::WARNING.to_owned(),
         weight: changes.number() * prominence(&about, run, ranking, kind),
         about: about.to_string(),
         text,
         remedy: None,
-        changes,
     }
 }
 

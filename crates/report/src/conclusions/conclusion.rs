@@ -5,7 +5,7 @@ use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::conclusions::concerns::{Concern, concerns, symbols};
+use crate::conclusions::concerns::{concerns, is_decisive, symbols};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
 use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
@@ -62,7 +62,7 @@ pub struct Conclusion {
 }
 
 /// The verdict on a run and its concerns.
-pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
+pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
     let language = run.language;
     let kind = kind_of(run);
     let concerns = concerns(run, ranking, kind);
@@ -108,7 +108,7 @@ impl<'a> Text<'a> {
         shown
     }
 
-    fn sentences(&mut self, kind: Kind, concerns: &[Concern]) -> Vec<String> {
+    fn sentences(&mut self, kind: Kind, concerns: &[ConcernV1]) -> Vec<String> {
         let phrases = self.language.phrases();
         let (first, second) = match kind {
             Kind::Barrier => (self.crushed(), self.use_model(concerns)),
@@ -226,7 +226,7 @@ impl<'a> Text<'a> {
         fill(self.language.phrases().occupant, &[("place", place), ("criteria", &criteria)])
     }
 
-    fn occupant_use(&self, concerns: &[Concern]) -> Option<String> {
+    fn occupant_use(&self, concerns: &[ConcernV1]) -> Option<String> {
         let phrases = self.language.phrases();
         let partial = concerns.iter().any(|concern| concern.about == "occupants");
         Some(fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })]))
@@ -294,7 +294,7 @@ impl<'a> Text<'a> {
     }
 
     /// Which model to use, how sure it is and what to distrust; that none is recommended, and why.
-    fn use_model(&mut self, concerns: &[Concern]) -> Option<String> {
+    fn use_model(&mut self, concerns: &[ConcernV1]) -> Option<String> {
         let phrases = self.language.phrases();
         if self.run.candidates.is_empty() {
             return Some(phrases.no_models_here.to_owned());
@@ -371,9 +371,9 @@ impl<'a> Text<'a> {
     }
 
     /// The one thing to distrust before all others.
-    fn distrust(&mut self, best: &CandidateResult, concerns: &[Concern]) -> Option<String> {
+    fn distrust(&mut self, best: &CandidateResult, concerns: &[ConcernV1]) -> Option<String> {
         let phrases = self.language.phrases();
-        if concerns.first().is_some_and(|first| first.is_decisive() && first.stage != "report") {
+        if concerns.first().is_some_and(|first| is_decisive(first) && first.stage != "report") {
             return Some(phrases.decisive.to_owned());
         }
         let named = |template: &str, names: &[&str]| {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 
-use crate::conclusions::concerns::{Concern, SHOWN_FIRST};
+use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::kind::Kind;
 use crate::text::language::fill;
@@ -23,7 +23,7 @@ pub fn overview(
     run: &Run,
     ranking: &Ranking,
     verdict: &Conclusion,
-    concerns: &[Concern],
+    concerns: &[ConcernV1],
     notes: &str,
 ) -> Vec<(String, String)> {
     let language = run.language;
@@ -66,7 +66,7 @@ pub fn overview(
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
         lines.push((phrases.model_label.to_owned(), parameters(run, best)));
     }
-    let warnings: Vec<&Concern> = concerns.iter().filter(|c| c.severity != ConcernV1::NO_RESULT).collect();
+    let warnings: Vec<&ConcernV1> = concerns.iter().filter(|c| c.severity != ConcernV1::NO_RESULT).collect();
     for (number, concern) in warnings.iter().take(SHOWN_FIRST).enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
         lines.push((label.to_owned(), format!("{}. {}", number + 1, concern.text)));

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::{EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1};
+use crumple_artifact::records::{
+    ConcernV1, EventsV1, FitV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::conclusions::concerns::Concern;
 use crate::conclusions::conclusion::{Conclusion, conclusion};
 use crate::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
@@ -64,8 +65,9 @@ pub struct Summary<'a> {
     ranking_by_aicc: Vec<String>,
     matching_best: Option<MatchingSummary<'a>>,
     predictions: &'a [PredictionV1],
-    /// What speaks against the results, gravest first.
-    concerns: Vec<Concern>,
+    /// What speaks against the results, gravest first. Weights go from 1 to 9: what it changes (1 to 3) times how
+    /// prominently the page shows that (1 to 3).
+    concerns: Vec<ConcernV1>,
     notes: Vec<String>,
     other_channels: Vec<&'a str>,
     missing: &'a [String],

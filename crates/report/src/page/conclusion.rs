@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::ConcernV1;
 
-use crate::conclusions::concerns::{Concern, SHOWN_FIRST};
+use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::{Conclusion, Standing};
 use crate::text::escape::html;
 use crate::text::language::fill;
@@ -23,10 +23,11 @@ pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &Phrases) {
 }
 
 /// At most three warnings; the others are counted and linked.
-pub(super) fn write_before_use(out: &mut String, verdict: &Conclusion, concerns: &[Concern], phrases: &Phrases) {
+pub(super) fn write_before_use(out: &mut String, verdict: &Conclusion, concerns: &[ConcernV1], phrases: &Phrases) {
     // The red bar has said why there is no result.
-    let said = |concern: &&Concern| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
-    let warnings: Vec<&Concern> = concerns.iter().filter(|concern| !said(concern)).collect();
+    let said =
+        |concern: &&ConcernV1| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
+    let warnings: Vec<&ConcernV1> = concerns.iter().filter(|concern| !said(concern)).collect();
     if warnings.is_empty() {
         return;
     }
@@ -45,7 +46,7 @@ pub(super) fn write_before_use(out: &mut String, verdict: &Conclusion, concerns:
 }
 
 /// The text of a concern, what to do about it, and the stage that says it.
-pub(super) fn item(concern: &Concern, phrases: &Phrases) -> String {
+pub(super) fn item(concern: &ConcernV1, phrases: &Phrases) -> String {
     let remedy = concern.remedy.as_deref().map(|remedy| fill(phrases.what_to_do, &[("remedy", remedy)]));
     let remedy = remedy.map_or_else(String::new, |remedy| format!(" {}", html(&remedy)));
     format!("{}{remedy} <span class=\"stage\">{}</span>", html(&concern.text), html(&concern.stage))

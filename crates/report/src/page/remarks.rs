@@ -1,8 +1,8 @@
 //! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
 
+use crumple_artifact::records::ConcernV1;
 use crumple_signal::Severity;
 
-use crate::conclusions::concerns::Concern;
 use crate::page::conclusion;
 use crate::results::ranking::AS_GOOD_PERCENT;
 use crate::text::escape::html;
@@ -26,7 +26,7 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
 }
 
 /// All concerns by their weight, then what is good to know by stage.
-pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[Concern]) {
+pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[ConcernV1]) {
     if run.notes.is_empty() && concerns.is_empty() {
         return;
     }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use crumple_report::{Concern, Conclusion, Ranking, Run, overview};
+use crumple_artifact::records::ConcernV1;
+use crumple_report::{Conclusion, Ranking, Run, overview};
 use crumple_stage::{columns, labelled, say, wrapped};
 
 /// Prints the verdict, the numbers, the gravest warnings and where the rest is.
-pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[Concern], report: &Path) {
+pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[ConcernV1], report: &Path) {
     let columns = columns();
     for sentence in &verdict.sentences {
         wrapped(sentence, columns).iter().for_each(say);
