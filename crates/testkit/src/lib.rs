@@ -15,7 +15,7 @@ mod records;
 
 pub use benchmark::stopwatch;
 pub use places::{shared, workspace};
-pub use programs::{StepError, fleet, pipeline, program};
+pub use programs::{StepError, asked_for_tests, fleet, pipeline, program};
 pub use random::{uniform, white_noise};
 pub use records::{
     IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, integrated, known_truth, known_truths, known_truths_in,

@@ -41,12 +41,7 @@ const KINDS: &[(&str, Answer)] = &[
 ];
 
 fn main() -> ExitCode {
-    let args: Vec<String> = std::env::args().collect();
-    if args.iter().any(|a| a == "--list") {
-        // What test runners ask first.
-        if !args.iter().any(|a| a == "--ignored") {
-            println!("prediction: test");
-        }
+    if crumple_testkit::asked_for_tests("prediction") {
         return ExitCode::SUCCESS;
     }
     let Some(cases) = cases() else { return ExitCode::SUCCESS };

@@ -54,7 +54,7 @@ fn run(reference: &Reference, case: &Case) -> Vec<String> {
 
 /// A program of its own, so that the count is the last line.
 fn main() -> ExitCode {
-    if std::env::args().any(|argument| argument == "--list") {
+    if crumple_testkit::asked_for_tests("reference") {
         return ExitCode::SUCCESS;
     }
     let Some(reference) = Reference::open_chosen() else { return ExitCode::SUCCESS };

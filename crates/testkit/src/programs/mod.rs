@@ -5,5 +5,7 @@ pub mod fleet;
 pub mod pipeline;
 pub mod program;
 pub(crate) mod steps;
+mod test_runner;
 
 pub use steps::StepError;
+pub use test_runner::asked_for_tests;

@@ -3,10 +3,10 @@
 use pulp::Arch;
 
 /// Fronts kept of a stretch of diagonals.
-const KEPT: usize = 64;
+pub(super) const KEPT: usize = 64;
 
 /// Up to this many diagonals every cell that can reach the path is kept: half of 512² numbers, 1 MB.
-const TRIANGLE: usize = 512;
+pub(super) const TRIANGLE: usize = 512;
 
 /// Two curves and what is left out of their table.
 pub struct Warping<'a> {

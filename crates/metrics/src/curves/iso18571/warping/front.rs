@@ -117,7 +117,9 @@ impl Warping<'_> {
                 let from = from.max(moving.alive.0);
                 (from, to.min(moving.alive.1 + diagonal - k).max(from))
             }));
-            let (from, upto) = (ranges[0].0, ranges[rows - 1].1.max(ranges[0].0));
+            // After one row the diagonal before is the last one of now, which may begin one cell lower.
+            let from = if rows == 1 { moving.alive.0 } else { ranges[0].0 };
+            let upto = ranges[rows - 1].1.max(from);
             buffers.start_row(&moving.before, &moving.last, moving.index(from) - 1, rows);
             let mut i = from;
             while i < upto {

@@ -59,7 +59,10 @@ impl<'a> Warping<'a> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
+    use crate::curves::iso18571::warping::band::{KEPT, TRIANGLE};
 
     /// The same by the whole table, as it is written down.
     fn by_table(t: &[f64], c: &[f64], band: usize) -> Vec<(usize, usize)> {
@@ -114,6 +117,29 @@ mod tests {
                     let parts = Warping { kept: 3, triangle: 8, ..Warping::with_limit(&t, &c, band, highest) };
                     parts.visit_path(|i, j| deep.push((i, j)));
                     assert_eq!(deep, plain, "{n} samples, band {band}, costs up to {highest}, small parts");
+                }
+            }
+        }
+    }
+
+    /// Lengths and bands of every remainder: a front may be kept after one diagonal, or after any number of them.
+    #[test]
+    fn the_path_is_that_of_the_whole_table_for_curves_with_rounding() {
+        for (n, band) in (60..=771).step_by(79).flat_map(|n| [n / 10, n / 10 + 1, n / 7, n / 3].map(|band| (n, band))) {
+            let curve = |first: f64, scale: f64| -> Vec<f64> {
+                (0..n)
+                    .map(|k| ((k as f64 / n as f64 - first) / 0.75).clamp(0.0, 1.0))
+                    .map(|u| scale * (25.0 * (PI * u).sin() + 8.0 * (2.0 * PI * u).sin() + 5.0 * (3.0 * PI * u).sin()))
+                    .collect()
+            };
+            let (t, c) = (curve(0.06, 1.0), curve(0.03, 0.8));
+            let plain = by_table(&t, &c, band);
+            for (kept, triangle) in [(KEPT, TRIANGLE), (KEPT, 8), (3, 8), (16, 64)] {
+                for highest in [f64::INFINITY, least_cost_is_below(&t, &c, band)] {
+                    let parts = Warping { kept, triangle, ..Warping::with_limit(&t, &c, band, highest) };
+                    let mut path = Vec::new();
+                    parts.visit_path(|i, j| path.push((i, j)));
+                    assert_eq!(path, plain, "{n} samples, band {band}, costs up to {highest}, {kept} fronts kept");
                 }
             }
         }
