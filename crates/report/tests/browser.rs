@@ -7,46 +7,8 @@ mod sample;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The browser, or `None` where it is left out on purpose. Its absence is a failure otherwise: a report nobody has
-/// looked at is not tested.
-fn browser() -> Option<PathBuf> {
-    if let Ok(reason) = std::env::var("CRUMPLE_NO_BROWSER") {
-        eprintln!("SKIPPED: the report is not looked at in a browser (CRUMPLE_NO_BROWSER={reason})");
-        return None;
-    }
-    if let Some(path) = std::env::var_os("CRUMPLE_BROWSER") {
-        return Some(path.into());
-    }
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let browser =
-        std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name))).find(|p| p.is_file());
-    assert!(
-        browser.is_some(),
-        "no {} in PATH: install one (apt-get install chromium), name it in CRUMPLE_BROWSER, or set \
-         CRUMPLE_NO_BROWSER=1",
-        names.join(", ")
-    );
-    browser
-}
-
-/// The document after its scripts have run, and what the browser wrote to its log.
-fn load(browser: &Path, page: &Path) -> (String, String) {
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
-        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
-        .args(["--enable-logging=stderr", "--log-level=0", "--window-size=1400,1000"])
-        // Virtual time: the browser goes on as soon as the page has nothing left to do.
-        .arg("--virtual-time-budget=20000")
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg("--dump-dom")
-        .arg(format!("file://{}", page.display()))
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned())
-}
+use crumple_browser::{Browser, Page, Screen};
+use serde_json::{Value, json};
 
 fn make(folder: &Path, inputs: &[PathBuf]) -> PathBuf {
     let page = folder.join("report.html");
@@ -61,61 +23,30 @@ fn make(folder: &Path, inputs: &[PathBuf]) -> PathBuf {
     page
 }
 
-/// Lines of the log that come from the page: errors, warnings, refused loads.
-fn console(log: &str) -> Vec<&str> {
-    log.lines().filter(|line| line.contains("CONSOLE")).collect()
-}
-
-/// What `script` returns in the page, opened `width` CSS pixels wide; and the browser's log. The page is framed, for a
-/// browser's own window has a least width.
-fn ask(browser: &Path, page: &Path, width: u32, script: &str) -> (serde_json::Value, String) {
-    let inner = page.with_file_name("framed.html");
-    let answer = format!("parent.postMessage(JSON.stringify((function () {{ {script} }})()), '*');");
-    let script = format!("<script>{answer}</script></body>");
-    let html = std::fs::read_to_string(page).unwrap().replace("</body>", &script);
-    std::fs::write(&inner, html).unwrap();
-    let outer = page.with_file_name("frame.html");
-    let frame = format!(
-        "<!DOCTYPE html><meta charset=\"utf-8\"><body><script>\
-         addEventListener('message', (event) => {{ document.body.dataset.answer = encodeURIComponent(event.data); }});\
-         </script><iframe src=\"framed.html\" style=\"width:{width}px;height:800px;border:0\"></iframe></body>"
-    );
-    std::fs::write(&outer, frame).unwrap();
-    let (dom, log) = load(browser, &outer);
-    let answer = dom.split("data-answer=\"").nth(1).unwrap_or_else(|| panic!("no answer: {log}"));
-    (serde_json::from_str(&percent_decoded(answer.split('"').next().unwrap())).unwrap(), log)
-}
-
-fn percent_decoded(text: &str) -> String {
-    let mut bytes = Vec::new();
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        if byte == b'%' {
-            let pair = [rest.next().unwrap(), rest.next().unwrap()];
-            bytes.push(u8::from_str_radix(std::str::from_utf8(&pair).unwrap(), 16).unwrap());
-        } else {
-            bytes.push(byte);
-        }
-    }
-    String::from_utf8(bytes).unwrap()
-}
-
-/// The page of the synthetic run, with the script of a test appended to what it asks.
+/// The page of the synthetic run.
 fn sample_page(folder: &Path) -> PathBuf {
     make(folder, &sample::write_artifacts(folder, true))
+}
+
+/// That page open on a screen.
+fn open(browser: &Browser, screen: Screen) -> Page {
+    let folder = tempfile::tempdir().unwrap();
+    browser.open(&sample_page(folder.path()), "", screen)
+}
+
+fn browser() -> Option<Browser> {
+    Browser::start("the report")
 }
 
 #[test]
 fn the_console_is_silent_and_nothing_is_loaded() {
     let Some(browser) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let page = sample_page(folder.path());
-    let count = "return {loaded: performance.getEntriesByType('resource').length, \
-                 plots: document.querySelectorAll('svg.plot').length, \
+    let page = open(&browser, Screen::DESK);
+    let count = "return {plots: document.querySelectorAll('svg.plot').length,
                  drawn: [...document.querySelectorAll('svg.plot path.l')].filter((p) => p.getTotalLength()).length}";
-    let (answer, log) = ask(&browser, &page, 1200, count);
-    assert_eq!(console(&log), Vec::<&str>::new());
-    assert_eq!((&answer["loaded"], &answer["plots"]), (&0.into(), &14.into()), "{answer}");
+    let answer = page.ask(count);
+    assert_eq!((page.console(), page.requests()), (vec![], vec![]));
+    assert_eq!(answer["plots"], 14, "{answer}");
     assert!(answer["drawn"].as_u64().unwrap() > 40, "{answer}");
 }
 
@@ -124,112 +55,172 @@ fn a_request_and_an_error_are_noticed() {
     // The check above can fail.
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
-    let page = sample_page(folder.path());
-    let html = std::fs::read_to_string(&page).unwrap();
-    std::fs::write(&page, html.replace("</main>", "<img src=\"https://example.org/x.png\"></main>")).unwrap();
-    let (_, log) = ask(&browser, &page, 1200, "return 1");
-    assert!(!console(&log).is_empty(), "{log}");
+    let path = sample_page(folder.path());
+    let html = std::fs::read_to_string(&path).unwrap();
+    let allowed = html.replace("default-src 'none'", "default-src 'none'; connect-src *");
+    let asking = "<img src=\"https://example.org/x.png\"></main>";
+    std::fs::write(&path, html.replace("</main>", asking)).unwrap();
+    assert!(!browser.open(&path, "", Screen::DESK).console().is_empty());
+    let asking = "<script>fetch('file:///x'); throw new Error('no')</script></main>";
+    std::fs::write(&path, allowed.replace("</main>", asking)).unwrap();
+    let page = browser.open(&path, "", Screen::DESK);
+    assert!(
+        !page.requests().is_empty() && page.console().iter().any(|line| line.contains("no")),
+        "{:?}",
+        page.console()
+    );
+}
+
+/// The middle of an element on the screen, after the page was scrolled to it.
+fn middle(page: &Page, selector: &str) -> (f64, f64) {
+    let answer = page.ask(&format!(
+        "const e = document.querySelector('{selector}'); e.scrollIntoView({{block: 'center'}});
+         const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2];"
+    ));
+    (answer[0].as_f64().unwrap(), answer[1].as_f64().unwrap())
+}
+
+fn number(text: &Value) -> f64 {
+    text.as_str().unwrap().replace('−', "-").parse().unwrap()
 }
 
 #[test]
 fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves() {
     let Some(browser) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let page = sample_page(folder.path());
-    let script = "
-        const cells = '#curves .values tbody tr:first-child td';
-        const value = () => [...document.querySelectorAll(cells)].map((td) => td.textContent);
-        const slider = document.querySelector('.cursor input');
-        const panels = document.querySelector('#residual .panels');
-        const press = (key) => panels.dispatchEvent(new KeyboardEvent('keydown', {key}));
-        const first = value();
-        const lines = document.querySelectorAll('.cursor-marks path').length;
-        slider.value = 0;
-        slider.dispatchEvent(new Event('input'));
-        const start = value();
-        press('End');
-        const end = value();
-        press('Home');
-        for (let k = 0; k < 3; k += 1) press('ArrowRight');
-        return {first, start, end, moved: value(), lines, time: document.querySelector('.time').textContent};";
-    let (answer, log) = ask(&browser, &page, 1200, script);
-    assert_eq!(console(&log), Vec::<&str>::new());
-    let number = |text: &serde_json::Value| text.as_str().unwrap().replace('−', "-").parse::<f64>().unwrap();
+    let page = open(&browser, Screen::DESK);
+    let values = || {
+        page.ask(
+            "return [...document.querySelectorAll('#curves .values tbody tr:first-child td')].map((t) => t.textContent)",
+        )
+    };
     // At the time of crush: the velocity is 0, the displacement the dynamic crush of the sample, 447.7 mm.
-    let first = &answer["first"];
-    assert!(number(&first[1]).abs() < 0.2 && (number(&first[2]) - 447.7).abs() < 0.3, "{answer}");
+    let first = values();
+    assert!(number(&first[1]).abs() < 0.2 && (number(&first[2]) - 447.7).abs() < 0.3, "{first}");
     // The force is the mass times the deceleration, 873 kg.
-    assert!((number(&first[3]) + 0.873 * 9.80665 * number(&first[0])).abs() < 0.5, "{answer}");
+    assert!((number(&first[3]) + 0.873 * 9.80665 * number(&first[0])).abs() < 0.5, "{first}");
     // Three panels of the curves and two of the residual.
-    assert_eq!(answer["lines"], 5, "{answer}");
-    assert!(
-        answer["start"] != answer["first"] && answer["end"] != answer["start"] && answer["moved"] != answer["start"]
-    );
+    assert_eq!(page.ask("return document.querySelectorAll('.cursor-marks path').length"), 5);
+    let marks = || page.ask("return [...document.querySelectorAll('.cursor-marks path')].map((p) => p.outerHTML)");
+    // The keys of a figure in another section, and of the slider.
+    page.ask("document.querySelector('#residual .panels').focus()");
+    let (mut seen, mut drawn) = (vec![first], vec![marks()]);
+    for key in ["End", "Home", "ArrowRight"] {
+        page.press(key);
+        seen.push(values());
+        drawn.push(marks());
+    }
+    page.ask("document.querySelector('.cursor input').focus()");
+    page.press("ArrowRight");
+    seen.push(values());
+    drawn.push(marks());
+    // The pointer over a panel of the residual moves the values of the curves.
+    let (x, y) = middle(&page, "#residual svg.plot");
+    page.point_at(x, y);
+    seen.push(values());
+    drawn.push(marks());
+    for pair in seen.windows(2).chain(drawn.windows(2)) {
+        assert_ne!(pair[0], pair[1]);
+    }
+    assert_eq!(page.console(), Vec::<String>::new());
 }
 
 #[test]
 fn a_legend_shows_and_hides_without_the_script_and_a_zoom_is_shared() {
     let Some(browser) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let page = sample_page(folder.path());
-    let script = "
-        const box = document.querySelector('#curves .legend input');
-        const seen = () => getComputedStyle(document.querySelector('#curves svg.in .e0')).display;
-        const before = seen();
-        box.click();
-        const after = seen();
-        const views = () => [...document.querySelectorAll('svg.plot[data-time] svg.in')]
-            .map((s) => s.getAttribute('viewBox').split(' ')[2]);
-        const whole = views();
-        document.querySelector('[aria-label=\"Zoom in at the cursor\"]').click();
-        return {before, after, whole, zoomed: views()};";
-    let (answer, _) = ask(&browser, &page, 1200, script);
-    assert_eq!((&answer["before"], &answer["after"]), (&"inline".into(), &"none".into()), "{answer}");
-    assert_eq!(answer["zoomed"].as_array().unwrap().len(), 5);
-    for (whole, zoomed) in answer["whole"].as_array().unwrap().iter().zip(answer["zoomed"].as_array().unwrap()) {
-        let [whole, zoomed] = [whole, zoomed].map(|x| x.as_str().unwrap().parse::<f64>().unwrap());
-        assert!((whole / zoomed - 2.0).abs() < 1e-6, "{answer}");
+    for screen in [Screen::DESK, Screen::DESK.without_script()] {
+        let page = open(&browser, screen);
+        let seen = || page.ask("return getComputedStyle(document.querySelector('#curves svg.in .e0')).display");
+        let before = seen();
+        let (x, y) = middle(&page, "#curves .legend label");
+        page.click(x, y);
+        assert_eq!((before, seen()), (json!("inline"), json!("none")), "{screen:?}");
+    }
+    let page = open(&browser, Screen::DESK);
+    let views = || {
+        page.ask(
+            "return [...document.querySelectorAll('svg.plot[data-time] svg.in')]
+                .map((s) => Number(s.getAttribute('viewBox').split(' ')[2]))",
+        )
+    };
+    let whole = views();
+    let (x, y) = middle(&page, "[aria-label=\"Zoom in at the cursor\"]");
+    page.click(x, y);
+    let zoomed = views();
+    assert_eq!(zoomed.as_array().unwrap().len(), 5);
+    for (whole, zoomed) in whole.as_array().unwrap().iter().zip(zoomed.as_array().unwrap()) {
+        assert!((whole.as_f64().unwrap() / zoomed.as_f64().unwrap() - 2.0).abs() < 1e-6, "{whole} {zoomed}");
     }
 }
 
 #[test]
 fn a_telephone_has_no_scrolling_sideways_and_type_that_can_be_read() {
     let Some(browser) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let page = sample_page(folder.path());
     let script = "
         const sizes = [...document.querySelectorAll('svg.plot text')].map((t) =>
             parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.getBoundingClientRect().width
             / t.ownerSVGElement.viewBox.baseVal.width);
         return {wide: document.documentElement.scrollWidth, window: innerWidth, smallest: Math.min(...sizes)};";
-    for width in [390, 700, 1200] {
-        let (answer, _) = ask(&browser, &page, width, script);
-        assert_eq!(answer["window"], width);
-        assert!(answer["wide"].as_u64().unwrap() <= u64::from(width), "{answer}");
-        assert!(answer["smallest"].as_f64().unwrap() >= 11.0, "{width}: {answer}");
+    for screen in [Screen::PHONE, Screen::PHONE.wide(700), Screen::DESK.wide(1200)] {
+        let page = open(&browser, screen);
+        let answer = page.ask(script);
+        assert_eq!(answer["window"], screen.width);
+        assert!(answer["wide"].as_u64().unwrap() <= u64::from(screen.width), "{answer}");
+        assert!(answer["smallest"].as_f64().unwrap() >= 11.0, "{screen:?}: {answer}");
     }
 }
 
 #[test]
-fn every_control_and_definition_has_a_name_and_takes_the_focus() {
+fn every_control_and_definition_has_a_name_and_is_reached_by_the_tab_key() {
     let Some(browser) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let page = sample_page(folder.path());
+    let page = open(&browser, Screen::DESK);
     let script = "
         document.querySelectorAll('details').forEach((d) => { d.open = true; });
         const controls = [...document.querySelectorAll('button, input, summary, [title], .panels[role]')];
-        const cannot = controls.filter((c) => { c.focus(); return document.activeElement !== c; });
+        controls.forEach((c, k) => { c.dataset.control = k; });
         const nameless = controls.filter((c) =>
             !(c.getAttribute('aria-label') || c.textContent.trim() || (c.labels && c.labels[0].textContent.trim())));
         const levels = [...document.querySelectorAll('h1, h2, h3, h4')].map((h) => Number(h.tagName[1]));
-        const html = (controls) => controls.map((c) => c.outerHTML);
-        return {controls: controls.length, cannot: html(cannot), nameless: html(nameless),
+        return {controls: controls.length, nameless: nameless.map((c) => c.outerHTML),
                 jumps: levels.filter((l, k) => k > 0 && l > levels[k - 1] + 1).length,
                 figures: [...document.querySelectorAll('svg[role=img]')].filter((s) => !s.querySelector('title'))
                     .length};";
-    let (answer, _) = ask(&browser, &page, 1200, script);
-    assert!(answer["controls"].as_u64().unwrap() > 30, "{answer}");
-    assert_eq!(answer["cannot"], serde_json::json!([]), "{answer}");
-    assert_eq!(answer["nameless"], serde_json::json!([]), "{answer}");
-    assert_eq!(answer["figures"], 0);
+    let answer = page.ask(script);
+    let controls = answer["controls"].as_u64().unwrap();
+    assert!(controls > 30, "{answer}");
+    assert_eq!((&answer["nameless"], &answer["figures"], &answer["jumps"]), (&json!([]), &json!(0), &json!(0)));
+    let mut reached = std::collections::BTreeSet::new();
+    let mut stops = 0;
+    loop {
+        page.press("Tab");
+        stops += 1;
+        let control = page.ask("return document.activeElement.dataset.control ?? document.activeElement.tagName");
+        match control.as_str().unwrap().parse::<u64>() {
+            Ok(control) if !reached.insert(control) => break,
+            Err(_) if control == "BODY" => break,
+            _ => {}
+        }
+        assert!(stops < 20 * controls, "the focus never comes round");
+    }
+    let missed: Vec<String> = (0..controls)
+        .filter(|k| !reached.contains(k))
+        .map(|k| page.ask(&format!("return document.querySelector('[data-control=\"{k}\"]').outerHTML")).to_string())
+        .collect();
+    assert_eq!(missed, Vec::<String>::new(), "{stops} stops");
+}
+
+/// Pages of a PDF file, whose page objects are not packed.
+fn pages(pdf: &[u8]) -> usize {
+    let text = String::from_utf8_lossy(pdf);
+    text.matches("/Type /Page\n").count() + text.matches("/Type /Page ").count() + text.matches("/Type /Page/").count()
+}
+
+#[test]
+fn paper_is_a4_and_nothing_is_cut_at_its_side() {
+    let Some(browser) = browser() else { return };
+    // The width that A4 leaves for a page, at 96 pixels an inch.
+    let page = open(&browser, Screen::DESK.wide(794));
+    let pdf = page.print();
+    let sheets = pages(&pdf);
+    assert!(pdf.starts_with(b"%PDF") && (2..=14).contains(&sheets), "{sheets} pages");
+    assert!(String::from_utf8_lossy(&pdf).contains("/MediaBox [0 0 594.9"), "A4 upright");
 }

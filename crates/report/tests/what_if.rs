@@ -4,42 +4,14 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crumple_artifact::records::{CandidateV1, EventsV1, SimulationV1};
+use crumple_browser::{Browser, Page as Opened, Screen};
 use crumple_lumped::structure_of;
 use crumple_report::{CandidateResult, Page, Ranking, Run};
 use crumple_signal::Sampled;
 
 const SPEED: f64 = 15.0;
-
-/// The browser, or `None` where it is left out on purpose.
-fn browser() -> Option<PathBuf> {
-    if let Ok(reason) = std::env::var("CRUMPLE_NO_BROWSER") {
-        eprintln!("SKIPPED: the sliders are not tried in a browser (CRUMPLE_NO_BROWSER={reason})");
-        return None;
-    }
-    let named = std::env::var_os("CRUMPLE_BROWSER").map(PathBuf::from);
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let found = std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name)));
-    Some(named.or_else(|| found.into_iter().find(|p| p.is_file())).expect("a browser, or CRUMPLE_NO_BROWSER=1"))
-}
-
-/// The document after its scripts have run.
-fn load(browser: &Path, page: &Path, fragment: &str) -> String {
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new(browser)
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"])
-        .args(["--window-size=1400,1000", "--virtual-time-budget=20000"])
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg("--dump-dom")
-        .arg(format!("file://{}{fragment}", page.display()))
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8_lossy(&output.stdout).into_owned()
-}
 
 fn parameters(pairs: &[(&str, f64)]) -> BTreeMap<String, f64> {
     pairs.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect()
@@ -96,13 +68,17 @@ fn report(folder: &Path, model: &str, parameters: &BTreeMap<String, f64>, factor
     page
 }
 
-fn attribute(dom: &str, name: &str) -> Option<String> {
-    let element = dom.split("<section id=\"what-if\"").nth(1)?.split('>').next()?;
-    Some(element.split(&format!("{name}=\"")).nth(1)?.split('"').next()?.to_owned())
+/// An attribute of the section.
+fn attribute(page: &Opened, name: &str) -> serde_json::Value {
+    page.ask(&format!("return document.getElementById('what-if').getAttribute('{name}')"))
 }
 
-fn number(dom: &str, name: &str) -> f64 {
-    attribute(dom, name).unwrap().parse().unwrap()
+fn number(page: &Opened, name: &str) -> f64 {
+    attribute(page, name).as_str().unwrap().parse().unwrap()
+}
+
+fn browser() -> Option<Browser> {
+    Browser::start("the sliders of the report")
 }
 
 fn models() -> Vec<(&'static str, BTreeMap<String, f64>)> {
@@ -184,12 +160,12 @@ fn every_model_opens_with_the_crush_of_the_stage_and_follows_another_speed_exact
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
     for (model, parameters) in models() {
-        let page = report(folder.path(), model, &parameters, 1.0);
-        let dom = load(&browser, &page, "#v=72");
-        assert_eq!(attribute(&dom, "data-state").as_deref(), Some("ready"), "{model}: {dom}");
+        let file = report(folder.path(), model, &parameters, 1.0);
+        let page = browser.open(&file, "#v=72", Screen::DESK);
+        assert_eq!(attribute(&page, "data-state"), "ready", "{model}");
         // 72 km/h are 20 m/s; a curve goes on with its trend there.
         let (crush_m, time_s) = crush(model, &parameters, 20.0);
-        let (found_m, found_s) = (number(&dom, "data-crush"), number(&dom, "data-time"));
+        let (found_m, found_s) = (number(&page, "data-crush"), number(&page, "data-time"));
         assert!((found_m / crush_m - 1.0).abs() < 1e-3, "{model}: {found_m} m, exact {crush_m}");
         assert!((found_s / time_s - 1.0).abs() < 1e-3, "{model}: {found_s} s, exact {time_s}");
     }
@@ -200,29 +176,25 @@ fn a_slider_moves_number_curve_and_address() {
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
     let (model, parameters) = models().remove(0);
-    let page = report(folder.path(), model, &parameters, 1.0);
-    let curve = |dom: &str| dom.split("<path class=\"changed\" d=\"").nth(1).unwrap()[..200].to_owned();
-    let at_rest = load(&browser, &page, "");
-    // A press of the arrow key sends `input` as well.
-    let html = std::fs::read_to_string(&page).unwrap().replace(
-        "</body>",
-        "<script>const slider = document.getElementById('what-if-k'); slider.value = 80; \
-         slider.dispatchEvent(new Event('input')); document.getElementById('what-if').dataset.hash = location.hash; \
-         </script></body>",
-    );
-    std::fs::write(&page, html).unwrap();
-    let moved = load(&browser, &page, "");
-    let softer = BTreeMap::from_iter(
-        parameters
-            .iter()
-            .map(|(name, value)| (name.clone(), if name == "stiffness_n_per_m" { 0.8 * value } else { *value })),
-    );
+    let page = browser.open(&report(folder.path(), model, &parameters, 1.0), "", Screen::DESK);
+    let curve = || page.ask("return document.querySelector('#what-if path.changed').getAttribute('d')");
+    let (curve_at_rest, crush_at_rest) = (curve(), number(&page, "data-crush"));
+    page.ask("document.getElementById('what-if-k').focus()");
+    for _ in 0..20 {
+        page.press("ArrowLeft");
+    }
+    let percent = page.ask("return Number(document.getElementById('what-if-k').value)").as_f64().unwrap();
+    assert!(percent < 100.0, "{percent}");
+    let softer = BTreeMap::from_iter(parameters.iter().map(|(name, value)| {
+        (name.clone(), if name == "stiffness_n_per_m" { percent / 100.0 * value } else { *value })
+    }));
     let (crush_m, _) = crush(model, &softer, SPEED);
-    assert!((number(&moved, "data-crush") / crush_m - 1.0).abs() < 1e-3);
-    assert!(number(&moved, "data-crush") > 1.05 * number(&at_rest, "data-crush"));
-    assert_eq!(attribute(&moved, "data-hash").as_deref(), Some("#k=80"));
-    assert_ne!(curve(&moved), curve(&at_rest));
-    assert!(moved.contains(&format!("C {:.1} mm", 1e3 * crush_m)), "the words say it");
+    assert!((number(&page, "data-crush") / crush_m - 1.0).abs() < 1e-3);
+    assert!(number(&page, "data-crush") > 1.02 * crush_at_rest);
+    assert_eq!(page.ask("return location.hash"), format!("#k={percent}"));
+    assert_ne!(curve(), curve_at_rest);
+    let words = page.ask("return document.getElementById('what-if').textContent");
+    assert!(words.as_str().unwrap().contains(&format!("C {:.1} mm", 1e3 * crush_m)), "the words say it");
 }
 
 #[test]
@@ -230,7 +202,9 @@ fn a_model_that_is_not_found_again_is_switched_off() {
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
     let (model, parameters) = models().remove(0);
-    let dom = load(&browser, &report(folder.path(), model, &parameters, 1.002), "");
-    assert_eq!(attribute(&dom, "data-state").as_deref(), Some("off"));
-    assert!(dom.contains("Switched off: this page does not find") && !dom.contains("what-if-k"), "no sliders");
+    let page = browser.open(&report(folder.path(), model, &parameters, 1.002), "", Screen::DESK);
+    assert_eq!(attribute(&page, "data-state"), "off");
+    let section = page.ask("return document.getElementById('what-if').outerHTML");
+    let section = section.as_str().unwrap();
+    assert!(section.contains("Switched off: this page does not find") && !section.contains("what-if-k"), "no sliders");
 }

@@ -83,7 +83,16 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     let mut status = ExitStatus::Done;
     for (number, (stage, program)) in stages.iter().zip(&programs).enumerate() {
         let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
-        match run.stage(number, stage, program)? {
+        // Only the first stage knows what it reads; meanwhile what it and all others left is compared.
+        let looks_back = number == 0 && end_before.is_some();
+        let (ending, state) = std::thread::scope(|scope| {
+            let state = looks_back.then(|| scope.spawn(|| run.state(&programs)));
+            let ending = run.stage(number, stage, program);
+            (ending, state.and_then(|reading| reading.join().ok().flatten()))
+        });
+        let output = run.folder.path().join(stage.output());
+        let is_kept = before.as_ref().is_some_and(|before| is_at(before, &output));
+        match ending? {
             Ending::WithResult(so_far) => status = so_far,
             Ending::Failed(failure) => {
                 if !is_own(stage, program) {
@@ -99,10 +108,10 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
                 return Ok(run.failed(ExitStatus::Failure));
             }
         }
-        // Only the first stage knows what it reads: what it left, all others made their results from.
-        if number == 0
-            && let Some((state, code)) = end_before
-            && run.state(&programs).as_deref() == Some(state)
+        // What the first stage left alone, all others made their results from.
+        if is_kept
+            && let Some((at_the_end, code)) = end_before
+            && state.as_deref() == Some(at_the_end)
         {
             if !options.is_quiet() {
                 say(format_args!("{:<16} up to date: {}", "run", run.folder.path().display()));
@@ -113,8 +122,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
                 status
             });
         }
-        let output = run.folder.path().join(stage.output());
-        if let Some(before) = before.filter(|before| !is_at(before, &output)) {
+        if let Some(before) = before.filter(|_| !is_kept) {
             say_what_is_replaced(before, &output, run.folder.path());
         }
     }

@@ -11,8 +11,9 @@ use std::path::Path;
 
 use crumple_artifact::{Artifact, SCHEMAS, schema_json};
 use crumple_report::summary_schema;
+use crumple_testkit::kinds::{made_kinds, real_kinds};
 use crumple_testkit::pipeline::run;
-use crumple_testkit::{TwoVehicles, shared, workspace};
+use crumple_testkit::workspace;
 use jsonschema::Validator;
 use serde_json::{Value, json};
 
@@ -97,45 +98,11 @@ fn check_run(variables: &[&str], record: &Path, args: &[&str]) -> usize {
 }
 
 #[test]
-fn every_record_of_every_fixture_fits_the_schema_in_its_file() {
-    for name in ["double", "elastoplastic", "kelvin", "noisy"] {
-        let records = check_run(&[], &workspace().join("fixtures").join(name).join("crash.csv"), &[]);
-        assert!(records > 50, "{name}: {records} records");
-    }
-}
-
-#[test]
-fn so_does_every_record_of_other_kinds_of_tests() {
+fn every_record_of_every_kind_of_test_fits_the_schema_in_its_file() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, content) in TwoVehicles::STANDING.files() {
-        fs::write(folder.path().join(name), content).unwrap();
-    }
-    check_run(&[], &folder.path().join("v90001.EV5"), &[]);
-    let rows = (0..2000).map(|k| format!("{:.4},{}\n", f64::from(k) * 1e-4, if k < 900 { -100.0 } else { 0.0 }));
-    let table = folder.path().join("no-speed.csv");
-    fs::write(&table, format!("time [s],acceleration [m/s2]\n{}", rows.collect::<String>())).unwrap();
-    check_run(&[], &table, &[]);
-    let constant = folder.path().join("constant.csv");
-    let rows = (0..2000).map(|k| format!("{:.4},0\n", f64::from(k) * 1e-4)).collect::<String>();
-    fs::write(&constant, format!("time [s],acceleration [m/s2]\n{rows}")).unwrap();
-    check_run(&[], &constant, &["--mass", "900kg", "--impact-speed", "50km/h"]);
-}
-
-#[test]
-fn so_does_every_record_of_real_tests() {
-    let records: [(&str, &[&str], &[&str]); 3] = [
-        ("data/nhtsa-v10146-camry-frontal/v10146.EV5", &["pipeline=two-sensors"], &[]),
-        (
-            "data/iihs-cep1705-accord/CEP1705_ACXD.csv",
-            &[],
-            &["--unit", "g", "--impact-speed", "64.4km/h", "--mass", "1600kg"],
-        ),
-        ("data/iso-mme-98_7707/98_7707.001", &[], &["--allow-missing"]),
-    ];
-    for (path, variables, args) in records {
-        if let Some(record) = shared(path) {
-            check_run(variables, &record, args);
-        }
+    for kind in made_kinds(folder.path()).unwrap().into_iter().chain(real_kinds()) {
+        let records = check_run(kind.variables, &kind.path, kind.flags);
+        assert!(records > 8, "{}: {records} records", kind.name);
     }
 }
 

@@ -1,10 +1,13 @@
 //! A record from the disk: the main file, the files beside it that belong to it, the sidecar.
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
 
 use crate::error::WHAT_IS_READ;
 use crate::files::zip;
@@ -20,6 +23,8 @@ use crate::{IngestError, Place};
 const STREAM_ABOVE: u64 = 64 << 20;
 /// Start of such a table that is looked at for its layout, bytes.
 const HEAD_OF_LARGE: u64 = 16 << 20;
+/// Files up to this are read at once; of larger ones is shown how far they are read, bytes.
+const AT_ONCE: u64 = 4 << 20;
 /// Largest table, bytes.
 const LARGE_LIMIT: u64 = 64 << 30;
 
@@ -91,20 +96,29 @@ impl Bundle {
             folders.extend(channel_folder(folder)?);
             folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
         }
+        let mut files = BTreeMap::new();
         let mut total = 0;
         for folder in folders {
             for path in entries(&folder)? {
                 let name = file_name(&path);
-                let known = name == self.main.name || self.companions.contains_key(&name);
-                if self.reader.companion(&self.main.name, &name) && !known && path.is_file() {
-                    let bytes = read(&path, show)?;
-                    total += bytes.len() as u64;
+                let known = name == self.main.name || files.contains_key(&name);
+                if self.reader.companion(&self.main.name, &name)
+                    && !known
+                    && let Ok(metadata) = fs::metadata(&path)
+                    && metadata.is_file()
+                {
+                    total += metadata.len();
                     check_total(&self.name, total)?;
-                    self.companions.insert(name, bytes);
+                    files.insert(name, path);
                 }
             }
         }
-        Ok(())
+        let files: Vec<(String, PathBuf)> = files.into_iter().collect();
+        let contents: Vec<_> = files.par_iter().map(|(_, path)| read(path, show)).collect();
+        for ((name, _), bytes) in files.into_iter().zip(contents) {
+            self.companions.insert(name, bytes?);
+        }
+        check_total(&self.name, self.companions.values().map(|bytes| bytes.len() as u64).sum())
     }
 }
 
@@ -184,9 +198,16 @@ fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
     }
     let read = || -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-        let done = show(format!("reading {}", file_name(path)), length);
+        let mut file = Unchanging::open(path)?;
         // A pipe states no length.
-        Watched { inner: Unchanging::open(path)?, done }.take(FILE_LIMIT + 1).read_to_end(&mut bytes)?;
+        if length <= AT_ONCE {
+            (&file.file).take(FILE_LIMIT + 1).read_to_end(&mut bytes)?;
+            // Its end: whether it is still the file that it was.
+            let _ = file.read(&mut [0])?;
+        } else {
+            let done = show(format!("reading {}", file_name(path)), length);
+            Watched { inner: file, done }.take(FILE_LIMIT + 1).read_to_end(&mut bytes)?;
+        }
         Ok(bytes)
     };
     let bytes = read().map_err(|error| unreadable(path, &error))?;

@@ -9,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::command_line::pipeline_file::Pipeline;
-use crate::error::{Usage, unknown_name};
+use crate::error::{Usage, find_in_chain, unknown_name};
 
 /// Merges the stage's table of `pipeline` with the flags given on the command line; a flag wins.
 ///
@@ -40,6 +40,31 @@ where
         let place = place.map_or_else(String::new, |place| format!("{place}, "));
         Usage::new(format!("{place}options of {stage}: {text}")).into()
     })
+}
+
+/// A usage error about keys that nobody stated: they are the default pipeline's, below the one that was given, where
+/// nothing but standing alone leaves them out.
+pub(crate) fn blame_the_default(stage: &str, pipeline: Option<&Path>, error: anyhow::Error) -> anyhow::Error {
+    let Some(pipeline) = pipeline.and_then(|path| Pipeline::read(path, None).ok()) else { return error };
+    if find_in_chain::<Usage>(&error).is_none() {
+        return error;
+    }
+    let text = format!("{error:#}");
+    let named = |key: &String| {
+        let mut words = text.split(|c: char| !(c.is_alphanumeric() || "-_".contains(c)));
+        words.any(|word| word.replace('-', "_") == *key)
+    };
+    let keys: Vec<String> = pipeline.from_default(stage).into_iter().filter(named).collect();
+    if keys.is_empty() {
+        return error;
+    }
+    let file = pipeline.file();
+    let hint = format!(
+        "{} of [{stage}] is the default pipeline's, which {file} is laid over: base = \"none\" on the first line of a \
+         pipeline file makes it stand alone",
+        keys.join(", ")
+    );
+    Usage::new(text).hint(hint).into()
 }
 
 /// A single value in place of a list is a list of one.
@@ -135,6 +160,23 @@ mod tests {
     use super::*;
     use crate::command_line::args::Cli;
     use crate::error::render;
+
+    #[test]
+    fn a_fault_of_a_key_that_only_the_default_states_says_how_to_leave_it_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("my.toml");
+        let hint = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let error = Usage::new("paper \"era\" prescribes orders, which is given too").hint("leave out orders");
+            render(&blame_the_default("identify", Some(&path), error.into()))
+        };
+        let laid_over = hint("[identify]\npaper = 'era'\n");
+        assert!(laid_over.contains("hint: orders of [identify] is the default pipeline's"), "{laid_over}");
+        assert!(laid_over.contains("base = \"none\"") && laid_over.contains("my.toml"), "{laid_over}");
+        for own in ["base = 'none'\n[identify]\npaper = 'era'\norders = [4]\n", "[identify]\norders = [6]\n"] {
+            assert!(hint(own).ends_with("hint: leave out orders"), "{own}");
+        }
+    }
 
     #[derive(Debug, Default, PartialEq, clap::Args, serde::Serialize, serde::Deserialize)]
     #[serde(default, deny_unknown_fields)]

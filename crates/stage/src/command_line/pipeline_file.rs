@@ -15,6 +15,9 @@ const HEADER_KEYS: [&str; 3] = ["title", "description", "base"];
 /// What a run adds to the pipeline that it hands to its stages.
 const OF_A_RUN: &str = "run";
 
+/// The key of that table that names what the pipeline was laid over.
+const LAID_OVER: &str = "laid_over";
+
 /// A pipeline with everything that it is laid over.
 ///
 /// `base = "none"` in a file makes it stand alone; any other file says what it changes, and all else is that of the
@@ -48,6 +51,7 @@ impl Pipeline {
                 Some(default) => Self::read_alone(default)?,
                 None => Self::parse(Path::new("pipelines/default.toml"), DEFAULT)?,
             };
+            pipeline.run.insert(LAID_OVER.to_owned(), Value::from(base));
             let own = std::mem::replace(&mut pipeline.stages, below.stages);
             for (stage, value) in own {
                 match (value, pipeline.stages.get_mut(&stage)) {
@@ -187,6 +191,21 @@ impl Pipeline {
         self.stages.get(stage).and_then(Value::as_table)
     }
 
+    /// Keys of a stage that came from the default pipeline, below this one; none if it stands alone.
+    pub(crate) fn from_default(&self, stage: &str) -> Vec<String> {
+        let default = Self::parse(Path::new("pipelines/default.toml"), DEFAULT).ok();
+        let (Some(default), true) = (default, self.run.contains_key(LAID_OVER)) else { return Vec::new() };
+        let (own, below) = (self.table(stage).into_iter().flatten(), default.table(stage));
+        let same = own.filter(|(key, value)| below.and_then(|table| table.get(*key)) == Some(*value));
+        same.map(|(key, _)| key.clone()).collect()
+    }
+
+    /// The file that the pipeline was read from, for messages.
+    pub(crate) fn file(&self) -> String {
+        let noted = self.run.get("file").and_then(Value::as_str).map(str::to_owned);
+        noted.unwrap_or_else(|| self.path.display().to_string())
+    }
+
     /// Where the option of a stage was stated, for messages.
     pub(crate) fn place(&self, stage: &str, option: &str) -> String {
         let is_meant = |typed: &str| {
@@ -194,11 +213,7 @@ impl Pipeline {
             key == format!("{stage}.{option}").replace('-', "_")
         };
         let mut set = self.run.get("set").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
-        match (set.rfind(|typed| is_meant(typed)), self.run.get("file").and_then(Value::as_str)) {
-            (Some(typed), _) => format!("--set {typed}"),
-            (None, Some(file)) => file.to_owned(),
-            (None, None) => self.path.display().to_string(),
-        }
+        set.rfind(|typed| is_meant(typed)).map_or_else(|| self.file(), |typed| format!("--set {typed}"))
     }
 
     /// The options that differ from those of an earlier pipeline: name, old value, new value.

@@ -17,7 +17,7 @@ use crate::artifacts::output::Output;
 use crate::artifacts::overwriting::refuse_to_overwrite;
 use crate::command_line::args::{Cli, SharedFlags};
 use crate::command_line::memory_limit::keep_budget;
-use crate::command_line::pipeline::{canonical_json, is_flag, merge};
+use crate::command_line::pipeline::{blame_the_default, canonical_json, is_flag, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain};
 use crate::process::tool::{finish, parse};
 use crate::terminal::progress::be_quiet;
@@ -92,17 +92,22 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     }
     keep_budget(&common.inputs, ExitStatus::Refused);
     let sums_up = !common.quiet && !common.no_summary;
-    let settings = S::resolve(options)?;
+    let settings =
+        S::resolve(options).map_err(|error| blame_the_default(S::NAME, common.pipeline.as_deref(), error))?;
     if common.check_options {
         return Ok(ExitStatus::Done);
     }
     refuse_to_overwrite(&common.output, OutputKind::Artifact, &common.inputs)?;
-    let Loaded { input, digests, diagnosed } = S::load(&common.inputs, &settings)?;
+    // The output of an earlier call is read beside the inputs.
+    let (loaded, existing) = std::thread::scope(|scope| {
+        let existing = (!common.force).then(|| scope.spawn(|| existing(&common.output)));
+        let loaded = S::load(&common.inputs, &settings);
+        (loaded, existing.and_then(|reading| reading.join().ok().flatten()))
+    });
+    let Loaded { input, digests, diagnosed } = loaded?;
     let provenance =
         Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests).with_build(S::BUILD);
-    if !common.force
-        && let Some(existing) = up_to_date(&common.output, &provenance)
-    {
+    if let Some(existing) = existing.filter(|artifact| artifact.provenance() == Some(&provenance)) {
         return tell_again(S::NAME, common, sums_up, &existing);
     }
 
@@ -239,12 +244,9 @@ fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
     error.context(format!("cannot work on {}", names.join(", ")))
 }
 
-/// The existing output, if it is intact and came from the same stage, settings and inputs.
-fn up_to_date(output: &Path, provenance: &Provenance) -> Option<Artifact> {
-    if !output.exists() {
-        return None;
-    }
-    open(output).ok().filter(|artifact| artifact.provenance() == Some(provenance))
+/// The output of an earlier call, if it is whole.
+fn existing(output: &Path) -> Option<Artifact> {
+    if output.exists() { open(output).ok() } else { None }
 }
 
 /// What to do for a result, where there is none.

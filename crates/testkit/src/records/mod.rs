@@ -4,6 +4,7 @@
 mod filtered;
 pub mod fixture;
 mod integrated;
+pub mod kinds;
 mod known_truth;
 pub mod reference_signals;
 mod table_5;

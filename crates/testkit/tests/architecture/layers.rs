@@ -7,7 +7,7 @@ use crate::source::{Package, Source};
 /// Crates by layer, foundations first. A crate may use crates of lower layers; the stages of a run use none of each
 /// other, what counts as different stands below them, and the programs of many runs above them.
 pub const LAYERS: [&[&str]; 9] = [
-    &["signal", "linalg", "memory", "source-digest"],
+    &["signal", "linalg", "memory", "source-digest", "browser"],
     &["lti", "estimation", "artifact"],
     &["metrics", "lumped"],
     &["sysid", "lumped-fit"],

@@ -1,0 +1,115 @@
+//! An open page.
+
+use std::sync::Arc;
+
+use headless_chrome::Tab;
+use headless_chrome::browser::tab::point::Point;
+use headless_chrome::protocol::cdp::{Emulation, Page as Cdp};
+use headless_chrome::types::PrintToPdfOptions;
+use serde_json::Value;
+
+use crate::said::Said;
+use crate::screen::Screen;
+
+/// A page that is loaded; it is closed with this value.
+pub struct Page {
+    tab: Arc<Tab>,
+    said: Said,
+}
+
+/// What the browser answers, or the end of the test.
+fn told<T, E: std::fmt::Display>(what: &str, answer: Result<T, E>) -> T {
+    answer.unwrap_or_else(|error| panic!("{what}: {error}"))
+}
+
+impl Page {
+    pub(crate) fn open(tab: Arc<Tab>, address: &str, screen: Screen) -> Self {
+        let said = Said::of(&tab);
+        show_on(&tab, screen);
+        told(address, tab.navigate_to(address).and_then(|tab| tab.wait_until_navigated()));
+        Self { tab, said }
+    }
+
+    /// What the body of a function returns in the page, as JSON.
+    pub fn ask(&self, body: &str) -> Value {
+        let answer = told(body, self.tab.evaluate(&format!("JSON.stringify((function () {{ {body} }})())"), true));
+        let text = answer.value.as_ref().and_then(Value::as_str).unwrap_or("null");
+        told(text, serde_json::from_str(text))
+    }
+
+    /// Presses a key, such as `Tab` or `ArrowRight`, where the focus is.
+    pub fn press(&self, key: &str) {
+        told(key, self.tab.press_key(key));
+    }
+
+    /// Moves the pointer to a place on the screen, CSS pixels.
+    pub fn point_at(&self, x: f64, y: f64) {
+        told("pointer", self.tab.move_mouse_to_point(Point { x, y }));
+    }
+
+    /// Presses the pointer there and lets it go.
+    pub fn click(&self, x: f64, y: f64) {
+        told("pointer", self.tab.click_point(Point { x, y }));
+    }
+
+    /// Messages of the console, errors and refused loads, so far.
+    pub fn console(&self) -> Vec<String> {
+        self.said.console()
+    }
+
+    /// What the page asked for beside itself, so far.
+    pub fn requests(&self) -> Vec<String> {
+        self.said.requests().split_off(1)
+    }
+
+    /// The page on A4 paper, a PDF file.
+    pub fn print(&self) -> Vec<u8> {
+        let paper = PrintToPdfOptions {
+            paper_width: Some(210.0 / 25.4),
+            paper_height: Some(297.0 / 25.4),
+            prefer_css_page_size: Some(true),
+            print_background: Some(true),
+            ..PrintToPdfOptions::default()
+        };
+        told("print", self.tab.print_to_pdf(Some(paper)))
+    }
+
+    /// What the screen shows, a PNG file.
+    pub fn picture(&self) -> Vec<u8> {
+        let format = Cdp::CaptureScreenshotFormatOption::Png;
+        told("picture", self.tab.capture_screenshot(format, None, None, true))
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        // A browser that is gone has closed it.
+        let _ = self.tab.close(false);
+    }
+}
+
+fn show_on(tab: &Tab, screen: Screen) {
+    let size = Emulation::SetDeviceMetricsOverride {
+        width: screen.width,
+        height: screen.height,
+        device_scale_factor: 1.0,
+        mobile: screen.is_phone,
+        scale: None,
+        screen_width: None,
+        screen_height: None,
+        position_x: None,
+        position_y: None,
+        dont_set_visible_size: None,
+        screen_orientation: None,
+        viewport: None,
+        display_feature: None,
+        device_posture: None,
+    };
+    told("size of the screen", tab.call_method(size));
+    let scheme = Emulation::MediaFeature {
+        name: "prefers-color-scheme".to_owned(),
+        value: if screen.is_dark { "dark" } else { "light" }.to_owned(),
+    };
+    told("colours", tab.call_method(Emulation::SetEmulatedMedia { media: None, features: Some(vec![scheme]) }));
+    told("scripts", tab.call_method(Emulation::SetScriptExecutionDisabled { value: !screen.has_script }));
+}
