@@ -65,7 +65,7 @@ pub fn made_kinds(folder: &Path) -> io::Result<Vec<KindOfRecord>> {
 pub fn real_kinds() -> Vec<KindOfRecord> {
     const CAMRY: &str = "data/nhtsa-v10146-camry-frontal/v10146.EV5";
     type Row = (&'static str, &'static str, &'static [&'static str], &'static [&'static str]);
-    let rows: [Row; 6] = [
+    let rows: [Row; 5] = [
         ("Camry", CAMRY, &[], &[]),
         ("Camry, two sensors", CAMRY, &["pipeline=two-sensors"], &[]),
         (
@@ -76,7 +76,6 @@ pub fn real_kinds() -> Vec<KindOfRecord> {
         ),
         ("ISO-MME", "data/iso-mme-98_7707/98_7707.001", &[], &["--allow-missing"]),
         ("TDMS", "data/iihs-diadem-tdms/Target Pulse.tdms", &[], &["--mass", "1500kg", "--impact-speed", "10m/s"]),
-        ("drop tower", "data/drop-tower-csv/accel_1.csv", &[], &["--allow-missing"]),
     ];
     let there = rows.into_iter().filter_map(|(name, path, variables, flags)| {
         Some(KindOfRecord { name, path: shared(path)?, variables, flags })
