@@ -3,16 +3,17 @@
 //! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it,
 //! [`Page`] what a person looks at. Both are functions of the run alone. Units other than SI exist on the page only.
 //!
-//! rooms: compare | page | frame figures | drawing | conclusions | results | text
+//! rooms: compare | page | frame figures | conclusions | results | text
 
 mod compare;
 mod conclusions;
-mod drawing;
 mod figures;
 mod frame;
 mod page;
 mod results;
 mod text;
+
+pub use crumple_drawing::{Axis, Colour, Curve, Dash, Entry, Figure, Label, Look, Mark, Panel, Symbol, Width, numbers};
 
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
@@ -22,8 +23,6 @@ pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::overview;
 pub use conclusions::summary::{Summary, summary, summary_schema};
-pub use drawing::figure::{Axis, Curve, Entry, Figure, Label, Mark, Panel};
-pub use drawing::look::{Colour, Dash, Look, Symbol, Width};
 pub use figures::all::all_figures;
 pub use page::document::Page;
 pub use results::ranking::{Ranking, compare_ids};
@@ -31,4 +30,3 @@ pub use results::run::{
     CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
 };
 pub use text::language::Language;
-pub use text::numbers;

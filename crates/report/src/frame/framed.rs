@@ -1,7 +1,7 @@
 //! What is around every page: head, style, script, and what the browser may load.
 
-use crate::drawing::look::{page_rules, palette};
-use crate::text::escape::html;
+use crumple_drawing::escape::html;
+use crumple_drawing::{page_rules, palette};
 
 const STYLE: &str = include_str!("../page/style.css");
 /// Cursor, zoom and downloads of figures.

@@ -3,12 +3,13 @@
 
 mod structure;
 
+use crumple_drawing::escape::{html, json_in_script};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use serde_json::json;
 
 use crumple_signal::Sampled;
 
-use crate::text::escape::{html, json_in_script};
-use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// What the sliders look like, for the style of the page.
