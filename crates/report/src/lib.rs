@@ -3,17 +3,16 @@
 //! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it,
 //! [`Page`] what a person looks at. Both are functions of the run alone. Units other than SI exist on the page only.
 //!
-//! rooms: compare | page | frame figures | conclusions | results | text
+//! rooms: compare index | page | frame figures | conclusions | results | text
 
 mod compare;
 mod conclusions;
 mod figures;
 mod frame;
+mod index;
 mod page;
 mod results;
 mod text;
-
-pub use crumple_drawing::{Axis, Colour, Curve, Dash, Entry, Figure, Label, Look, Mark, Panel, Symbol, Width, numbers};
 
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
@@ -24,6 +23,14 @@ pub use conclusions::kind::Kind;
 pub use conclusions::overview::overview;
 pub use conclusions::summary::{Summary, summary, summary_schema};
 pub use figures::all::all_figures;
+pub use index::document::{FiguresOfRuns, RunIndex};
+pub use index::indexed_run::{IndexedRun, status};
+pub use index::pulse::pulse_line;
+pub use index::quantities::{self, Quantity};
+pub use index::run_summary::{
+    MetricOfChannel, ParameterIntervals, RunSummary, SummaryCandidate, SummaryConcern, SummaryConclusion,
+    SummaryMetric, SummaryTest, model_year,
+};
 pub use page::document::Page;
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{

@@ -5,14 +5,22 @@ use std::path::Path;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
+use crumple_report::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
+use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex};
+use rayon::prelude::*;
 
-use crate::page::failures::failures;
-use crate::page::histogram::histogram;
-use crate::page::markup::escaped;
-use crate::page::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
-use crate::page::run_table::run_table;
+use crate::page::distributions::distributions;
+use crate::page::pulse::pulse;
 use crate::page::scatter::scatter;
 use crate::tables::rows::Row;
+
+/// Tables beside the page.
+const TABLES: [(&str, &str); 4] = [
+    ("tests", "tests.csv"),
+    ("candidates", "candidates.csv"),
+    ("metrics", "metrics.csv"),
+    ("predictions", "predictions.csv"),
+];
 
 /// Writes `fleet.html` in one piece.
 pub(crate) fn write_page(fleet: &Path, rows: &[Row]) -> anyhow::Result<()> {
@@ -23,31 +31,37 @@ pub(crate) fn write_page(fleet: &Path, rows: &[Row]) -> anyhow::Result<()> {
 }
 
 fn page(fleet: &Path, rows: &[Row]) -> String {
-    let name = escaped(&fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default());
-    let done = rows.iter().filter(|row| row.ended.exit_code == 0).count();
-    let figures: String =
-        [STIFFNESS, CRUSH, OLC].into_iter().flat_map(|y| [MASS, SPEED, YEAR].map(|x| scatter(rows, x, y))).collect();
-    let distributions: String =
-        [MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION].map(|quantity| histogram(rows, quantity)).concat();
-    let failures = failures(rows);
-    let failed = if failures.is_empty() { String::new() } else { format!("<h2>Without a result</h2>{failures}") };
-    format!(
-        "<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n\
-         <meta name=generator content=\"crumple-fleet {}\">\n\
-         <title>{name}: {} runs</title>\n<style>\n{}</style>\n<h1>{name}</h1>\n\
-         <p>{} runs, {done} done. Tables of all that is here: <a href=tests.csv>tests</a>, \
-         <a href=candidates.csv>candidates</a>, <a href=metrics.csv>metrics</a>, \
-         <a href=predictions.csv>predictions</a>, each as .parquet too.</p>\n{failed}\n\
-         <h2>Over mass, speed and model year</h2>\n\
-         <p>A point a run; the line is the least-squares line, open circles lie more than four robust standard \
-         deviations off it and lead to their reports.</p>\n<div class=f>{figures}</div>\n\
-         <h2>Distributions</h2>\n<div class=f>{distributions}</div>\n\
-         <h2>Runs</h2>\n<p>A click on a column sorts.</p>\n{}\n<script>\n{}</script>\n",
-        env!("CARGO_PKG_VERSION"),
-        rows.len(),
-        include_str!("style.css"),
-        rows.len(),
-        run_table(fleet, rows),
-        include_str!("sort.js"),
-    )
+    let name = fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let differ = |row: &Row| row.run.pipeline_name != rows[0].run.pipeline_name || !row.run.settings.is_empty();
+    let several = rows.iter().any(differ);
+    let runs: Vec<IndexedRun<'_>> = rows.par_iter().map(|row| indexed(fleet, row, several)).collect();
+    let over = [MASS, SPEED, YEAR];
+    let scatters = [("stiffness", STIFFNESS), ("crush", CRUSH), ("olc", OLC)];
+    let figures = vec![
+        FiguresOfRuns {
+            heading: "Over mass, speed and model year",
+            text: "What differs between records of a fleet differs together: a line here says what was tested, it is no \
+                   law.",
+            figures: scatters.into_iter().map(|(id, y)| scatter(rows, id, y, &over)).collect(),
+        },
+        FiguresOfRuns {
+            heading: "Distributions",
+            text: "How many runs have which value.",
+            figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION])],
+        },
+    ];
+    RunIndex { title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
+}
+
+fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
+    let variant = || format!("{} {}", row.run.pipeline_name, row.run.settings()).trim_end().to_owned();
+    IndexedRun {
+        name: row.run.record.identity.clone(),
+        variant: if several { variant() } else { String::new() },
+        report: row.summary.as_ref().map(|_| format!("{}/report.html", row.run.folder)),
+        exit_code: row.ended.exit_code,
+        error: row.ended.error.clone(),
+        summary: row.summary.as_ref(),
+        pulse: pulse(fleet, row),
+    }
 }

@@ -4,6 +4,7 @@
 mod compare;
 mod console;
 mod gather;
+mod index;
 mod run_folders;
 
 use std::fs::{self, File};
@@ -29,17 +30,23 @@ use crumple_stage::{
                   4 not one candidate could be simulated (both files are written)."
 )]
 pub struct Cli {
-    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders.
+    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders, with
+    /// --index run folders or lists of them (@list.txt).
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
-    /// Page to write (one HTML file that needs no network) [default with --compare: compare.html].
-    #[arg(short, long, value_name = "PAGE", required_unless_present = "compare")]
+    /// Page to write (one HTML file that needs no network) [default with --compare: compare.html, with --index:
+    /// index.html].
+    #[arg(short, long, value_name = "PAGE", required_unless_present_any = ["compare", "index"])]
     pub output: Option<PathBuf>,
 
     /// Compare run folders: curves over each other, numbers and settings side by side, differences marked.
     #[arg(long, conflicts_with_all = ["summary", "svg", "pipeline", "pipeline_name", "json"])]
     pub compare: bool,
+
+    /// Index of run folders: a sortable row a run, with its pulse, key numbers, recommended model and first warning.
+    #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "pipeline", "pipeline_name", "json", "markdown"])]
+    pub index: bool,
 
     /// Markdown to write too, for a merge request: what the page says first.
     #[arg(long, value_name = "FILE")]
@@ -93,6 +100,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
         return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
+    }
+    if cli.index {
+        return index::index(&cli.inputs, cli.output.as_deref().unwrap_or(Path::new("index.html")), cli.quiet);
     }
     let Some(output) = &cli.output else { return Err(Usage::new("no report to write is named").hint("add -o").into()) };
     let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
