@@ -5,6 +5,7 @@ mod compare;
 mod console;
 mod gather;
 mod index;
+mod pictures;
 mod run_folders;
 
 use std::fs::{self, File};
@@ -14,11 +15,12 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{ComparedRun, Kind, Language, Page, Ranking, Run, all_figures, conclusion, first_screen, summary};
+use crumple_report::{ComparedRun, Kind, Language, Page, Ranking, all_figures, conclusion, first_screen, summary};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
     unknown_name,
 };
+use pictures::{Fonts, write_figures};
 
 /// Writes report.html, which a person looks at, and summary.json, which a script reads; or a page of several runs.
 #[derive(Debug, clap::Parser)]
@@ -41,11 +43,11 @@ pub struct Cli {
     pub output: Option<PathBuf>,
 
     /// Compare run folders: curves over each other, numbers and settings side by side, differences marked.
-    #[arg(long, conflicts_with_all = ["summary", "svg", "pipeline", "pipeline_name", "json"])]
+    #[arg(long, conflicts_with_all = ["summary", "svg", "png", "pipeline", "pipeline_name", "json"])]
     pub compare: bool,
 
     /// Index of run folders: a sortable row a run, with its pulse, key numbers, recommended model and first warning.
-    #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "pipeline", "pipeline_name", "json", "markdown"])]
+    #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "png", "pipeline", "pipeline_name", "json", "markdown"])]
     pub index: bool,
 
     /// Markdown to write too, for a merge request: what the page says first.
@@ -59,6 +61,10 @@ pub struct Cli {
     /// Folder to write each figure to, as an SVG file of its own.
     #[arg(long, value_name = "FOLDER")]
     pub svg: Option<PathBuf>,
+
+    /// Folder to write each figure to, as a PNG file of its own; its text needs a font of the system.
+    #[arg(long, value_name = "FOLDER")]
+    pub png: Option<PathBuf>,
 
     /// Pipeline file of the run; its name goes into the report and the summary.
     #[arg(short, long, value_name = "FILE")]
@@ -129,6 +135,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     refuse_to_overwrite(output, OutputKind::Report, &cli.inputs)?;
     refuse_to_overwrite(&summary_path, OutputKind::Summary, &cli.inputs)?;
+    let fonts = cli.png.as_ref().map(|_| Fonts::of_system()).transpose()?;
     if cli.quiet {
         be_quiet();
     }
@@ -142,8 +149,10 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     write_both(output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
     if let Some(folder) = &cli.svg {
-        write_figures(folder, &run, &ranking)
-            .with_context(|| format!("cannot write the figures into {}", folder.display()))?;
+        write_figures(folder, "svg", &all_figures(&run, &ranking), |figure| Ok(figure.to_svg().into_bytes()))?;
+    }
+    if let (Some(folder), Some(fonts)) = (&cli.png, &fonts) {
+        write_figures(folder, "png", &all_figures(&run, &ranking), |figure| fonts.png(figure))?;
     }
     if cli.json {
         to_stdout(json.as_bytes())?;
@@ -177,17 +186,6 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
             Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
         })
     })
-}
-
-/// Each figure as `<id>.svg`.
-fn write_figures(folder: &Path, run: &Run, ranking: &Ranking) -> anyhow::Result<()> {
-    fs::create_dir_all(folder)?;
-    for figure in all_figures(run, ranking) {
-        write_atomically(&folder.join(figure.id).with_extension("svg"), OutputKind::Figure, |file| {
-            Ok::<_, anyhow::Error>(file.write_all(figure.to_svg().as_bytes())?)
-        })?;
-    }
-    Ok(())
 }
 
 /// Name of a pipeline: its path below a folder `pipelines` without the ending, else the file's stem.
