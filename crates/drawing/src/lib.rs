@@ -1,8 +1,8 @@
-//! Vector graphics for pages: what a figure says, the SVG that becomes of it, small lines for tables, and the numbers and
-//! texts in them.
+//! Vector graphics for pages: what a figure says, the SVG that becomes of it, small lines for tables, and the numbers
+//! and texts in them.
 //!
-//! A [`Figure`] is panels of curves, bands and marks over axes with one legend; [`Drawing`] lays a panel out for a page,
-//! [`Figure::to_svg`] the whole as a file of its own. The same figure gives the same bytes.
+//! A [`Figure`] is panels of curves, bands and marks over axes with one legend; [`Drawing`] lays a panel out for a
+//! page, [`Figure::to_svg`] the whole as a file of its own. The same figure gives the same bytes.
 //!
 //! rooms: figures | text
 

@@ -40,8 +40,8 @@ fn page(fleet: &Path, rows: &[Row]) -> String {
     let figures = vec![
         FiguresOfRuns {
             heading: "Over mass, speed and model year",
-            text: "What differs between records of a fleet differs together: a line here says what was tested, it is no \
-                   law.",
+            text: "Mass, speed, year and class differ together in what was tested: a line here describes these runs, \
+                   it is no law.",
             figures: scatters.into_iter().map(|(id, y)| scatter(rows, id, y, &over)).collect(),
         },
         FiguresOfRuns {

@@ -32,8 +32,8 @@ use pictures::{Fonts, write_figures};
                   4 not one candidate could be simulated (both files are written)."
 )]
 pub struct Cli {
-    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders, with
-    /// --index run folders or lists of them (@list.txt).
+    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders,
+    /// with --index run folders or lists of them (@list.txt).
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
@@ -47,7 +47,8 @@ pub struct Cli {
     pub compare: bool,
 
     /// Index of run folders: a sortable row a run, with its pulse, key numbers, recommended model and first warning.
-    #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "png", "pipeline", "pipeline_name", "json", "markdown"])]
+    #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "png", "markdown"])]
+    #[arg(conflicts_with_all = ["pipeline", "pipeline_name", "json"])]
     pub index: bool,
 
     /// Markdown to write too, for a merge request: what the page says first.
