@@ -8,6 +8,7 @@ use crumple_drawing::numbers::significant;
 use super::failures::{line_of, shortened};
 use super::indexed_run::{IndexedRun, status};
 use super::quantities::{CRUSH, DELTA_V, MASS, OLC, PEAK, Quantity, RESTITUTION, SPEED, STIFFNESS, TIME_OF_CRUSH};
+use super::run_summary::RunSummary;
 use crate::text::names::model_name;
 
 /// Columns of numbers.
@@ -51,7 +52,7 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
         let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| significant(value, DIGITS)));
     }
     let recommended = summary.and_then(|summary| summary.recommended.as_deref());
-    let certainty = summary.and_then(|summary| summary.certainty()).unwrap_or_default();
+    let certainty = summary.and_then(RunSummary::certainty).unwrap_or_default();
     let _ = match (recommended, run.is_done()) {
         (Some(id), true) => write!(out, "<td>{}", html(&model_name(id.split('/').next().unwrap_or(id)))),
         (None, true) => write!(out, "<td>none"),
