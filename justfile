@@ -124,6 +124,13 @@ diff a b *args: build
 compare *runs: build
     @{{ report }} --compare "$@"
 
+# Many runs as one sortable table with their pulses, numbers and first warnings: `just index RUN...|@LIST [-o index.html]`.
+[group('pipeline')]
+[no-cd]
+[no-exit-message]
+index *runs: build
+    @{{ report }} --index "$@"
+
 # Records of an artifact as JSON, waveforms summarised.
 [group('pipeline')]
 [no-cd]

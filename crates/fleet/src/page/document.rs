@@ -5,14 +5,22 @@ use std::path::Path;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
+use crumple_report::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
+use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex};
+use rayon::prelude::*;
 
-use crate::page::failures::failures;
-use crate::page::histogram::histogram;
-use crate::page::markup::escaped;
-use crate::page::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
-use crate::page::run_table::run_table;
+use crate::page::distributions::distributions;
+use crate::page::pulse::pulse;
 use crate::page::scatter::scatter;
 use crate::tables::rows::Row;
+
+/// Tables beside the page.
+const TABLES: [(&str, &str); 4] = [
+    ("tests", "tests.csv"),
+    ("candidates", "candidates.csv"),
+    ("metrics", "metrics.csv"),
+    ("predictions", "predictions.csv"),
+];
 
 /// Writes `fleet.html` in one piece.
 pub(crate) fn write_page(fleet: &Path, rows: &[Row]) -> anyhow::Result<()> {
@@ -23,31 +31,142 @@ pub(crate) fn write_page(fleet: &Path, rows: &[Row]) -> anyhow::Result<()> {
 }
 
 fn page(fleet: &Path, rows: &[Row]) -> String {
-    let name = escaped(&fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default());
-    let done = rows.iter().filter(|row| row.ended.exit_code == 0).count();
-    let figures: String =
-        [STIFFNESS, CRUSH, OLC].into_iter().flat_map(|y| [MASS, SPEED, YEAR].map(|x| scatter(rows, x, y))).collect();
-    let distributions: String =
-        [MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION].map(|quantity| histogram(rows, quantity)).concat();
-    let failures = failures(rows);
-    let failed = if failures.is_empty() { String::new() } else { format!("<h2>Without a result</h2>{failures}") };
-    format!(
-        "<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n\
-         <meta name=generator content=\"crumple-fleet {}\">\n\
-         <title>{name}: {} runs</title>\n<style>\n{}</style>\n<h1>{name}</h1>\n\
-         <p>{} runs, {done} done. Tables of all that is here: <a href=tests.csv>tests</a>, \
-         <a href=candidates.csv>candidates</a>, <a href=metrics.csv>metrics</a>, \
-         <a href=predictions.csv>predictions</a>, each as .parquet too.</p>\n{failed}\n\
-         <h2>Over mass, speed and model year</h2>\n\
-         <p>A point a run; the line is the least-squares line, open circles lie more than four robust standard \
-         deviations off it and lead to their reports.</p>\n<div class=f>{figures}</div>\n\
-         <h2>Distributions</h2>\n<div class=f>{distributions}</div>\n\
-         <h2>Runs</h2>\n<p>A click on a column sorts.</p>\n{}\n<script>\n{}</script>\n",
-        env!("CARGO_PKG_VERSION"),
-        rows.len(),
-        include_str!("style.css"),
-        rows.len(),
-        run_table(fleet, rows),
-        include_str!("sort.js"),
-    )
+    let name = fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let differ = |row: &Row| row.run.pipeline_name != rows[0].run.pipeline_name || !row.run.settings.is_empty();
+    let several = rows.iter().any(differ);
+    let runs: Vec<IndexedRun<'_>> = rows.par_iter().map(|row| indexed(fleet, row, several)).collect();
+    let over = [MASS, SPEED, YEAR];
+    let scatters = [("stiffness", STIFFNESS), ("crush", CRUSH), ("olc", OLC)];
+    let figures = vec![
+        FiguresOfRuns {
+            heading: "Over mass, speed and model year",
+            text: "Mass, speed, year and class differ together in what was tested: a line here describes these runs, \
+                   it is no law.",
+            figures: scatters.into_iter().map(|(id, y)| scatter(rows, id, y, &over)).collect(),
+        },
+        FiguresOfRuns {
+            heading: "Distributions",
+            text: "How many runs have which value.",
+            figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION])],
+        },
+    ];
+    RunIndex { title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
+}
+
+fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
+    let variant = || format!("{} {}", row.run.pipeline_name, row.run.settings()).trim_end().to_owned();
+    IndexedRun {
+        name: row.run.record.identity.clone(),
+        variant: if several { variant() } else { String::new() },
+        report: row.summary.as_ref().map(|_| format!("{}/report.html", row.run.folder)),
+        exit_code: row.ended.exit_code,
+        error: row.ended.error.clone(),
+        summary: row.summary.as_ref(),
+        pulse: pulse(fleet, row),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::os::unix::fs::symlink;
+    use std::path::PathBuf;
+
+    use crumple_report::RunSummary;
+
+    use super::*;
+    use crate::records::record::Record;
+    use crate::runs::journal::Ended;
+    use crate::runs::plan::Run;
+
+    fn fixture(file: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/kelvin/golden").join(file)
+    }
+
+    /// Numbers between 0 and 1 that look random.
+    fn share(number: usize, stream: usize) -> f64 {
+        (number as f64 * [0.618_034, 0.754_878, 0.569_840, 0.324_718][stream]).fract()
+    }
+
+    /// A run whose stiffness goes with its mass, but for one in a hundred; every fiftieth is refused.
+    fn row(number: usize, found: &RunSummary) -> Row {
+        let name = format!("{number:05}-56");
+        let record =
+            Record { path: PathBuf::new(), identity: format!("{name}.csv"), name: name.clone(), digests: None };
+        let run = Run {
+            record,
+            pipeline: "default".into(),
+            pipeline_name: "default".into(),
+            settings: Vec::new(),
+            folder: format!("runs/{name}/default"),
+            key: None,
+        };
+        let refused = number % 50 == 49;
+        let error =
+            format!("error: cannot read {name}.csv\n  caused by: {name}.csv, line {number}: \"x\" is no number");
+        let ended = Ended {
+            key: String::new(),
+            folder: run.folder.clone(),
+            exit_code: if refused { 3 } else { 0 },
+            error: if refused { error } else { String::new() },
+            summary: None,
+            seconds: 0.0,
+        };
+        let mut summary = found.clone();
+        let mass = 1000.0 + 1500.0 * share(number, 0);
+        let off = if number % 100 == 5 { 2.0 } else { 1.0 };
+        let stiffness = 420.0 * mass * (0.95 + 0.1 * share(number, 1)) * off;
+        let speed = if number.is_multiple_of(2) { 15.56 } else { 11.11 };
+        summary.test.mass_kg = Some(mass.round());
+        summary.test.impact_speed_m_per_s = Some(speed);
+        summary.test.vehicle = Some(format!("{} MADE SEDAN {number:05}", 1998 + (25.0 * share(number, 2)) as usize));
+        let crush = speed * (mass / stiffness).sqrt();
+        if let Some(events) = &mut summary.events {
+            events.dynamic_crush_m = Some(crush);
+        }
+        if let Some(olc) = summary.metrics.get_mut("olc") {
+            olc.value = Some(speed * speed / crush * (0.7 + 0.05 * share(number, 3)));
+        }
+        for candidate in summary.candidates.iter_mut().filter(|candidate| candidate.model == "kelvin") {
+            candidate.parameters.insert("stiffness_n_per_m".into(), stiffness);
+        }
+        Row { run, ended, summary: (!refused).then_some(summary) }
+    }
+
+    fn made(folder: &Path) -> Vec<Row> {
+        let found = RunSummary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
+        let rows: Vec<Row> = (0..500).map(|number| row(number, &found)).collect();
+        for row in &rows {
+            let folder = folder.join(&row.run.folder);
+            fs::create_dir_all(&folder).unwrap();
+            symlink(fixture("2-filter.mcap").canonicalize().unwrap(), folder.join("2-filter.mcap")).unwrap();
+        }
+        rows
+    }
+
+    #[test]
+    fn a_fleet_of_five_hundred_is_below_half_a_megabyte_and_names_outliers_and_failures() {
+        let folder = tempfile::tempdir().unwrap();
+        let fleet = folder.path().join("made <fleet>");
+        let rows = made(&fleet);
+        write_page(&fleet, &rows).unwrap();
+        let html = fs::read_to_string(fleet.join("fleet.html")).unwrap();
+        eprintln!("fleet.html of 500 runs: {} bytes", html.len());
+        assert!(html.len() < 500_000, "{}", html.len());
+        assert!(html.contains("<h1>made &lt;fleet&gt;</h1>") && html.matches("<svg class=s ").count() == 490);
+        // Stiffness, crush and OLC over mass, speed and year; six distributions.
+        assert_eq!(html.matches("<svg class=\"plot\"").count(), 9 + 6);
+        assert!(html.contains("href=\"runs/00005-56/default/report.html\"><circle class=\"link\""));
+        assert!(html.contains("<summary>10 × refused: …, line #: &quot;…&quot; is no number</summary>"));
+        assert_eq!(html, page(&fleet, &rows));
+    }
+
+    #[test]
+    fn a_fleet_without_a_single_result_has_a_page() {
+        let folder = tempfile::tempdir().unwrap();
+        let found = RunSummary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
+        let html = page(folder.path(), &[row(49, &found)]);
+        assert!(html.contains("1 run, 0 with a recommended model, 1 without a result") && !html.contains("Distrib"));
+        assert!(page(folder.path(), &[]).contains("0 runs"));
+    }
 }

@@ -1,12 +1,8 @@
-//! `fleet.html`: the runs of a fleet on one page, for people: km/h, mm, g, kN/m.
-//! May use `tables`, `runs` and `records`.
+//! `fleet.html`: the runs of a fleet as an index, with figures of all of them.
+//! May use `tables`, `runs` and `records`; the page, its table and its quantities are those of `crumple-report`.
 
+pub mod distributions;
 pub mod document;
-pub mod failures;
-pub mod histogram;
-pub mod markup;
 pub mod outliers;
-pub mod quantities;
-pub mod run_table;
+pub mod pulse;
 pub mod scatter;
-pub mod sparkline;

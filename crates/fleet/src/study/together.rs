@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use anyhow::Context;
+use crumple_report::SummaryCandidate;
 use serde::Deserialize;
 
 use crate::runs::journal::{Ended, digest_of_summary};
@@ -14,7 +15,6 @@ use crate::runs::programs::digest_of_programs;
 use crate::study::left_out::LeftOut;
 use crate::study::options::StudyOptions;
 use crate::study::vehicles::Vehicle;
-use crate::tables::summary::SummaryCandidate;
 
 /// Folder of the joint models in that of the fleet.
 pub(crate) const STUDY: &str = "study";

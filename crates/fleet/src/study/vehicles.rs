@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crumple_report::model_year;
+
 use crate::tables::rows::Row;
-use crate::tables::summary::model_year;
 use crate::tables::table::Kind::{Count, Number, Text};
 use crate::tables::table::{Cell, Table, columns};
 

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crumple_report::{RunSummary, SummaryCandidate};
+
 use crate::runs::plan::Run;
-use crate::tables::summary::{RunSummary, SummaryCandidate};
 use crate::tables::table::Kind::{Count, Flag, Number, Text};
 use crate::tables::table::{Cell, Column, Kind};
 use crate::tables::tests_table::cells_of_run;

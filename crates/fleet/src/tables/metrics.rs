@@ -1,7 +1,8 @@
 //! `metrics`: one row a metric of a run.
 
+use crumple_report::{RunSummary, SummaryMetric};
+
 use crate::runs::plan::Run;
-use crate::tables::summary::{RunSummary, SummaryMetric};
 use crate::tables::table::Kind::{Number, Text};
 use crate::tables::table::{Cell, Kind};
 use crate::tables::tests_table::cells_of_run;

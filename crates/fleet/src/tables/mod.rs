@@ -7,7 +7,6 @@ pub mod metrics;
 pub mod parquet_file;
 pub mod predictions;
 pub mod rows;
-pub mod summary;
 pub mod table;
 pub mod tests_table;
 pub mod write;

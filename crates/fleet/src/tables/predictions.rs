@@ -1,9 +1,9 @@
 //! `predictions`: one row an impact that was not made.
 
 use crumple_artifact::records::PredictionV1;
+use crumple_report::RunSummary;
 
 use crate::runs::plan::Run;
-use crate::tables::summary::RunSummary;
 use crate::tables::table::Kind::{Flag, Number, Text};
 use crate::tables::table::{Cell, Kind};
 use crate::tables::tests_table::cells_of_run;

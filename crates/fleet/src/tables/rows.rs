@@ -4,11 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::Context;
+use crumple_report::RunSummary;
 use rayon::prelude::*;
 
 use crate::runs::journal::Ended;
 use crate::runs::plan::{Run, path_in};
-use crate::tables::summary::RunSummary;
 use crate::tables::table::{Column, Table, columns};
 use crate::tables::tests_table::OF_RUN;
 use crate::tables::{candidates, metrics, predictions, tests_table};
@@ -36,7 +36,7 @@ pub(crate) fn rows(fleet: &Path, ended: Vec<(Run, Ended)>) -> anyhow::Result<Vec
 fn read_summary(folder: &Path) -> anyhow::Result<RunSummary> {
     let path = folder.join("summary.json");
     let bytes = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    serde_json::from_slice(&bytes).with_context(|| format!("{} is no summary of a run", path.display()))
+    RunSummary::from_json(&bytes).with_context(|| format!("{} is no summary of a run", path.display()))
 }
 
 /// The four tables.

@@ -1,10 +1,10 @@
 //! `tests`: one row a run.
 
+use crumple_report::{RunSummary, status};
 use crumple_signal::{Note, Severity};
 
 use crate::runs::journal::Ended;
 use crate::runs::plan::Run;
-use crate::tables::summary::{RunSummary, model_year};
 use crate::tables::table::Kind::{Count, Number, Text};
 use crate::tables::table::{Cell, Kind};
 
@@ -76,7 +76,7 @@ pub(crate) fn row(run: &Run, ended: &Ended, summary: Option<&RunSummary>) -> Vec
         (&ended.error).into(),
         text(test.map(|test| &test.title)),
         vehicle.into(),
-        vehicle.and_then(model_year).map_or(Cell::Empty, Cell::Count),
+        summary.and_then(RunSummary::model_year).map_or(Cell::Empty, Cell::Count),
         text(test.and_then(|test| test.barrier.as_ref())),
         test.and_then(|test| test.mass_kg).into(),
         test.and_then(|test| test.impact_speed_m_per_s).into(),
@@ -107,15 +107,4 @@ pub(crate) fn row(run: &Run, ended: &Ended, summary: Option<&RunSummary>) -> Vec
 /// How severe a note of a summary is: `STAGE: NOTE`.
 fn severity(text: &str) -> Severity {
     Note::parse(text.split_once(": ").map_or(text, |(_, rest)| rest)).severity
-}
-
-/// An exit code in words.
-pub(crate) fn status(exit_code: i32) -> &'static str {
-    match exit_code {
-        0 => "done",
-        2 => "usage",
-        3 => "refused",
-        4 => "no acceptable result",
-        _ => "failed",
-    }
 }

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crumple_drawing::escape::{address, html};
+use crumple_drawing::numbers::ABSENT;
+
 use super::compared_run::ComparedRun;
 use super::figure::figure;
 use super::numbers::{TOLERANCE, key_number_rows, model_rows, prediction_rows};
@@ -10,9 +13,7 @@ use super::table::{Row, to_html, to_markdown};
 use crate::conclusions::conclusion::conclusion;
 use crate::frame::framed::{FIGURES, framed};
 use crate::page::figures;
-use crate::text::escape::{address, html};
 use crate::text::markdown::{HEAD, markdown};
-use crate::text::numbers::ABSENT;
 
 /// Several runs beside each other.
 #[derive(Debug)]

@@ -1,12 +1,12 @@
 //! The tests of several runs and their recommended models over each other.
 
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
 use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;
-use crate::drawing::figure::{Axis, Figure, Panel, over_time, span};
-use crate::drawing::look::{Colour, Dash, Look, Width};
 use crate::figures::crash::curves::view_ms;
-use crate::text::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::names::candidate_name;
 
 /// What of a run is drawn in one panel over time: the test's wave and the model's.
 type Pair<'a> = (Option<&'a Sampled>, Option<&'a Sampled>);

@@ -1,6 +1,7 @@
 //! What a report says first, as Markdown for a merge request.
 
 use crumple_artifact::records::ConcernV1;
+use crumple_drawing::numbers::{ABSENT, MILLI, decimals, signed};
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
@@ -11,7 +12,7 @@ use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::conclusion;
 use crate::conclusions::distinct_curves::distinct_curves;
 use crate::text::markdown::{HEAD, markdown};
-use crate::text::numbers::{ABSENT, MILLI, candidate_name, decimals, signed};
+use crate::text::names::candidate_name;
 
 /// Conclusion, warnings, key numbers, the recommended model, the candidates, and how to make the run again.
 ///

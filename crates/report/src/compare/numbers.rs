@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
+use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, decimals, digits_of_interval, signed, significant, unit};
 use serde::Serialize;
 
 use super::compared_run::ComparedRun;
@@ -10,9 +11,7 @@ use super::table::{Cell, Row};
 use crate::CandidateResult;
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::page::key_numbers::{places, title};
-use crate::text::numbers::{
-    ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, signed, significant, unit,
-};
+use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 
 /// What counts as the same, in words.

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crumple_drawing::numbers::ABSENT;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
 use super::table::Row;
-use crate::text::numbers::ABSENT;
 
 /// The rows: record and pipeline always, then what differs.
 pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {

@@ -1,6 +1,7 @@
 //! A table of runs: a row a quantity, a column a run; as HTML and as Markdown.
 
-use crate::text::escape::html;
+use crumple_drawing::escape::html;
+
 use crate::text::markdown::markdown;
 
 /// What a run says of the quantity of a row.

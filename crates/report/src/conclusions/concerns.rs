@@ -1,11 +1,12 @@
 //! What speaks against a run, ranked by what it does to what is shown.
 
 use crumple_artifact::records::ConcernV1;
+use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_signal::{About, Severity, Weight};
 
 use crate::conclusions::kind::Kind;
 use crate::text::language::{Language, fill};
-use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::names::candidate_name;
 use crate::text::parameters::parameter;
 use crate::{CandidateResult, Ranking, Run, SensorMotion};
 

@@ -1,6 +1,7 @@
 //! The result of a run in two sentences, made by rules from its records.
 
 use crumple_artifact::records::{ConcernV1, PredictionV1};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,7 +9,7 @@ use serde::Serialize;
 use crate::conclusions::concerns::{concerns, is_decisive, symbols};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
-use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Certainties, Model, Ranking, Run};
 
 /// Whether what was asked for is there.

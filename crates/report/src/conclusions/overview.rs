@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval, significant};
 
 use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::kind::Kind;
 use crate::text::language::fill;
-use crate::text::numbers::{
-    G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, digits_of_interval, significant,
-};
+use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
 

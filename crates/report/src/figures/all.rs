@@ -1,8 +1,9 @@
 //! All figures, in the order of the page.
 
+use crumple_drawing::Figure;
+
 use super::crash::{curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};
-use crate::drawing::figure::Figure;
 use crate::{Ranking, Run};
 
 /// All figures that the run has records for, in the order of the page.

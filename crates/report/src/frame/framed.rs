@@ -1,7 +1,7 @@
 //! What is around every page: head, style, script, and what the browser may load.
 
-use crate::drawing::look::{page_rules, palette};
-use crate::text::escape::html;
+use crumple_drawing::escape::html;
+use crumple_drawing::{page_rules, palette};
 
 const STYLE: &str = include_str!("../page/style.css");
 /// Cursor, zoom and downloads of figures.
@@ -27,8 +27,14 @@ pub(crate) fn framed(title: &str, style: &str, body: &str, script: &str) -> Stri
         page_rules()
     ));
     page.push_str(&reachable(body));
-    page.push_str(&format!("<script>\n{script}</script>\n</body>\n</html>\n"));
+    page.push_str(&format!("<script>\n{}</script>\n</body>\n</html>\n", compact(script)));
     page
+}
+
+/// A script without the indentation of its lines and the lines that are comments: a fleet has hundreds of pages.
+pub(crate) fn compact(script: &str) -> String {
+    let lines = script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    lines.flat_map(|line| [line, "\n"]).collect()
 }
 
 /// Definitions that stand in `title` come by tap and key too: what has one can be focused, and the style shows it.
@@ -45,5 +51,11 @@ mod tests {
     fn the_script_is_small_and_cannot_end_its_element() {
         assert!(!FIGURES.contains("</script") && !FIGURES.contains("<!--"));
         assert!(FIGURES.len() < 20_000, "{}", FIGURES.len());
+    }
+
+    #[test]
+    fn a_script_loses_indentation_and_lines_of_comments_alone() {
+        let script = "// Sorts.\nif (a) {\n  // Not this.\n  b('// kept');\n\n}\n";
+        assert_eq!(compact(script), "if (a) {\nb('// kept');\n}\n");
     }
 }

@@ -1,4 +1,4 @@
 //! What is around every page: head, style, script, and what the browser may load.
-//! Uses drawing and text.
+//! Uses no other room.
 
 pub mod framed;

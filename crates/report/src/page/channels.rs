@@ -1,10 +1,10 @@
 //! Which channel was taken and which others there are.
 
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::ABSENT;
 use crumple_signal::Channel;
 
 use crate::Run;
-use crate::text::escape::html;
-use crate::text::numbers::ABSENT;
 
 /// With more channels than this the list is folded: a full-scale test has hundreds.
 const OPEN_LIST: usize = 12;

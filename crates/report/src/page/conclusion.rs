@@ -1,10 +1,10 @@
 //! The verdict on top of the page, and the gravest warnings below it.
 
 use crumple_artifact::records::ConcernV1;
+use crumple_drawing::escape::html;
 
 use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::{Conclusion, Standing};
-use crate::text::escape::html;
 use crate::text::language::fill;
 use crate::text::phrases::Phrases;
 

@@ -1,7 +1,9 @@
 //! Where the energy of every model is at dynamic crush.
 
-use crate::text::escape::html;
-use crate::text::numbers::{KILO, MILLI, candidate_name, decimals};
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{KILO, MILLI, decimals};
+
+use crate::text::names::candidate_name;
 use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {

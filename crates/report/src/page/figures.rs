@@ -1,10 +1,8 @@
 //! Figures on the page: heading, legend, panels, caption. They are drawn without a script, which adds a cursor, a zoom
 //! and downloads.
 
-use crate::drawing::figure::Figure;
-use crate::drawing::file::swatch;
-use crate::drawing::panel::Drawing;
-use crate::text::escape::html;
+use crumple_drawing::escape::html;
+use crumple_drawing::{Drawing, Figure, swatch};
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
 pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {

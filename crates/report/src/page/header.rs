@@ -1,8 +1,9 @@
 //! Title and what was tested.
 
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP, at_most, decimals};
+
 use crate::Run;
-use crate::text::escape::html;
-use crate::text::numbers::{KM_PER_H_PER_M_PER_S, NBSP, at_most, decimals};
 
 pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut String)) {
     let test = &run.test;

@@ -1,8 +1,10 @@
 //! How well the recommended model and the closest follow the acceleration: rating in parts, residual, wall force.
 
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI, NBSP, decimals, times};
+
 use crate::results::residual::{Residual, residual};
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, G_PER_M_PER_S2, MILLI, NBSP, candidate_name, decimals, times};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Parts of ISO/TS 18571 and the rating itself, in the order of their columns.

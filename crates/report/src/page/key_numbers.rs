@@ -1,9 +1,10 @@
 //! The first numbers of a run, with interval and spread of sensors.
 
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, decimals, range, unit};
+
 use crate::Run;
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, MILLI, NBSP, decimals, range, unit};
 
 pub(super) fn write(out: &mut String, run: &Run) {
     let numbers = key_numbers(run);

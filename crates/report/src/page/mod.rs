@@ -1,5 +1,5 @@
 //! The page as HTML: its frame and its sections.
-//! Uses frame, figures, drawing, conclusions, results and text.
+//! Uses frame, figures, conclusions, results and text.
 
 pub mod candidates;
 pub mod channels;

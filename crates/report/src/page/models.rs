@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use crumple_artifact::records::{EvidenceV1, ModeV1};
+use crumple_drawing::Figure;
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, decimals, significant, times};
 
-use crate::drawing::figure::Figure;
 use crate::page::figures;
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, decimals, significant, times};
 use crate::{Model, Run};
 
 /// Pole rows of a model that are open to view; the rest is folded.

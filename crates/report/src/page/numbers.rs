@@ -1,10 +1,10 @@
 //! Events and metrics with their definitions.
 
 use crumple_artifact::records::{EventsV1, MetricV1};
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, range, value};
 
 use crate::Run;
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, range, value};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =

@@ -1,10 +1,11 @@
 //! Impacts that were not made, as the models of the test predict them.
 
 use crumple_artifact::records::PredictionV1;
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, decimals};
 
 use crate::Run;
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name, decimals};
+use crate::text::names::candidate_name;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     if run.predictions.is_empty() {

@@ -1,9 +1,10 @@
 //! How alike the curves of model and test are, by the ratings of the trade.
 
 use crumple_artifact::records::{RatingV1, SimulationV1};
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, decimals, signed, times};
 
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, candidate_name, decimals, signed, times};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.

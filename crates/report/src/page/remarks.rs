@@ -1,12 +1,13 @@
 //! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
 
 use crumple_artifact::records::ConcernV1;
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::decimals;
 use crumple_signal::Severity;
 
 use crate::page::conclusion;
 use crate::results::ranking::AS_GOOD_PERCENT;
-use crate::text::escape::html;
-use crate::text::numbers::{candidate_name, decimals};
+use crate::text::names::candidate_name;
 use crate::text::parameters::parameter;
 use crate::{CandidateResult, Ranking, Run, StageNote};
 

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 
-use crate::text::numbers::candidate_name;
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::text::language::{Language, fill};
-use crate::text::numbers::candidate_name;
+use crate::text::names::candidate_name;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]

@@ -4,6 +4,8 @@
 mod compare;
 mod console;
 mod gather;
+mod index;
+mod pictures;
 mod run_folders;
 
 use std::fs::{self, File};
@@ -13,11 +15,12 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{ComparedRun, Kind, Language, Page, Ranking, Run, all_figures, conclusion, first_screen, summary};
+use crumple_report::{ComparedRun, Kind, Language, Page, Ranking, all_figures, conclusion, first_screen, summary};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
     unknown_name,
 };
+use pictures::{Fonts, write_figures};
 
 /// Writes report.html, which a person looks at, and summary.json, which a script reads; or a page of several runs.
 #[derive(Debug, clap::Parser)]
@@ -29,17 +32,24 @@ use crumple_stage::{
                   4 not one candidate could be simulated (both files are written)."
 )]
 pub struct Cli {
-    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders.
+    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders,
+    /// with --index run folders or lists of them (@list.txt).
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
-    /// Page to write (one HTML file that needs no network) [default with --compare: compare.html].
-    #[arg(short, long, value_name = "PAGE", required_unless_present = "compare")]
+    /// Page to write (one HTML file that needs no network) [default with --compare: compare.html, with --index:
+    /// index.html].
+    #[arg(short, long, value_name = "PAGE", required_unless_present_any = ["compare", "index"])]
     pub output: Option<PathBuf>,
 
     /// Compare run folders: curves over each other, numbers and settings side by side, differences marked.
-    #[arg(long, conflicts_with_all = ["summary", "svg", "pipeline", "pipeline_name", "json"])]
+    #[arg(long, conflicts_with_all = ["summary", "svg", "png", "pipeline", "pipeline_name", "json"])]
     pub compare: bool,
+
+    /// Index of run folders: a sortable row a run, with its pulse, key numbers, recommended model and first warning.
+    #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "png", "markdown"])]
+    #[arg(conflicts_with_all = ["pipeline", "pipeline_name", "json"])]
+    pub index: bool,
 
     /// Markdown to write too, for a merge request: what the page says first.
     #[arg(long, value_name = "FILE")]
@@ -52,6 +62,10 @@ pub struct Cli {
     /// Folder to write each figure to, as an SVG file of its own.
     #[arg(long, value_name = "FOLDER")]
     pub svg: Option<PathBuf>,
+
+    /// Folder to write each figure to, as a PNG file of its own; its text needs a font of the system.
+    #[arg(long, value_name = "FOLDER")]
+    pub png: Option<PathBuf>,
 
     /// Pipeline file of the run; its name goes into the report and the summary.
     #[arg(short, long, value_name = "FILE")]
@@ -94,6 +108,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
         return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
     }
+    if cli.index {
+        return index::index(&cli.inputs, cli.output.as_deref().unwrap_or(Path::new("index.html")), cli.quiet);
+    }
     let Some(output) = &cli.output else { return Err(Usage::new("no report to write is named").hint("add -o").into()) };
     let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
     let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
@@ -119,6 +136,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     refuse_to_overwrite(output, OutputKind::Report, &cli.inputs)?;
     refuse_to_overwrite(&summary_path, OutputKind::Summary, &cli.inputs)?;
+    let fonts = cli.png.as_ref().map(|_| Fonts::of_system()).transpose()?;
     if cli.quiet {
         be_quiet();
     }
@@ -132,8 +150,10 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     write_both(output, &summary_path, &json, || Page::new(&run, &ranking))
         .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
     if let Some(folder) = &cli.svg {
-        write_figures(folder, &run, &ranking)
-            .with_context(|| format!("cannot write the figures into {}", folder.display()))?;
+        write_figures(folder, "svg", &all_figures(&run, &ranking), |figure| Ok(figure.to_svg().into_bytes()))?;
+    }
+    if let (Some(folder), Some(fonts)) = (&cli.png, &fonts) {
+        write_figures(folder, "png", &all_figures(&run, &ranking), |figure| fonts.png(figure))?;
     }
     if cli.json {
         to_stdout(json.as_bytes())?;
@@ -167,17 +187,6 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
             Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
         })
     })
-}
-
-/// Each figure as `<id>.svg`.
-fn write_figures(folder: &Path, run: &Run, ranking: &Ranking) -> anyhow::Result<()> {
-    fs::create_dir_all(folder)?;
-    for figure in all_figures(run, ranking) {
-        write_atomically(&folder.join(figure.id).with_extension("svg"), OutputKind::Figure, |file| {
-            Ok::<_, anyhow::Error>(file.write_all(figure.to_svg().as_bytes())?)
-        })?;
-    }
-    Ok(())
 }
 
 /// Name of a pipeline: its path below a folder `pipelines` without the ending, else the file's stem.

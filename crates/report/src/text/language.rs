@@ -1,6 +1,7 @@
 //! The languages of a report, and numbers as each writes them.
 
-use super::numbers::{NBSP, decimals};
+use crumple_drawing::numbers::{NBSP, decimals};
+
 use super::phrases::{ENGLISH, GERMAN, Phrases};
 
 /// A language that the report speaks.

@@ -1,9 +1,8 @@
-//! Numbers and names as people write them, and text made safe for HTML.
+//! Names as people write them, languages, and text made safe for Markdown.
 //! Uses no other room.
 
-pub mod escape;
 pub mod language;
 pub mod markdown;
-pub mod numbers;
+pub mod names;
 pub mod parameters;
 pub mod phrases;

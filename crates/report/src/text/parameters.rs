@@ -2,7 +2,7 @@
 
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
 
-use super::numbers::{KILO, MILLI};
+use crumple_drawing::numbers::{KILO, MILLI};
 
 /// Masses, then stiffnesses, then dampings, then the rest, each by name: the order people write them in.
 pub fn parameter_order<'a>(model: &str, name: &'a str) -> (usize, &'a str) {

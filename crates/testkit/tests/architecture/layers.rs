@@ -8,7 +8,7 @@ use crate::source::{Package, Source};
 /// other, what counts as different stands below them, and the programs of many runs above them.
 pub const LAYERS: [&[&str]; 9] = [
     &["signal", "linalg", "memory", "source-digest", "browser"],
-    &["lti", "estimation", "artifact"],
+    &["lti", "estimation", "artifact", "drawing"],
     &["metrics", "lumped"],
     &["sysid", "lumped-fit"],
     &["stage"],

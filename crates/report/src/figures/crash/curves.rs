@@ -4,11 +4,10 @@
 use super::drawn_models::DrawnModels;
 use super::force;
 use super::same_place::Envelope;
-use crate::drawing::figure::{Axis, Figure, Panel, over_time, span};
-use crate::drawing::look::{Colour, Dash, Look, Width};
-use crate::drawing::time_view::time_view_ms;
-use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals};
+use crate::figures::time_view::time_view_ms;
 use crate::{CandidateResult, Ranking, Run};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
 use crumple_signal::Sampled;
 
 /// A model may widen an axis beyond the test by this share of what the test spans.

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use crate::drawing::figure::Figure;
-use crate::drawing::look::Look;
-use crate::drawing::shown_at_first::at_first;
+use crumple_drawing::numbers::decimals;
+use crumple_drawing::{Figure, Look};
+
+use crate::figures::shown_at_first::at_first;
 use crate::results::ranking::pairs_of_equals;
-use crate::text::numbers::{candidate_name, decimals};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Candidates shown at first where nobody recommends one.

@@ -1,8 +1,9 @@
 //! Springs and dampers of the best model at work: the force of each against how far it is compressed.
 
-use crate::drawing::figure::{Axis, Figure, Panel, over};
-use crate::drawing::look::{Colour, Dash, Look};
-use crate::text::numbers::{KILO, MILLI, candidate_name};
+use crumple_drawing::numbers::{KILO, MILLI};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
+
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.

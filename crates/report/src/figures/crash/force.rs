@@ -1,11 +1,10 @@
 //! Force against crush: loading and unloading, the equal-energy line, the models, the barrier's load cells.
 
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP, decimals, significant};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
 use crumple_signal::Sampled;
 
 use super::drawn_models::DrawnModels;
-use crate::drawing::figure::{Axis, Figure, Panel, over, span};
-use crate::drawing::look::{Colour, Dash, Look};
-use crate::text::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP, decimals, significant};
 use crate::{CandidateResult, Run};
 
 /// The panel with what is to be said of it; without a mass the deceleration takes the force's place. `None` without a

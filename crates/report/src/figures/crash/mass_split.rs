@@ -1,11 +1,10 @@
 //! Parameters of the double model over the division of the mass: which divisions a passive structure can have.
 
 use crumple_artifact::records::MatchingSweepV1;
+use crumple_drawing::numbers::{KILO, significant};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
 
-use crate::drawing::figure::{Axis, Figure, Panel};
-use crate::drawing::look::{Colour, Dash, Look, Symbol};
 use crate::results::mass_divisions::{Divisions, ratio};
-use crate::text::numbers::{KILO, significant};
 use crate::{Ranking, Run};
 
 /// Name, panel and value of the four parameters, with their marks where all four are positive and where not.

@@ -1,5 +1,5 @@
 //! Figures of the crash: the test with its models, other sensors, springs at work, divisions of the mass.
-//! Uses drawing, results and text.
+//! Uses results and text.
 
 pub mod curves;
 mod drawn_models;

@@ -1,12 +1,11 @@
 //! What the models leave of the test: test minus model.
 
+use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Panel, over_time};
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
 use super::drawn_models::DrawnModels;
-use crate::drawing::figure::{Axis, Figure, Panel, over_time};
-use crate::drawing::look::{Colour, Dash};
-use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::{CandidateResult, Ranking, Run};
 
 /// Models drawn: the recommended, the closest, then by rank. A residual has many times the points of a motion.

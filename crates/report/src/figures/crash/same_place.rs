@@ -1,9 +1,9 @@
 //! What the sensors at the place of the pulse's say, together.
 
+use crumple_drawing::numbers::MILLI;
 use crumple_signal::Sampled;
 
 use crate::Run;
-use crate::text::numbers::MILLI;
 
 /// Lowest and highest of the sensors that the metrics take for one place, the pulse among them.
 pub struct Envelope<'a> {

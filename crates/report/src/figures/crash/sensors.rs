@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time};
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;
-use crate::drawing::figure::{Axis, Figure, Panel, over_time};
-use crate::drawing::look::{Colour, Dash, Look, Width};
-use crate::drawing::shown_at_first::at_first;
+use crate::figures::shown_at_first::at_first;
 use crate::results::run::SensorMotion;
-use crate::text::numbers::{KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Candidates whose masses are drawn over a sensor.

@@ -3,10 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use crumple_artifact::records::TransferFunctionV1;
+use crumple_drawing::numbers::significant;
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
 
-use crate::drawing::figure::{Axis, Figure, Panel, over};
-use crate::drawing::look::{Colour, Dash, Look};
-use crate::text::numbers::{significant, words_and_unit};
+use crate::text::names::words_and_unit;
 use crate::{Model, Run};
 
 const POINTS: usize = 400;

@@ -1,5 +1,5 @@
 //! Figures of the identified models: poles, singular values, stabilisation, responses over frequency and time.
-//! Uses drawing, results and text.
+//! Uses results and text.
 
 pub mod bode;
 pub mod poles;

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use crumple_drawing::numbers::{decimals, significant};
+use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
+
 use crate::Run;
-use crate::drawing::figure::{Axis, Figure, Label, Panel};
-use crate::drawing::look::{Colour, Look, Symbol};
-use crate::text::numbers::{decimals, significant};
 
 /// Marks of the models, so that they differ without colour too.
 const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];

@@ -1,8 +1,9 @@
 //! Impulse and step response of the identified models.
 
-use crate::drawing::figure::{Axis, Figure, Panel, over};
-use crate::drawing::look::{Colour, Dash, Look, Width};
-use crate::text::numbers::{LONG_S, words_and_unit};
+use crumple_drawing::numbers::LONG_S;
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
+
+use crate::text::names::words_and_unit;
 use crate::{Model, Run};
 
 /// A model that grows this far beyond the others would hide them.

@@ -1,9 +1,9 @@
 //! Singular values of the Hankel matrix: the evidence for the order of a model.
 
+use crumple_drawing::numbers::significant;
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
+
 use crate::Run;
-use crate::drawing::figure::{Axis, Figure, Panel};
-use crate::drawing::look::{Colour, Dash, Look, Symbol};
-use crate::text::numbers::significant;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use crumple_drawing::numbers::{decimals, significant};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
+
 use crate::Run;
-use crate::drawing::figure::{Axis, Figure, Panel};
-use crate::drawing::look::{Colour, Dash, Look, Symbol};
-use crate::text::numbers::{decimals, significant};
 
 /// Marks in the order of the legend: word of the record, name, symbol, colour.
 const MARKS: [(&str, &str, Symbol, Colour); 5] = [

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::Certainty;
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{digits_of_interval, significant};
 
 use crate::CandidateResult;
-use crate::text::escape::html;
-use crate::text::numbers::{digits_of_interval, significant};
 use crate::text::parameters::{parameter, parameter_order};
 
 /// Decades to either side of the value.

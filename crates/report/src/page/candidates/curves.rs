@@ -1,10 +1,11 @@
 //! The table of candidates: one row a distinct curve.
 
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals, signed};
 
 use crate::conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP, candidate_name, decimals, signed};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 use super::bars;

@@ -1,9 +1,10 @@
 //! Every candidate: parameters, what they answer with, which is best. Folded.
 
 use crumple_artifact::records::Certainty;
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, decimals, digits_of_interval, signed, significant};
 
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, MILLI, NBSP, candidate_name, decimals, digits_of_interval, signed, significant};
+use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
 

@@ -1,9 +1,10 @@
 //! Which candidate is for what, and what spoke for each.
 
 use crumple_artifact::records::{RatedCandidateV1, RecommendationV1};
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, decimals};
 
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, candidate_name, decimals};
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Run};
 
 /// The three roles, who has them and why.

@@ -1,9 +1,9 @@
 //! What profile likelihood, bootstrap and uncertain inputs say of a candidate's parameters, in words.
 
 use crumple_artifact::records::{ProfileV1, ReplicatesV1};
+use crumple_drawing::numbers::{NBSP, at_most, significant};
 
 use crate::CandidateResult;
-use crate::text::numbers::{NBSP, at_most, significant};
 use crate::text::parameters::{parameter, parameter_order};
 
 /// A sentence for each method that the candidate was put through.

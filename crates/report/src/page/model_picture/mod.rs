@@ -5,11 +5,12 @@ mod layout;
 mod parts;
 mod svg;
 
-use crate::text::escape::html;
-use crate::text::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP, candidate_name, decimals};
-use crate::{CandidateResult, Ranking, Run};
-
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals, signed};
 use parts::parts;
+
+use crate::text::names::candidate_name;
+use crate::{CandidateResult, Ranking, Run};
 
 /// What the pictures look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
@@ -68,9 +69,7 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     let mut sentences = Vec::new();
     sentences.extend(candidate.certainties().words(run.language).map(|text| format!("{text}.")));
     if let Some(simulation) = &candidate.simulation {
-        let error = |value: Option<f64>| {
-            value.map_or_else(|| ABSENT.to_owned(), |x| crate::text::numbers::signed(MILLI * x, 1))
-        };
+        let error = |value: Option<f64>| value.map_or_else(|| ABSENT.to_owned(), |x| signed(MILLI * x, 1));
         sentences.push(format!(
             "Crush {}{NBSP}mm, t<sub>m</sub> {}{NBSP}ms off the test; displacement fit {}{NBSP}%.",
             error(simulation.dynamic_crush_error_m),

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::Certainty;
+use crumple_drawing::numbers::{digits_of_interval, significant};
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
 };
 
 use crate::CandidateResult;
-use crate::text::numbers::{digits_of_interval, significant};
 use crate::text::parameters::parameter;
 
 /// What a drawing of a model needs.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::text::escape::html;
+use crumple_drawing::escape::html;
 
 use super::layout::{LINE, Lane, Layout, WIDTH, layout};
 use super::parts::{ElementPart, Glyph, Parts};

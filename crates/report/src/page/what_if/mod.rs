@@ -1,14 +1,16 @@
 //! Sliders on the recommended model: the structure as data, and the script that moves it.
-//! Uses results and text.
+//! Uses frame, results and text.
 
 mod structure;
 
+use crumple_drawing::escape::{html, json_in_script};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use serde_json::json;
 
 use crumple_signal::Sampled;
 
-use crate::text::escape::{html, json_in_script};
-use crate::text::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, candidate_name};
+use crate::frame::framed::compact;
+use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// What the sliders look like, for the style of the page.
@@ -32,9 +34,10 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
          <p>{}, computed in this page with other numbers. Not fitted to anything: it shows what the model says, not \
          what a vehicle does.</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
          <div class=\"panels\">{PANEL}{PANEL}</div>\n<p class=\"caption state\"></p>\n</section>\n\
-         <script type=\"application/json\" id=\"what-if-data\">{}</script>\n<script>\n{SCRIPT}</script>\n",
+         <script type=\"application/json\" id=\"what-if-data\">{}</script>\n<script>\n{}</script>\n",
         html(&candidate_name(&candidate.id)),
-        json_in_script(&data.to_string())
+        json_in_script(&data.to_string()),
+        compact(SCRIPT)
     ));
 }
 

@@ -59,6 +59,8 @@ pub struct Panel {
     pub guides: Vec<Vec<[f64; 2]>>,
     /// Texts beside points of the plane; those without room are left out.
     pub labels: Vec<Label>,
+    /// Points that lead to other pages.
+    pub links: Vec<Link>,
 }
 
 /// An axis: what it is called, how far it reaches.
@@ -104,6 +106,17 @@ pub struct Label {
     /// The point.
     pub at: [f64; 2],
     /// The text.
+    pub text: String,
+}
+
+/// A point that leads to another page.
+#[derive(Debug, Clone)]
+pub struct Link {
+    /// The point.
+    pub at: [f64; 2],
+    /// Path of that page from the folder of this one.
+    pub address: String,
+    /// What it says when pointed at, plain text.
     pub text: String,
 }
 
@@ -156,6 +169,7 @@ impl Panel {
             dots: vec![],
             guides: vec![],
             labels: vec![],
+            links: vec![],
         }
     }
 
@@ -179,6 +193,15 @@ impl Panel {
         let upper = edges.iter().map(|[x, _, high]| [*x, *high]);
         let lower = edges.iter().rev().map(|[x, low, _]| [*x, *low]);
         self.bands.push(Curve { entry, points: upper.chain(lower).collect(), marked: false });
+    }
+
+    /// Columns side by side between the edges, one more than there are heights, from zero up: a histogram.
+    pub fn columns(&mut self, entry: usize, edges: &[f64], heights: &[f64]) {
+        let tops = || edges.windows(2).zip(heights).flat_map(|(pair, height)| pair.iter().map(|x| [*x, *height]));
+        let ends = [edges.first(), edges.last()].map(|edge| edge.map(|x| [*x, 0.0]));
+        self.line(entry, ends[0].into_iter().chain(tops()).chain(ends[1]).collect());
+        let band: Vec<[f64; 3]> = tops().map(|[x, height]| [x, 0.0, height]).collect();
+        self.band(entry, &band);
     }
 
     /// Marks a place of `x`.
@@ -232,5 +255,14 @@ mod tests {
         let tidy = figure.tidy();
         assert_eq!((tidy.legend.len(), tidy.legend[0].name.as_str()), (1, "there"));
         assert_eq!((tidy.panels.len(), tidy.panels[0].curves[0].entry), (1, 0));
+    }
+
+    #[test]
+    fn columns_of_a_histogram_stand_on_zero() {
+        let mut panel = Panel::new(Axis::new("x"), Axis::new("runs"));
+        panel.columns(0, &[0.0, 1.0, 2.0], &[3.0, 1.0]);
+        let line = [[0.0, 0.0], [0.0, 3.0], [1.0, 3.0], [1.0, 1.0], [2.0, 1.0], [2.0, 0.0]];
+        assert_eq!(panel.curves[0].points, line);
+        assert_eq!(panel.bands[0].points[4..], [[2.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]]);
     }
 }

@@ -5,9 +5,10 @@ use std::fmt::Write;
 
 use super::figure::{Axis, Curve, Figure, Panel};
 use super::look::{Look, Symbol};
-use super::thinning::thinned;
+use super::polyline::polyline;
+use super::thinning::{NEAR, thinned};
 use super::ticks::{self, Ticks};
-use crate::text::escape::html;
+use crate::text::escape::{address, html};
 use crate::text::numbers::{significant, superscript};
 
 /// Width of a panel.
@@ -40,7 +41,7 @@ impl<'a> Drawing<'a> {
         let x = along(figure, panel);
         let in_view = |p: &&[f64; 2]| (x.view[0]..=x.view[1]).contains(&p[0]);
         let y_view = panel.y.view.unwrap_or_else(|| {
-            let dots = panel.dots.iter().map(|p| p[1]);
+            let dots = panel.dots.iter().map(|p| p[1]).chain(panel.links.iter().map(|link| link.at[1]));
             let points = shown(figure, panel).flat_map(|c| &c.points).filter(in_view);
             reach(&panel.y, 0.06, points.map(|p| p[1]).chain(dots))
         });
@@ -74,11 +75,13 @@ impl<'a> Drawing<'a> {
         };
         let follows = self.panel.follows.map_or_else(String::new, |factor| format!(" data-follows=\"{factor}\""));
         format!(
-            "<svg class=\"plot\" id=\"{id}\" viewBox=\"0 0 {WIDTH} {}\" role=\"img\" aria-labelledby=\"{id}-t {id}-d\" \
+            "<svg class=\"plot\" id=\"{id}\" viewBox=\"0 0 {WIDTH} {}\" role=\"{}\" aria-labelledby=\"{id}-t {id}-d\" \
              data-x=\"{}\" data-y=\"{}\"{kind}{follows}>\n<title id=\"{id}-t\">{}: {} over {}</title>\n\
              <desc id=\"{id}-d\">{}</desc>\n\
              {}</svg>\n",
             self.height(),
+            // What an image holds is not reached by keys.
+            if self.panel.links.is_empty() { "img" } else { "group" },
             ends(&self.x),
             ends(&self.y),
             html(&self.figure.title),
@@ -185,8 +188,8 @@ impl<'a> Drawing<'a> {
             let near: Vec<[f64; 2]> = curve.points.iter().filter(is_near).copied().collect();
             let _ = writeln!(out, "<path class=\"b {} e{entry}\" d=\"{}z\"/>", look.colour.name(), self.path(&near));
         } else if curve.marked {
-            let (filled, shape) = look.symbol.unwrap_or(Symbol::Disc).shape();
-            let kind = if filled { "f" } else { "l" };
+            let symbol = look.symbol.unwrap_or(Symbol::Disc);
+            let (kind, shape) = (symbol.class(), symbol.shape().1);
             let _ = write!(out, "<path class=\"{kind} {} e{entry} p\" d=\"", look.colour.name());
             for point in &curve.points {
                 let [x, y] = self.place(*point);
@@ -217,19 +220,7 @@ impl<'a> Drawing<'a> {
         let near = |point: &[f64; 2]| self.is_near(point);
         let mut out = String::new();
         for stretch in placed.chunk_by(|a, b| near(a) && near(b)).filter(|stretch| near(&stretch[0])) {
-            let mut last = [0_i64; 2];
-            for (place, point) in thinned(stretch).iter().enumerate() {
-                let here = point.map(|x| (100.0 * x).round() as i64);
-                out.push_str(match place {
-                    0 => "M",
-                    1 => "l",
-                    _ => "",
-                });
-                let step = [here[0] - last[0], here[1] - last[1]];
-                hundredths(&mut out, step[0], place > 1);
-                hundredths(&mut out, step[1], true);
-                last = here;
-            }
+            polyline(&mut out, &thinned(stretch, NEAR), 1);
         }
         out
     }
@@ -255,6 +246,18 @@ impl<'a> Drawing<'a> {
                 LEFT + x,
                 self.top() + y,
                 dot[0]
+            );
+        }
+        for link in &self.panel.links {
+            let [x, y] = self.place(link.at);
+            let _ = writeln!(
+                out,
+                "<a href=\"{}\"><circle class=\"link\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"5\">\
+                 <title>{}</title></circle></a>",
+                address(&link.address),
+                LEFT + x,
+                self.top() + y,
+                html(&link.text)
             );
         }
     }
@@ -331,7 +334,8 @@ fn shown<'a>(figure: &'a Figure, panel: &'a Panel) -> impl Iterator<Item = &'a C
 fn along(figure: &Figure, panel: &Panel) -> Scale {
     // Marks of points need room at the edges, lines none.
     let margin = if panel.curves.iter().any(|curve| curve.marked) { 0.03 } else { 0.0 };
-    let all = || reach(&panel.x, margin, shown(figure, panel).flat_map(|c| &c.points).map(|p| p[0]));
+    let points = || shown(figure, panel).flat_map(|c| &c.points).chain(panel.links.iter().map(|link| &link.at));
+    let all = || reach(&panel.x, margin, points().map(|p| p[0]));
     Scale::new(&panel.x, panel.x.view.unwrap_or_else(all), [0.0, WIDTH - LEFT - RIGHT])
 }
 
@@ -402,24 +406,9 @@ fn titled(title: &str, ticks: &Ticks) -> String {
     if ticks.exponent == 0 { title.to_owned() } else { format!("{title} × 10{}", superscript(ticks.exponent)) }
 }
 
-/// A number of hundredths as few characters: `3`, `-.25`, `1.5`; a blank goes before what does not start with a sign.
-fn hundredths(out: &mut String, value: i64, blank: bool) {
-    if value < 0 {
-        out.push('-');
-    } else if blank {
-        out.push(' ');
-    }
-    let (whole, part) = (value.unsigned_abs() / 100, value.unsigned_abs() % 100);
-    if whole > 0 || part == 0 {
-        let _ = write!(out, "{whole}");
-    }
-    if part > 0 {
-        let _ = if part % 10 == 0 { write!(out, ".{}", part / 10) } else { write!(out, ".{part:02}") };
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::figure::Link;
     use super::super::look::{Colour, Dash};
     use super::*;
 
@@ -524,12 +513,13 @@ mod tests {
     }
 
     #[test]
-    fn hundredths_are_short() {
-        let text = |value, blank| {
-            let mut out = String::new();
-            hundredths(&mut out, value, blank);
-            out
-        };
-        assert_eq!([text(300, true), text(-25, true), text(150, false), text(0, true)], [" 3", "-.25", "1.5", " 0"]);
+    fn a_point_that_leads_to_a_page_is_reached_by_keys_and_its_text_is_safe() {
+        let mut figure = figure(vec![[0.0, 0.0], [1.0, 1.0]]);
+        let link = Link { at: [2.0, 3.0], address: "runs/a \"b/report.html".into(), text: "<b>".into() };
+        figure.panels[0].links.push(link);
+        let drawing = Drawing::new(&figure, &figure.panels[0]);
+        let svg = drawing.svg("f-0", false);
+        assert!(svg.contains("href=\"runs/a%20%22b/report.html\"") && svg.contains("<title>&lt;b&gt;</title>"));
+        assert!(svg.contains("role=\"group\"") && drawing.x.view[1] >= 2.0 && drawing.y.view[1] >= 3.0);
     }
 }

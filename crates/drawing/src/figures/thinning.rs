@@ -2,14 +2,14 @@
 
 /// Columns a unit of width: two of a display's pixels on most displays, and room to zoom.
 const COLUMNS: f64 = 2.0;
-/// A point is needless where the line without it stays this near, units of the drawing.
-const NEAR: f64 = 0.05;
+/// A point of a figure is needless where the line without it stays this near, units of the drawing.
+pub const NEAR: f64 = 0.05;
 
 /// Thins points of a drawing. Ends and extremes stay: of every column the first, the lowest, the highest and the last
-/// point, and a peak is moved by less than [`NEAR`].
-pub fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+/// point, and a peak is moved by less than `near`.
+pub fn thinned(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
     let rising = points.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
-    if rising { straightened(&by_columns(points)) } else { straightened(points) }
+    if rising { straightened(&by_columns(points), near) } else { straightened(points, near) }
 }
 
 fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
@@ -28,7 +28,7 @@ fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// Ramer (1972), Douglas & Peucker (1973), without recursion.
-fn straightened(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn straightened(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
     if points.len() < 3 {
         return points.to_vec();
     }
@@ -39,7 +39,7 @@ fn straightened(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     while let Some((from, to)) = stretches.pop() {
         let far = (from + 1..to)
             .map(|k| (distance(points[k], points[from], points[to]), k))
-            .fold((NEAR, None), |(most, at), (d, k)| if d > most { (d, Some(k)) } else { (most, at) });
+            .fold((near, None), |(most, at), (d, k)| if d > most { (d, Some(k)) } else { (most, at) });
         if let (_, Some(k)) = far {
             needed[k] = true;
             stretches.extend([(from, k), (k, to)]);
@@ -66,7 +66,7 @@ mod tests {
             (0..100_000).map(|k| [f64::from(k) * 4.8e-3, 100.0 + 20.0 * (f64::from(k) * 1e-3).sin()]).collect();
         points[54_321][1] = 7.0;
         points[77_777][1] = 190.0;
-        let kept = thinned(&points);
+        let kept = thinned(&points, NEAR);
         assert!(kept.len() < 3_000, "{}", kept.len());
         for index in [0, 54_321, 77_777, 99_999] {
             assert!(kept.contains(&points[index]), "{index}");
@@ -77,7 +77,7 @@ mod tests {
     fn a_smooth_curve_is_met_everywhere_with_few_points() {
         let curve = |x: f64| 120.0 - 110.0 * (x / 480.0 * std::f64::consts::PI).sin();
         let points: Vec<[f64; 2]> = (0..=4_800).map(|k| [f64::from(k) * 0.1, curve(f64::from(k) * 0.1)]).collect();
-        let kept = thinned(&points);
+        let kept = thinned(&points, NEAR);
         assert!(kept.len() < 150, "{}", kept.len());
         for pair in kept.windows(2) {
             let middle = [(pair[0][0] + pair[1][0]) / 2.0, (pair[0][1] + pair[1][1]) / 2.0];
@@ -90,6 +90,6 @@ mod tests {
     fn a_loop_keeps_its_order() {
         // Up and back again: not a function of x, so no columns.
         let points: Vec<[f64; 2]> = (0..=20).map(|k| [f64::from(10 - (k - 10_i32).abs()), f64::from(k)]).collect();
-        assert_eq!(thinned(&points), [[0.0, 0.0], [10.0, 10.0], [0.0, 20.0]]);
+        assert_eq!(thinned(&points, NEAR), [[0.0, 0.0], [10.0, 10.0], [0.0, 20.0]]);
     }
 }

@@ -77,8 +77,8 @@ pub fn swatch(entry: &Entry) -> String {
     match look.symbol {
         None => format!("<path class=\"{}\" d=\"M1 6h26\"/>", look.classes()),
         Some(symbol) => {
-            let (filled, shape) = Symbol::shape(symbol);
-            format!("<path class=\"{} {colour}\" d=\"M14 6{shape}\"/>", if filled { "f" } else { "l" })
+            let shape = Symbol::shape(symbol).1;
+            format!("<path class=\"{} {colour}\" d=\"M14 6{shape}\"/>", symbol.class())
         }
     }
 }

@@ -59,6 +59,8 @@ pub enum Symbol {
     Square,
     /// A hollow triangle.
     Triangle,
+    /// A faint dot of a cloud of many: the shortest to write.
+    Point,
 }
 
 /// How an entry of a legend is drawn.
@@ -156,6 +158,15 @@ impl Look {
 }
 
 impl Symbol {
+    /// Class of its paths beside the colour: filled, lines, or the round ends of lines without length.
+    pub fn class(self) -> &'static str {
+        match (self, self.shape().0) {
+            (Self::Point, _) => "l pt",
+            (_, true) => "f",
+            _ => "l",
+        }
+    }
+
     /// Whether it is filled, and its outline about a point as the rest of a path's `d` after a move to it.
     pub fn shape(self) -> (bool, &'static str) {
         match self {
@@ -167,6 +178,7 @@ impl Symbol {
             Self::Diamond => (true, "m0-5l5 5l-5 5l-5-5z"),
             Self::Square => (false, "m-4-4h8v8h-8z"),
             Self::Triangle => (false, "m0-5l5 9h-10z"),
+            Self::Point => (false, "h0"),
         }
     }
 }
@@ -191,7 +203,8 @@ fn rules(value: impl Fn(&str) -> String) -> String {
          .w1{stroke-width:1}.w3{stroke-width:3.2}\
          .d1{stroke-dasharray:8 4}.d2{stroke-dasharray:2 3}.d3{stroke-dasharray:9 3 2 3}\
          .b{stroke:none;fill-opacity:.2}.g{stroke-width:1;fill:none;vector-effect:non-scaling-stroke}\
-         .n{font-weight:600}\n",
+         .n{font-weight:600}\
+         .pt{stroke-width:5;stroke-linecap:round;stroke-opacity:.55}.link{stroke-width:2}\n",
     );
     for (name, _, _) in &PALETTE[..10] {
         let colour = value(name);
@@ -199,7 +212,8 @@ fn rules(value: impl Fn(&str) -> String) -> String {
     }
     css.push_str(&format!(
         "\nsvg text{{fill:{}}}svg .t{{fill:{}}}.g{{stroke:{}}}.frame{{fill:none;stroke:{}}}.window{{fill:{}}}\
-         .halo{{paint-order:stroke;stroke:{};stroke-width:4}}.dot{{fill:{};stroke:{};stroke-width:1.5}}\n",
+         .halo{{paint-order:stroke;stroke:{};stroke-width:4}}.dot{{fill:{};stroke:{};stroke-width:1.5}}\
+         .link{{fill:{};stroke:{}}}\n",
         value("text"),
         value("muted"),
         value("grid"),
@@ -208,6 +222,8 @@ fn rules(value: impl Fn(&str) -> String) -> String {
         value("paper"),
         value("event"),
         value("paper"),
+        value("paper"),
+        value("s1"),
     ));
     css
 }

@@ -1,0 +1,11 @@
+//! What figures are made of: panels, axes, looks; and the SVG they become, on a page or as a file.
+//! Uses text.
+
+pub mod figure;
+pub mod file;
+pub mod look;
+pub mod panel;
+mod polyline;
+pub mod sparkline;
+mod thinning;
+mod ticks;

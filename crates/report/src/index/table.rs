@@ -1,0 +1,71 @@
+//! One row a run. The script makes buttons of the heads of its columns, which sort.
+
+use std::fmt::Write as _;
+
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::significant;
+
+use super::failures::{line_of, shortened};
+use super::indexed_run::{IndexedRun, status};
+use super::quantities::{CRUSH, DELTA_V, MASS, OLC, PEAK, Quantity, RESTITUTION, SPEED, STIFFNESS, TIME_OF_CRUSH};
+use super::run_summary::RunSummary;
+use crate::text::names::model_name;
+
+/// Columns of numbers.
+const NUMBERS: [Quantity; 9] = [SPEED, MASS, CRUSH, TIME_OF_CRUSH, DELTA_V, PEAK, OLC, RESTITUTION, STIFFNESS];
+/// Digits of a number: hundreds of rows are compared, none is taken from here.
+const DIGITS: usize = 3;
+/// Most characters of a warning and of the name of a vehicle: the report has all.
+const OF_WARNING: usize = 100;
+const OF_VEHICLE: usize = 60;
+
+/// The table. End tags that HTML does not ask for are left out: there are hundreds of rows.
+pub(super) fn table(runs: &[IndexedRun<'_>]) -> String {
+    let several = runs.iter().any(|run| !run.variant.is_empty());
+    let mut out = "<div class=\"scroll\" role=\"region\" aria-label=\"Runs\" tabindex=\"0\">\n\
+                   <table class=\"index\">\n<thead><tr><th scope=col>Run<th scope=col>Vehicle or test"
+        .to_owned();
+    for quantity in NUMBERS {
+        let unit = if quantity.unit.is_empty() { String::new() } else { format!(", {}", quantity.unit) };
+        let _ = write!(out, "<th scope=col abbr=\"{}\">{}{unit}", quantity.name, quantity.symbol);
+    }
+    out.push_str(
+        "<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse<th scope=col>First warning",
+    );
+    if several {
+        out.push_str("<th scope=col>Pipeline");
+    }
+    out.push_str("</thead>\n<tbody>\n");
+    runs.iter().for_each(|run| row(&mut out, run, several));
+    out.push_str("</tbody></table>\n</div>\n");
+    out
+}
+
+fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
+    let summary = run.summary;
+    let test = summary.map(|summary| &summary.test);
+    let vehicle = test.map(|test| test.vehicle.as_ref().filter(|name| !name.trim().is_empty()).unwrap_or(&test.title));
+    // Writing to a string does not fail.
+    let _ = write!(out, "<tr><th>{}<td>{}", run.linked(), html(&shortened(vehicle.map_or("", |v| v), OF_VEHICLE)));
+    for quantity in NUMBERS {
+        let value = summary.and_then(quantity.of);
+        let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| significant(value, DIGITS)));
+    }
+    let recommended = summary.and_then(|summary| summary.recommended.as_deref());
+    let certainty = summary.and_then(RunSummary::certainty).unwrap_or_default();
+    let _ = match (recommended, run.is_done()) {
+        (Some(id), true) => write!(out, "<td>{}", html(&model_name(id.split('/').next().unwrap_or(id)))),
+        (None, true) => write!(out, "<td>none"),
+        (_, false) => write!(out, "<td><b>{}</b>", status(run.exit_code)),
+    };
+    let warning = match summary.and_then(|summary| summary.concerns.first()) {
+        Some(concern) if run.is_done() => &concern.text,
+        _ if run.is_done() => "",
+        _ => line_of(&run.error),
+    };
+    let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(&shortened(warning, OF_WARNING)));
+    if several {
+        let _ = write!(out, "<td>{}", html(&run.variant));
+    }
+    out.push('\n');
+}

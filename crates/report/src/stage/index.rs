@@ -1,0 +1,119 @@
+//! `--index`: many run folders as a table on one page.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::{Artifact, OutputKind};
+use crumple_report::{IndexedRun, RunIndex, RunSummary, pulse_line};
+use crumple_stage::{ExitStatus, Refused, Usage, refuse_to_overwrite, say, told_apart};
+
+use super::compare::write;
+use super::run_folders::address;
+
+/// Most folders that an error names.
+const NAMED: usize = 5;
+
+/// Reads the summaries of run folders and writes the page. Rows are in the order of the names of the runs.
+pub fn index(inputs: &[PathBuf], page: &Path, quiet: bool) -> anyhow::Result<ExitStatus> {
+    let folders = run_folders(inputs)?;
+    let summaries: Vec<PathBuf> = folders.iter().map(|folder| folder.join("summary.json")).collect();
+    refuse_missing(&folders, &summaries)?;
+    refuse_to_overwrite(page, OutputKind::Report, &summaries)?;
+    let mut named: Vec<(String, &PathBuf, RunSummary)> = Vec::new();
+    for ((name, folder), summary) in told_apart(&folders).into_iter().zip(&folders).zip(&summaries) {
+        named.push((name, folder, read(summary)?));
+    }
+    named.sort_by(|a, b| (&a.0, a.1).cmp(&(&b.0, b.1)));
+    let mut runs = Vec::new();
+    for (name, folder, summary) in &named {
+        let (exit_code, error) = IndexedRun::ending(summary);
+        runs.push(IndexedRun {
+            name: name.clone(),
+            variant: String::new(),
+            report: address(page, &folder.join("report.html")),
+            exit_code,
+            error,
+            summary: Some(summary),
+            pulse: pulse(folder, summary),
+        });
+    }
+    let index = RunIndex { title: "", tables: &[], runs: &runs, figures: Vec::new() };
+    write(page, OutputKind::Report, &index.to_html())?;
+    if !quiet {
+        say(index.counted());
+        say(page.display());
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// The folders that are named, those in lists among them, each once.
+fn run_folders(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut folders: Vec<PathBuf> = Vec::new();
+    for input in inputs {
+        let typed = input.to_string_lossy();
+        let list = match typed.strip_prefix('@') {
+            Some(list) => Some(PathBuf::from(list)),
+            None => input.is_file().then(|| input.clone()),
+        };
+        match list {
+            Some(list) => folders.extend(listed(&list)?),
+            None => folders.push(input.clone()),
+        }
+    }
+    let mut seen = BTreeSet::new();
+    folders.retain(|folder| seen.insert(folder.components().collect::<PathBuf>()));
+    if folders.is_empty() {
+        return Err(Usage::new("the lists name no run folder")
+            .hint("a list has the path of a run folder a line")
+            .into());
+    }
+    Ok(folders)
+}
+
+/// The paths in a list, a line each, relative to the list; empty lines and those that begin with # are passed over.
+fn listed(list: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let hint = "a list is a text file with the path of a run folder a line";
+    let text = fs::read_to_string(list)
+        .map_err(|error| Usage::new(format!("cannot read the list {}: {error}", list.display())).hint(hint))?;
+    let beside = list.parent().unwrap_or(Path::new(""));
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    Ok(lines.map(|line| beside.join(line)).collect())
+}
+
+/// Names folders without a summary: a row of nothing would look like a run.
+fn refuse_missing(folders: &[PathBuf], summaries: &[PathBuf]) -> Result<(), Refused> {
+    let missing: Vec<String> = folders
+        .iter()
+        .zip(summaries)
+        .filter(|(_, summary)| !summary.is_file())
+        .map(|(folder, _)| folder.display().to_string())
+        .collect();
+    let named = missing[..missing.len().min(NAMED)].join(", ");
+    let found = match missing.len() {
+        0 => return Ok(()),
+        1 => format!("{named} holds no summary.json"),
+        n if n > NAMED => format!("{n} folders hold no summary.json: {named}, ..."),
+        n => format!("{n} folders hold no summary.json: {named}"),
+    };
+    Err(Refused::new(found)
+        .expected("run folders, each with the summary.json that crumple-report writes")
+        .hint("just run RECORD makes one; leave out runs that did not get there"))
+}
+
+fn read(path: &Path) -> anyhow::Result<RunSummary> {
+    let refused = |problem: String| {
+        Refused::new(problem).hint("write it again: crumple-report FOLDER/*.mcap -o FOLDER/report.html")
+    };
+    let bytes = fs::read(path).map_err(|error| refused(format!("cannot read {}: {error}", path.display())))?;
+    Ok(RunSummary::from_json(&bytes)
+        .map_err(|error| refused(format!("{} is no summary of a run: {error}", path.display())))?)
+}
+
+/// The filtered pulse of a run folder; empty where there is none.
+fn pulse(folder: &Path, summary: &RunSummary) -> String {
+    let Some(channel) = summary.test.channel.as_deref() else { return String::new() };
+    let Ok(artifact) = Artifact::open(&folder.join("2-filter.mcap")) else { return String::new() };
+    let time_zero_s = summary.events.as_ref().map_or(0.0, |events| events.time_zero_s);
+    artifact.waves().get(channel).map(|wave| pulse_line(&wave.sampled, time_zero_s)).unwrap_or_default()
+}
