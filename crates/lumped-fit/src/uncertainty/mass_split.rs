@@ -6,11 +6,15 @@
 use std::collections::BTreeMap;
 
 use crumple_estimation::statistics::normal_distribution;
+use crumple_lumped::Model;
 
 use crate::candidate::minimum::Minimum;
 use crate::fit::as_measured::fit_nearby;
-use crate::free::free_parameter::{FreeParameter, masses_of};
-use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, assess};
+use crate::free::coordinates::Coordinates;
+use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
+use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, Intervals, assess};
+use crate::uncertainty::source_misfit::AtSource;
+use crate::uncertainty::transfer_posterior;
 
 /// Shares on each side of the assumed one at which the fit is repeated, each from the one before.
 const STEPS: i32 = 4;
@@ -37,6 +41,16 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
     if half_width <= 0.0 || minimum.free.iter().any(is_mass) {
         return;
     }
+    if let Some(intervals) = by_transfer_function(minimum, front, half_width) {
+        let of_values = minimum.model.parameters();
+        for (name, ends) in &mut assessment.interval {
+            if let Some((low, high)) = intervals.get(name) {
+                let value = of_values[name.as_str()];
+                *ends = (low.map(|low| low.min(value)), high.map(|high| high.max(value)));
+            }
+        }
+        return;
+    }
     // By share from the smallest on, each with the value and the interval of every parameter.
     let mut nodes: Vec<Option<BTreeMap<String, (f64, Ends)>>> = Vec::new();
     for direction in [-1.0, 1.0] {
@@ -57,6 +71,24 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
         let of_name: Vec<Option<[f64; 3]>> = nodes.iter().map(|node| closed(node.as_ref()?.get(name)?)).collect();
         *ends = mixture(around_the_assumed(&of_name, STEPS as usize).as_slice());
     }
+}
+
+/// The intervals of a double model by its transfer function, where the noise before the event explains the misfit;
+/// `None` for other models, and for records whose misfit it does not explain.
+fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Option<Intervals> {
+    let Model::DoubleSpringMassDamper(model) = &minimum.model else { return None };
+    let shares = (front - half_width, front + half_width);
+    if minimum.free.len() < 4 || shares.0 <= 0.0 || shares.1 >= 1.0 {
+        return None;
+    }
+    let springs = minimum.free.iter().map(|p| p.described_at(p.value));
+    let free: Vec<FreeParameter> = springs.chain(free_masses(&minimum.model, shares)).collect();
+    let coordinates = Coordinates::near(minimum.model, &free);
+    let kept: Vec<usize> = (0..free.len()).collect();
+    let source = AtSource::of(&coordinates, &minimum.observed, &coordinates.start(), &kept);
+    let intervals = transfer_posterior::intervals(&source.filter(AtSource::explains)?, &coordinates, model, shares)?;
+    let names = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"].into_iter();
+    Some(names.map(str::to_owned).zip(intervals).collect())
 }
 
 /// The closed intervals from the assumed share on, both ways, up to the first that is not closed; none where that at
