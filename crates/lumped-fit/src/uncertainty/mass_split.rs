@@ -8,10 +8,12 @@ use std::collections::BTreeMap;
 use crumple_estimation::statistics::normal_distribution;
 use crumple_lumped::Model;
 
+use crate::FitQuantity;
 use crate::candidate::minimum::Minimum;
 use crate::fit::as_measured::fit_nearby;
 use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
+use crate::record::observation::ObservedWave;
 use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, Intervals, assess};
 use crate::uncertainty::source_misfit::AtSource;
 use crate::uncertainty::transfer_posterior;
@@ -20,13 +22,20 @@ use crate::uncertainty::transfer_posterior;
 const STEPS: i32 = 4;
 /// Shares between which the mixture interpolates.
 const SHARES: usize = 80;
+/// Index of the compartment in a double model, and its springs and dampers.
+const COMPARTMENT: usize = 1;
+const SPRINGS_AND_DAMPERS: usize = 4;
 /// Bisections of an end of the mixture.
 const BISECTIONS: usize = 60;
 
 /// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
 /// `half_width` of that of the minimum.
 ///
-/// The fit is repeated at eight other shares, the masses in front in their proportion to each other and the total kept.
+/// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
+/// [`transfer_posterior`]; they hold the fitted value too.
+///
+/// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the total
+/// kept.
 /// The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each one a normal
 /// distribution, in logarithms where no end is zero, of the width of the interval there. Shares
 /// without a fit, or where the record leaves the parameter open, and those beyond, are left out; a parameter that is
@@ -73,12 +82,21 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
     }
 }
 
-/// The intervals of a double model by its transfer function, where the noise before the event explains the misfit;
-/// `None` for other models, and for records whose misfit it does not explain.
+/// The intervals of a double model by its transfer function, where the noise before the event explains the misfit.
+///
+/// `None` for other models, for records whose misfit the noise does not explain, with a sensor in front or on the
+/// wall, whose motion is not that of this function, and where a displacement is missed by less than its resolution:
+/// then that, and not the noise, bounds what is known.
 fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Option<Intervals> {
     let Model::DoubleSpringMassDamper(model) = &minimum.model else { return None };
     let shares = (front - half_width, front + half_width);
-    if minimum.free.len() < 4 || shares.0 <= 0.0 || shares.1 >= 1.0 {
+    let of_compartment = |wave: &ObservedWave| {
+        wave.mass.is_none_or(|mass| mass == COMPARTMENT)
+            && wave.quantity == FitQuantity::Displacement
+            && minimum.rmse_m() > wave.resolution
+    };
+    let of_compartment = minimum.observed.waves.iter().all(of_compartment);
+    if minimum.free.len() < SPRINGS_AND_DAMPERS || !of_compartment || shares.0 <= 0.0 || shares.1 >= 1.0 {
         return None;
     }
     let springs = minimum.free.iter().map(|p| p.described_at(p.value));
