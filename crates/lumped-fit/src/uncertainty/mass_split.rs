@@ -6,23 +6,36 @@
 use std::collections::BTreeMap;
 
 use crumple_estimation::statistics::normal_distribution;
+use crumple_lumped::Model;
 
+use crate::FitQuantity;
 use crate::candidate::minimum::Minimum;
 use crate::fit::as_measured::fit_nearby;
-use crate::free::free_parameter::{FreeParameter, masses_of};
-use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, assess};
+use crate::free::coordinates::Coordinates;
+use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
+use crate::record::observation::ObservedWave;
+use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, Intervals, assess};
+use crate::uncertainty::source_misfit::AtSource;
+use crate::uncertainty::transfer_posterior;
 
 /// Shares on each side of the assumed one at which the fit is repeated, each from the one before.
 const STEPS: i32 = 4;
 /// Shares between which the mixture interpolates.
 const SHARES: usize = 80;
+/// Index of the compartment in a double model, and its springs and dampers.
+const COMPARTMENT: usize = 1;
+const SPRINGS_AND_DAMPERS: usize = 4;
 /// Bisections of an end of the mixture.
 const BISECTIONS: usize = 60;
 
 /// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
 /// `half_width` of that of the minimum.
 ///
-/// The fit is repeated at eight other shares, the masses in front in their proportion to each other and the total kept.
+/// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
+/// [`transfer_posterior`]. All of them hold the fitted value.
+///
+/// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the total
+/// kept.
 /// The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each one a normal
 /// distribution, in logarithms where no end is zero, of the width of the interval there. Shares
 /// without a fit, or where the record leaves the parameter open, and those beyond, are left out; a parameter that is
@@ -35,6 +48,22 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
     let front = 1.0 - last / total;
     let is_mass = |p: &FreeParameter| masses.iter().any(|(name, _)| *name == p.name);
     if half_width <= 0.0 || minimum.free.iter().any(is_mass) {
+        return;
+    }
+    let values = minimum.model.parameters();
+    // At one end of the shares that the record allows the fitted value is an end of the interval.
+    let with_value = |name: &str, (low, high): Ends| {
+        let value = values.get(name).copied();
+        let min = |low: f64| value.map_or(low, |value| value.min(low));
+        let max = |high: f64| value.map_or(high, |value| value.max(high));
+        (low.map(min), high.map(max))
+    };
+    if let Some(intervals) = by_transfer_function(minimum, front, half_width) {
+        for (name, ends) in &mut assessment.interval {
+            if let Some(of_name) = intervals.get(name) {
+                *ends = with_value(name, *of_name);
+            }
+        }
         return;
     }
     // By share from the smallest on, each with the value and the interval of every parameter.
@@ -55,8 +84,35 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
     }
     for (name, ends) in &mut assessment.interval {
         let of_name: Vec<Option<[f64; 3]>> = nodes.iter().map(|node| closed(node.as_ref()?.get(name)?)).collect();
-        *ends = mixture(around_the_assumed(&of_name, STEPS as usize).as_slice());
+        *ends = with_value(name, mixture(around_the_assumed(&of_name, STEPS as usize).as_slice()));
     }
+}
+
+/// The intervals of a double model by its transfer function, where the noise before the event explains the misfit.
+///
+/// `None` for other models, for records whose misfit the noise does not explain, with a sensor in front or on the
+/// wall, whose motion is not that of this function, and where a displacement is missed by less than its resolution:
+/// then that, and not the noise, bounds what is known.
+fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Option<Intervals> {
+    let Model::DoubleSpringMassDamper(model) = &minimum.model else { return None };
+    let shares = (front - half_width, front + half_width);
+    let of_compartment = |wave: &ObservedWave| {
+        wave.mass.is_none_or(|mass| mass == COMPARTMENT)
+            && wave.quantity == FitQuantity::Displacement
+            && minimum.rmse_m() > wave.resolution
+    };
+    let of_compartment = minimum.observed.waves.iter().all(of_compartment);
+    if minimum.free.len() < SPRINGS_AND_DAMPERS || !of_compartment || shares.0 <= 0.0 || shares.1 >= 1.0 {
+        return None;
+    }
+    let springs = minimum.free.iter().map(|p| p.described_at(p.value));
+    let free: Vec<FreeParameter> = springs.chain(free_masses(&minimum.model, shares)).collect();
+    let coordinates = Coordinates::near(minimum.model, &free);
+    let kept: Vec<usize> = (0..free.len()).collect();
+    let source = AtSource::of(&coordinates, &minimum.observed, &coordinates.start(), &kept);
+    let intervals = transfer_posterior::intervals(&source.filter(AtSource::explains)?, &coordinates, model, shares)?;
+    let names = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"].into_iter();
+    Some(names.map(str::to_owned).zip(intervals).collect())
 }
 
 /// The closed intervals from the assumed share on, both ways, up to the first that is not closed; none where that at

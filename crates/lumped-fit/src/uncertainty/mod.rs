@@ -11,3 +11,4 @@ pub mod mass_split;
 pub mod profile_likelihood;
 pub mod propagation;
 pub(crate) mod source_misfit;
+pub(crate) mod transfer_posterior;

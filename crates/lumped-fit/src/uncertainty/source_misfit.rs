@@ -83,6 +83,22 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         self.noises.iter().all(|(_, explains)| *explains)
     }
 
+    /// Coordinates of the least misfit of the accelerations.
+    pub fn least(&self) -> &[f64] {
+        &self.theta
+    }
+
+    /// Least degrees of freedom of the noise of a wave.
+    pub fn freedom(&self) -> f64 {
+        self.noises.iter().map(|(noise, _)| noise.freedom).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The misfit in units of the noise, and its derivatives by the coordinates.
+    pub fn linear(&self, theta: &[f64]) -> Option<(Vec<f64>, DMatrix<f64>)> {
+        let misfit = self.misfit();
+        Some((misfit.at(theta)?, derivatives(&misfit, theta)?))
+    }
+
     fn misfit(&self) -> AccelerationMisfit<'_, M> {
         AccelerationMisfit { problem: near(self.coordinates, &self.dense), noises: &self.noises }
     }
@@ -104,8 +120,7 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         let bounds: Vec<(f64, f64)> = free.iter().map(|number| (number.axis.lower, number.axis.upper)).collect();
         let place = |i: usize| kept.iter().position(|&k| k == i);
         let expected: Vec<Option<f64>> = (0..theta.len()).map(|i| Some(covariance.half_width[place(i)?])).collect();
-        let freedom = self.noises.iter().map(|(noise, _)| noise.freedom).fold(f64::INFINITY, f64::min);
-        let scale = RISE_95 / student_95(freedom).powi(2);
+        let scale = RISE_95 / student_95(self.freedom()).powi(2);
         let square = |theta: &[f64]| misfit.at(theta).map(|r| r.iter().map(|r| r * r).sum::<f64>());
         let Some(least) = square(&self.theta) else { return Vec::new() };
         let Some(straight) = Straight::at(&misfit, theta) else { return Vec::new() };

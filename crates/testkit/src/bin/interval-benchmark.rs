@@ -1,7 +1,8 @@
-//! `interval-benchmark --bin BIN [--choice] [--records N] [--first K] [FAMILY ...]`: how often the 95 % intervals of
-//! fitted parameters hold the truth, by the programs in the folder BIN, as a Markdown table. Records are numbered from
-//! K on, 0 by default: another K draws other cars. A family is named by a part of its name. With `--choice`: how often
-//! the model that the record was made of, or one that the record cannot tell from it, is recommended or the simplest.
+//! `interval-benchmark --bin BIN [--choice] [--misses] [--records N] [--first K] [FAMILY ...]`: how often the 95 %
+//! intervals of fitted parameters hold the truth, and how wide they are, by the programs in the folder BIN, as a
+//! Markdown table. Records are numbered from K on, 0 by default: another K draws other cars. A family is named by a
+//! part of its name. With `--choice`: how often the model that the record was made of, or one that the record cannot
+//! tell from it, is recommended or the simplest. With `--misses`: every interval without the truth too, on stderr.
 
 use std::process::ExitCode;
 
@@ -10,7 +11,8 @@ use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str = "usage: interval-benchmark [--bin BIN] [--choice] [--records N] [--first K] [FAMILY ...]";
+const USAGE: &str =
+    "usage: interval-benchmark [--bin BIN] [--choice] [--misses] [--records N] [--first K] [FAMILY ...]";
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -24,13 +26,14 @@ fn main() -> ExitCode {
 
 fn benchmark() -> Result<ExitCode, Failure> {
     let mut bin = workspace().join("target/release");
-    let (mut first, mut records, mut choice) = (0, 300, false);
+    let (mut first, mut records, mut choice, mut misses) = (0, 300, false, false);
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--bin" => bin = std::path::absolute(arguments.next().ok_or(USAGE)?)?,
             "--choice" => choice = true,
+            "--misses" => misses = true,
             "--records" => records = arguments.next().ok_or(USAGE)?.parse()?,
             "--first" => first = arguments.next().ok_or(USAGE)?.parse()?,
             flag if flag.starts_with('-') => return Err(USAGE.into()),
@@ -49,10 +52,12 @@ fn benchmark() -> Result<ExitCode, Failure> {
             print!("{}", choices.row(drawn.name));
         }
     } else {
-        println!("| family | parameter | closed | cover, % | open | records without a candidate |");
-        println!("|---|---|---|---|---|---|");
+        println!("| family | parameter | closed | cover, % | median width, % | open | records without a candidate |");
+        println!("|---|---|---|---|---|---|---|");
         for family in FAMILIES.iter().filter(|family| asked(family.name)) {
-            print!("{}", cover_of(family, records.clone(), &bin, &folder)?.rows(family.name));
+            let cover = cover_of(family, records.clone(), &bin, &folder)?;
+            print!("{}", cover.rows(family.name));
+            cover.misses.iter().filter(|_| misses).for_each(|miss| eprintln!("{miss}"));
         }
     }
     std::fs::remove_dir_all(&folder)?;

@@ -9,6 +9,6 @@ mod record;
 mod trial;
 
 pub use choice::{Choices, DRAWN, choices_of};
-pub use cover::Cover;
+pub use cover::{Cover, Miss};
 pub use family::FAMILIES;
 pub use trial::{CoverError, cover_of};

@@ -74,7 +74,7 @@ fn trial(family: &Family, number: usize, programs: &Steps<'_>) -> Result<Cover, 
     arguments.extend(family.flags);
     let printed = programs.run("parameter-solve", &arguments)?;
     programs.remove_folder()?;
-    Ok(count(family, &car, &printed))
+    Ok(count(family, number, &car, &printed))
 }
 
 /// Draws a car and measures its test: `2.mcap` and `3.mcap` in the folder of the programs. Without a pipeline no
@@ -97,7 +97,7 @@ fn blend(name: &str, number: usize) -> u64 {
 
 /// Counts the intervals of the candidate whose masses move most like those of the car: a record cannot tell duals
 /// apart, and both are given; their springs and dampers may be near each other, the motion of the front is not.
-fn count(family: &Family, car: &Car, printed: &str) -> Cover {
+fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Cover {
     let truth = car.model.parameters();
     let below = format!("/parameters/{}/", family.id);
     let candidates = records(printed, &below).map(|(_, candidate)| candidate);
@@ -121,7 +121,7 @@ fn count(family: &Family, car: &Car, printed: &str) -> Cover {
     let ends: BTreeMap<&String, &Value> = uncertainty["interval_low"].as_object().into_iter().flatten().collect();
     for (name, low) in ends {
         if let Some(truth) = truth.get(name) {
-            cover.count(name, *truth, (low.as_f64(), uncertainty["interval_high"][name].as_f64()));
+            cover.count(number, (name, *truth), (low.as_f64(), uncertainty["interval_high"][name].as_f64()));
         }
     }
     cover
