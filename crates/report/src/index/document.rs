@@ -53,8 +53,8 @@ impl RunIndex<'_> {
             "<section id=\"runs\">\n<h2>Runs</h2>\n<p class=\"caption\">A name leads to the report of the run. C and \
              t<sub>m</sub>: dynamic crush and its time; e: restitution. Pulses: the filtered acceleration over the \
              first 150 ms, upwards as the vehicle slows down, each to its own peak. Three digits are shown; the \
-             reports have all, with intervals.<span class=\"script\"> A head of a column sorts.</span></p>\n{}</section>\n\
-             </main>\n",
+             reports have all, with intervals.<span class=\"script\"> A head of a column sorts.</span></p>\n{}\
+             </section>\n</main>\n",
             table(self.runs)
         ));
         framed(title, STYLE, &body, SORT)

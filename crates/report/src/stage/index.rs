@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crumple_artifact::{Artifact, OutputKind};
 use crumple_report::{IndexedRun, RunIndex, RunSummary, pulse_line};
@@ -62,7 +62,10 @@ fn run_folders(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
         }
     }
     let mut seen = BTreeSet::new();
-    folders.retain(|folder| seen.insert(folder.components().collect::<PathBuf>()));
+    let plain = |folder: &PathBuf| -> PathBuf {
+        folder.components().filter(|part| !matches!(part, Component::CurDir)).collect()
+    };
+    folders.retain(|folder| seen.insert(plain(folder)));
     if folders.is_empty() {
         return Err(Usage::new("the lists name no run folder")
             .hint("a list has the path of a run folder a line")
