@@ -90,7 +90,8 @@ fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves()
     let page = open(&browser, Screen::DESK);
     let values = || {
         page.ask(
-            "return [...document.querySelectorAll('#curves .values tbody tr:first-child td')].map((t) => t.textContent)",
+            "const cells = document.querySelectorAll('#curves .values tbody tr:first-child td');
+             return [...cells].map((t) => t.textContent)",
         )
     };
     // At the time of crush: the velocity is 0, the displacement the dynamic crush of the sample, 447.7 mm.

@@ -83,13 +83,8 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     let mut status = ExitStatus::Done;
     for (number, (stage, program)) in stages.iter().zip(&programs).enumerate() {
         let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
-        // Only the first stage knows what it reads; meanwhile what it and all others left is compared.
         let looks_back = number == 0 && end_before.is_some();
-        let (ending, state) = std::thread::scope(|scope| {
-            let state = looks_back.then(|| scope.spawn(|| run.state(&programs)));
-            let ending = run.stage(number, stage, program);
-            (ending, state.and_then(|reading| reading.join().ok().flatten()))
-        });
+        let (ending, state) = run.stage_and_state(number, (stage, program), looks_back.then_some(&programs));
         let output = run.folder.path().join(stage.output());
         let is_kept = before.as_ref().is_some_and(|before| is_at(before, &output));
         match ending? {
@@ -215,6 +210,20 @@ impl Run<'_> {
         }
         let programs: Vec<PathBuf> = stages.iter().map(|stage| own_program(stage.name())).collect();
         state_of(self.folder.path(), self.stages.outputs(), &programs).ok()
+    }
+
+    /// Runs a stage, and meanwhile finds the state that the folder had before it, where `programs` are given.
+    fn stage_and_state(
+        &self,
+        number: usize,
+        (stage, program): (&Stage, &Program),
+        programs: Option<&Vec<Program>>,
+    ) -> (anyhow::Result<Ending>, Option<String>) {
+        std::thread::scope(|scope| {
+            let state = programs.map(|programs| scope.spawn(|| self.state(programs)));
+            let ending = self.stage(number, stage, program);
+            (ending, state.and_then(|reading| reading.join().ok().flatten()))
+        })
     }
 
     /// Has the programs of the project check their options before anything runs. `Some`: how the first that refuses

@@ -8,7 +8,7 @@ use headless_chrome::protocol::cdp::{Emulation, Page as Cdp};
 use headless_chrome::types::PrintToPdfOptions;
 use serde_json::Value;
 
-use crate::said::Said;
+use crate::page::said::Said;
 use crate::screen::Screen;
 
 /// A page that is loaded; it is closed with this value.

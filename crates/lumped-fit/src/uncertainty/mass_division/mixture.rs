@@ -15,8 +15,8 @@ use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
 use crate::record::observation::ObservedWave;
 use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, Intervals, assess};
+use crate::uncertainty::mass_division::transfer_posterior;
 use crate::uncertainty::source_misfit::AtSource;
-use crate::uncertainty::transfer_posterior;
 
 /// Shares on each side of the assumed one at which the fit is repeated, each from the one before.
 const STEPS: i32 = 4;

@@ -1,0 +1,6 @@
+//! What a page is shown on.
+//! May use nothing.
+
+mod size;
+
+pub use size::Screen;
