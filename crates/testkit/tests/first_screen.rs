@@ -38,7 +38,7 @@ struct Shown {
 impl Shown {
     /// Whether it is this number of the summary, rounded as it is shown.
     fn is(&self, value: &Value) -> bool {
-        let half = 0.5000001 * 10f64.powi(-(self.decimals as i32));
+        let half = 0.5000001 * 10f64.powi(-i32::try_from(self.decimals).unwrap());
         value.as_f64().is_some_and(|value| (value * self.factor - self.value).abs() <= half)
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn blame_the_default(stage: &str, pipeline: Option<&Path>, error: any
         let mut words = text.split(|c: char| !(c.is_alphanumeric() || "-_".contains(c)));
         words.any(|word| word.replace('-', "_") == *key)
     };
-    let keys: Vec<String> = pipeline.from_default(stage).into_iter().filter(named).collect();
+    let keys: Vec<String> = pipeline.keys_of_default(stage).into_iter().filter(named).collect();
     if keys.is_empty() {
         return error;
     }

@@ -192,7 +192,7 @@ impl Pipeline {
     }
 
     /// Keys of a stage that came from the default pipeline, below this one; none if it stands alone.
-    pub(crate) fn from_default(&self, stage: &str) -> Vec<String> {
+    pub(crate) fn keys_of_default(&self, stage: &str) -> Vec<String> {
         let default = Self::parse(Path::new("pipelines/default.toml"), DEFAULT).ok();
         let (Some(default), true) = (default, self.run.contains_key(LAID_OVER)) else { return Vec::new() };
         let (own, below) = (self.table(stage).into_iter().flatten(), default.table(stage));

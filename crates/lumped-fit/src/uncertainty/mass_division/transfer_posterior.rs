@@ -71,10 +71,9 @@ fn springs_of([m1, m2]: Masses, numbers: &Numbers) -> Option<[Springs; 2]> {
     let (total, product) = (m1 + m2, m1 * m2);
     let [n0, d0, d3, d1] = [0, 1, 2, 3].map(|i| numbers[i].exp() * product);
     let half = 0.5 * n0;
-    let root = (half * half - d0 * m2 * total).sqrt();
-    if !(root > 0.0) {
-        return None;
-    }
+    let square = half * half - d0 * m2 * total;
+    // No number is above zero that is none.
+    let root = if square > 0.0 { square.sqrt() } else { return None };
     let (u, w) = (half + root, half - root);
     // x + y = d3 and w x + u y = d1 m2 M for x = m2 c1, y = M c2.
     let mixed = d1 * m2 * total;
