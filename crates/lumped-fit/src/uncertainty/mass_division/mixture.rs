@@ -32,7 +32,7 @@ const BISECTIONS: usize = 60;
 /// `half_width` of that of the minimum.
 ///
 /// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
-/// [`transfer_posterior`]. All of them hold the fitted value.
+/// `transfer_posterior`. All of them hold the fitted value.
 ///
 /// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the total
 /// kept.
