@@ -22,7 +22,7 @@ pub struct KindOfRecord {
 }
 
 /// A title that commands a terminal and a browser.
-pub const HOSTILE_TITLE: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>&\u{1b}[2J\u{202e}%s";
+const HOSTILE_TITLE: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>&\u{1b}[2J\u{202e}%s";
 
 /// The fixtures, and made records of other kinds, written to a folder.
 pub fn made_kinds(folder: &Path) -> io::Result<Vec<KindOfRecord>> {
