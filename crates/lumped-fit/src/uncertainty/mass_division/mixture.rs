@@ -3,23 +3,29 @@
 //! One accelerometer does not tell how the mass divides. Every share in front has its own parameters, which follow the
 //! record alike; what is not known of the share is not known of them.
 
-use std::collections::BTreeMap;
-
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
 use crumple_estimation::statistics::normal_distribution;
 use crumple_lumped::Model;
 
 use crate::FitQuantity;
 use crate::candidate::minimum::Minimum;
-use crate::fit::as_measured::fit_nearby;
+use crate::fit::as_measured::near;
+use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
 use crate::record::observation::ObservedWave;
-use crate::uncertainty::assessment::{Assessment, AssessmentOptions, Ends, Intervals, assess};
+use crate::uncertainty::assessment::{Assessment, Ends, Intervals};
 use crate::uncertainty::mass_division::transfer_posterior;
 use crate::uncertainty::source_misfit::AtSource;
 
-/// Shares on each side of the assumed one at which the fit is repeated, each from the one before.
-const STEPS: i32 = 4;
+/// Shares on each side of the assumed one at which the fit is repeated, each from the ones before.
+const STEPS: usize = 4;
+/// Most iterations of a repeated fit, and the relative decrease of its cost that is worth another: its start, on the
+/// straight line through the two before, is off by a small share of the change between them.
+const ITERATIONS: u32 = 8;
+const WORTH_A_STEP: f64 = 1e-3;
+/// Share of the resolution below which a repeated fit ends.
+const BELOW_RESOLUTION: f64 = 0.1;
 /// Shares between which the mixture interpolates.
 const SHARES: usize = 80;
 /// Index of the compartment in a double model, and its springs and dampers.
@@ -37,10 +43,11 @@ const BISECTIONS: usize = 60;
 /// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the total
 /// kept.
 /// The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each one a normal
-/// distribution, in logarithms where no end is zero, of the width of the interval there. Shares
-/// without a fit, or where the record leaves the parameter open, and those beyond, are left out; a parameter that is
-/// open at the assumed share is open. Standard deviation and correlation stay those at the
-/// share of the minimum. Nothing changes for one mass, or where masses are fitted.
+/// distribution, in logarithms where no end is zero, as wide as at the assumed share. Where the model follows the
+/// record below its resolution, shares at which it does so less count less, as in a profile of the likelihood. Shares
+/// without a fit and those beyond are left out; a parameter that is open at the assumed share is open. Standard
+/// deviation and correlation stay those at the share of the minimum. Nothing changes for one mass, or where masses are
+/// fitted.
 pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_width: f64) {
     let masses = masses_of(&minimum.model);
     let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
@@ -66,25 +73,93 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
         }
         return;
     }
-    // By share from the smallest on, each with the value and the interval of every parameter.
-    let mut nodes: Vec<Option<BTreeMap<String, (f64, Ends)>>> = Vec::new();
-    for direction in [-1.0, 1.0] {
-        let mut before = Some(minimum.clone());
-        let mut side = Vec::new();
-        for step in 1..=STEPS {
-            let share = front + direction * half_width * f64::from(step) / f64::from(STEPS);
-            before = before.and_then(|before| at_share(&before, share, total));
-            side.push(before.as_ref().and_then(intervals_at));
-        }
-        if direction < 0.0 {
-            side.reverse();
-            side.push(Some(with_values(minimum, assessment)));
-        }
-        nodes.extend(side);
-    }
+    let (below, above) = rayon::join(
+        || to_one_side(minimum, (front, -half_width), total),
+        || to_one_side(minimum, (front, half_width), total),
+    );
+    let at_assumed = AtShare { model: minimum.model, cost: cost_of(minimum) };
+    let fits: Vec<&AtShare> = below.iter().rev().chain([&at_assumed]).chain(&above).collect();
+    let weights = weights(minimum, &fits, assessment.effective_samples);
     for (name, ends) in &mut assessment.interval {
-        let of_name: Vec<Option<[f64; 3]>> = nodes.iter().map(|node| closed(node.as_ref()?.get(name)?)).collect();
-        *ends = with_value(name, mixture(around_the_assumed(&of_name, STEPS as usize).as_slice()));
+        let (Some(value), (Some(low), Some(high))) = (values.get(name.as_str()), *ends) else { continue };
+        let of_fits = fits.iter().filter_map(|fit| fit.model.parameters().get(name.as_str()).copied());
+        let nodes: Vec<[f64; 3]> = of_fits.map(|there| as_wide_as([low, *value, high], there)).collect();
+        *ends = with_value(name, mixture(&nodes, &weights));
+    }
+}
+
+/// A fit with another share in front.
+struct AtShare {
+    model: Model,
+    /// Sum of squares, in squared units of the problem.
+    cost: f64,
+}
+
+/// The fits from the share of the minimum on to one that is `reach` away, up to the first share without a fit.
+///
+/// Each starts on the straight line through the two before.
+fn to_one_side(minimum: &Minimum, (front, reach): (f64, f64), total_kg: f64) -> Vec<AtShare> {
+    let masses = masses_of(&minimum.model).len();
+    let mut found: Vec<AtShare> = Vec::new();
+    for step in 1..=STEPS {
+        let share = front + reach * step as f64 / STEPS as f64;
+        let before = found.last().map_or(&minimum.model, |fit| &fit.model).values();
+        let two_before = match found.len() {
+            0 => before.clone(),
+            1 => minimum.model.values(),
+            n => found[n - 2].model.values(),
+        };
+        // Masses stand first.
+        let mut start: Vec<f64> = before.iter().zip(&two_before).map(|(x, y)| 2.0 * x - y).collect();
+        start.iter_mut().zip(&before).skip(masses).filter(|(x, y)| **x < 0.5 * **y).for_each(|(x, y)| *x = 0.5 * y);
+        let (last, others) = before[..masses].split_last().unwrap_or((&0.0, &[]));
+        let in_front = total_kg - last;
+        start.iter_mut().zip(others).for_each(|(kg, before)| *kg = before / in_front * share * total_kg);
+        start[masses - 1] = (1.0 - share) * total_kg;
+        let Some(fit) = Some(start).filter(|_| share > 0.0 && share < 1.0).and_then(|start| fit_at(minimum, &start))
+        else {
+            break;
+        };
+        found.push(fit);
+    }
+    found
+}
+
+/// The fit from these values of all parameters, with those free that are free at the minimum.
+fn fit_at(minimum: &Minimum, start: &[f64]) -> Option<AtShare> {
+    let model = minimum.model.with_values(start).ok()?;
+    let values = model.parameters();
+    let free: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(values[p.name])).collect();
+    let coordinates = Coordinates::near(model, &free);
+    let problem = near(&coordinates, &minimum.observed);
+    let resolution = (minimum.observed.unresolved() / problem.rows() as f64).sqrt();
+    let problem = Problem { exact: BELOW_RESOLUTION * resolution, ..problem };
+    let bounds = Bounds { max_iterations: ITERATIONS, cost_tolerance: WORTH_A_STEP, ..problem.bounds() };
+    let best = descend(&problem, &coordinates.start(), &bounds)?;
+    Some(AtShare { model: coordinates.model(&best.theta)?, cost: best.cost })
+}
+
+/// Sum of squares of a minimum, in squared units of its problem.
+fn cost_of(minimum: &Minimum) -> f64 {
+    minimum.misfit_m.iter().map(|r| (r / minimum.observed.scale_m()).powi(2)).sum()
+}
+
+/// The likelihood of every share where the minimum is below the resolution of the record; else all count the same.
+fn weights(minimum: &Minimum, fits: &[&AtShare], effective_samples: f64) -> Vec<f64> {
+    let (least, floor) = (cost_of(minimum), minimum.observed.unresolved());
+    let rise = |fit: &&AtShare| {
+        let ratio = if least <= floor { (fit.cost + floor) / (least + floor) } else { 1.0 };
+        effective_samples * ratio.max(1.0).ln()
+    };
+    fits.iter().map(|fit| (-0.5 * rise(fit)).exp()).collect()
+}
+
+/// Low end, value and high end around another value, at the same distances: of logarithms where the low end has one.
+fn as_wide_as([low, value, high]: [f64; 3], there: f64) -> [f64; 3] {
+    if low > 0.0 {
+        [low, value, high].map(|x| x / value * there)
+    } else {
+        [low, value, high].map(|x| x - value + there)
     }
 }
 
@@ -115,47 +190,9 @@ fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Optio
     Some(names.map(str::to_owned).zip(intervals).collect())
 }
 
-/// The closed intervals from the assumed share on, both ways, up to the first that is not closed; none where that at
-/// the assumed share is open.
-fn around_the_assumed(nodes: &[Option<[f64; 3]>], assumed: usize) -> Vec<[f64; 3]> {
-    let first = nodes[..=assumed].iter().rposition(Option::is_none).map_or(0, |open| open + 1);
-    nodes[first..].iter().map_while(|node| *node).take(if first > assumed { 0 } else { nodes.len() }).collect()
-}
-
-/// Low end, value and high end of a closed interval.
-fn closed((value, (low, high)): &(f64, Ends)) -> Option<[f64; 3]> {
-    Some([(*low)?, *value, (*high)?])
-}
-
-/// The minimum near this one with another share in front; `None` for a share without masses, or without a fit.
-fn at_share(minimum: &Minimum, share: f64, total_kg: f64) -> Option<Minimum> {
-    if !(share > 0.0 && share < 1.0) {
-        return None;
-    }
-    // Masses stand first.
-    let mut values = minimum.model.values();
-    let (last, others) = values[..masses_of(&minimum.model).len()].split_last_mut()?;
-    let in_front: f64 = others.iter().sum();
-    others.iter_mut().for_each(|kg| *kg *= share * total_kg / in_front);
-    *last = (1.0 - share) * total_kg;
-    let model = minimum.model.with_values(&values).ok()?;
-    let free: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
-    fit_nearby(&model, &free, &minimum.observed)
-}
-
-fn intervals_at(minimum: &Minimum) -> Option<BTreeMap<String, (f64, Ends)>> {
-    Some(with_values(minimum, &assess(minimum, None, AssessmentOptions::default())?))
-}
-
-/// The value of every parameter with its interval.
-fn with_values(minimum: &Minimum, assessment: &Assessment) -> BTreeMap<String, (f64, Ends)> {
-    let values = minimum.model.parameters();
-    let with_value = |(name, ends): (&String, &Ends)| Some((name.clone(), (*values.get(name)?, *ends)));
-    assessment.interval.iter().filter_map(with_value).collect()
-}
-
-/// The 95 % interval of the mixture over shares from one end to the other, of values and intervals at equal distances.
-fn mixture(nodes: &[[f64; 3]]) -> Ends {
+/// The 95 % interval of the mixture over shares from one end to the other, of intervals around values and their weights
+/// at equal distances.
+fn mixture(nodes: &[[f64; 3]], weights: &[f64]) -> Ends {
     match nodes {
         [] => return (None, None),
         [[low, _, high]] => return (Some(*low), Some(*high)),
@@ -164,22 +201,25 @@ fn mixture(nodes: &[[f64; 3]]) -> Ends {
     let logarithmic = nodes.iter().all(|[low, ..]| *low > 0.0);
     let coordinate = |x: f64| if logarithmic { x.ln() } else { x };
     let closed: Vec<[f64; 3]> = nodes.iter().map(|ends| ends.map(coordinate)).collect();
-    let at = |k: usize| -> [f64; 3] {
+    let at = |k: usize| -> ([f64; 3], f64) {
         let place = (k as f64 + 0.5) / SHARES as f64 * (closed.len() - 1) as f64;
         let node = (place as usize).min(closed.len() - 2);
         let share = place - node as f64;
-        std::array::from_fn(|end| closed[node][end] + share * (closed[node + 1][end] - closed[node][end]))
+        let between = |a: f64, b: f64| a + share * (b - a);
+        let ends = std::array::from_fn(|end| between(closed[node][end], closed[node + 1][end]));
+        (ends, between(weights[node], weights[node + 1]))
     };
-    let shares: Vec<[f64; 3]> = (0..SHARES).map(at).collect();
+    let shares: Vec<([f64; 3], f64)> = (0..SHARES).map(at).collect();
+    let sum: f64 = shares.iter().map(|(_, weight)| weight).sum();
     let below = |x: f64| {
-        let one = |[low, value, high]: &[f64; 3]| {
+        let one = |([low, value, high], weight): &([f64; 3], f64)| {
             let half = if x < *value { value - low } else { high - value };
-            normal_distribution(1.96 * (x - value) / half.max(f64::MIN_POSITIVE))
+            weight * normal_distribution(1.96 * (x - value) / half.max(f64::MIN_POSITIVE))
         };
-        shares.iter().map(one).sum::<f64>() / SHARES as f64
+        shares.iter().map(one).sum::<f64>() / sum
     };
-    let lowest = shares.iter().map(|[low, ..]| *low).fold(f64::INFINITY, f64::min);
-    let highest = shares.iter().map(|[.., high]| *high).fold(f64::NEG_INFINITY, f64::max);
+    let lowest = shares.iter().map(|([low, ..], _)| *low).fold(f64::INFINITY, f64::min);
+    let highest = shares.iter().map(|([.., high], _)| *high).fold(f64::NEG_INFINITY, f64::max);
     let end = |level: f64| {
         let (mut low, mut high) = (lowest, highest);
         for _ in 0..BISECTIONS {
@@ -203,23 +243,21 @@ mod tests {
     #[test]
     fn a_mixture_is_the_interval_where_the_share_does_nothing_and_the_share_where_noise_does_nothing() {
         // Not in logarithms, since an end is below zero: one interval, to the difference of 1.96 and the normal point.
-        let (low, high) = mixture(&[node(1.0, 2.0); 9]);
+        let (low, high) = mixture(&[node(1.0, 2.0); 9], &[1.0; 9]);
         assert!((low.unwrap() + 1.0).abs() < 0.01 && (high.unwrap() - 3.0).abs() < 0.01, "{low:?} {high:?}");
         // Evenly spread from -4 to 4: 95 % of it, to half of the 80th part between two shares.
         let spread: Vec<_> = (-4..=4).map(|k| node(f64::from(k), 1e-6)).collect();
-        let (low, high) = mixture(&spread);
+        let (low, high) = mixture(&spread, &[1.0; 9]);
         assert!((low.unwrap() + 3.8).abs() < 0.06 && (high.unwrap() - 3.8).abs() < 0.06, "{low:?} {high:?}");
     }
 
     #[test]
-    fn shares_beyond_one_that_is_open_are_left_out() {
-        let mut nodes: Vec<Option<[f64; 3]>> = (0..9).map(|k| Some(node(f64::from(k), 0.1))).collect();
-        (nodes[2], nodes[7]) = (None, None);
-        let values = |nodes: &[Option<[f64; 3]>]| -> Vec<f64> {
-            around_the_assumed(nodes, 4).iter().map(|node| node[1]).collect()
-        };
-        assert_eq!(values(&nodes), [3.0, 4.0, 5.0, 6.0]);
-        nodes[4] = None;
-        assert_eq!(mixture(&around_the_assumed(&nodes, 4)), (None, None));
+    fn a_share_counts_as_much_as_its_weight() {
+        let spread: Vec<_> = (-4..=4).map(|k| node(f64::from(k), 1e-6)).collect();
+        // A weight that falls in a straight line from 1 at 0 to 0 at one step: 95 % of a triangle of this half width.
+        let weights: Vec<f64> = (0..9).map(|k| if k == 4 { 1.0 } else { 0.0 }).collect();
+        let (low, high) = mixture(&spread, &weights);
+        let expected = 1.0 - 0.05_f64.sqrt();
+        assert!((low.unwrap() + expected).abs() < 0.06 && (high.unwrap() - expected).abs() < 0.06, "{low:?} {high:?}");
     }
 }
