@@ -174,10 +174,11 @@ test *args: build
 bench *args:
     RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
 
+# Of the whole workspace, as `just test` is: one package alone has other features of its dependencies, and all would be compiled twice.
 # Formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
 [group('development')]
 lint:
-    cargo test --package crumple-testkit --test architecture --quiet
+    cargo test --workspace --test architecture --quiet
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --quiet -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
@@ -185,12 +186,12 @@ lint:
 # Writes the section "Rooms" of ARCHITECTURE.md from the `mod.rs` of the rooms.
 [group('development')]
 rooms:
-    CRUMPLE_WRITE_ROOMS=1 cargo test --quiet --package crumple-testkit --test architecture the_page_names_every_room
+    CRUMPLE_WRITE_ROOMS=1 cargo test --quiet --workspace --test architecture the_page_names_every_room
 
 # Writes docs/schemas/, the JSON Schemas of all records and of summary.json.
 [group('development')]
 schemas:
-    CRUMPLE_WRITE_SCHEMAS=1 cargo test --quiet --package crumple-testkit --test schemas the_schemas_in_the_docs
+    CRUMPLE_WRITE_SCHEMAS=1 cargo test --quiet --workspace --test schemas the_schemas_in_the_docs
 
 # Runs the fixtures and compares with the committed results.
 [group('development')]

@@ -58,6 +58,12 @@ impl SensorNoise {
         Some(Self { variance, freedom, first, samples: quiet.samples, lags, energy })
     }
 
+    /// Whether the mean square of an acceleration misfit, not yet at its least, is of the size of the noise.
+    pub fn is_near(&self, misfit: &[f64]) -> bool {
+        let mean_square = misfit.iter().map(|a| a * a).sum::<f64>() / misfit.len().max(1) as f64;
+        mean_square <= EXPLAINED * EXPLAINED * self.variance
+    }
+
     /// The noise with its level from a misfit too, where it explains that; `None` where it does not.
     ///
     /// `misfit`: of the acceleration ([`as_acceleration`]) of the wave, at the least that the model can have, with its

@@ -4,7 +4,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_signal::Notes;
 use rayon::prelude::*;
 
-use crate::fit::as_measured::{dual_of, exchanged};
+use crate::fit::as_measured::{dual_of, exchanged, is_own_dual};
 use crate::fit::descents::{AS_GOOD, REPORTED};
 use crate::solvers::fitting::{FitStart, Fitting};
 use crate::{Candidate, FitQuantity, Minimum, RESOLUTION_M};
@@ -14,9 +14,6 @@ use crate::{Candidate, FitQuantity, Minimum, RESOLUTION_M};
 const DISPLACEMENT_RESOLUTION_M: f64 = 1.3e-6;
 /// Two sets whose parameters all differ by less than this share are one.
 const SAME: f64 = 1e-3;
-/// A model that agrees with its dual to this share is its own dual. The error is flat to fourth order there, so a
-/// search to 1e-16 leaves that much.
-const OWN_DUAL: f64 = 1e-4;
 
 /// Where the searches of a fit ended, least error first, and what every candidate has to say.
 pub(super) struct Ends<'a> {
@@ -174,8 +171,4 @@ fn near(a: &Model, b: &Model, share: f64) -> bool {
 fn same_pair(a: &Model, b: &Model) -> bool {
     let dual = |model: &DoubleSpringMassDamper| Model::DoubleSpringMassDamper(model.dual());
     near(a, b, SAME) || matches!(a, Model::DoubleSpringMassDamper(a) if near(&dual(a), b, SAME))
-}
-
-fn is_own_dual(model: &Model) -> bool {
-    matches!(model, Model::DoubleSpringMassDamper(m) if near(&Model::DoubleSpringMassDamper(m.dual()), model, OWN_DUAL))
 }

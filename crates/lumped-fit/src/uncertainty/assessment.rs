@@ -16,6 +16,7 @@ use crate::fit::as_measured::near;
 use crate::free::coordinates::Coordinates;
 use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
+use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
 use crate::uncertainty::profile_likelihood::{Profile, Profiled};
@@ -119,9 +120,10 @@ impl<M: Parametric> AtMinimum<'_, M> {
         let source = AtSource::of(self.coordinates, self.observed, theta, &kept);
         let covariance = self.covariance(&columns, source.as_ref())?;
         let mut standard_deviation = BTreeMap::new();
+        let value = |i: usize| given.map_or_else(|| free[i].value(theta[i]), |values| values[i]);
         let mut interval: Intervals = names.iter().map(|name| (name.clone(), (None, None))).collect();
         for (k, &i) in kept.iter().enumerate() {
-            let value = given.map_or_else(|| free[i].value(theta[i]), |values| values[i]);
+            let value = value(i);
             let coordinate = free[i].coordinate(value);
             let away = Some(coordinate - theta[i]).filter(|away| given.is_some() && away.is_finite()).unwrap_or(0.0);
             let deviation = (covariance.matrix[(k, k)].max(0.0) + away * away).sqrt();
@@ -136,6 +138,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
             let curved = source.curved(&names, (theta, &kept), &covariance);
             interval.extend(curved.into_iter().map(|(i, ends)| (names[i].clone(), ends)));
         }
+        self.bound_knots(&kept, (&names, &value), &mut interval);
         // A mass that a bound holds leaves the rest of the total open too.
         let is_mass = |i: &usize| free[*i].kind == ParameterKind::Mass;
         let masses: Vec<usize> = (0..theta.len()).filter(is_mass).collect();
@@ -171,6 +174,43 @@ impl<M: Parametric> AtMinimum<'_, M> {
             profile: if options.profile { self.profiles(&names, (&kept, &covariance), &rest_name) } else { Vec::new() },
             bootstrap: (options.bootstrap > 0).then(|| self.bootstrap(options.bootstrap, names, rest_name)).flatten(),
         })
+    }
+
+    /// The intervals of knots: open above where they leave the range of the knot; where the noise of the sensors is known,
+    /// those that are still closed by the likelihood over that range if it explains the misfit, and open if it does not.
+    /// They hold the value.
+    fn bound_knots(
+        &self,
+        kept: &[usize],
+        (names, value): (&[String], &impl Fn(usize) -> f64),
+        interval: &mut Intervals,
+    ) {
+        let free = &self.coordinates.free;
+        let is_knot = |i: &usize| matches!(free[*i].kind, ParameterKind::Length | ParameterKind::Rate);
+        let mut closed = Vec::new();
+        for i in kept.iter().copied().filter(is_knot) {
+            let Some((low, high)) = interval.get_mut(&names[i]) else { continue };
+            *high = high.filter(|high| *high < free[i].value(free[i].axis.upper));
+            if low.is_some() && high.is_some() {
+                closed.push(i);
+            }
+        }
+        if closed.is_empty() || self.observed.waves.iter().any(|wave| SensorNoise::of(wave).is_none()) {
+            return;
+        }
+        let source = AtSource::of_knots(self.coordinates, self.observed, self.theta, kept);
+        for i in closed {
+            let (low, high) = source.as_ref().and_then(|source| source.whole_range(names, i)).unwrap_or_default();
+            let ends = (low.map(|low| low.min(value(i))), high.map(|high| high.max(value(i))));
+            interval.insert(names[i].clone(), ends);
+        }
+        // With one of two knots open, the other may be either of them.
+        for kind in [ParameterKind::Length, ParameterKind::Rate] {
+            let knots: Vec<&String> = (0..free.len()).filter(|&i| free[i].kind == kind).map(|i| &names[i]).collect();
+            if knots.iter().any(|name| matches!(interval.get(*name), Some((None, _) | (_, None)))) {
+                interval.extend(knots.into_iter().map(|name| (name.clone(), (None, None))));
+            }
+        }
     }
 
     /// The covariance from the noise of the sensors where that is known, and from the misfit where the noise does not

@@ -18,6 +18,7 @@ use crumple_estimation::statistics::{quantile, student_95};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
+use crate::fit::as_measured::is_own_dual;
 use crate::free::coordinates::Coordinates;
 use crate::uncertainty::assessment::Ends;
 use crate::uncertainty::source_misfit::AtSource;
@@ -221,13 +222,14 @@ fn of_values(values: &[f64]) -> Option<(Numbers, f64)> {
 /// 2.5th to the 97.5th percentile of what the record says.
 ///
 /// `source`: the misfit with these two springs, two dampers and the mass in front free. Beforehand no share, no
-/// logarithm of a spring and no damper, from zero on, is preferred. Draws of share and noise, solved for the dual on
-/// the side of `model`, are weighted as in importance sampling; near its own dual, where few of them have a model, they
-/// are too coarse, so walkers start from them and move by the density itself (Goodman & Weare, Commun. Appl. Math.
-/// Comput. Sci. 5, 2010). Where the record lets a model go over into its dual, so do they. Noise counts as in Student's
-/// distribution for the degrees of freedom of its level. The same bytes for any number of threads. Errors: the response
-/// is taken as straight in the numbers of the transfer function; 40,000 places of 200 walkers that hang together know
-/// an end to some hundredths of the width. `None` where too few draws have a model.
+/// logarithm of a spring and no damper, from zero on, is preferred. Draws of share and noise, solved for both duals, are
+/// weighted as in importance sampling; near its own dual, where few of them have a model, they are too coarse, so
+/// walkers start from them and move by the density itself (Goodman & Weare, Commun. Appl. Math. Comput. Sci. 5, 2010).
+/// The intervals are those of the walkers whose front moves more like that of `model` than like that of its dual, see
+/// [`front_by_compartment`]. Noise counts as in Student's distribution for the degrees of freedom of its level. The same
+/// bytes for any number of threads. Errors: the response is taken as straight in the numbers of the transfer function;
+/// 40,000 places of 200 walkers that hang together know an end to some hundredths of the width. `None` where too few
+/// draws have a model.
 pub(crate) fn intervals(
     source: &AtSource<'_, Model>,
     coordinates: &Coordinates<Model>,
@@ -238,17 +240,18 @@ pub(crate) fn intervals(
     let total = model.m1_kg + model.m2_kg;
     let masses = |share: f64| [share * total, (1.0 - share) * total];
     let likelihood = linearised(source, coordinates, total, scale)?;
-    let first = model.m2_kg * model.k1_n_per_m > total * model.k2_n_per_m;
     let mut random = RandomNumbers::seeded(0);
-    let mut draws: Vec<(Point, f64)> = Vec::with_capacity(DRAWS);
+    let mut draws: Vec<(Point, f64)> = Vec::with_capacity(2 * DRAWS);
     for _ in 0..DRAWS {
         let share = shares.0 + (shares.1 - shares.0) * random.uniform();
         let noise = Numbers::from_fn(|_, _| random.normal());
         for (both, y) in likelihood.solve(masses(share), &noise) {
-            let weight = likelihood.density(masses(share), both[0], y);
-            let [k1, k2, c1, c2] = both[usize::from(!first)];
-            if weight.is_finite() {
-                draws.push(([k1.ln(), k2.ln(), c1, c2, share], weight));
+            for springs in both {
+                let weight = likelihood.density(masses(share), springs, y);
+                let [k1, k2, c1, c2] = springs;
+                if weight.is_finite() {
+                    draws.push(([k1.ln(), k2.ln(), c1, c2, share], weight));
+                }
             }
         }
     }
@@ -260,13 +263,44 @@ pub(crate) fn intervals(
         }
         likelihood.logarithm(masses(share), [k1.exp(), k2.exp(), c1, c2])
     };
-    let kept = walk(&mut walkers, &density, &mut random);
+    let mut kept = walk(&mut walkers, &density, &mut random);
+    let moves_like_model = nearer_than_its_dual(model);
+    kept.retain(|&[k1, k2, c1, c2, share]| moves_like_model(masses(share), [k1.exp(), k2.exp(), c1, c2]));
+    if kept.len() < FEWEST * DISTANCE {
+        return None;
+    }
     let percentiles = |i: usize| {
         let mut values: Vec<f64> = kept.iter().map(|point| if i < 2 { point[i].exp() } else { point[i] }).collect();
         values.sort_by(f64::total_cmp);
         (quantile(&values, 0.025), quantile(&values, 0.975))
     };
     Some(std::array::from_fn(percentiles))
+}
+
+/// Whether the front of a model moves more like that of `model` than like that of its dual; any does where `model` is
+/// its own dual, which stands for both.
+fn nearer_than_its_dual(model: &DoubleSpringMassDamper) -> impl Fn(Masses, Springs) -> bool {
+    let springs = |m: &DoubleSpringMassDamper| [m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m];
+    let masses = [model.m1_kg, model.m2_kg];
+    let (numbers, _) = numbers_of(masses, springs(model));
+    let circular_frequency = (0.5 * (numbers[1] - numbers[0])).exp();
+    let front = move |masses: Masses, springs: Springs| front_by_compartment(masses, springs, circular_frequency);
+    let of_model = front(masses, springs(model));
+    let of_dual = front(masses, springs(&model.dual()));
+    let stands_for_both = is_own_dual(&Model::DoubleSpringMassDamper(*model));
+    let apart = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).hypot(b - d);
+    move |masses, springs| {
+        let here = front(masses, springs);
+        stands_for_both || apart(here, of_model) <= apart(here, of_dual)
+    }
+}
+
+/// How far the front moves beside the compartment, `(X1 - X2)/(s² X2) = m2/(k2 + c2 s)`, real and imaginary part at a
+/// frequency. The compartment moves alike in all models that a record allows; so in this number they differ.
+fn front_by_compartment([_, m2]: Masses, [_, k2, _, c2]: Springs, circular_frequency: f64) -> [f64; 2] {
+    let damping = c2 * circular_frequency;
+    let square = k2 * k2 + damping * damping;
+    [m2 * k2 / square, -m2 * damping / square]
 }
 
 /// As many points as walkers, drawn by their weights at equal distances of their sum; `None` for too few draws.
@@ -369,5 +403,25 @@ mod tests {
             let (of_dual, y_of_dual) = numbers_of(masses, dual);
             assert!((of_dual - numbers).amax() < 1e-11 / near && (y_of_dual / y - 1.0).abs() < 1e-11 / near);
         }
+    }
+
+    #[test]
+    fn a_model_moves_like_itself_and_its_dual_does_not() {
+        let model = DoubleSpringMassDamper {
+            m1_kg: 375.0,
+            m2_kg: 1125.0,
+            k1_n_per_m: 9e5,
+            k2_n_per_m: 1e6,
+            c1_n_s_per_m: 6e3,
+            c2_n_s_per_m: 9e3,
+        };
+        let (masses, dual) = ([375.0, 1125.0], model.dual());
+        let springs_of_dual = [dual.k1_n_per_m, dual.k2_n_per_m, dual.c1_n_s_per_m, dual.c2_n_s_per_m];
+        let moves_like_model = nearer_than_its_dual(&model);
+        assert!(moves_like_model(masses, [9e5, 1e6, 6e3, 9e3]) && !moves_like_model(masses, springs_of_dual));
+        // One that is its own dual stands for both sides.
+        let own_dual = DoubleSpringMassDamper { k2_n_per_m: 0.75 * 9e5, c2_n_s_per_m: 0.75 * 6e3, ..model };
+        let moves_like_it = nearer_than_its_dual(&own_dual);
+        assert!(moves_like_it(masses, [9e5, 1e6, 6e3, 9e3]) && moves_like_it(masses, springs_of_dual));
     }
 }
