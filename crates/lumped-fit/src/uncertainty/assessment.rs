@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use crumple_estimation::statistics::{Block, Covariance, SensorError, covariance_of_blocks, lag_1_autocorrelation};
-use crumple_lumped::{Model, ParameterKind};
+use crumple_lumped::{Model, ModelKind, ParameterKind};
 use nalgebra::DMatrix;
 
 use crate::candidate::minimum::Minimum;
@@ -87,7 +87,20 @@ pub fn assess(minimum: &Minimum, given: Option<&Model>, options: AssessmentOptio
         misfit: &minimum.misfit_m,
         sensitivities: &minimum.sensitivity_m,
     };
-    at.assess(given.map(of_given).as_deref(), options)
+    let mut assessment = at.assess(given.map(of_given).as_deref(), options)?;
+    open_knots_beside_open_ones(minimum.model.kind(), &mut assessment.interval);
+    Some(assessment)
+}
+
+/// With one of two knots of a curve open, or fixed, the other may be either of them.
+fn open_knots_beside_open_ones(model: ModelKind, interval: &mut Intervals) {
+    for kind in [ParameterKind::Length, ParameterKind::Rate] {
+        let knots = || model.parameters().iter().filter(|p| p.kind == kind && !p.of_the_test).map(|p| p.name);
+        let is_closed = |name: &str| matches!(interval.get(name), Some((Some(_), Some(_))));
+        if !knots().all(is_closed) {
+            interval.extend(knots().map(|name| (name.to_owned(), (None, None))));
+        }
+    }
 }
 
 /// A minimum of anything with free numbers. Misfit and sensitivities by the coordinates are weighted, in the unit of
@@ -203,13 +216,6 @@ impl<M: Parametric> AtMinimum<'_, M> {
             let (low, high) = source.as_ref().and_then(|source| source.whole_range(names, i)).unwrap_or_default();
             let ends = (low.map(|low| low.min(value(i))), high.map(|high| high.max(value(i))));
             interval.insert(names[i].clone(), ends);
-        }
-        // With one of two knots open, the other may be either of them.
-        for kind in [ParameterKind::Length, ParameterKind::Rate] {
-            let knots: Vec<&String> = (0..free.len()).filter(|&i| free[i].kind == kind).map(|i| &names[i]).collect();
-            if knots.iter().any(|name| matches!(interval.get(*name), Some((None, _) | (_, None)))) {
-                interval.extend(knots.into_iter().map(|name| (name.clone(), (None, None))));
-            }
         }
     }
 
