@@ -102,6 +102,19 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
     let output = together(folder.path(), &records, &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(summary(folder.path()), first);
+    // The joint model as a partner: two equals are each as at the wall at the same speed.
+    let run = folder.path().join("runs/a/default");
+    let predicted = |partner: &Path| {
+        let arguments = ["--speed", "50km/h", "--partner"];
+        let output = just().args(["flags=-q", "predict"]).arg(&run).args(arguments).arg(partner).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let summary: Value = serde_json::from_str(&std::fs::read_to_string(run.join("summary.json")).unwrap()).unwrap();
+        let is_at_50 = |p: &Value| (number(p, &["impact_speed_m_per_s"]) * 3.6 - 50.0).abs() < 0.1;
+        let is_asked = |p: &&Value| p["recommended"] == true && is_at_50(p);
+        number(summary["predictions"].as_array().unwrap().iter().find(is_asked).unwrap(), &["dynamic_crush_m"])
+    };
+    let (wall, joint) = (predicted(Path::new("wall")), predicted(&folder.path().join("joint")));
+    assert!((joint / wall - 1.0).abs() < 0.02, "{joint} {wall}");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Candidates as the library takes them, and which of them are to predict.
 
-use crumple_predict::{Candidate, ParameterSpread};
-use crumple_stage::records::{CandidateV1, RecommendationV1};
-use crumple_stage::{Usage, unknown_name};
+use crumple_predict::{Candidate, ParameterSpread, TestedImpact};
+use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestsV1};
+use crumple_stage::{Inputs, Usage, unknown_name};
 
 /// A candidate that is to predict.
 #[derive(Debug, PartialEq, Eq)]
@@ -11,6 +11,18 @@ pub struct Named {
     pub place: usize,
     /// The names it has in the choice.
     pub names: Vec<&'static str>,
+}
+
+/// The impact that the candidates are of: that of the test, or the deepest of several tests with the speeds of all.
+/// `None` where nothing tells a speed. Errors: records that cannot be read.
+pub fn tested(input: &Inputs) -> anyhow::Result<Option<TestedImpact>> {
+    let several: Option<TestsV1> = input.record_if("/tests")?;
+    let speed = match &several {
+        Some(_) => None,
+        None => input.record::<EventsV1>("/events")?.impact_speed_m_per_s,
+    };
+    let speeds = several.iter().flat_map(|several| &several.tests).map(|test| test.impact_speed_m_per_s);
+    Ok(speed.or(input.test()?.impact_speed_m_per_s).map(|speed| TestedImpact::new(speed, speeds)))
 }
 
 /// All candidates, with what the choice says of them.

@@ -14,12 +14,12 @@ mod table;
 
 use std::path::PathBuf;
 
-use crumple_predict::{Candidate, Scenario, Surroundings, TestedImpact, predict};
-use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestV1, TestsV1};
+use crumple_predict::{Candidate, Scenario, Surroundings, predict};
+use crumple_stage::records::{CandidateV1, RecommendationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
 
 use crate::stage::against::OtherTest;
-use crate::stage::inputs::{candidates, named};
+use crate::stage::inputs::{candidates, named, tested};
 use crate::stage::options::{Options, Settings};
 use crate::stage::partner::ReadPartner;
 use crate::stage::records::{record, write_waves};
@@ -56,17 +56,12 @@ impl Stage for Predict {
     fn run(settings: &Settings, read: &Read, out: &mut Output) -> anyhow::Result<Outcome> {
         let Read { inputs: input, other, partner } = read;
         let test = input.test()?;
-        let several: Option<TestsV1> = input.record_if("/tests")?;
-        let own_speed = match &several {
-            Some(_) => None,
-            None => input.record::<EventsV1>("/events")?.impact_speed_m_per_s,
-        };
         let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
         if records.is_empty() {
             return Err(input.missing("/parameters/"));
         }
         let choice: Option<RecommendationV1> = input.record_if("/recommendation")?;
-        let tested_m_per_s = own_speed.or(test.impact_speed_m_per_s).ok_or_else(|| {
+        let tested = tested(input)?.ok_or_else(|| {
             Refused::new("neither the events nor the test have an impact speed")
                 .hint("--impact-speed 35km/h at crumple-ingest")
         })?;
@@ -81,7 +76,7 @@ impl Stage for Predict {
             let reason = format!("none of the candidates is for predictions{because}; name one with --candidate");
             return Ok(Outcome::NoAcceptableResult(reason));
         }
-        let scenarios = scenarios(settings, tested_m_per_s, other.as_ref())?;
+        let scenarios = scenarios(settings, tested.speed_m_per_s, other.as_ref())?;
         let surroundings = Surroundings {
             partner: partner.partner.clone(),
             occupant: settings.occupant.as_ref().map(|settings| settings.occupant.clone()),
@@ -93,8 +88,6 @@ impl Stage for Predict {
             words.into_iter().for_each(|words| out.summary(format!("{what}: {words}")));
         }
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
-        let speeds = several.iter().flat_map(|several| &several.tests).map(|test| test.impact_speed_m_per_s);
-        let tested = TestedImpact::new(tested_m_per_s, speeds);
         let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios, &surroundings);
         out.summary(header());
         let mut rows = Vec::new();

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use crumple_predict::{Partner, Scenario, TestedImpact};
+use crumple_predict::{Partner, Scenario};
 use crumple_signal::value::{Mass, Speed};
-use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1};
+use crumple_stage::records::{CandidateV1, RecommendationV1};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
 use serde::Serialize;
 
 use crate::stage::barriers::{Barrier, BarrierTable, barrier};
 use crate::stage::described::Described;
-use crate::stage::inputs::{candidates, named};
+use crate::stage::inputs::{candidates, named, tested};
 
 /// The partner as it was stated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -124,7 +124,7 @@ impl PartnerSettings {
         Ok(Scenario { speed_m_per_s: speed_m_per_s.max(0.0), partner_speed_m_per_s, mass_kg })
     }
 
-    /// Reads the run of another vehicle. Errors: artifacts that are missing or cannot be read, no candidate for
+    /// Reads the run of another vehicle, or the model of its several tests. Errors: artifacts that are missing or cannot be read, no candidate for
     /// predictions.
     pub fn read(&self) -> anyhow::Result<(ReadPartner, Vec<InputDigest>)> {
         let folder = match &self.kind {
@@ -137,20 +137,22 @@ impl PartnerSettings {
             }
             Kind::Run(folder) => folder,
         };
-        let paths = ["3-integrate.mcap", "5-parameter-solve.mcap"].map(|name| folder.join(name));
-        if let Some(missing) = paths.iter().find(|path| !path.is_file()) {
-            let problem = format!("the partner's run has no {}", missing.display());
-            return Err(Usage::new(problem).hint("--partner runs/NAME-OF-RECORD/NAME-OF-PIPELINE").into());
+        let [integrated, solved] = ["3-integrate.mcap", "5-parameter-solve.mcap"].map(|name| folder.join(name));
+        if !solved.is_file() {
+            let problem = format!("the partner's run has no {}", solved.display());
+            return Err(Usage::new(problem)
+                .hint("--partner runs/NAME-OF-RECORD/NAME-OF-PIPELINE, or runs/together/NAME")
+                .into());
         }
+        // One model of several tests has no motion of its own.
+        let paths: Vec<PathBuf> = [integrated, solved].into_iter().filter(|path| path.is_file()).collect();
         let loaded = load_artifacts(&paths)?;
         Ok((self.vehicle(&loaded.input)?, loaded.digests))
     }
 
     fn vehicle(&self, input: &Inputs) -> anyhow::Result<ReadPartner> {
         let test = input.test()?;
-        let events: EventsV1 = input.record("/events")?;
-        let speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
-        let speed_m_per_s = speed.ok_or_else(|| Refused::new("the partner's test has no impact speed"))?;
+        let tested = tested(input)?.ok_or_else(|| Refused::new("the partner's test has no impact speed"))?;
         let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
         let choice: Option<RecommendationV1> = input.record_if("/recommendation")?;
         let candidates = candidates(&records, choice.as_ref());
@@ -164,12 +166,7 @@ impl PartnerSettings {
         Ok(ReadPartner {
             words: Some(test.title),
             candidate: Some(id),
-            partner: Partner::Vehicle {
-                place: chosen.place,
-                candidates,
-                test: TestedImpact::new(speed_m_per_s, []),
-                mass_kg: self.mass_kg,
-            },
+            partner: Partner::Vehicle { place: chosen.place, candidates, test: tested, mass_kg: self.mass_kg },
         })
     }
 }
