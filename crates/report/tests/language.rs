@@ -11,7 +11,7 @@ use std::process::Command;
 use crumple_browser::{Browser, Screen};
 
 /// Words that are the same in both languages: symbols with their units, names of standards and of programs' terms.
-const SAME: [&str; 24] = [
+const SAME: [&str; 25] = [
     "AICc",
     "C",
     "CFC",
@@ -40,7 +40,7 @@ const SAME: [&str; 24] = [
 
 /// Names of the sample: its title, stages, models, candidates, parameters, runs, quantities of a rating.
 fn is_name(text: &str) -> bool {
-    let of_the_sample = ["Frontal <b>impact", "era-", "Maxwell, closed form", "accel"];
+    let of_the_sample = ["Frontal <b>impact", "era-", "Kelvin, ", "Maxwell, ", "Double spring-mass-damper, ", "accel"];
     let stages = ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "predict", "report"];
     let is_symbol = text.len() <= 2 && text.starts_with(['k', 'c', 'm']);
     let is_parameter = ["k1, kN/m", "k2, kN/m", "c1, kN·s/m", "c2, kN·s/m", "m1, kg", "m2, kg"].contains(&text);

@@ -46,7 +46,15 @@ fn row(out: &mut String, language: Language, prediction: &PredictionV1) {
     };
     let remarks: String = prediction.notes.iter().map(|note| format!("<li>{}</li>", html(note))).collect();
     let partner = partner(language, prediction);
-    let names = if prediction.names.is_empty() { String::new() } else { format!(" ({})", prediction.names.join(", ")) };
+    let roles = &language.phrases().candidates;
+    let role = |name: &String| match name.as_str() {
+        "recommended" => roles.badge_recommended.to_owned(),
+        "simplest" => roles.badge_simplest.to_owned(),
+        "closest" => roles.badge_closest.to_owned(),
+        other => other.to_owned(),
+    };
+    let names: Vec<String> = prediction.names.iter().map(role).collect();
+    let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
     out.push_str(&format!(
         "<tr{}><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}<td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },

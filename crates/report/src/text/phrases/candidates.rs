@@ -51,6 +51,7 @@ texts! { CandidateTexts
         "Hervorgehoben ist das für Vorhersagen empfohlene Modell. Ein Balken ist ein 95-%-Intervall zwischen einem \
          Zehntel und dem Zehnfachen des Werts; er verblasst, wo es weitergeht oder offen ist.";
     parameters_of_row: "parameters", "Parameter";
+    badge_recommended: "recommended", "empfohlen";
     badge_simplest: "simplest", "einfachstes";
     badge_closest: "closest", "nächstes";
     not_adequate: "not adequate: {why}", "nicht angemessen: {why}";
@@ -154,8 +155,8 @@ texts! { CandidateTexts
          nicht symmetrisch. Profil, Bootstrap und unsichere Eingaben stehen, wo verlangt, unter den Bemerkungen.";
     dual_of: "dual of {model}: same record", "dual zu {model}: dieselbe Aufzeichnung";
     fitted_to:
-        "Fitted to the {quantity} of channel {channel} from {from} to {to} ({samples} samples); stopped: {reason}.",
-        "Angepasst an {quantity} von Kanal {channel} von {from} bis {to} ({samples} Werte); Ende: {reason}.";
+        "Fitted to the {quantity} of channel {channel} from {from} to {to} ms ({samples} samples); stopped: {reason}.",
+        "Angepasst an {quantity} von Kanal {channel} von {from} bis {to} ms ({samples} Werte); Ende: {reason}.";
     on_bounds: "On a bound of the search: {names}.", "An einer Schranke der Suche: {names}.";
     one_remark: "{count} remark", "{count} Bemerkung";
     remarks: "{count} remarks", "{count} Bemerkungen";

@@ -14,8 +14,8 @@ texts! { FigureTexts
     displacement: "displacement, mm", "Weg, mm";
     force: "force, kN", "Kraft, kN";
     deceleration: "deceleration, g (mass not known)", "Verzögerung, g (Masse nicht bekannt)";
-    title: "What the test did, what the models do", "Was der Versuch tat, was die Modelle tun";
-    title_of_test: "The test: curves", "Der Versuch: Kurven";
+    title: "What the test did, what the models do", "Versuch und Modelle: Kurven";
+    title_of_test: "The test: curves", "Versuch: Kurven";
     test_cfc: "test, CFC\u{a0}{cfc}", "Versuch, CFC\u{a0}{cfc}";
     test_filtered: "test, filtered", "Versuch, gefiltert";
     test_as_read: "test, as read", "Versuch, wie gelesen";
@@ -27,8 +27,8 @@ texts! { FigureTexts
     sign: ", SAE J211 sign: deceleration is negative.", ", Vorzeichen nach SAE J211: Verzögerung ist negativ.";
     filtered:
         " Filtered in mode {mode}; the record as read waits in the legend, and may reach beyond the axes.",
-        " Gefiltert nach {mode}; die Aufzeichnung wie gelesen lässt sich in der Legende einschalten und kann über die \
-         Achsen hinausreichen.";
+        " Gefiltert im Modus {mode}; die Aufzeichnung wie gelesen lässt sich in der Legende einschalten und kann über \
+         die Achsen hinausreichen.";
     integrated_from:
         " Velocity and displacement by the {rule} rule from {start}.",
         " Geschwindigkeit und Weg nach der Regel „{rule}“ ab „{start}“.";

@@ -5,7 +5,7 @@ texts! { HowWellTexts
     model: "Model", "Modell";
     by_standard: "Acceleration by ISO/TS 18571", "Beschleunigung nach ISO/TS 18571";
     residual: "Residual of the acceleration", "Residuum der Beschleunigung";
-    wall_force: "Wall force off by, %", "Wandkraft daneben um, %";
+    wall_force: "Wall force off by, %", "Abweichung der Wandkraft, %";
     corridor: "Corridor", "Korridor";
     phase: "Phase", "Phasenlage";
     magnitude: "Magnitude", "Größe";

@@ -16,7 +16,7 @@ texts! { ModelTexts
         "Zu diesem Modell gehört keine Struktur aus Massen und Elementen.";
     off_the_test:
         "Crush {crush}, t<sub>m</sub> {time} off the test; displacement fit {fit}.",
-        "Eindrückung {crush}, t<sub>m</sub> {time} neben dem Versuch; Anpassung des Wegs {fit}.";
+        "Abweichung vom Versuch: Eindrückung {crush}, t<sub>m</sub> {time}; Anpassung des Wegs {fit}.";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.", "ISO/TS 18571 der Beschleunigung {value}{grade}.";
     same_record:
         "{model} gives the same record on this sensor.",

@@ -4,7 +4,7 @@ texts! { NumberTexts
     key_numbers: "Key numbers", "Kennwerte";
     dynamic_crush: "Dynamic crush C", "Dynamische Eindrückung C";
     time_of_crush: "Time of crush t<sub>m</sub>", "Eindrückungszeit t<sub>m</sub>";
-    delta_v: "Velocity change Δv", "Geschwindigkeitsänderung Δv";
+    delta_v: "Velocity change Δv", "Geschwindigkeits\u{ad}änderung Δv";
     maximum_delta_v: "Maximum Δv as recorded", "Größtes Δv laut Aufzeichnung";
     time_of_maximum_delta_v: "Time of maximum Δv", "Zeitpunkt des größten Δv";
     restitution: "Restitution e", "Stoßzahl e";
@@ -22,7 +22,7 @@ texts! { NumberTexts
     at: "at {time}", "bei {time}";
     does_not_reach_zero: "; the velocity does not reach zero", "; die Geschwindigkeit wird nicht null";
     rebound: "rebound {speed}", "Rückprall {speed}";
-    olc: "occupant load criterion", "Insassenbelastung (occupant load criterion)";
+    olc: "occupant load criterion", "Kriterium der Insassenbelastung";
     hic: "head injury criterion", "Kopfverletzungskriterium";
     inputs_caption:
         "“Inputs”: {by} with mass, speed, gain, zero level and time zero within their stated uncertainty, one sensor.",

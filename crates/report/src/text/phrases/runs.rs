@@ -104,7 +104,7 @@ texts! { RunTexts
     mass_name: "test mass", "Versuchsmasse";
     mass: "mass", "Masse";
     speed_name: "impact speed", "Aufprallgeschwindigkeit";
-    speed: "speed", "Tempo";
+    speed: "speed", "v₀";
     year_name: "model year", "Modelljahr";
     year: "year", "Jahr";
     crush_name: "dynamic crush", "dynamische Eindrückung";

@@ -37,7 +37,7 @@ texts! { WhatIfTexts
     damping: "Damping", "Dämpfung";
     rate_effect: "Rate effect", "Rateneffekt";
     mass: "Mass", "Masse";
-    speed: "Speed", "Tempo";
+    speed: "Speed", "Geschwindigkeit";
     as_identified: "as identified", "wie identifiziert";
     over_time:
         "{quantity} over time: test, model as identified, model as set",
