@@ -36,4 +36,4 @@ pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
 };
-pub use text::language::Language;
+pub use text::language::{Language, fill};

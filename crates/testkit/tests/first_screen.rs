@@ -3,9 +3,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
 use crumple_browser::{Browser, Page, Screen};
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
-use crumple_testkit::pipeline::run;
+use crumple_testkit::pipeline::{ARTIFACTS, binary, run};
 use serde_json::Value;
 
 /// Bytes of a page at most.
@@ -182,6 +187,68 @@ fn check_screen(browser: &Browser, file: &std::path::Path, screen: Screen, sente
     assert_eq!(brightness(0) > brightness(1), screen.is_dark, "{colours}");
 }
 
+/// What a German page may have in common with the English one: terms, symbols with units, names of standards, stages
+/// and models, and what the records themselves say.
+fn is_common(label: &str, names: &BTreeSet<String>) -> bool {
+    const TERMS: [&str; 24] = [
+        "AICc",
+        "C",
+        "CFC",
+        "CORA",
+        "CSV",
+        "HIC15",
+        "HIC36",
+        "ISO/TS 18571",
+        "M",
+        "OLC",
+        "OLC, g",
+        "P",
+        "Parameter",
+        "RMSE, mm",
+        "SVG",
+        "Theil U1",
+        "e",
+        "summary.json",
+        "tm, ms",
+        "ΔAICc",
+        "ΔC, mm",
+        "Δtm, ms",
+        "Δv, km/h",
+        "95 %",
+    ];
+    let has_words = label.split(|c: char| !c.is_alphabetic()).any(|word| word.chars().count() > 2);
+    TERMS.contains(&label) || !has_words || names.iter().any(|name| label.starts_with(name.as_str()))
+}
+
+/// The German page of a run has no label of the English one.
+fn check_german(browser: &Browser, folder: &Path, english: &Page) {
+    let page = folder.join("german.html");
+    let artifacts = ARTIFACTS.map(|name| folder.join(name)).into_iter().filter(|path| path.is_file());
+    let mut report = Command::new(binary("crumple-report"));
+    report.args(artifacts).args(["-q", "--language", "de", "--summary"]).arg(folder.join("german.json"));
+    let code = report.arg("-o").arg(&page).output().unwrap().status.code();
+    assert!(matches!(code, Some(0 | 4)), "{code:?}");
+    let german = browser.open(&page, "", Screen::DESK);
+    assert_eq!((german.console(), german.ask("return document.documentElement.lang")), (vec![], "de".into()));
+    // Names: what stands in the records. Candidates and models are named in `code`, `strong` and `td`, others by id.
+    let names = texts(english, "h1, #notes h3, code, strong, #candidates li, .numbers abbr[title] code");
+    let summary: Value = serde_json::from_slice(&fs::read(folder.join("summary.json")).unwrap()).unwrap();
+    let mut names: BTreeSet<String> = names.into_iter().filter(|name| !name.is_empty()).collect();
+    let channels = [&summary["test"]["channel"], &summary["other_channels"]];
+    names.extend(channels.iter().flat_map(|value| {
+        match value {
+            Value::Array(ids) => ids.clone(),
+            id => vec![(*id).clone()],
+        }
+        .into_iter()
+        .filter_map(|id| id.as_str().map(str::to_owned))
+    }));
+    let labels = german.labels();
+    let left: Vec<String> =
+        english.labels().into_iter().filter(|label| labels.contains(label) && !is_common(label, &names)).collect();
+    assert_eq!(left, Vec::<String>::new(), "{}", folder.display());
+}
+
 fn check_kind(kind: &KindOfRecord) {
     let folder = tempfile::tempdir().unwrap();
     let output = run(kind.variables, folder.path(), &kind.path, kind.flags);
@@ -203,6 +270,7 @@ fn check_kind(kind: &KindOfRecord) {
     for screen in [Screen::PHONE, Screen::PHONE.dark(), Screen::DESK.dark(), Screen::DESK.wide(794)] {
         check_screen(&browser, &file, screen, &sentences);
     }
+    check_german(&browser, folder.path(), &page);
     if output.status.code() == Some(4) {
         let reason = summary["verdict"]["reason"].as_str().unwrap();
         assert!(sentences.iter().any(|sentence| sentence.contains(reason.trim_end_matches('.'))), "{sentences:?}");

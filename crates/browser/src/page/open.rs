@@ -1,5 +1,6 @@
 //! An open page.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use headless_chrome::Tab;
@@ -35,6 +36,21 @@ impl Page {
         let answer = told(body, self.tab.evaluate(&format!("JSON.stringify((function () {{ {body} }})())"), true));
         let text = answer.value.as_ref().and_then(Value::as_str).unwrap_or("null");
         told(text, serde_json::from_str(text))
+    }
+
+    /// Texts that a page calls its parts by: headings, heads of tables, legends, captions, names of controls and
+    /// figures, folded parts opened or not. Left out is what has `code` alone in it: an identifier.
+    pub fn labels(&self) -> BTreeSet<String> {
+        let script = "
+            const all = [...document.querySelectorAll(
+                'h1, h2, h3, th, dt, legend, .legend label, figcaption, summary, button, .caption, svg title')];
+            const text = (e) => e.textContent.replace(/\\s+/g, ' ').trim();
+            const said = all.filter((e) => !(e.children.length === 1 && e.firstElementChild.tagName === 'CODE'
+                && text(e) === text(e.firstElementChild))).map(text);
+            const named = [...document.querySelectorAll('[aria-label]')].map((e) => e.getAttribute('aria-label'));
+            return [...said, ...named].filter((text) => text);";
+        let labels = self.ask(script);
+        labels.as_array().into_iter().flatten().filter_map(|label| Some(label.as_str()?.to_owned())).collect()
     }
 
     /// Presses a key, such as `Tab` or `ArrowRight`, where the focus is.

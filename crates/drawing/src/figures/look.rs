@@ -203,7 +203,7 @@ fn rules(value: impl Fn(&str) -> String) -> String {
          .w1{stroke-width:1}.w3{stroke-width:3.2}\
          .d1{stroke-dasharray:8 4}.d2{stroke-dasharray:2 3}.d3{stroke-dasharray:9 3 2 3}\
          .b{stroke:none;fill-opacity:.2}.g{stroke-width:1;fill:none;vector-effect:non-scaling-stroke}\
-         .n{font-weight:600}\
+         text.n{font-weight:600}\
          .pt{stroke-width:5;stroke-linecap:round;stroke-opacity:.55}.link{stroke-width:2}\n",
     );
     for (name, _, _) in &PALETTE[..10] {

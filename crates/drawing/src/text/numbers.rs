@@ -108,29 +108,8 @@ pub fn unit(si: &str) -> (f64, &str) {
     }
 }
 
-/// A value in SI with four significant digits in the unit people use.
-pub fn value(value: f64, si: &str) -> String {
-    let (factor, unit) = unit(si);
-    let number = significant(value * factor, 4);
-    if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
-}
-
-/// Two values in SI in the unit people use: `741.2 to 759.3 mm`.
-pub fn range(low: f64, high: f64, si: &str) -> String {
-    let (factor, unit) = unit(si);
-    let digits = digits_of_interval(low, high, 4);
-    let (low, high) = (significant(low * factor, digits), significant(high * factor, digits));
-    if unit.is_empty() { format!("{low} to {high}") } else { format!("{low} to {high}{NBSP}{unit}") }
-}
-
 /// A longer stretch of time than this is told in s, a shorter one in ms.
 pub const LONG_S: f64 = 2.0;
-
-/// `0.0 to 120.0 ms`, or in s where that is the fitting unit.
-pub fn times(from_s: f64, to_s: f64) -> String {
-    let (factor, unit) = if to_s - from_s > LONG_S { (1.0, "s") } else { (MILLI, "ms") };
-    format!("{} to {} {unit}", decimals(factor * from_s, 1), decimals(factor * to_s, 1))
-}
 
 #[cfg(test)]
 mod tests {
@@ -166,18 +145,9 @@ mod tests {
     }
 
     #[test]
-    fn a_long_record_is_told_in_seconds() {
-        assert_eq!(times(0.0, 0.0741), "0.0 to 74.1 ms");
-        assert_eq!(times(0.0, 79.92), "0.0 to 79.9 s");
-    }
-
-    #[test]
     fn a_velocity_is_in_km_per_h_and_an_unknown_unit_stays() {
-        assert_eq!(value(10.0, "m/s"), "36.00\u{a0}km/h");
-        assert_eq!(value(0.5, "1"), "0.5000");
-        assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
-        assert_eq!(range(0.5, 0.75, "1"), "0.5000 to 0.7500");
-        assert_eq!(range(0.75, 0.75, "1"), "0.7500 to 0.7500");
-        assert_eq!(value(2.0, "furlong"), "2.000\u{a0}furlong");
+        assert_eq!(unit("m/s"), (3.6, "km/h"));
+        assert_eq!(unit("1"), (1.0, ""));
+        assert_eq!(unit("furlong"), (1.0, "furlong"));
     }
 }

@@ -1,7 +1,7 @@
 //! How quantities are distributed over the runs.
 
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, span};
-use crumple_report::Quantity;
+use crumple_report::{Language, Quantity};
 
 use crate::tables::rows::Row;
 
@@ -35,7 +35,8 @@ fn panel(entry: usize, quantity: &Quantity, values: &[f64]) -> Panel {
     let edges: Vec<f64> = (0..=COLUMNS).map(|k| low + width * k as f64).collect();
     let most = counts.iter().copied().fold(1.0, f64::max);
     let up = Axis { whole: true, ..Axis::new("runs") }.from_to([0.0, 1.08 * most]);
-    let mut panel = Panel { height: HEIGHT, ..Panel::new(Axis::new(quantity.label()).from_to([low, high]), up) };
+    let mut panel =
+        Panel { height: HEIGHT, ..Panel::new(Axis::new(quantity.label(Language::English)).from_to([low, high]), up) };
     panel.columns(entry, &edges, &counts);
     panel
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
-use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex};
+use crumple_report::{FiguresOfRuns, IndexedRun, Language, RunIndex};
 use rayon::prelude::*;
 
 use crate::page::distributions::distributions;
@@ -50,7 +50,7 @@ fn page(fleet: &Path, rows: &[Row]) -> String {
             figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION])],
         },
     ];
-    RunIndex { title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
+    RunIndex { language: Language::English, title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
 }
 
 fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {

@@ -2,7 +2,7 @@
 
 use crumple_drawing::numbers::significant;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Link, Look, Panel, Symbol, span};
-use crumple_report::Quantity;
+use crumple_report::{Language, Quantity};
 
 use crate::page::outliers::line_and_outliers;
 use crate::tables::rows::Row;
@@ -14,7 +14,7 @@ const HEIGHT: f64 = 300.0;
 
 /// `y` over each of several quantities, a panel each; those that fewer than two runs have are left out.
 pub(crate) fn scatter(rows: &[Row], id: &'static str, y: Quantity, over: &[Quantity]) -> Figure {
-    let mut figure = Figure::new(id, capitalised(y.name));
+    let mut figure = Figure::new(id, capitalised(y.name(Language::English)));
     let entries = [
         figure.entry("a run", Look::marks(Colour::Series(0), Symbol::Point), true),
         figure.entry(
@@ -42,8 +42,10 @@ fn panel(rows: &[Row], [runs, line, _]: [usize; 3], x: Quantity, y: Quantity) ->
     let fitted = line_and_outliers(&points);
     let is_outlier = |number: usize| fitted.as_ref().is_some_and(|(_, outliers)| outliers[number]);
     let whole = x.unit.is_empty();
-    let mut panel =
-        Panel { height: HEIGHT, ..Panel::new(Axis { whole, ..Axis::new(x.label()) }, Axis::new(y.label())) };
+    let mut panel = Panel {
+        height: HEIGHT,
+        ..Panel::new(Axis { whole, ..Axis::new(x.label(Language::English)) }, Axis::new(y.label(Language::English)))
+    };
     let dots = points.iter().enumerate().filter(|(number, _)| !is_outlier(*number));
     panel.points(runs, dots.map(|(_, (x, y))| [*x, *y]).collect());
     if let Some((fit, _)) = &fitted {

@@ -7,13 +7,15 @@ use crumple_drawing::numbers::ABSENT;
 
 use super::compared_run::ComparedRun;
 use super::figure::figure;
-use super::numbers::{TOLERANCE, key_number_rows, model_rows, prediction_rows};
+use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings;
 use super::table::{Row, to_html, to_markdown};
 use crate::conclusions::conclusion::conclusion;
-use crate::frame::framed::{FIGURES, framed};
+use crate::frame::framed::{FIGURES, framed, words_of_figures};
 use crate::page::figures;
+use crate::text::language::{Language, fill};
 use crate::text::markdown::{HEAD, markdown};
+use crate::text::phrases::RunTexts;
 
 /// Several runs beside each other.
 #[derive(Debug)]
@@ -22,22 +24,25 @@ pub struct RunComparison<'a> {
     names: Vec<String>,
     /// Heading, what the first column is, rows.
     tables: Vec<(&'static str, &'static str, Vec<Row>)>,
+    language: Language,
     sentences: Vec<String>,
 }
 
 impl<'a> RunComparison<'a> {
     /// Compares every run with the first. The same runs give the same bytes.
     pub fn new(runs: &'a [ComparedRun]) -> Self {
+        let language = runs.first().map_or_else(Language::default, |run| run.run.language);
+        let texts = &language.phrases().runs;
         let (numbers, models, made) = (key_number_rows(runs), model_rows(runs), settings::rows(runs));
-        let sentences = vec![made_of(runs, &made), what_differs(&numbers, &models)];
+        let sentences = vec![made_of(runs, &made, texts), what_differs(&numbers, &models, texts)];
         let mut tables = vec![
-            ("Key numbers", "Number", numbers),
-            ("Recommended models", "Of the model", models),
-            ("Predictions of the recommended models", "Prediction", prediction_rows(runs)),
-            ("What the runs were made with", "Setting", made),
+            (texts.key_numbers, texts.number, numbers),
+            (texts.recommended_models, texts.of_the_model, models),
+            (texts.predictions, texts.prediction, prediction_rows(runs)),
+            (texts.made_with, texts.setting, made),
         ];
         tables.retain(|(_, _, rows)| !rows.is_empty());
-        Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, sentences }
+        Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, language, sentences }
     }
 
     /// What differs, in two sentences.
@@ -48,23 +53,26 @@ impl<'a> RunComparison<'a> {
     /// The page.
     pub fn to_html(&self) -> String {
         let drawn: Vec<_> = figure(self.runs).into_iter().collect();
-        let title = format!("{} runs compared", self.runs.len());
+        let texts = &self.language.phrases().runs;
+        let title = self.title();
         let said: String = self.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
         let mut body = format!(
-            "<header>\n<p class=\"brand\">Crumple · comparison of runs</p>\n<h1>{title}</h1>\n\
-             <section class=\"verdict\" aria-label=\"What differs\">\n{said}</section>\n</header>\n<main>\n"
+            "<header>\n<p class=\"brand\">{}</p>\n<h1>{title}</h1>\n\
+             <section class=\"verdict\" aria-label=\"{}\">\n{said}</section>\n</header>\n<main>\n",
+            texts.comparison_brand, texts.what_differs
         );
         let mut figures_to_come = Some(&drawn);
         for (heading, of, rows) in &self.tables {
             // Figures go before the settings.
-            if *of == "Setting"
+            if *of == texts.setting
                 && let Some(drawn) = figures_to_come.take()
             {
-                figures::write(&mut body, drawn, "h2");
+                figures::write(&mut body, drawn, "h2", self.language);
             }
-            body.push_str(&format!("<section>\n<h2>{heading}</h2>\n{}</section>\n", to_html(of, &self.names, rows)));
+            let table = to_html(self.language, of, &self.names, rows);
+            body.push_str(&format!("<section>\n<h2>{heading}</h2>\n{table}</section>\n"));
         }
-        body.push_str("<section>\n<h2>What each run says</h2>\n");
+        body.push_str(&format!("<section>\n<h2>{}</h2>\n", texts.what_each_says));
         for run in self.runs {
             let name = match &run.report {
                 Some(report) => format!("<a href=\"{}\">{}</a>", address(report), html(&run.name)),
@@ -72,26 +80,27 @@ impl<'a> RunComparison<'a> {
             };
             let (said, concerns) = conclusion(&run.run, &run.ranking);
             let said: String = said.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
-            let warnings = match concerns.first() {
-                Some(first) => {
-                    format!(
-                        "<p class=\"caption\">{} warnings, the gravest: {}</p>\n",
-                        concerns.len(),
-                        html(&first.text)
-                    )
-                }
-                None => String::new(),
-            };
+            let warnings = concerns.first().map_or_else(String::new, |first| {
+                let template = if concerns.len() == 1 { texts.one_gravest } else { texts.gravest };
+                let filled = [("count", concerns.len().to_string()), ("text", html(&first.text))];
+                format!("<p class=\"caption\">{}</p>\n", fill(template, &filled))
+            });
             body.push_str(&format!("<h3>{name}</h3>\n{said}{warnings}"));
         }
-        body.push_str("</section>\n</main>\n");
+        body.push_str("</section>\n");
+        body.push_str(&words_of_figures(self.language));
+        body.push_str("</main>\n");
         let style = [include_str!("style.css"), &figures::toggle_rules(drawn.iter())].concat();
-        framed(&title, &style, &body, FIGURES)
+        framed(self.language, &title, &style, &body, FIGURES)
+    }
+
+    fn title(&self) -> String {
+        fill(self.language.phrases().runs.compared, &[("count", self.runs.len().to_string())])
     }
 
     /// The tables as Markdown, for a merge request.
     pub fn to_markdown(&self) -> String {
-        let mut text = format!("{HEAD}## {} runs compared\n\n", self.runs.len());
+        let mut text = format!("{HEAD}## {}\n\n", self.title());
         for sentence in &self.sentences {
             text.push_str(&format!("{}\n", markdown(sentence)));
         }
@@ -103,27 +112,33 @@ impl<'a> RunComparison<'a> {
 }
 
 /// `3 runs of one record; 2 settings differ: filter.cfc, filter.mode.`
-fn made_of(runs: &[ComparedRun], made: &[Row]) -> String {
+fn made_of(runs: &[ComparedRun], made: &[Row], texts: &RunTexts) -> String {
     let records: BTreeSet<String> = runs.iter().map(settings::record_of).collect();
-    let of = if records.len() == 1 { "one record".to_owned() } else { format!("{} records", records.len()) };
+    let of = match records.len() {
+        1 => texts.of_one_record.to_owned(),
+        n => fill(texts.of_records, &[("count", n.to_string())]),
+    };
     let settings: Vec<&str> =
         made.iter().filter(|row| row.name.contains('.') && row.differs()).map(|row| row.name.as_str()).collect();
     /// Settings that are named.
     const NAMED: usize = 6;
-    let more = if settings.len() > NAMED { ", …" } else { "" };
-    match settings.len() {
-        0 => format!("{} runs of {of}, made with the same settings.", runs.len()),
-        n => format!(
-            "{} runs of {of}; {n} {}: {}{more}.",
-            runs.len(),
-            if n == 1 { "setting differs" } else { "settings differ" },
-            settings[..n.min(NAMED)].join(", ")
-        ),
-    }
+    let template = match settings.len() {
+        0 => texts.same_settings,
+        1 => texts.one_setting_differs,
+        _ => texts.settings_differ,
+    };
+    let filled = [
+        ("runs", runs.len().to_string()),
+        ("records", of),
+        ("count", settings.len().to_string()),
+        ("names", settings[..settings.len().min(NAMED)].join(", ")),
+        ("more", if settings.len() > NAMED { ", …" } else { "" }.to_owned()),
+    ];
+    fill(template, &filled)
 }
 
 /// Which numbers and parameters are apart by more than the tolerance.
-fn what_differs(numbers: &[Row], models: &[Row]) -> String {
+fn what_differs(numbers: &[Row], models: &[Row], texts: &RunTexts) -> String {
     let differing = |rows: &[Row]| -> Vec<String> {
         rows.iter().filter(|row| row.differs()).map(|row| symbol(&row.name).to_owned()).collect()
     };
@@ -134,20 +149,18 @@ fn what_differs(numbers: &[Row], models: &[Row]) -> String {
     }
     let one_model = models.first().is_some_and(|row| !row.differs());
     match (one_model, of_models.is_empty()) {
-        (true, false) => parts.push(format!("of the model that all recommend: {}", of_models.join(", "))),
+        (true, false) => parts.push(fill(texts.of_common_model, &[("names", of_models.join(", "))])),
         (false, _) if !models.is_empty() => {
             let mut names: Vec<&str> = models[0].cells.iter().map(|cell| cell.text.as_str()).collect();
             names.dedup();
-            let names: Vec<&str> = names.into_iter().map(|name| if name == ABSENT { "none" } else { name }).collect();
-            parts.push(format!("the recommended model ({})", names.join("; ")));
+            let names: Vec<&str> =
+                names.into_iter().map(|name| if name == ABSENT { texts.no_model } else { name }).collect();
+            parts.push(fill(texts.other_models, &[("names", names.join("; "))]));
         }
         _ => {}
     }
-    if parts.is_empty() {
-        format!("Nothing differs beyond what an engineer calls the same ({TOLERANCE}).")
-    } else {
-        format!("More than an engineer calls the same ({TOLERANCE}) differ: {}.", parts.join("; "))
-    }
+    let template = if parts.is_empty() { texts.nothing_differs } else { texts.differ };
+    fill(template, &[("tolerance", texts.tolerance), ("names", &parts.join("; "))])
 }
 
 /// The name without its unit.

@@ -1,7 +1,7 @@
 //! What a report says first, as Markdown for a merge request.
 
 use crumple_artifact::records::ConcernV1;
-use crumple_drawing::numbers::{ABSENT, MILLI, decimals, signed};
+use crumple_drawing::numbers::{ABSENT, MILLI};
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
@@ -11,34 +11,38 @@ use super::table::to_markdown;
 use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::conclusion;
 use crate::conclusions::distinct_curves::distinct_curves;
+use crate::text::language::fill;
 use crate::text::markdown::{HEAD, markdown};
 use crate::text::names::candidate_name;
 
 /// Conclusion, warnings, key numbers, the recommended model, the candidates, and how to make the run again.
 ///
-/// `pipeline` is the path of the run's own pipeline file, where there is one.
-pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>) -> String {
+/// `pipeline` is the path of the run's own pipeline file, where there is one; `record` that of its record, where it is
+/// known: the artifacts hold its name alone.
+pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&str>) -> String {
     let (said, concerns) = conclusion(&run.run, &run.ranking);
-    let title = if run.run.test.title.is_empty() { "Untitled record" } else { &run.run.test.title };
+    let phrases = run.run.language.phrases();
+    let texts = &phrases.runs;
+    let title = if run.run.test.title.is_empty() { phrases.page.untitled } else { &run.run.test.title };
     let mut text = format!("{HEAD}## {}\n\n", markdown(title));
     for sentence in &said.sentences {
         text.push_str(&format!("{}\n", markdown(sentence)));
     }
     let warnings: Vec<_> = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT).collect();
     if !warnings.is_empty() {
-        text.push_str(&format!("\n### {}\n\n", run.run.language.phrases().before_use));
+        text.push_str(&format!("\n### {}\n\n", phrases.conclusion.before_use));
         for (number, concern) in warnings.iter().take(SHOWN_FIRST).enumerate() {
             text.push_str(&format!("{}. {}\n", number + 1, markdown(&concern.text)));
         }
         if let Some(others) = warnings.len().checked_sub(SHOWN_FIRST).filter(|others| *others > 0) {
-            text.push_str(&format!("\n{others} more in the report.\n"));
+            text.push_str(&format!("\n{}\n", fill(texts.more_in_report, &[("count", others.to_string())])));
         }
     }
     let one = std::slice::from_ref(run);
-    let value = ["value".to_owned()];
+    let value = [texts.value.to_owned()];
     for (heading, rows) in [
-        ("Key numbers", key_number_rows(one)),
-        ("Model for predictions", [model_rows(one), prediction_rows(one)].concat()),
+        (texts.key_numbers, key_number_rows(one)),
+        (texts.model_for_predictions, [model_rows(one), prediction_rows(one)].concat()),
     ] {
         if !rows.is_empty() {
             text.push_str(&format!("\n### {heading}\n\n{}", to_markdown("", &value, &rows)));
@@ -46,15 +50,20 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>) -> String {
     }
     text.push_str(&candidates(run));
     text.push_str(&format!(
-        "\n### Again\n\n```sh\n{}\n```\n\nRecord {}.\n",
-        again(run, pipeline),
-        markdown(&record_of(run))
+        "\n### {}\n\n```sh\n{}\n```\n\n{}\n",
+        texts.again,
+        again(run, pipeline, record),
+        fill(
+            if record.is_some() { texts.record_is } else { texts.record_elsewhere },
+            &[("record", markdown(&record_of(run)))]
+        )
     ));
     text
 }
 
 /// A row a distinct curve.
 fn candidates(run: &ComparedRun) -> String {
+    let (language, texts) = (run.run.language, &run.run.language.phrases().runs);
     let curves = distinct_curves(&run.run, &run.ranking);
     let row = |id: &str, same: usize| {
         let candidate = run.run.candidate(id)?;
@@ -64,35 +73,46 @@ fn candidates(run: &ComparedRun) -> String {
         Some(format!(
             "| {}{} | {} | {} | {} | {} |\n",
             markdown(&candidate_name(id)),
-            if same > 0 { format!(" and {same} with the same curve") } else { String::new() },
-            known.words(run.run.language).unwrap_or_else(|| ABSENT.to_owned()),
-            number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| signed(MILLI * v, 1)),
-            number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| signed(MILLI * v, 1)),
-            number(candidate.fit_percent(), &|v| decimals(v, 2)),
+            if same > 0 { fill(texts.same_curve, &[("count", same.to_string())]) } else { String::new() },
+            known.words(language).unwrap_or_else(|| ABSENT.to_owned()),
+            number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 1)),
+            number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 1)),
+            number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
         ))
     };
     let rows: String = curves.iter().filter_map(|curve| row(&curve.id, curve.same_curve.len())).collect();
     if rows.is_empty() {
         return String::new();
     }
-    format!("\n### Candidates\n\n| Model | Certainty | ΔC, mm | Δtₘ, ms | Fit, % |\n|---|---|---:|---:|---:|\n{rows}")
+    let (title, heads) = (texts.candidates, texts.candidate_heads);
+    format!("\n### {title}\n\n| {heads} |\n|---|---|---:|---:|---:|\n{rows}")
 }
 
 /// The command that makes the run again: its own pipeline file, and what was typed beside it.
-fn again(run: &ComparedRun, pipeline: Option<&str>) -> String {
+fn again(run: &ComparedRun, pipeline: Option<&str>, record: Option<&str>) -> String {
     let pipeline = pipeline.or(run.run.pipeline.as_deref()).map(|name| format!("pipeline={} ", shell_word(name)));
     let ingest = run.run.provenance.iter().find(|record| record.stage == "ingest");
     let settings = ingest.and_then(|record| serde_json::from_str::<Value>(&record.settings).ok());
     let flag = |(key, value): (&String, &Value)| {
-        let value = value.as_str()?;
-        Some(format!(" --{} {}", key.replace('_', "-"), shell_word(value)))
+        let name = key.replace('_', "-");
+        match value {
+            Value::String(text) => Some(format!(" --{name} {}", shell_word(text))),
+            Value::Number(number) => Some(format!(" --{name} {number}")),
+            Value::Bool(true) => Some(format!(" --{name}")),
+            Value::Bool(false) => Some(format!(" --{name}=false")),
+            _ => None,
+        }
     };
     let flags: String = settings
         .as_ref()
         .and_then(Value::as_object)
         .map(|all| all.iter().filter_map(flag).collect())
         .unwrap_or_default();
-    format!("just {}run {}{flags}", pipeline.unwrap_or_default(), shell_word(&run.run.test.source.name))
+    format!(
+        "just {}run {}{flags}",
+        pipeline.unwrap_or_default(),
+        shell_word(record.unwrap_or(&run.run.test.source.name))
+    )
 }
 
 /// A word of a shell's command line.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
-use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, decimals, digits_of_interval, signed, significant, unit};
+use crumple_drawing::numbers::{ABSENT, MILLI, digits_of_interval, unit};
 use serde::Serialize;
 
 use super::compared_run::ComparedRun;
@@ -11,11 +11,9 @@ use super::table::{Cell, Row};
 use crate::CandidateResult;
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::page::key_numbers::{places, title};
+use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
-
-/// What counts as the same, in words.
-pub const TOLERANCE: &str = "0.1 ms, 1 mm, 0.01 m/s, else 0.5 %";
 
 /// The rows of the key numbers: every number that one of the runs has.
 pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
@@ -29,7 +27,7 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
         let cell = |k: usize| match of_run(k) {
             Some(number) => {
                 let differs = places_apart[k].contains(&format!("[{name}].value"));
-                number_cell(number, first, differs)
+                number_cell(runs[0].run.language, number, first, differs)
             }
             None => Cell { text: ABSENT.to_owned(), differs: first.is_some(), ..Cell::default() },
         };
@@ -43,23 +41,20 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
     names.into_iter().map(row).collect()
 }
 
-fn number_cell(number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
+fn number_cell(language: Language, number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
     let (factor, unit) = unit(number.unit);
     let digits = places(number.name);
-    let text =
-        number.value.map_or_else(|| ABSENT.to_owned(), |value| with_unit(decimals(factor * value, digits), unit));
+    let shown = |value: f64| language.quantity(factor * value, digits, unit);
+    let text = number.value.map_or_else(|| ABSENT.to_owned(), shown);
     let mut beside = Vec::new();
     if let (Some(value), Some(first), true) = (number.value, first, differs) {
-        beside.push(with_unit(signed(factor * (value - first), digits + 1), unit));
+        beside.push(language.deviation(factor * (value - first), digits + 1, unit));
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
-        beside.push(format!("{} to {}", decimals(factor * low, digits), decimals(factor * high, digits)));
+        let [low, high] = [low, high].map(|end| language.decimals(factor * end, digits));
+        beside.push(language.between(&low, &high));
     }
     Cell { text, beside: beside.join("; "), differs }
-}
-
-fn with_unit(number: String, unit: &str) -> String {
-    if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
 }
 
 /// The rows of the recommended models: which, how well it follows, its parameters. Empty where no run has one.
@@ -68,14 +63,16 @@ pub fn model_rows(runs: &[ComparedRun]) -> Vec<Row> {
     if models.iter().all(Option::is_none) {
         return Vec::new();
     }
+    let language = runs[0].run.language;
+    let names = &language.phrases().runs;
     let texts = |text: &dyn Fn(&CandidateResult) -> Option<String>| -> Vec<String> {
         models.iter().map(|model| model.and_then(text).unwrap_or_else(|| ABSENT.to_owned())).collect()
     };
-    let determined = |model: &CandidateResult| model.certainties().words(runs[0].run.language);
+    let determined = |model: &CandidateResult| model.certainties().words(language);
     let mut rows = vec![
-        Row::of_texts("Recommended", &texts(&|model| Some(candidate_name(&model.id)))),
-        Row::of_texts("Certainty", &texts(&determined)),
-        fit_row(&models),
+        Row::of_texts(names.recommended, &texts(&|model| Some(candidate_name(&model.id)))),
+        Row::of_texts(names.certainty, &texts(&determined)),
+        fit_row(language, &models),
     ];
     let places_apart: Vec<BTreeSet<String>> = models
         .iter()
@@ -91,7 +88,7 @@ pub fn model_rows(runs: &[ComparedRun]) -> Vec<Row> {
         let cell = |k: usize| match models[k].filter(has) {
             Some(model) => {
                 let first = models[0].and_then(|first| first.record.parameters.get(name));
-                parameter_cell(model, name, first, places_apart[k].contains(&format!("parameters.{name}")))
+                parameter_cell(language, model, name, first, places_apart[k].contains(&format!("parameters.{name}")))
             }
             None => Cell { text: ABSENT.to_owned(), ..Cell::default() },
         };
@@ -108,41 +105,43 @@ fn parameter_names(model: &CandidateResult) -> Vec<&str> {
 }
 
 /// How closely the model follows the displacement; apart where two fits are not called equally good.
-fn fit_row(models: &[Option<&CandidateResult>]) -> Row {
+fn fit_row(language: Language, models: &[Option<&CandidateResult>]) -> Row {
     let fits: Vec<Option<f64>> = models.iter().map(|model| model.and_then(CandidateResult::fit_percent)).collect();
     let apart = |fit: Option<f64>| {
         fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crate::results::ranking::AS_GOOD_PERCENT)
     };
     let cell = |fit: &Option<f64>| Cell {
-        text: fit.map_or_else(|| ABSENT.to_owned(), |fit| format!("{}{NBSP}%", decimals(fit, 2))),
+        text: fit.map_or_else(|| ABSENT.to_owned(), |fit| language.quantity(fit, 2, "%")),
         differs: apart(*fit),
         ..Cell::default()
     };
-    Row { name: "Displacement fit".to_owned(), cells: fits.iter().map(cell).collect() }
+    Row { name: language.phrases().runs.displacement_fit.to_owned(), cells: fits.iter().map(cell).collect() }
 }
 
-fn parameter_cell(model: &CandidateResult, name: &str, first: Option<&f64>, differs: bool) -> Cell {
+fn parameter_cell(language: Language, model: &CandidateResult, name: &str, first: Option<&f64>, differs: bool) -> Cell {
     let record = &model.record;
     let value = record.parameters[name];
     let shown = |value: f64| parameter(&record.model, name, value).1;
     let mut beside = Vec::new();
     if let Some(first) = first.filter(|first| differs && **first != 0.0) {
-        beside.push(format!("{}{NBSP}%", signed(100.0 * (value - first) / first.abs(), 1)));
+        beside.push(language.deviation(100.0 * (value - first) / first.abs(), 1, "%"));
     }
     let ends = record
         .uncertainty
         .as_ref()
         .and_then(|known| Some((known.interval_low.get(name).copied()?, known.interval_high.get(name).copied()?)));
-    match (record.doubt(name), ends) {
+    match (model.doubt(name, language), ends) {
         (Some(doubt), _) => beside.push(doubt.to_owned()),
         (None, Some((low, high))) => {
             let digits = low.zip(high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-            let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(shown(x), digits));
-            beside.push(format!("{} to {}", end(low), end(high)));
+            let open = language.phrases().model.open;
+            let end =
+                |end: Option<f64>| end.map_or_else(|| open.to_owned(), |x| language.significant(shown(x), digits));
+            beside.push(language.between(&end(low), &end(high)));
         }
         (None, None) => {}
     }
-    Cell { text: significant(shown(value), 4), beside: beside.join("; "), differs }
+    Cell { text: language.significant(shown(value), 4), beside: beside.join("; "), differs }
 }
 
 /// Predicted crush at the speeds that more than one run was predicted at, against the wall.
@@ -158,6 +157,7 @@ pub fn prediction_rows(runs: &[ComparedRun]) -> Vec<Row> {
     // Bits of positive numbers are in the order of the numbers.
     speeds.sort_unstable();
     speeds.dedup();
+    let language = runs.first().map_or_else(Language::default, |run| run.run.language);
     let row = |speed: u64| {
         let crush = |k: usize| crushes[k].iter().find(|(other, _)| *other == speed).map(|(_, crush)| *crush);
         let cell = |k: usize| match crush(k) {
@@ -165,12 +165,13 @@ pub fn prediction_rows(runs: &[ComparedRun]) -> Vec<Row> {
                 let apart = crush(0).map_or(0.0, |first| value - first);
                 // What an engineer calls the same: 1 mm.
                 let differs = apart.abs() > 1e-3;
-                let beside = if differs { format!("{}{NBSP}mm", signed(MILLI * apart, 1)) } else { String::new() };
-                Cell { text: format!("{}{NBSP}mm", decimals(MILLI * value, 1)), beside, differs }
+                let beside = if differs { language.deviation(MILLI * apart, 1, "mm") } else { String::new() };
+                Cell { text: language.quantity(MILLI * value, 1, "mm"), beside, differs }
             }
             None => Cell { text: ABSENT.to_owned(), ..Cell::default() },
         };
-        let name = format!("Predicted crush at {}{NBSP}km/h", decimals(3.6 * f64::from_bits(speed), 1));
+        let speed = language.quantity(3.6 * f64::from_bits(speed), 1, "km/h");
+        let name = fill(language.phrases().runs.predicted_crush, &[("speed", speed)]);
         Row { name, cells: (0..runs.len()).map(cell).collect() }
     };
     speeds.into_iter().map(row).collect()

@@ -7,13 +7,18 @@ use serde_json::Value;
 
 use super::compared_run::ComparedRun;
 use super::table::Row;
+use crate::text::language::Language;
 
 /// The rows: record and pipeline always, then what differs.
 pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
     let texts = |text: &dyn Fn(&ComparedRun) -> String| -> Vec<String> { runs.iter().map(text).collect() };
+    let words = runs.first().map_or_else(Language::default, |run| run.run.language).phrases();
     let mut rows = vec![
-        Row::of_texts("record", &texts(&|run| record_of(run))),
-        Row::of_texts("pipeline", &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned()))),
+        Row::of_texts(words.runs.record, &texts(&|run| record_of(run))),
+        Row::of_texts(
+            words.runs.pipeline,
+            &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned())),
+        ),
     ];
     let settings: Vec<BTreeMap<String, String>> = runs.iter().map(settings_of).collect();
     let names: BTreeSet<&String> = settings.iter().flat_map(BTreeMap::keys).collect();

@@ -2,6 +2,7 @@
 
 use crumple_drawing::escape::html;
 
+use crate::text::language::Language;
 use crate::text::markdown::markdown;
 
 /// What a run says of the quantity of a row.
@@ -41,14 +42,16 @@ impl Row {
 const MARK: &str = "≠";
 
 /// As HTML; `of` heads the column of names.
-pub fn to_html(of: &str, runs: &[String], rows: &[Row]) -> String {
+pub fn to_html(language: Language, of: &str, runs: &[String], rows: &[Row]) -> String {
     let heads: String = runs.iter().map(|run| format!("<th scope=\"col\">{}</th>", html(run))).collect();
+    let differs = language.phrases().runs.differs;
     let cell = |cell: &Cell| {
         let beside =
             if cell.beside.is_empty() { String::new() } else { format!("<small>{}</small>", html(&cell.beside)) };
         match cell.differs {
             true => {
-                format!("<td class=\"differs\"><b aria-label=\"differs\">{MARK}</b> {}{beside}</td>", html(&cell.text))
+                let text = html(&cell.text);
+                format!("<td class=\"differs\"><b aria-label=\"{differs}\">{MARK}</b> {text}{beside}</td>")
             }
             false => format!("<td>{}{beside}</td>", html(&cell.text)),
         }

@@ -113,7 +113,7 @@ fn prominence_of_model(name: &str, run: &Run, ranking: &Ranking) -> u8 {
 /// What follows from typed fields of the results, whatever the stages remarked.
 fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, String)> {
     let language = run.language;
-    let phrases = language.phrases();
+    let phrases = &language.phrases().conclusion;
     let mut found = Vec::new();
     if kind == Kind::TwoVehicles {
         found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
@@ -194,7 +194,7 @@ pub(crate) fn symbols(candidate: &CandidateResult, names: &[&str], language: Lan
     }
     match symbols.split_last() {
         Some((last, [])) => last.clone(),
-        Some((last, before)) => format!("{} {} {last}", before.join(", "), language.phrases().and),
+        Some((last, before)) => format!("{} {} {last}", before.join(", "), language.phrases().conclusion.and),
         None => String::new(),
     }
 }

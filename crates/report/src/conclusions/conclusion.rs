@@ -110,7 +110,7 @@ impl<'a> Text<'a> {
     }
 
     fn sentences(&mut self, kind: Kind, concerns: &[ConcernV1]) -> Vec<String> {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let (first, second) = match kind {
             Kind::Barrier => (self.crushed(), self.use_model(concerns)),
             Kind::NoStop => (self.no_stop(), self.use_model(concerns)),
@@ -146,11 +146,11 @@ impl<'a> Text<'a> {
         let (factor, places, unit) = shown;
         let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
         let high = self.number(&format!("{at}/high"), high, (factor, places, unit));
-        fill(self.language.phrases().interval, &[("low", &low), ("high", &high)])
+        fill(self.language.phrases().conclusion.interval, &[("low", &low), ("high", &high)])
     }
 
     fn crushed(&mut self) -> String {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let Some(events) = &self.run.events else { return String::new() };
         let mm = (MILLI, 1, "mm");
         let crush = events.dynamic_crush_m.map_or_else(String::new, |c| self.number("/events/dynamic_crush_m", c, mm));
@@ -166,10 +166,8 @@ impl<'a> Text<'a> {
             Some(_) => phrases.no_rebound.to_owned(),
             None => String::new(),
         };
-        let speed = self.impact_speed().map_or_else(String::new, |speed| match self.language {
-            Language::English => format!(" at {speed}"),
-            Language::German => format!(" mit {speed}"),
-        });
+        let speed = self.impact_speed().map(|speed| fill(phrases.at_speed, &[("speed", speed)]));
+        let speed = speed.unwrap_or_default();
         let texts = [("crush", crush), ("interval", interval), ("time", time), ("speed", speed), ("rebound", rebound)];
         fill(phrases.crushed, &texts.each_ref().map(|(name, text)| (*name, text.as_str())))
     }
@@ -192,7 +190,7 @@ impl<'a> Text<'a> {
     }
 
     fn no_stop(&mut self) -> String {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         match self.change_of_velocity() {
             Some((change, Some(time))) => fill(phrases.no_stop, &[("change", &change), ("time", &time)]),
             _ => phrases.no_stop_no_end.to_owned(),
@@ -200,10 +198,10 @@ impl<'a> Text<'a> {
     }
 
     fn two_vehicles(&mut self) -> String {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         match self.change_of_velocity() {
             Some((change, time)) => {
-                let time = time.map_or_else(String::new, |time| format!(" in {time}"));
+                let time = time.map_or_else(String::new, |time| fill(phrases.within, &[("time", time)]));
                 fill(phrases.two_vehicles, &[("change", &change), ("time", &time)])
             }
             None => phrases.no_stop_no_end.to_owned(),
@@ -215,7 +213,7 @@ impl<'a> Text<'a> {
         for (name, label, unit) in [
             ("hic15", "HIC15", (1.0, 0, "")),
             ("hic36", "HIC36", (1.0, 0, "")),
-            ("clip_3ms_contiguous", "3 ms clip", (G_PER_M_PER_S2, 1, "g")),
+            ("clip_3ms_contiguous", self.language.phrases().numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
         ] {
             // The summary has a name once, as the run finds it.
             if let Some(value) = self.run.metric(name).and_then(|metric| metric.value) {
@@ -224,11 +222,11 @@ impl<'a> Text<'a> {
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
         let place = self.run.channel().map_or("", |channel| channel.location.as_str());
-        fill(self.language.phrases().occupant, &[("place", place), ("criteria", &criteria)])
+        fill(self.language.phrases().conclusion.occupant, &[("place", place), ("criteria", &criteria)])
     }
 
     fn occupant_use(&self, concerns: &[ConcernV1]) -> Option<String> {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let partial = concerns.iter().any(|concern| concern.about == "occupants");
         Some(fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })]))
     }
@@ -240,16 +238,13 @@ impl<'a> Text<'a> {
         let change = self.number(&format!("{at}/value"), value, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
         let time = from_s.map_or_else(String::new, |time_s| {
             let time = self.number(&format!("{at}/from_s"), time_s, (MILLI, 0, "ms"));
-            match self.language {
-                Language::English => format!(", reached at {time}"),
-                Language::German => format!(", erreicht nach {time}"),
-            }
+            fill(self.language.phrases().conclusion.reached, &[("time", time)])
         });
-        fill(self.language.phrases().recorded, &[("change", &change), ("time", &time)])
+        fill(self.language.phrases().conclusion.recorded, &[("change", &change), ("time", &time)])
     }
 
     fn recorder_use(&mut self) -> Option<String> {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let mm = (MILLI, 0, "mm");
         let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
             let crush = self.number("/events/dynamic_crush_m", crush_m, mm);
@@ -260,18 +255,19 @@ impl<'a> Text<'a> {
     }
 
     fn not_stated(&self) -> String {
+        let phrases = &self.language.phrases().conclusion;
         let test = &self.run.test;
         let which = match (test.mass_kg, test.impact_speed_m_per_s) {
-            (None, None) => 0,
-            (None, Some(_)) => 1,
-            _ => 2,
+            (None, None) => phrases.not_stated_both,
+            (None, Some(_)) => phrases.not_stated_mass,
+            _ => phrases.not_stated_speed,
         };
-        self.language.phrases().not_stated[which].to_owned()
+        which.to_owned()
     }
 
     /// The identified model that follows the record closest.
     fn identified(&mut self, template: &str) -> String {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let run = self.run;
         let fit_of = |model: &Model| model.identification.as_ref().and_then(|i| i.fit_percent);
         let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, fit_of(model)?)));
@@ -296,7 +292,7 @@ impl<'a> Text<'a> {
 
     /// Which model to use, how sure it is and what to distrust; that none is recommended, and why.
     fn use_model(&mut self, concerns: &[ConcernV1]) -> Option<String> {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         if self.run.candidates.is_empty() {
             return Some(phrases.no_models_here.to_owned());
         }
@@ -342,7 +338,7 @@ impl<'a> Text<'a> {
     /// What it predicts: against a partner where one was asked for, else the slowest impact on the wall that does not
     /// go beyond the test.
     fn predicts(&mut self, best: &CandidateResult) -> Option<String> {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let run = self.run;
         let of_best = || run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
         let crush = |(k, p): (usize, &'a PredictionV1)| Some((k, p, p.dynamic_crush_m?));
@@ -373,7 +369,7 @@ impl<'a> Text<'a> {
 
     /// The one thing to distrust before all others.
     fn distrust(&mut self, best: &CandidateResult, concerns: &[ConcernV1]) -> Option<String> {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         if concerns.first().is_some_and(|first| is_decisive(first) && first.stage != "report") {
             return Some(phrases.decisive.to_owned());
         }
@@ -391,7 +387,7 @@ impl<'a> Text<'a> {
     }
 
     fn none_recommended(&mut self) -> String {
-        let phrases = self.language.phrases();
+        let phrases = &self.language.phrases().conclusion;
         let run = self.run;
         let axis = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X);
         let no_crush =

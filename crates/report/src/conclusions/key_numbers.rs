@@ -112,7 +112,7 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
 
 fn why_no_event(run: &Run, name: &str) -> String {
     let stated = run.metric(name).filter(|metric| metric.value.is_none()).map(|metric| metric.definition.clone());
-    stated.unwrap_or_else(|| "the velocity does not reach zero".to_owned())
+    stated.unwrap_or_else(|| run.language.phrases().numbers.velocity_never_zero.to_owned())
 }
 
 /// Criteria of the occupant whose sensor the pulse channel is.
@@ -169,6 +169,7 @@ fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
 /// Largest deceleration of a filtered pulse, or of a channel without events its largest magnitude. `None`: no
 /// acceleration.
 fn peak(run: &Run) -> Option<KeyNumber> {
+    let texts = &run.language.phrases().numbers;
     let acceleration = run.acceleration()?;
     let channel = run.channel_id().unwrap_or_default().to_owned();
     let mut number = KeyNumber {
@@ -186,10 +187,9 @@ fn peak(run: &Run) -> Option<KeyNumber> {
     let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");
     let recorded = run.metrics.iter().any(|metric| metric.name == "maximum_delta_v");
     if recorded {
-        number.absent_because =
-            Some("derived from a recorder's table of velocity changes, whose steps are too long for a peak".to_owned());
+        number.absent_because = Some(texts.peak_of_a_table.to_owned());
     } else if unfiltered {
-        number.absent_because = Some("not filtered: the peak of a raw acceleration is mostly ringing".to_owned());
+        number.absent_because = Some(texts.peak_not_filtered.to_owned());
     } else if let Some(metric) = run.metric("peak_acceleration").filter(|metric| metric.channel == number.channel) {
         let at_s = run.metric("time_of_peak_acceleration").and_then(|metric| metric.value);
         return Some(KeyNumber { at_s, ..of_metric(run, "peak_acceleration", "m/s^2", metric) });

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval, significant};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
 
 use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::Conclusion;
@@ -26,10 +26,10 @@ pub fn overview(
     notes: &str,
 ) -> Vec<(String, String)> {
     let language = run.language;
-    let phrases = language.phrases();
+    let phrases = &language.phrases().conclusion;
     let mut lines: Vec<(String, String)> = Vec::new();
     let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
-    let [crush, time, change, restitution, peak, olc] = phrases.labels;
+    let (crush, time, change) = (phrases.crush_label, phrases.time_label, phrases.change_label);
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     for (label, field, value, shown) in [
@@ -42,7 +42,7 @@ pub fn overview(
             (KM_PER_H_PER_M_PER_S, 1, "km/h"),
         ),
         (
-            restitution,
+            phrases.restitution_label,
             "coefficient_of_restitution",
             run.events.as_ref().and_then(|e| e.coefficient_of_restitution),
             (1.0, 3, ""),
@@ -56,7 +56,7 @@ pub fn overview(
     }
     // A peak as read is one of vibration, one of a recorder's steps is nothing.
     let has_peak = run.measured.filtered.is_some() && verdict.kind != Kind::Recorder;
-    for (label, name) in [(peak, "peak_acceleration"), (olc, "olc")] {
+    for (label, name) in [(phrases.peak_label, "peak_acceleration"), (phrases.olc_label, "olc")] {
         let Some(metric) = run.metric(name).filter(|_| has_peak && (of_vehicle || name != "olc")) else { continue };
         if let Some(text) = metric_line(run, metric) {
             lines.push((label.to_owned(), text));
@@ -96,7 +96,7 @@ fn with_interval(
     let Some((low, high)) = ends else { return number };
     let low = language.quantity(factor * low, places, "");
     let high = language.quantity(factor * high, places, unit);
-    format!("{number} ({low} {} {high})", language.phrases().to)
+    format!("{number} ({})", language.between(&low, &high))
 }
 
 fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
@@ -126,12 +126,12 @@ fn parameters(run: &Run, candidate: &CandidateResult) -> String {
         let interval = known.and_then(|u| Some((end(&u.interval_low, name)?, end(&u.interval_high, name)?)));
         let interval = interval.map_or_else(String::new, |(low, high)| {
             let digits = digits_of_interval(low, high, 3);
-            let ends = [low, high].map(|si| in_language(run, significant(in_unit(si), digits)));
-            format!(" ({} {} {})", ends[0], run.language.phrases().to, ends[1])
+            let [low, high] = [low, high].map(|si| run.language.significant(in_unit(si), digits));
+            format!(" ({})", run.language.between(&low, &high))
         });
         let is_sure = matches!(candidate.record.certainty(name), None | Some(Certainty::Determined));
         let open = if is_sure { "" } else { " ?" };
-        let value = in_language(run, significant(value, 4));
+        let value = run.language.significant(value, 4);
         texts.push(format!("{symbol} {value} {unit}{interval}{open}").replace(" ?", "?").trim_end().to_owned());
     }
     texts.extend(knots);
@@ -153,12 +153,6 @@ fn knots(run: &Run, candidate: &CandidateResult) -> Option<String> {
             (run.language.quantity(MILLI * deflection_m, 0, "mm"), run.language.quantity(KILO * force_n, 0, "kN"));
         knots.push(format!("{mm} {kn}"));
     }
-    (!knots.is_empty()).then(|| format!("knots {}", knots.join(", ")))
-}
-
-fn in_language(run: &Run, number: String) -> String {
-    match run.language {
-        crate::Language::German => number.replace('.', ","),
-        crate::Language::English => number,
-    }
+    let name = run.language.phrases().conclusion.knots;
+    (!knots.is_empty()).then(|| format!("{name} {}", knots.join(", ")))
 }

@@ -4,6 +4,7 @@ use crumple_drawing::Figure;
 
 use super::crash::{curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};
+use crate::text::language::Language;
 use crate::{Ranking, Run};
 
 /// All figures that the run has records for, in the order of the page.
@@ -22,7 +23,7 @@ pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         elements::figure(run, ranking),
         mass_split::figure(run, ranking),
     ];
-    figures.into_iter().flatten().collect()
+    in_language(run.language, figures)
 }
 
 /// Those of the identified models.
@@ -34,5 +35,11 @@ pub fn identification_figures(run: &Run) -> Vec<Figure> {
         bode::figure(run),
         responses::figure(run),
     ];
-    figures.into_iter().flatten().collect()
+    in_language(run.language, figures)
+}
+
+/// Those there are, with the words of their drawings.
+fn in_language<const N: usize>(language: Language, figures: [Option<Figure>; N]) -> Vec<Figure> {
+    let words = language.words_of_drawings();
+    figures.into_iter().flatten().map(|figure| Figure { words, ..figure }).collect()
 }

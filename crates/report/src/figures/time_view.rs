@@ -1,6 +1,9 @@
 //! The part of a record that a time axis shows first.
 
+use crumple_drawing::{Axis, Panel};
+
 use crate::Run;
+use crate::text::language::Language;
 
 /// First view of a time axis, ms: from a little before time zero to three times the time of crush, within the record.
 ///
@@ -13,4 +16,9 @@ pub fn time_view_ms(run: &Run) -> Option<[f64; 2]> {
         _ => [start, end],
     };
     (view[1] > view[0]).then_some(view)
+}
+
+/// A panel over the time of the record.
+pub(crate) fn over_time_axis(language: Language, view: Option<[f64; 2]>, y: Axis) -> Panel {
+    Panel::over_time(Axis { view, ..Axis::new(language.phrases().figures.time) }, y)
 }

@@ -1,7 +1,10 @@
 //! What is around every page: head, style, script, and what the browser may load.
 
-use crumple_drawing::escape::html;
+use crumple_drawing::escape::{html, json_in_script};
 use crumple_drawing::{page_rules, palette};
+use serde::Serialize;
+
+use crate::text::language::Language;
 
 const STYLE: &str = include_str!("../page/style.css");
 /// Cursor, zoom and downloads of figures.
@@ -13,14 +16,15 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 
                       font-src data:; base-uri 'none'; form-action 'none'";
 
 /// A page of this title. `style` is put after the style of all pages, `script` at the end.
-pub(crate) fn framed(title: &str, style: &str, body: &str, script: &str) -> String {
+pub(crate) fn framed(language: Language, title: &str, style: &str, body: &str, script: &str) -> String {
     let mut page = String::with_capacity(body.len() + 100_000);
     page.push_str(&format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+        "<!DOCTYPE html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
          <style>\n{}{STYLE}{style}</style>\n<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
+        language.code(),
         env!("CARGO_PKG_VERSION"),
         html(title),
         palette(),
@@ -29,6 +33,18 @@ pub(crate) fn framed(title: &str, style: &str, body: &str, script: &str) -> Stri
     page.push_str(&reachable(body));
     page.push_str(&format!("<script>\n{}</script>\n</body>\n</html>\n", compact(script)));
     page
+}
+
+/// The texts of the script of figures, as it reads them.
+pub(crate) fn words_of_figures(language: Language) -> String {
+    json_element("figure-words", &language.phrases().cursor)
+}
+
+/// Data for a script of the page.
+pub(crate) fn json_element(id: &str, data: &impl Serialize) -> String {
+    // Texts and numbers become JSON, whatever is in them.
+    let json = serde_json::to_string(data).unwrap_or_default();
+    format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", json_in_script(&json))
 }
 
 /// A script without the indentation of its lines and the lines that are comments: a fleet has hundreds of pages.

@@ -1,4 +1,5 @@
-//! What is around every page: head, style, script, and what the browser may load.
-//! Uses no other room.
+//! What is around every page and every table: head, style, script, what the browser may load, heads of columns.
+//! Uses text.
 
 pub mod framed;
+pub mod heads;

@@ -7,6 +7,7 @@ use super::failures::failures;
 use super::indexed_run::IndexedRun;
 use super::table::table;
 use crate::frame::framed::framed;
+use crate::text::language::{Language, fill};
 
 const STYLE: &str = include_str!("style.css");
 const SORT: &str = include_str!("sort.js");
@@ -14,7 +15,9 @@ const SORT: &str = include_str!("sort.js");
 /// Many runs on one page.
 #[derive(Debug)]
 pub struct RunIndex<'a> {
-    /// What the page is called; empty: how many runs it has.
+    /// Its language.
+    pub language: Language,
+    /// What the page is called; empty: an index of runs.
     pub title: &'a str,
     /// Files beside the page with all that is in it: what each is called, and its path.
     pub tables: &'a [(&'a str, &'a str)],
@@ -38,26 +41,26 @@ pub struct FiguresOfRuns {
 impl RunIndex<'_> {
     /// The page. The same runs give the same bytes.
     pub fn to_html(&self) -> String {
-        let count = in_words(self.runs.len(), "run");
-        let title = if self.title.is_empty() { &count } else { self.title };
+        let texts = &self.language.phrases().runs;
+        let title = if self.title.is_empty() { texts.index_title } else { self.title };
         let mut body = format!(
-            "<header>\n<p class=\"brand\">Crumple · index of runs</p>\n<h1>{}</h1>\n<p>{}.{}</p>\n</header>\n\
-             <main>\n{}",
+            "<header>\n<p class=\"brand\">{}</p>\n<h1>{}</h1>\n<p>{}.{}</p>\n</header>\n<main>\n{}",
+            texts.index_brand,
             html(title),
             self.counted(),
             self.files(),
-            failures(self.runs)
+            failures(self.runs, self.language)
         );
         self.figures.iter().for_each(|figures| write_figures(&mut body, figures));
         body.push_str(&format!(
-            "<section id=\"runs\">\n<h2>Runs</h2>\n<p class=\"caption\">A name leads to the report of the run. C and \
-             t<sub>m</sub>: dynamic crush and its time; e: restitution. Pulses: the filtered acceleration over the \
-             first 150 ms, upwards as the vehicle slows down, each to its own peak. Three digits are shown; the \
-             reports have all, with intervals.<span class=\"script\"> A head of a column sorts.</span></p>\n{}\
+            "<section id=\"runs\">\n<h2>{}</h2>\n<p class=\"caption\">{}<span class=\"script\">{}</span></p>\n{}\
              </section>\n</main>\n",
-            table(self.runs)
+            texts.runs,
+            texts.index_caption,
+            texts.sorts,
+            table(self.runs, self.language)
         ));
-        framed(title, STYLE, &body, SORT)
+        framed(self.language, title, STYLE, &body, SORT)
     }
 
     /// How many runs there are, and how many of them ended how.
@@ -65,9 +68,14 @@ impl RunIndex<'_> {
         let count = |is: &dyn Fn(&IndexedRun<'_>) -> bool| self.runs.iter().filter(|run| is(run)).count();
         let failed = count(&|run| !run.is_done());
         let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.recommended.is_some()));
-        let mut words = format!("{}, {recommended} with a recommended model", in_words(self.runs.len(), "run"));
+        let texts = &self.language.phrases().runs;
+        let runs = match self.runs.len() {
+            1 => texts.one_run.to_owned(),
+            n => fill(texts.several_runs, &[("count", n.to_string())]),
+        };
+        let mut words = fill(texts.with_model, &[("runs", runs), ("count", recommended.to_string())]);
         if failed > 0 {
-            words.push_str(&format!(", {failed} without a result"));
+            words.push_str(&fill(texts.without_result, &[("count", failed.to_string())]));
         }
         words
     }
@@ -75,12 +83,11 @@ impl RunIndex<'_> {
     fn files(&self) -> String {
         let link = |(name, path): &(&str, &str)| format!("<a href=\"{}\">{}</a>", address(path), html(name));
         let links: Vec<String> = self.tables.iter().map(link).collect();
-        if links.is_empty() { String::new() } else { format!(" All numbers as tables: {}.", links.join(", ")) }
+        if links.is_empty() {
+            return String::new();
+        }
+        fill(self.language.phrases().runs.tables, &[("links", links.join(", "))])
     }
-}
-
-fn in_words(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 /// Figures without boxes and cursor: of all runs at once there is nothing to hide.

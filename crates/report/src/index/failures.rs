@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crumple_drawing::escape::html;
 
 use super::indexed_run::{IndexedRun, status};
+use crate::text::language::{Language, fill};
 
 /// Most runs that are named with a reason.
 const NAMED: usize = 20;
@@ -12,28 +13,29 @@ const NAMED: usize = 20;
 const SHOWN: usize = 200;
 
 /// A section of reasons, the most frequent first; empty where every run is done.
-pub(super) fn failures(runs: &[IndexedRun<'_>]) -> String {
+pub(super) fn failures(runs: &[IndexedRun<'_>], language: Language) -> String {
+    let texts = &language.phrases().runs;
     let mut groups: BTreeMap<(i32, String), Vec<&IndexedRun<'_>>> = BTreeMap::new();
     for run in runs.iter().filter(|run| !run.is_done()) {
-        groups.entry((run.exit_code, reason(&run.error, &run.name))).or_default().push(run);
+        groups.entry((run.exit_code, reason(&run.error, &run.name, texts.no_word))).or_default().push(run);
     }
     if groups.is_empty() {
         return String::new();
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|(_, runs)| std::cmp::Reverse(runs.len()));
-    let mut out = "<section id=\"failures\">\n<h2>Without a result</h2>\n".to_owned();
+    let mut out = format!("<section id=\"failures\">\n<h2>{}</h2>\n", texts.failures);
     for ((code, reason), runs) in groups {
         out.push_str(&format!(
             "<details><summary>{} × {}: {}</summary><p>",
             runs.len(),
-            status(code),
+            status(code, language),
             html(&shortened(&reason, SHOWN))
         ));
         let names: Vec<String> = runs.iter().take(NAMED).map(|run| run.linked()).collect();
         out.push_str(&names.join(", "));
         if runs.len() > NAMED {
-            out.push_str(&format!(" and {} more", runs.len() - NAMED));
+            out.push_str(&fill(texts.and_more, &[("count", (runs.len() - NAMED).to_string())]));
         }
         out.push_str("</p></details>\n");
     }
@@ -42,16 +44,16 @@ pub(super) fn failures(runs: &[IndexedRun<'_>]) -> String {
 }
 
 /// The line of an error that says why.
-pub(super) fn line_of(error: &str) -> &str {
+pub(super) fn line_of<'a>(error: &'a str, no_word: &'a str) -> &'a str {
     let says_why = |line: &&str| line.contains("caused by:") || line.contains("no acceptable result:");
-    let line = error.lines().find(says_why).or_else(|| error.lines().next()).unwrap_or("no word of why");
+    let line = error.lines().find(says_why).or_else(|| error.lines().next()).unwrap_or(no_word);
     line.split_once("caused by:").or_else(|| line.split_once("error: ")).map_or(line, |(_, cause)| cause).trim()
 }
 
 /// Why a run has no result, without what is particular to one record: its name, texts in quotes, numbers.
-fn reason(error: &str, name: &str) -> String {
+fn reason(error: &str, name: &str, no_word: &str) -> String {
     let file = name.rsplit('/').next().unwrap_or(name);
-    let line = line_of(error).replace(name, "…").replace(file, "…");
+    let line = line_of(error, no_word).replace(name, "…").replace(file, "…");
     let mut reason = String::new();
     let mut quoted = false;
     for c in line.chars() {
@@ -89,7 +91,7 @@ mod tests {
     fn the_same_fault_of_two_records_is_one_reason() {
         let of = |name: &str, line: u32, word: &str| {
             let error = format!("error: cannot read {name}\n  caused by: {name}, line {line}: \"{word}\" is no number");
-            reason(&error, name)
+            reason(&error, name, "")
         };
         assert_eq!(of("a/b.csv", 7, "x"), of("c.csv", 12, "nothing"));
         assert_eq!(of("c.csv", 12, "x"), "…, line #: \"…\" is no number");

@@ -3,6 +3,7 @@
 use crumple_drawing::escape::{address, html};
 
 use super::run_summary::RunSummary;
+use crate::text::language::Language;
 
 /// One run of an index.
 #[derive(Debug, Clone)]
@@ -25,9 +26,10 @@ pub struct IndexedRun<'a> {
 
 impl IndexedRun<'_> {
     /// Exit code and reason of a run folder, by its summary alone.
-    pub fn ending(summary: &RunSummary) -> (i32, String) {
+    pub fn ending(summary: &RunSummary, language: Language) -> (i32, String) {
+        let no_word = || language.phrases().runs.no_word.to_owned();
         match summary.conclusion.standing.as_str() {
-            "no-result" => (4, summary.conclusion.reason.clone().unwrap_or_else(|| "no word of why".to_owned())),
+            "no-result" => (4, summary.conclusion.reason.clone().unwrap_or_else(no_word)),
             _ => (0, String::new()),
         }
     }
@@ -47,12 +49,13 @@ impl IndexedRun<'_> {
 }
 
 /// An exit code in words.
-pub fn status(exit_code: i32) -> &'static str {
+pub fn status(exit_code: i32, language: Language) -> &'static str {
+    let texts = &language.phrases().runs;
     match exit_code {
-        0 => "done",
-        2 => "usage",
-        3 => "refused",
-        4 => "no acceptable result",
-        _ => "failed",
+        0 => texts.done,
+        2 => texts.usage,
+        3 => texts.refused,
+        4 => texts.not_acceptable,
+        _ => texts.failed,
     }
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{EventsV1, PredictionV1, SimulationV1};
 use serde::Deserialize;
 
+use crate::text::language::{Language, fill};
+
 /// The summary of a run, as far as those need it who read it. Keys that it lacks are empty.
 #[derive(Debug, Clone, Deserialize)]
 pub struct RunSummary {
@@ -194,12 +196,14 @@ impl RunSummary {
     }
 
     /// How many of its numbers are determined, to an order of magnitude, open: `3 of 5 determined, 2 open`.
-    pub(crate) fn certainty(&self) -> Option<String> {
+    pub(crate) fn certainty(&self, language: Language) -> Option<String> {
+        let texts = &language.phrases().runs;
         let of = &self.conclusion;
-        let mut words = format!("{} of {} determined", of.determined?, of.parameters?);
-        let others = [(of.order_of_magnitude, "to an order of magnitude"), (of.open, "open")];
-        for (count, word) in others.into_iter().filter_map(|(count, word)| Some((count.filter(|n| *n > 0)?, word))) {
-            words.push_str(&format!(", {count} {word}"));
+        let counts = [("determined", of.determined?.to_string()), ("parameters", of.parameters?.to_string())];
+        let mut words = fill(texts.determined, &counts);
+        let others = [(of.order_of_magnitude, texts.order_of_magnitude), (of.open, texts.open)];
+        for (count, text) in others.into_iter().filter_map(|(count, text)| Some((count.filter(|n| *n > 0)?, text))) {
+            words.push_str(&fill(text, &[("count", count.to_string())]));
         }
         Some(words)
     }
@@ -229,7 +233,7 @@ mod tests {
             let test = r#"{"title": "t", "mass_kg": 1.0, "impact_speed_m_per_s": null, "channel": null,
                 "sample_rate_hz": null}"#;
             let json = format!("{{\"test\": {test}, \"verdict\": {conclusion}}}");
-            RunSummary::from_json(json.as_bytes()).unwrap().certainty()
+            RunSummary::from_json(json.as_bytes()).unwrap().certainty(Language::English)
         };
         let all = r#"{"parameters": 5, "determined": 3, "order_of_magnitude": 1, "open": 1}"#;
         assert_eq!(words(all).as_deref(), Some("3 of 5 determined, 1 to an order of magnitude, 1 open"));

@@ -15,8 +15,8 @@ for (const table of document.querySelectorAll('table.index')) {
       const text = (row) => row.cells[column].textContent.trim();
       const compare = ([a], [b]) => {
         if (!a || !b) return !a - !b;
-        const [p, q] = [a, b].map((x) => Number(x.replace('−', '-')));
-        const order = isNaN(p) || isNaN(q) ? a.localeCompare(b, 'en', { numeric: true }) : p - q;
+        const [p, q] = [a, b].map((x) => Number(x.replace('−', '-').replace(',', '.')));
+        const order = isNaN(p) || isNaN(q) ? a.localeCompare(b, document.documentElement.lang, { numeric: true }) : p - q;
         return rising ? order : -order;
       };
       body.append(...[...body.rows].map((row) => [text(row), row]).sort(compare).map(([, row]) => row));

@@ -3,12 +3,11 @@
 use std::fmt::Write as _;
 
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::significant;
 
 use super::failures::{line_of, shortened};
 use super::indexed_run::{IndexedRun, status};
 use super::quantities::{CRUSH, DELTA_V, MASS, OLC, PEAK, Quantity, RESTITUTION, SPEED, STIFFNESS, TIME_OF_CRUSH};
-use super::run_summary::RunSummary;
+use crate::text::language::Language;
 use crate::text::names::model_name;
 
 /// Columns of numbers.
@@ -20,28 +19,34 @@ const OF_WARNING: usize = 100;
 const OF_VEHICLE: usize = 60;
 
 /// The table. End tags that HTML does not ask for are left out: there are hundreds of rows.
-pub(super) fn table(runs: &[IndexedRun<'_>]) -> String {
+pub(super) fn table(runs: &[IndexedRun<'_>], language: Language) -> String {
+    let texts = &language.phrases().runs;
     let several = runs.iter().any(|run| !run.variant.is_empty());
-    let mut out = "<div class=\"scroll\" role=\"region\" aria-label=\"Runs\" tabindex=\"0\">\n\
-                   <table class=\"index\">\n<thead><tr><th scope=col>Run<th scope=col>Vehicle or test"
-        .to_owned();
+    let mut out = format!(
+        "<div class=\"scroll\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n\
+         <table class=\"index\">\n<thead><tr><th scope=col>{}<th scope=col>{}",
+        texts.runs, texts.run, texts.vehicle_or_test
+    );
     for quantity in NUMBERS {
         let unit = if quantity.unit.is_empty() { String::new() } else { format!(", {}", quantity.unit) };
-        let _ = write!(out, "<th scope=col abbr=\"{}\">{}{unit}", quantity.name, quantity.symbol);
+        let _ = write!(out, "<th scope=col abbr=\"{}\">{}{unit}", quantity.name(language), quantity.symbol(language));
     }
-    out.push_str(
-        "<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse<th scope=col>First warning",
+    let _ = write!(
+        out,
+        "<th scope=col>{}<th scope=col>{}<th scope=col data-fixed>{}<th scope=col>{}",
+        texts.recommended, texts.numbers_of_it, texts.pulse, texts.first_warning
     );
     if several {
-        out.push_str("<th scope=col>Pipeline");
+        let _ = write!(out, "<th scope=col>{}", texts.pipeline_head);
     }
     out.push_str("</thead>\n<tbody>\n");
-    runs.iter().for_each(|run| row(&mut out, run, several));
+    runs.iter().for_each(|run| row(&mut out, run, several, language));
     out.push_str("</tbody></table>\n</div>\n");
     out
 }
 
-fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
+fn row(out: &mut String, run: &IndexedRun<'_>, several: bool, language: Language) {
+    let texts = &language.phrases().runs;
     let summary = run.summary;
     let test = summary.map(|summary| &summary.test);
     let vehicle = test.map(|test| test.vehicle.as_ref().filter(|name| !name.trim().is_empty()).unwrap_or(&test.title));
@@ -49,19 +54,19 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
     let _ = write!(out, "<tr><th>{}<td>{}", run.linked(), html(&shortened(vehicle.map_or("", |v| v), OF_VEHICLE)));
     for quantity in NUMBERS {
         let value = summary.and_then(quantity.of);
-        let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| significant(value, DIGITS)));
+        let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| language.significant(value, DIGITS)));
     }
     let recommended = summary.and_then(|summary| summary.recommended.as_deref());
-    let certainty = summary.and_then(RunSummary::certainty).unwrap_or_default();
+    let certainty = summary.and_then(|summary| summary.certainty(language)).unwrap_or_default();
     let _ = match (recommended, run.is_done()) {
         (Some(id), true) => write!(out, "<td>{}", html(&model_name(id.split('/').next().unwrap_or(id)))),
-        (None, true) => write!(out, "<td>none"),
-        (_, false) => write!(out, "<td><b>{}</b>", status(run.exit_code)),
+        (None, true) => write!(out, "<td>{}", texts.none),
+        (_, false) => write!(out, "<td><b>{}</b>", status(run.exit_code, language)),
     };
     let warning = match summary.and_then(|summary| summary.concerns.first()) {
         Some(concern) if run.is_done() => &concern.text,
         _ if run.is_done() => "",
-        _ => line_of(&run.error),
+        _ => line_of(&run.error, texts.no_word),
     };
     let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(&shortened(warning, OF_WARNING)));
     if several {

@@ -5,6 +5,8 @@ use crumple_drawing::numbers::ABSENT;
 use crumple_signal::Channel;
 
 use crate::Run;
+use crate::frame::heads::{Column, table};
+use crate::text::language::{Language, fill};
 
 /// With more channels than this the list is folded: a full-scale test has hundreds.
 const OPEN_LIST: usize = 12;
@@ -15,33 +17,32 @@ pub(super) fn write(out: &mut String, run: &Run) {
         return;
     }
     let taken = run.channel_id();
-    out.push_str("<section>\n<h2>Channels</h2>\n");
+    let texts = &run.language.phrases().page;
+    out.push_str(&format!("<section>\n<h2>{}</h2>\n", texts.channels));
     match (taken, run.channel()) {
         (Some(id), Some(channel)) => {
             let place = if channel.location.is_empty() { String::new() } else { format!(" ({})", channel.location) };
-            out.push_str(&format!(
-                "<p>Taken as the crash pulse: <strong>{}</strong>{}. The test lists {} channel{} in all{}.</p>\n",
-                html(id),
-                html(&place),
-                channels.len(),
-                if channels.len() == 1 { "" } else { "s" },
-                html(&states(channels))
-            ));
+            let template = if channels.len() == 1 { texts.taken_of_one } else { texts.taken_of_several };
+            let filled = [
+                ("id", html(id)),
+                ("place", html(&place)),
+                ("count", channels.len().to_string()),
+                ("states", html(&states(channels))),
+            ];
+            out.push_str(&format!("<p>{}</p>\n", fill(template, &filled)));
         }
-        _ => out.push_str("<p>The test does not say which of its channels is the crash pulse.</p>\n"),
+        _ => out.push_str(&format!("<p>{}</p>\n", texts.no_pulse)),
     }
     let folded = channels.len() > OPEN_LIST;
     if folded {
-        out.push_str(&format!("<details><summary>Show all {} channels</summary>\n", channels.len()));
+        let all = fill(texts.all_channels, &[("count", channels.len().to_string())]);
+        out.push_str(&format!("<details><summary>{all}</summary>\n"));
     }
-    out.push_str(
-        "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Id</th><th scope=\"col\">Location</th><th \
-         scope=\"col\">Axis</th>\
-         <th scope=\"col\">Quantity</th><th scope=\"col\">CFC</th><th scope=\"col\">Status</th><th \
-         scope=\"col\">Remark</th></tr></thead>\n<tbody>\n",
-    );
+    let columns = [texts.id, texts.location, texts.axis_head, texts.quantity, "CFC", texts.status, texts.remark]
+        .map(Column::text);
+    out.push_str(&table("", &columns));
     for channel in channels {
-        row(out, channel, taken == Some(channel.id.as_str()));
+        row(out, run.language, channel, taken == Some(channel.id.as_str()));
     }
     out.push_str("</tbody>\n</table></div>\n");
     if folded {
@@ -63,20 +64,22 @@ fn states(channels: &[Channel]) -> String {
     format!(": {}", parts.join(", "))
 }
 
-fn row(out: &mut String, channel: &Channel, taken: bool) {
+fn row(out: &mut String, language: Language, channel: &Channel, taken: bool) {
+    let texts = &language.phrases().page;
     let or_dash = |text: Option<String>| text.map_or_else(|| ABSENT.to_owned(), |text| html(&text));
     let mut remark = channel.comment.clone().unwrap_or_default();
     if channel.redundant {
-        remark = if remark.is_empty() { "redundant".to_owned() } else { format!("redundant; {remark}") };
+        let redundant = texts.redundant;
+        remark = if remark.is_empty() { redundant.to_owned() } else { format!("{redundant}; {remark}") };
     }
     out.push_str(&format!(
         "<tr{}><td><code>{}</code>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
         if taken { " class=\"best\"" } else { "" },
         html(&channel.id),
-        if taken { " <strong>taken</strong>" } else { "" },
+        if taken { format!(" <strong>{}</strong>", texts.taken) } else { String::new() },
         html(&channel.location),
         or_dash(channel.axis.map(|axis| axis.to_string())),
-        html(&channel.quantity.name().replace('_', " ")),
+        html(&language.metric(channel.quantity.name())),
         or_dash(channel.cfc.map(|cfc| cfc.to_string())),
         html(channel.status.name()),
         html(&remark)

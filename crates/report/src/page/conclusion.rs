@@ -6,10 +6,10 @@ use crumple_drawing::escape::html;
 use crate::conclusions::concerns::SHOWN_FIRST;
 use crate::conclusions::conclusion::{Conclusion, Standing};
 use crate::text::language::fill;
-use crate::text::phrases::Phrases;
+use crate::text::phrases::ConclusionTexts;
 
 /// The two sentences; without a result a bar that says what to do.
-pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &Phrases) {
+pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &ConclusionTexts) {
     let (class, role) = match verdict.standing {
         Standing::Model => ("verdict", ""),
         Standing::NoneRecommended => ("verdict none", ""),
@@ -23,7 +23,12 @@ pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &Phrases) {
 }
 
 /// At most three warnings; the others are counted and linked.
-pub(super) fn write_before_use(out: &mut String, verdict: &Conclusion, concerns: &[ConcernV1], phrases: &Phrases) {
+pub(super) fn write_before_use(
+    out: &mut String,
+    verdict: &Conclusion,
+    concerns: &[ConcernV1],
+    phrases: &ConclusionTexts,
+) {
     // The red bar has said why there is no result.
     let said =
         |concern: &&ConcernV1| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
@@ -46,7 +51,7 @@ pub(super) fn write_before_use(out: &mut String, verdict: &Conclusion, concerns:
 }
 
 /// The text of a concern, what to do about it, and the stage that says it.
-pub(super) fn item(concern: &ConcernV1, phrases: &Phrases) -> String {
+pub(super) fn item(concern: &ConcernV1, phrases: &ConclusionTexts) -> String {
     let remedy = concern.remedy.as_deref().map(|remedy| fill(phrases.what_to_do, &[("remedy", remedy)]));
     let remedy = remedy.map_or_else(String::new, |remedy| format!(" {}", html(&remedy)));
     format!("{}{remedy} <span class=\"stage\">{}</span>", html(&concern.text), html(&concern.stage))

@@ -13,7 +13,7 @@ use super::{
 };
 use crate::conclusions::conclusion::conclusion;
 use crate::figures::all::{crash_figures, identification_figures};
-use crate::frame::framed::{FIGURES, framed};
+use crate::frame::framed::{FIGURES, framed, words_of_figures};
 use crate::{Ranking, Run, summary};
 
 /// A report, ready to be written.
@@ -25,14 +25,14 @@ impl Page {
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
-        let phrases = run.language.phrases();
+        let phrases = &run.language.phrases().conclusion;
         let mut body = String::with_capacity(1 << 20);
         header::write(&mut body, run, |body| top::write(body, &said, phrases));
         body.push_str("<main>\n");
         key_numbers::write(&mut body, run);
         model_picture::write(&mut body, run, ranking);
         top::write_before_use(&mut body, &said, &concerns, phrases);
-        figures::write(&mut body, &crash, "h2");
+        figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {
             models::write(&mut body, run, &identification);
         }
@@ -54,10 +54,11 @@ impl Page {
         if let Ok(packed) = packed_summary(run, ranking) {
             body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
+        body.push_str(&words_of_figures(run.language));
         body.push_str("</main>\n");
         let toggles = figures::toggle_rules(crash.iter().chain(&identification));
         let style = [model_picture::STYLE, candidates::STYLE, what_if::STYLE, &toggles].concat();
-        Self(framed(&run.test.title, &style, &body, FIGURES))
+        Self(framed(run.language, &run.test.title, &style, &body, FIGURES))
     }
 
     /// Writes it.

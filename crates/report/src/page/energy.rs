@@ -1,8 +1,10 @@
 //! Where the energy of every model is at dynamic crush.
 
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{KILO, MILLI, decimals};
+use crumple_drawing::numbers::{KILO, MILLI};
 
+use crate::frame::heads::{Column, table};
+use crate::text::language::Language;
 use crate::text::names::candidate_name;
 use crate::{Ranking, Run};
 
@@ -15,31 +17,42 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             let at = |name: &str| simulation.energy.iter().find(|e| e.instant == name);
             // More kinetic energy at the end than any passive structure can keep.
             let diverges = at("end").is_some_and(|end| end.kinetic_j > 10.0 * end.input_j.abs());
-            Some((candidate, at("dynamic crush").or_else(|| at("end"))?, closure(simulation.energy_closure, diverges)))
+            Some((
+                candidate,
+                at("dynamic crush").or_else(|| at("end"))?,
+                closure(run.language, simulation.energy_closure, diverges),
+            ))
         })
         .collect();
     if rows.is_empty() {
         return;
     }
     rows.sort_by_key(|(candidate, ..)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    out.push_str(
-        "<section>\n<h2>Energy of the models</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th \
-         scope=\"col\">Model</th>\
-         <th scope=\"col\">Instant</th><th scope=\"col\" class=\"n\">Time, ms</th>\
-         <th scope=\"col\" class=\"n\">Brought in, kJ</th><th scope=\"col\" class=\"n\">Kinetic, kJ</th>\
-         <th scope=\"col\" class=\"n\">In springs, kJ</th><th scope=\"col\" class=\"n\">Dissipated, kJ</th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Largest gap of the balance over the whole response, relative to \
-         its largest term.\">Closure</abbr></th></tr></thead>\n<tbody>\n",
-    );
+    let texts = &run.language.phrases().how_well;
+    let columns = [
+        Column::text(texts.model),
+        Column::text(texts.instant),
+        Column::number(texts.time),
+        Column::number(texts.brought_in),
+        Column::number(texts.kinetic),
+        Column::number(texts.in_springs),
+        Column::number(texts.dissipated),
+        Column::number(texts.closure).means(texts.closure_definition),
+    ];
+    out.push_str(&format!("<section>\n<h2>{}</h2>\n{}", texts.energy, table("", &columns)));
     for (candidate, energy, closure) in rows {
-        let kilojoule = |joule: f64| decimals(KILO * joule, 2);
+        let kilojoule = |joule: f64| run.language.decimals(KILO * joule, 2);
         out.push_str(&format!(
             "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
              class=\"n\">{}</td>\
              <td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
             html(&candidate_name(&candidate.id)),
-            html(&energy.instant),
-            decimals(MILLI * energy.time_s, 1),
+            html(match energy.instant.as_str() {
+                "dynamic crush" => texts.at_dynamic_crush,
+                "end" => texts.at_end,
+                other => other,
+            }),
+            run.language.decimals(MILLI * energy.time_s, 1),
             kilojoule(energy.input_j),
             kilojoule(energy.kinetic_j),
             kilojoule(energy.stored_j),
@@ -47,20 +60,16 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             closure,
         ));
     }
-    out.push_str(
-        "</tbody>\n</table></div>\n<p class=\"caption\">Heat and work are integrated apart from the motion, so the \
-         closure checks motion, forces and law together. Plastic work of the elastoplastic model counts as \
-         dissipated.</p>\n</section>\n",
-    );
+    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.energy_caption));
 }
 
 /// Rounding: its size says something, its digits do not. Of a motion that grows without end only that is said.
-fn closure(gap: Option<f64>, diverges: bool) -> String {
+fn closure(language: Language, gap: Option<f64>, diverges: bool) -> String {
     match gap {
-        _ if diverges => "diverges".to_owned(),
+        _ if diverges => language.phrases().how_well.diverges.to_owned(),
         None => String::new(),
         Some(gap) if gap < 1e-9 => "&lt; 10⁻⁹".to_owned(),
-        Some(gap) => format!("{gap:.1e}"),
+        Some(gap) => language.written(&format!("{gap:.1e}")),
     }
 }
 
@@ -70,9 +79,9 @@ mod tests {
 
     #[test]
     fn a_closure_is_its_size_and_a_growing_motion_says_so() {
-        assert_eq!(closure(Some(3e-13), false), "&lt; 10⁻⁹");
-        assert_eq!(closure(Some(1.63e-8), false), "1.6e-8");
-        assert_eq!(closure(Some(1e-12), true), "diverges");
-        assert_eq!(closure(None, false), "");
+        assert_eq!(closure(Language::English, Some(3e-13), false), "&lt; 10⁻⁹");
+        assert_eq!(closure(Language::English, Some(1.63e-8), false), "1.6e-8");
+        assert_eq!(closure(Language::English, Some(1e-12), true), "diverges");
+        assert_eq!(closure(Language::English, None, false), "");
     }
 }

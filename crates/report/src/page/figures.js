@@ -9,8 +9,9 @@
     if (text !== undefined) element.textContent = text;
     return element;
   };
+  const words = JSON.parse(document.getElementById("figure-words").textContent);
   const numbers = (text) => text.split(" ").map(Number);
-  const minus = (text) => text.replace("-", "−");
+  const written = (text) => text.replace("-", "−").replace(".", words.decimal_mark);
 
   class Plot {
     constructor(svg) {
@@ -84,7 +85,7 @@
     }
     text(y) {
       const places = Math.ceil(-Math.log10((this.y[1] - this.y[0]) / 1000));
-      return minus(y.toFixed(Math.min(Math.max(places, 0), 6)));
+      return written(y.toFixed(Math.min(Math.max(places, 0), 6)));
     }
     zoom(view) {
       this.view = view || this.x;
@@ -113,7 +114,7 @@
         const at = this.place(x, 0)[0];
         ticks.append(make("path", { class: "g", d: `M${at} ${this.top}V${bottom}` }, undefined, SVG));
         const tick = { x: at, y: bottom + 19, "text-anchor": "middle" };
-        ticks.append(make("text", tick, minus((x + 0).toFixed(places)), SVG));
+        ticks.append(make("text", tick, written((x + 0).toFixed(places)), SVG));
       }
     }
   }
@@ -132,11 +133,11 @@
   let shown = null;
   const whole = timePlots.length ? timePlots[0].x : [0, 1];
   const limits = [whole[0] - 0.25 * (whole[1] - whole[0]), whole[1] + 0.5 * (whole[1] - whole[0])];
-  const slider = make("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": "Time of the cursor" });
+  const slider = make("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": words.time_of_cursor });
   const output = make("output", { class: "time" });
 
   /** What is enough of a name beside its value: `recommended`, `Kelvin, direct fit 1`. */
-  const brief = (name) => (/^[a-z ]+: [A-Z]/.test(name) ? name.split(":")[0] : name.replace(/ \(.*\)$/, ""));
+  const brief = (name) => (/^[\p{Ll} ]+: \p{Lu}/u.test(name) ? name.split(":")[0] : name.replace(/ \(.*\)$/, ""));
 
   /** The values of a figure at the cursor: for each curve that is shown one of each panel. */
   function values(figure) {
@@ -156,7 +157,7 @@
   }
 
   function draw() {
-    output.textContent = minus(time.toFixed(1)) + " ms";
+    output.textContent = written(time.toFixed(1)) + " ms";
     const view = shown || whole;
     slider.value = 1000 * (time - view[0]) / (view[1] - view[0]);
     slider.setAttribute("aria-valuetext", output.textContent);
@@ -166,7 +167,7 @@
       const columns = figure.plots.map((plot, k) => k)
         .filter((k) => figure.plots[k].isTime || figure.plots[k].follows !== null);
       if (!head.firstChild) {
-        head.append(make("th", { scope: "col" }, "at the cursor"));
+        head.append(make("th", { scope: "col" }, words.at_the_cursor));
         for (const k of columns) head.append(make("th", { scope: "col", class: "n" }, figure.plots[k].yTitle));
       }
       const body = figure.table.querySelector("tbody");
@@ -333,15 +334,14 @@
     const [head, body] = [make("thead", {}), make("tbody", {})];
     head.append(make("tr", {}));
     figure.table.append(head, body);
-    const name = "Cursor and zoom of all figures over time";
-    const bar = make("div", { class: "cursor", role: "group", "aria-label": name });
+    const bar = make("div", { class: "cursor", role: "group", "aria-label": words.group });
     if (place === 0) {
       const controls = make("div", { class: "controls" });
-      const label = make("label", {}, "time ");
+      const label = make("label", {}, words.time + " ");
       label.append(slider);
       controls.append(label, output,
-        button("+", "Zoom in at the cursor", () => zoomBy(0.5)), button("−", "Zoom out", () => zoomBy(2)),
-        button("all", "Show the whole of the first view", () => zoomTo(null)));
+        button("+", words.zoom_in, () => zoomBy(0.5)), button("−", words.zoom_out, () => zoomBy(2)),
+        button(words.all, words.show_all, () => zoomTo(null)));
       bar.append(controls);
     }
     bar.append(figure.table);
@@ -349,7 +349,7 @@
     panels.before(bar);
     panels.tabIndex = 0;
     panels.setAttribute("role", "group");
-    panels.setAttribute("aria-label", "Figures: arrow keys move the cursor, + and − zoom, 0 shows all");
+    panels.setAttribute("aria-label", words.keys);
     panels.addEventListener("keydown", keys);
     figure.plots.forEach((plot) => {
       plot.layer = make("g", { class: "cursor-marks" }, undefined, SVG);
@@ -365,16 +365,17 @@
   figures.forEach((figure) => {
     const id = figure.element.id;
     const title = figure.element.querySelector("h2,h3").textContent;
-    const line = make("p", { class: "downloads" }, "Download: ");
+    const named = (text) => text.replace("{title}", () => title);
+    const line = make("p", { class: "downloads" }, words.download);
     line.append(
-      button("SVG", `Download the figure “${title}” as SVG`, () => save(`${id}.svg`, "image/svg+xml", file(figure))),
-      button("CSV", `Download the curves of “${title}” as CSV`, () => save(`${id}.csv`, "text/csv", csv(figure))));
+      button("SVG", named(words.download_svg), () => save(`${id}.svg`, "image/svg+xml", file(figure))),
+      button("CSV", named(words.download_csv), () => save(`${id}.csv`, "text/csv", csv(figure))));
     figure.element.append(line);
   });
   const summary = document.getElementById("summary-data");
   if (summary) {
-    const line = make("p", { class: "downloads" }, "Download: ");
-    line.append(button("summary.json", "Download the summary as JSON",
+    const line = make("p", { class: "downloads" }, words.download);
+    line.append(button("summary.json", words.download_summary,
       async () => {
         const packed = Uint8Array.from(atob(summary.textContent), (c) => c.charCodeAt(0));
         const json = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));

@@ -4,25 +4,28 @@
 use crumple_drawing::escape::html;
 use crumple_drawing::{Drawing, Figure, swatch};
 
+use crate::text::language::Language;
+
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
-pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {
+pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str, language: Language) {
     if figures.is_empty() {
         return;
     }
     out.push_str("<div class=\"figures\">\n");
     for figure in figures {
-        write_figure(out, figure, heading);
+        write_figure(out, figure, heading, language);
     }
     out.push_str("</div>\n");
 }
 
-fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
+fn write_figure(out: &mut String, figure: &Figure, heading: &str, language: Language) {
     let id = figure.id;
     let wide = if figure.panels.len() > 1 { " wide" } else { "" };
     out.push_str(&format!(
         "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n\
-         <{heading} id=\"{id}-title\">{}</{heading}>\n<ul class=\"legend\" aria-label=\"Curves, to show or hide\">\n",
-        html(&figure.title)
+         <{heading} id=\"{id}-title\">{}</{heading}>\n<ul class=\"legend\" aria-label=\"{}\">\n",
+        html(&figure.title),
+        language.phrases().figures.curves_to_show
     ));
     for entry in &figure.legend {
         // A box that is ticked shows its curves by style alone, so that it works without a script.

@@ -1,16 +1,18 @@
 //! Title and what was tested.
 
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP, at_most, decimals};
+use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
 
 use crate::Run;
+use crate::text::language::fill;
 
 pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut String)) {
     let test = &run.test;
-    let title = if test.title.is_empty() { "Untitled record" } else { &test.title };
+    let (language, texts) = (run.language, &run.language.phrases().page);
+    let title = if test.title.is_empty() { texts.untitled } else { &test.title };
     out.push_str(&format!(
-        "<header>\n<p class=\"brand\">Crumple · {} report</p>\n<h1>{}</h1>\n",
-        if run.is_generic() { "identification" } else { "crash pulse" },
+        "<header>\n<p class=\"brand\">{}</p>\n<h1>{}</h1>\n",
+        if run.is_generic() { texts.brand_generic } else { texts.brand },
         html(title)
     ));
     verdict(out);
@@ -20,19 +22,24 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut Strin
         if value.is_none() && run.is_generic() {
             return;
         }
-        let value = value.map_or_else(|| "<span class=\"unknown\">not known</span>".to_owned(), |v| html(&v));
+        let value = value.map_or_else(|| format!("<span class=\"unknown\">{}</span>", texts.not_known), |v| html(&v));
         out.push_str(&format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"));
     };
-    fact("Vehicle", test.vehicle.clone());
-    fact("Test mass", test.mass_kg.map(|m| format!("{}{NBSP}kg", at_most(m, 1))));
-    fact(
-        "Impact speed",
-        test.impact_speed_m_per_s
-            .map(|v| format!("{}{NBSP}km/h ({}{NBSP}m/s)", decimals(KM_PER_H_PER_M_PER_S * v, 2), decimals(v, 3))),
-    );
-    fact("Barrier", test.barrier.clone());
-    fact("Channel taken", run.channel_id().map(|id| channel_words(run, id)));
-    fact("Sampling", run.acceleration().map(|a| format!("{}{NBSP}Hz, {} samples", at_most(a.rate_hz(), 2), a.len())));
+    let with_unit = |number: String, unit: &str| format!("{number}{NBSP}{unit}");
+    fact(texts.vehicle, test.vehicle.clone());
+    fact(texts.test_mass, test.mass_kg.map(|mass| with_unit(language.at_most(mass, 1), "kg")));
+    let speed = |v: f64| {
+        let km_per_h = language.quantity(KM_PER_H_PER_M_PER_S * v, 2, "km/h");
+        format!("{km_per_h} ({})", language.quantity(v, 3, "m/s"))
+    };
+    fact(texts.impact_speed, test.impact_speed_m_per_s.map(speed));
+    fact(texts.barrier, test.barrier.clone());
+    fact(texts.channel_taken, run.channel_id().map(|id| channel_words(run, id)));
+    let sampling = run.acceleration().map(|a| {
+        let rate = with_unit(language.at_most(a.rate_hz(), 2), "Hz");
+        fill(texts.samples, &[("rate", rate), ("count", a.len().to_string())])
+    });
+    fact(texts.sampling, sampling);
     out.push_str("</dl>\n</header>\n");
 }
 
@@ -43,7 +50,7 @@ fn channel_words(run: &Run, id: &str) -> String {
             words.push_str(&format!(", {}", channel.location));
         }
         if let Some(axis) = channel.axis {
-            words.push_str(&format!(", {axis} axis"));
+            words.push_str(&fill(run.language.phrases().page.axis, &[("axis", axis.to_string())]));
         }
         if let Some(cfc) = channel.cfc {
             words.push_str(&format!(", CFC{NBSP}{cfc}"));

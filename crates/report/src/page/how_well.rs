@@ -1,20 +1,16 @@
 //! How well the recommended model and the closest follow the acceleration: rating in parts, residual, wall force.
 
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI, NBSP, decimals, times};
+use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
 
+use crate::frame::heads::{Column, heads};
 use crate::results::residual::{Residual, residual};
+use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Parts of ISO/TS 18571 and the rating itself, in the order of their columns.
-const PARTS: [(&str, &str); 5] = [
-    ("iso18571-corridor", "Corridor"),
-    ("iso18571-phase", "Phase"),
-    ("iso18571-magnitude", "Magnitude"),
-    ("iso18571-slope", "Slope"),
-    ("iso18571", "Rating"),
-];
+const PARTS: [&str; 5] = ["iso18571-corridor", "iso18571-phase", "iso18571-magnitude", "iso18571-slope", "iso18571"];
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
@@ -26,50 +22,59 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if !shown.iter().any(rated) && residuals.iter().all(Option::is_none) {
         return;
     }
-    let heads: String = PARTS.iter().map(|(_, name)| format!("<th scope=\"col\" class=\"n\">{name}</th>")).collect();
+    let texts = &run.language.phrases().how_well;
+    let columns = [
+        Column::number(texts.corridor),
+        Column::number(texts.phase),
+        Column::number(texts.magnitude),
+        Column::number(texts.slope),
+        Column::number(texts.rating),
+        Column::text(texts.grade),
+        Column::number(texts.rms),
+        Column::number(texts.of_the_test),
+        Column::number(texts.lags_beyond),
+    ];
     out.push_str(&format!(
-        "<section id=\"how-well\" aria-labelledby=\"how-well-title\">\n<h2 id=\"how-well-title\">How well</h2>\n\
-         <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
-         <th scope=\"colgroup\" colspan=\"6\">Acceleration by ISO/TS 18571</th>\
-         <th scope=\"colgroup\" colspan=\"3\">Residual of the acceleration</th>\
-         <th scope=\"col\" rowspan=\"2\" class=\"n\">Wall force off by, %</th></tr>\n<tr>{heads}<th \
-         scope=\"col\">Grade</th><th scope=\"col\" class=\"n\">rms, g</th><th scope=\"col\" class=\"n\">of the test, \
-         %</th><th scope=\"col\" class=\"n\">lags beyond limits, %</th></tr></thead>\n<tbody>\n"
+        "<section id=\"how-well\" aria-labelledby=\"how-well-title\">\n<h2 id=\"how-well-title\">{}</h2>\n\
+         <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">{}</th>\
+         <th scope=\"colgroup\" colspan=\"6\">{}</th><th scope=\"colgroup\" colspan=\"3\">{}</th>\
+         <th scope=\"col\" rowspan=\"2\" class=\"n\">{}</th></tr>\n<tr>{}</tr></thead>\n<tbody>\n",
+        texts.title,
+        texts.model,
+        texts.by_standard,
+        texts.residual,
+        texts.wall_force,
+        heads(&columns)
     ));
     for (candidate, residual) in shown.iter().zip(&residuals) {
-        row(out, ranking, candidate, residual.as_ref());
+        row(out, run, ranking, candidate, residual.as_ref());
     }
     out.push_str("</tbody>\n</table></div>\n<div class=\"models\">\n");
     for (number, (candidate, residual)) in shown.iter().zip(&residuals).enumerate() {
         if let Some(residual) = residual {
-            autocorrelation(out, number + 1, candidate, residual);
+            autocorrelation(out, run.language, number + 1, candidate, residual);
         }
     }
     out.push_str("</div>\n");
     let window = shown.iter().find_map(|candidate| candidate.simulation.as_ref());
-    out.push_str(&format!(
-        "<p class=\"caption\">{}1 is equal in every part; the rating is 0.4 corridor + 0.2 phase + 0.2 magnitude + 0.2 \
-         slope (ISO/TS 18571:2014), in words excellent above 0.94, good above 0.80, fair above 0.58, else poor. \
-         Residual: filtered test minus the model’s own motion. Of noise one lag in twenty lies beyond the limits; more \
-         says that the model misses a part of the pulse.</p>\n</section>\n",
-        window.map_or_else(String::new, |s| format!("Over {} after time zero. ", times(s.from_s, s.to_s)))
-    ));
+    let over =
+        window.map_or_else(String::new, |s| fill(texts.over, &[("times", run.language.times(s.from_s, s.to_s))]));
+    out.push_str(&format!("<p class=\"caption\">{over}{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
+fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);
         ratings.find(|rating| rating.quantity == "acceleration" && rating.definition_id == id)
     };
     let number = |value: Option<f64>, digits: usize| {
-        let shown = value.map_or_else(|| ABSENT.to_owned(), |value| decimals(value, digits));
+        let shown = value.map_or_else(|| ABSENT.to_owned(), |value| run.language.decimals(value, digits));
         format!("<td class=\"n\">{shown}</td>")
     };
-    let parts: String =
-        PARTS.iter().map(|(id, _)| number(of_acceleration(id).and_then(|rating| rating.value), 2)).collect();
+    let parts: String = PARTS.iter().map(|id| number(of_acceleration(id).and_then(|rating| rating.value), 2)).collect();
     let rating = of_acceleration("iso18571");
-    let grade = rating.and_then(|rating| rating.note.as_deref()).unwrap_or(ABSENT);
+    let grade = rating.and_then(|rating| rating.note.as_deref()).map_or(ABSENT, |note| grade(run.language, note));
     out.push_str(&format!(
         "<tr{}><td>{}</td>{parts}<td>{}</td>{}{}{}{}</tr>\n",
         if ranking.best.as_deref() == Some(&candidate.id) { " class=\"best\"" } else { "" },
@@ -82,8 +87,26 @@ fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residua
     ));
 }
 
+/// The grade word of a rating.
+pub(super) fn grade(language: Language, note: &str) -> &str {
+    let texts = &language.phrases().how_well;
+    match note {
+        "excellent" => texts.excellent,
+        "good" => texts.good,
+        "fair" => texts.fair,
+        "poor" => texts.poor,
+        other => other,
+    }
+}
+
 /// The autocorrelation of a residual with its limits, as a picture.
-fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult, residual: &Residual) {
+fn autocorrelation(
+    out: &mut String,
+    language: Language,
+    number: usize,
+    candidate: &CandidateResult,
+    residual: &Residual,
+) {
     const WIDTH: f64 = 350.0;
     const HEIGHT: f64 = 130.0;
     const LEFT: f64 = 34.0;
@@ -102,19 +125,22 @@ fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult,
         .map(|(lag, r)| format!("{:.1} {:.1}", x(lag as f64), y(*r)))
         .collect();
     let name = html(&candidate_name(&candidate.id));
-    let longest = decimals(MILLI * residual.dt_s * last, 0);
+    let texts = &language.phrases().how_well;
+    let longest = format!("{} ms", language.decimals(MILLI * residual.dt_s * last, 0));
+    let share = format!("{} %", language.decimals(1e2 * residual.share_outside, 0));
+    let filled = [("model", &name), ("share", &share), ("longest", &longest)];
+    let title = fill(texts.autocorrelation_title, &filled);
+    let (lag, caption) = (fill(texts.lag, &filled), fill(texts.autocorrelation_caption, &filled));
     out.push_str(&format!(
         "<figure class=\"model\">\n<svg class=\"model-picture\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
-         aria-labelledby=\"residual-{number}\">\n<title id=\"residual-{number}\">Autocorrelation of the residual of \
-         {name}: {} % of the lags up to {longest} ms lie beyond the limits of noise</title>\n\
+         aria-labelledby=\"residual-{number}\">\n<title id=\"residual-{number}\">{title}</title>\n\
          <rect class=\"band\" x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>\n\
          <path class=\"ground\" d=\"M{LEFT} {:.1}H{:.1}\"/>\n<path class=\"spring\" d=\"M{}\"/>\n\
          <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">1</text>\n\
          <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">0</text>\n\
          <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">−1</text>\n\
-         <text class=\"interval\" x=\"{:.1}\" y=\"124\" text-anchor=\"end\">lag, up to {longest} ms</text>\n</svg>\n\
-         <figcaption>Autocorrelation of the residual, {name}; shaded: 95{NBSP}% of noise</figcaption>\n</figure>\n",
-        decimals(1e2 * residual.share_outside, 0),
+         <text class=\"interval\" x=\"{:.1}\" y=\"124\" text-anchor=\"end\">{lag}</text>\n</svg>\n\
+         <figcaption>{caption}</figcaption>\n</figure>\n",
         y(residual.limit),
         x(last) - LEFT,
         y(-residual.limit) - y(residual.limit),

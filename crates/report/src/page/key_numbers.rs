@@ -1,35 +1,38 @@
 //! The first numbers of a run, with interval and spread of sensors.
 
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, decimals, range, unit};
+use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
 
 use crate::Run;
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
+use crate::text::language::{Language, fill};
 
 pub(super) fn write(out: &mut String, run: &Run) {
     let numbers = key_numbers(run);
     if numbers.is_empty() {
         return;
     }
-    out.push_str(
+    out.push_str(&format!(
         "<section id=\"numbers\" aria-labelledby=\"numbers-title\">\n\
-         <h2 id=\"numbers-title\">Key numbers</h2>\n<dl class=\"cards\">\n",
-    );
+         <h2 id=\"numbers-title\">{}</h2>\n<dl class=\"cards\">\n",
+        run.language.phrases().numbers.key_numbers
+    ));
     for number in &numbers {
         out.push_str(&card(run, number));
     }
     out.push_str("</dl>\n");
-    caption(out, &numbers);
+    caption(out, run.language, &numbers);
     out.push_str("</section>\n");
 }
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
 fn card(run: &Run, number: &KeyNumber) -> String {
+    let (language, texts) = (run.language, &run.language.phrases().numbers);
     let (factor, unit) = unit(number.unit);
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            format!("<dd class=\"number\">{}{unit}</dd>", decimals(factor * value, places(number.name)))
+            format!("<dd class=\"number\">{}{unit}</dd>", language.decimals(factor * value, places(number.name)))
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
     };
@@ -38,18 +41,19 @@ fn card(run: &Run, number: &KeyNumber) -> String {
         lines.push(html(reason));
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
-        let words = interval_name(number);
-        lines.push(format!("{words}: {}", html(&range(low, high, number.unit))));
+        let interval = html(&language.range(low, high, number.unit));
+        lines.push(format!("{}: {interval}", interval_name(language, number)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(html(reason));
     } else if number.value.is_some() {
-        lines.push("no interval: the uncertainty of the inputs is not stated".to_owned());
+        lines.push(texts.no_interval.to_owned());
     }
     if let Some(spread) = &number.spread {
         let class = if number.interval_misses_a_sensor() { " class=\"beyond\"" } else { "" };
-        let count = spread.channels.split('+').count();
-        let words = html(&range(spread.low, spread.high, number.unit));
-        lines.push(format!("<span{class}>{count} sensors: {words}</span>"));
+        let count = spread.channels.split('+').count().to_string();
+        let interval = html(&language.range(spread.low, spread.high, number.unit));
+        let words = fill(texts.sensors, &[("count", count), ("interval", interval)]);
+        lines.push(format!("<span{class}>{words}</span>"));
     }
     lines.extend(remark(run, number));
     let lines: String = lines.into_iter().map(|line| format!("<dd>{line}</dd>")).collect();
@@ -62,26 +66,27 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 
 /// The word of the trade.
 pub(crate) fn title(run: &Run, name: &str) -> String {
+    let texts = &run.language.phrases().numbers;
     let title = match name {
-        "dynamic_crush" => "Dynamic crush C",
-        "time_of_dynamic_crush" => "Time of crush t<sub>m</sub>",
-        "delta_v" => "Velocity change Δv",
-        "maximum_delta_v" => "Maximum Δv as recorded",
-        "time_of_maximum_delta_v" => "Time of maximum Δv",
-        "coefficient_of_restitution" => "Restitution e",
+        "dynamic_crush" => texts.dynamic_crush,
+        "time_of_dynamic_crush" => texts.time_of_crush,
+        "delta_v" => texts.delta_v,
+        "maximum_delta_v" => texts.maximum_delta_v,
+        "time_of_maximum_delta_v" => texts.time_of_maximum_delta_v,
+        "coefficient_of_restitution" => texts.restitution,
         "olc" => "OLC",
         "hic15" => "HIC15",
         "hic36" => "HIC36",
-        "clip_3ms_contiguous" => "3 ms clip",
+        "clip_3ms_contiguous" => texts.clip_3ms,
         "peak_acceleration" => {
             let filter = run.filter.as_ref();
             return match (filter.and_then(|filter| filter.cfc), filter.and_then(|f| f.cutoff_hz.first())) {
-                (Some(cfc), _) => format!("Peak, CFC{NBSP}{cfc}"),
-                (None, Some(hz)) => format!("Peak, filtered at {}{NBSP}Hz", decimals(*hz, 0)),
-                (None, None) => "Peak".to_owned(),
+                (Some(cfc), _) => fill(texts.peak_cfc, &[("cfc", cfc.to_string())]),
+                (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", run.language.quantity(*hz, 0, "Hz"))]),
+                (None, None) => texts.peak.to_owned(),
             };
         }
-        other => return html(&other.replace('_', " ")),
+        other => return html(&run.language.metric(other)),
     };
     title.to_owned()
 }
@@ -96,61 +101,51 @@ pub(crate) fn places(name: &str) -> usize {
 }
 
 /// `90 %` of `5-95 % of 400 replicates`, `resolution` of a recorder.
-fn interval_name(number: &KeyNumber) -> String {
+fn interval_name(language: Language, number: &KeyNumber) -> String {
+    let texts = &language.phrases().numbers;
     match number.interval_by.as_deref() {
-        Some(by) if by.starts_with("5-95 %") => format!("inputs, 90{NBSP}%"),
-        Some(by) if by.starts_with("resolution") => "resolution".to_owned(),
+        Some(by) if by.starts_with("5-95 %") => texts.inputs.to_owned(),
+        Some(by) if by.starts_with("resolution") => texts.resolution.to_owned(),
         Some(by) => html(by),
-        None => "interval".to_owned(),
+        None => texts.interval.to_owned(),
     }
 }
 
 fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
+    let (language, texts) = (run.language, &run.language.phrases().numbers);
     let events = run.events.as_ref();
-    let at = || number.at_s.map(|t| format!("at {}{NBSP}ms", decimals(MILLI * t, 1)));
+    let at = || number.at_s.map(|t| fill(texts.at, &[("time", language.quantity(MILLI * t, 1, "ms"))]));
     match number.name {
         "peak_acceleration" | "maximum_delta_v" => at(),
         "delta_v" if events.is_some_and(|e| e.end_of_event_s.is_some()) => {
-            at().map(|at| format!("{at}; the velocity does not reach zero"))
+            at().map(|at| format!("{at}{}", texts.does_not_reach_zero))
         }
         "coefficient_of_restitution" => events
             .and_then(|events| events.rebound_velocity_m_per_s)
-            .map(|v| format!("rebound {}{NBSP}km/h", decimals(3.6 * v.abs(), 1))),
+            .map(|v| fill(texts.rebound, &[("speed", language.quantity(3.6 * v.abs(), 1, "km/h"))])),
         "time_of_dynamic_crush" => {
             let ratio = events.and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))?;
-            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", decimals(ratio, 3)))
+            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", language.decimals(ratio, 3)))
         }
-        "olc" => Some("occupant load criterion".to_owned()),
-        "hic15" | "hic36" => Some("head injury criterion".to_owned()),
+        "olc" => Some(texts.olc.to_owned()),
+        "hic15" | "hic36" => Some(texts.hic.to_owned()),
         _ => None,
     }
 }
 
-fn caption(out: &mut String, numbers: &[KeyNumber]) {
+fn caption(out: &mut String, language: Language, numbers: &[KeyNumber]) {
+    let texts = &language.phrases().numbers;
     let mut sentences: Vec<String> = Vec::new();
     let by = |start: &str| numbers.iter().filter_map(|n| n.interval_by.as_deref()).find(|by| by.starts_with(start));
-    if let Some(by) = by("5-95 %") {
-        sentences.push(format!(
-            "“Inputs”: {} with mass, speed, gain, zero level and time zero within their stated uncertainty, one \
-             sensor.",
-            html(by)
-        ));
-    }
-    if let Some(by) = by("resolution") {
-        sentences.push(format!("“Resolution”: {}.", html(by)));
+    for (start, template) in [("5-95 %", texts.inputs_caption), ("resolution", texts.resolution_caption)] {
+        sentences.extend(by(start).map(|by| fill(template, &[("by", html(by))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
-        sentences.push(format!(
-            "“Sensors”: lowest to highest of channels {}, which measured the same motion.",
-            html(&spread.channels.replace('+', ", "))
-        ));
+        let channels = html(&spread.channels.replace('+', ", "));
+        sentences.push(fill(texts.sensors_caption, &[("channels", channels)]));
     }
     if numbers.iter().any(KeyNumber::interval_misses_a_sensor) {
-        sentences.push(
-            "A marked range goes beyond the interval: there the sensors differ by more than the stated uncertainty \
-             explains, and the range is the honest one."
-                .to_owned(),
-        );
+        sentences.push(texts.marked_caption.to_owned());
     }
     if !sentences.is_empty() {
         out.push_str(&format!("<p class=\"caption\">{}</p>\n", sentences.join(" ")));

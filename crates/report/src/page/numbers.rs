@@ -2,9 +2,11 @@
 
 use crumple_artifact::records::{EventsV1, MetricV1};
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, range, value};
+use crumple_drawing::numbers::ABSENT;
 
 use crate::Run;
+use crate::frame::heads::{self, Column};
+use crate::text::language::{Language, fill};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =
@@ -14,14 +16,14 @@ pub(super) fn write(out: &mut String, run: &Run) {
     if run.events.is_none() && run.metrics.is_empty() {
         return;
     }
-    out.push_str("<section>\n<h2>Events and metrics</h2>\n<div class=\"pair\">\n");
+    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    out.push_str(&format!("<section>\n<h2>{}</h2>\n<div class=\"pair\">\n", texts.events_and_metrics));
     if let Some(events) = &run.events {
-        out.push_str("<div>\n<h3>Events</h3>\n");
-        table(out, &event_rows(events));
-        out.push_str(&format!(
-            "<p class=\"caption\">Times count from time zero, which was set by: {}.</p>\n</div>\n",
-            html(&events.time_zero_rule.replace('-', " "))
-        ));
+        out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.events));
+        table(out, language, &event_rows(language, events));
+        let rule = html(&events.time_zero_rule.replace('-', " "));
+        let caption = fill(texts.time_zero_rule, &[("rule", rule)]);
+        out.push_str(&format!("<p class=\"caption\">{caption}</p>\n</div>\n"));
     }
     let channel = run.channel_id();
     let rest: Vec<&MetricV1> = run
@@ -36,20 +38,17 @@ pub(super) fn write(out: &mut String, run: &Run) {
         let rows: Vec<Row> = rest
             .into_iter()
             .map(|metric| Row {
-                name: metric.name.replace('_', " "),
+                name: language.metric(&metric.name),
                 value: metric.value,
                 unit: &metric.unit,
-                definition: definition(metric),
+                definition: definition(language, metric),
                 interval: metric.low.zip(metric.high),
                 interval_by: metric.interval_by.as_deref(),
             })
             .collect();
-        out.push_str("<div>\n<h3>Metrics</h3>\n");
-        table(out, &rows);
-        out.push_str(
-            "<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; \
-            point at an interval for how it was found.</p>\n</div>\n",
-        );
+        out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.metrics));
+        table(out, language, &rows);
+        out.push_str(&format!("<p class=\"caption\">{}</p>\n</div>\n", texts.point_at_a_name));
     }
     out.push_str("</div>\n");
     unlike_pulse(out, run);
@@ -63,22 +62,22 @@ fn unlike_pulse(out: &mut String, run: &Run) {
     if rows.is_empty() {
         return;
     }
-    out.push_str(
-        "<h3>Occupants, barrier and recorder</h3>\n<div class=\"scroll\"><table>\n<thead><tr><th \
-         scope=\"col\">Place</th>\
-         <th scope=\"col\">Metric</th><th scope=\"col\" class=\"n\">Value</th></tr></thead>\n<tbody>\n",
-    );
+    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let columns = [Column::text(texts.place), Column::text(texts.metric), Column::number(texts.value)];
+    out.push_str(&format!("<h3>{}</h3>\n{}", texts.of_others, heads::table("", &columns)));
     for metric in rows {
         let shown = match metric.value {
-            Some(x) if metric.definition.contains("lower bound") => format!("{} (lower bound)", value(x, &metric.unit)),
-            Some(x) => value(x, &metric.unit),
+            Some(x) if metric.definition.contains("lower bound") => {
+                fill(texts.lower_bound, &[("value", language.value(x, &metric.unit))])
+            }
+            Some(x) => language.value(x, &metric.unit),
             None => format!("{ABSENT} ({})", metric.definition),
         };
         out.push_str(&format!(
             "<tr><th scope=\"row\">{}</th><td><abbr title=\"{}\">{}</abbr></td><td class=\"n\">{}</td></tr>\n",
             html(&place(run, &metric.channel)),
-            html(&definition(metric)),
-            html(&metric.name.replace('_', " ")),
+            html(&definition(language, metric)),
+            html(&language.metric(&metric.name)),
             html(&shown)
         ));
     }
@@ -119,15 +118,17 @@ fn other_channels(out: &mut String, run: &Run) {
     let is_range = |id: &str| id.contains('+') && run.test.channel(id).is_none();
     channels.sort_by_key(|id| is_range(id));
     let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
+    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let template = if others == 1 { texts.other_channel } else { texts.other_channels };
     out.push_str(&format!(
-        "<details><summary>Metrics of {others} other channel{}, beside the pulse's</summary>\n<div \
-         class=\"scroll\"><table>\n\
-         <thead><tr><th scope=\"col\">Metric</th>",
-        if others == 1 { "" } else { "s" }
+        "<details><summary>{}</summary>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">{}</th>",
+        fill(template, &[("count", others.to_string())]),
+        texts.metric
     ));
     for id in &channels {
         let place = run.test.channel(id).map(|channel| channel.location.as_str()).unwrap_or_default();
-        let (title, head) = if is_range(id) { (format!("over {id}"), "range") } else { (place.to_owned(), *id) };
+        let (title, head) =
+            if is_range(id) { (fill(texts.over, &[("channels", id)]), texts.range) } else { (place.to_owned(), *id) };
         out.push_str(&format!(
             "<th scope=\"col\" class=\"n\"><abbr title=\"{}\">{}</abbr></th>",
             html(&title),
@@ -139,13 +140,13 @@ fn other_channels(out: &mut String, run: &Run) {
         out.push_str(&format!(
             "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th>",
             html(&first.definition),
-            html(&name.replace('_', " "))
+            html(&language.metric(name))
         ));
         for id in &channels {
             let metric = run.metrics.iter().find(|m| m.name == name && m.channel == *id);
             let shown = metric.and_then(|m| match is_range(id) {
-                true => Some(range(m.low?, m.high?, &m.unit)),
-                false => Some(value(m.value?, &m.unit)),
+                true => Some(language.range(m.low?, m.high?, &m.unit)),
+                false => Some(language.value(m.value?, &m.unit)),
             });
             let shown = shown.unwrap_or_else(|| ABSENT.to_owned());
             out.push_str(&format!("<td class=\"n\">{}</td>", html(&shown)));
@@ -165,24 +166,27 @@ struct Row<'a> {
 }
 
 /// The definition, its key and the part of the record.
-fn definition(metric: &MetricV1) -> String {
+fn definition(language: Language, metric: &MetricV1) -> String {
+    let texts = &language.phrases().numbers;
     let mut text = metric.definition.clone();
     if let Some(id) = metric.definition_id.as_ref().filter(|_| metric.value.is_some()) {
         text.push_str(&format!(" [{id}]"));
     }
     match metric.from_s.zip(metric.to_s) {
-        Some((from_s, to_s)) if from_s < to_s => text.push_str(&format!(", from {}", range(from_s, to_s, "s"))),
-        Some((from_s, _)) => text.push_str(&format!(", at {}", value(from_s, "s"))),
+        Some((from_s, to_s)) if from_s < to_s => {
+            text.push_str(&fill(texts.from_to, &[("interval", language.range(from_s, to_s, "s"))]));
+        }
+        Some((from_s, _)) => text.push_str(&fill(texts.at_time, &[("time", language.value(from_s, "s"))])),
         None => {}
     }
     text
 }
 
-fn table(out: &mut String, rows: &[Row]) {
+fn table(out: &mut String, language: Language, rows: &[Row]) {
     out.push_str("<table class=\"numbers\"><tbody>\n");
     for row in rows {
         let mut value = match row.value {
-            Some(x) => html(&value(x, row.unit)),
+            Some(x) => html(&language.value(x, row.unit)),
             // A value that is not there says why, in print too.
             None => format!("{ABSENT} <span class=\"why\">{}</span>", html(&row.definition)),
         };
@@ -193,7 +197,7 @@ fn table(out: &mut String, rows: &[Row]) {
             value.push_str(&format!(
                 "<br><span class=\"interval\" title=\"{}\">{}</span>",
                 html(row.interval_by.unwrap_or_default()),
-                html(&range(low, high, row.unit))
+                html(&language.range(low, high, row.unit))
             ));
         }
         out.push_str(&format!(
@@ -205,7 +209,8 @@ fn table(out: &mut String, rows: &[Row]) {
     out.push_str("</tbody></table>\n");
 }
 
-fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
+fn event_rows(language: Language, e: &EventsV1) -> Vec<Row<'_>> {
+    let texts = &language.phrases().numbers;
     let row = |field: &str, name: &str, value, unit, definition: &str| {
         let interval = e.intervals.iter().find(|interval| interval.name == field);
         Row {
@@ -221,76 +226,39 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
         }
     };
     let change = match (&e.end_of_event_rule, e.end_of_event_s) {
-        (Some(rule), Some(end_s)) => format!(
-            "Impact speed minus the lowest velocity up to the end of the event at {} ({rule}); the velocity does not \
-             reach zero.",
-            value(end_s, "s")
-        ),
-        _ => "Impact speed minus rebound velocity.".to_owned(),
+        (Some(rule), Some(end_s)) => {
+            fill(texts.change_of_event, &[("time", language.value(end_s, "s").as_str()), ("rule", rule)])
+        }
+        _ => texts.change_definition.to_owned(),
     };
     let mut rows = vec![
-        row(
-            "dynamic_crush_m",
-            "dynamic crush C",
-            e.dynamic_crush_m,
-            "m",
-            "Displacement at the first zero of the velocity.",
-        ),
-        row(
-            "time_of_dynamic_crush_s",
-            "time of dynamic crush t_m",
-            e.time_of_dynamic_crush_s,
-            "s",
-            "Time of the first zero of the velocity.",
-        ),
-        row(
-            "centroid_time_s",
-            "centroid time t_c",
-            e.centroid_time_s,
-            "s",
-            "Centroid of the pulse from time zero to t_m; C / v0.",
-        ),
+        row("dynamic_crush_m", texts.crush_name, e.dynamic_crush_m, "m", texts.crush_definition),
+        row("time_of_dynamic_crush_s", texts.time_name, e.time_of_dynamic_crush_s, "s", texts.time_definition),
+        row("centroid_time_s", texts.centroid_name, e.centroid_time_s, "s", texts.centroid_definition),
         row(
             "rebound_velocity_m_per_s",
-            "rebound velocity",
+            texts.rebound_name,
             e.rebound_velocity_m_per_s,
             "m/s",
-            "Lowest velocity after t_m.",
+            texts.rebound_definition,
         ),
-        row("time_of_rebound_s", "time of rebound", e.time_of_rebound_s, "s", "Time of the rebound velocity."),
+        row("time_of_rebound_s", texts.rebound_time_name, e.time_of_rebound_s, "s", texts.rebound_time_definition),
         row(
             "coefficient_of_restitution",
-            "coefficient of restitution e",
+            texts.restitution_name,
             e.coefficient_of_restitution,
             "1",
-            "−rebound velocity / impact speed.",
+            texts.restitution_definition,
         ),
-        row("delta_v_m_per_s", "change of velocity", e.delta_v_m_per_s, "m/s", &change),
-        row(
-            "impact_speed_m_per_s",
-            "impact speed",
-            e.impact_speed_m_per_s,
-            "m/s",
-            "Speed the integration started from.",
-        ),
-        row(
-            "time_zero_s",
-            "time zero on the record's axis",
-            Some(e.time_zero_s),
-            "s",
-            "Offset of time zero on the time axis of the file.",
-        ),
+        row("delta_v_m_per_s", texts.change_name, e.delta_v_m_per_s, "m/s", &change),
+        row("impact_speed_m_per_s", texts.speed_name, e.impact_speed_m_per_s, "m/s", texts.speed_definition),
+        row("time_zero_s", texts.zero_name, Some(e.time_zero_s), "s", texts.zero_definition),
     ];
     if e.end_of_event_s.is_some() {
-        let rule = e.end_of_event_rule.as_deref().unwrap_or("rule not stated");
-        rows.push(row(
-            "time_of_delta_v_s",
-            "time of the change of velocity",
-            e.time_of_delta_v_s,
-            "s",
-            "Time of the lowest velocity.",
-        ));
-        rows.push(row("end_of_event_s", "end of the event", e.end_of_event_s, "s", rule));
+        let rule = e.end_of_event_rule.as_deref().unwrap_or(texts.no_rule);
+        let time = e.time_of_delta_v_s;
+        rows.push(row("time_of_delta_v_s", texts.change_time_name, time, "s", texts.change_time_definition));
+        rows.push(row("end_of_event_s", texts.end_name, e.end_of_event_s, "s", rule));
     }
     rows
 }

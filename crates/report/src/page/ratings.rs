@@ -2,28 +2,31 @@
 
 use crumple_artifact::records::{RatingV1, SimulationV1};
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, decimals, signed, times};
+use crumple_drawing::numbers::ABSENT;
 
+use crate::frame::heads::{Column, heads};
+use crate::page::how_well::grade;
+use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
+use crate::text::phrases::HowWellTexts;
 use crate::{CandidateResult, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
-const COLUMNS: [(&str, &str, &str, &str); 9] = [
-    (
-        "acceleration",
-        "iso18571",
-        "ISO/TS 18571",
-        "0.4 corridor + 0.2 phase + 0.2 magnitude + 0.2 slope; 1 is equal. Sampled at 10 kHz only.",
-    ),
-    ("acceleration", "cora", "CORA", "0.5 corridor + 0.5 cross-correlation over the compared window; 1 is equal."),
-    ("acceleration", "sprague-geers-m", "M", "Sprague-Geers magnitude: sqrt(I_cc/I_mm) − 1; 0 is equal."),
-    ("acceleration", "sprague-geers-p", "P", "Sprague-Geers phase: acos(I_mc/sqrt(I_mm I_cc))/π; 0 is equal."),
-    ("acceleration", "sprague-geers-c", "C", "Sprague-Geers comprehensive: sqrt(M² + P²); 0 is equal."),
-    ("acceleration", "theil-u1", "Theil U1", "Inequality |m − c|/(|m| + |c|), 0 to 1; 0 is equal."),
-    ("displacement", "cora", "CORA", "0.5 corridor + 0.5 cross-correlation over the compared window; 1 is equal."),
-    ("displacement", "sprague-geers-c", "C", "Sprague-Geers comprehensive: sqrt(M² + P²); 0 is equal."),
-    ("displacement", "theil-u1", "Theil U1", "Inequality |m − c|/(|m| + |c|), 0 to 1; 0 is equal."),
-];
+type Rated = (&'static str, &'static str, &'static str, &'static str);
+
+const fn columns(texts: &HowWellTexts) -> [Rated; 9] {
+    [
+        ("acceleration", "iso18571", "ISO/TS 18571", texts.standard_definition),
+        ("acceleration", "cora", "CORA", texts.cora_definition),
+        ("acceleration", "sprague-geers-m", "M", texts.m_definition),
+        ("acceleration", "sprague-geers-p", "P", texts.p_definition),
+        ("acceleration", "sprague-geers-c", "C", texts.c_definition),
+        ("acceleration", "theil-u1", "Theil U1", texts.theil_definition),
+        ("displacement", "cora", "CORA", texts.cora_definition),
+        ("displacement", "sprague-geers-c", "C", texts.c_definition),
+        ("displacement", "theil-u1", "Theil U1", texts.theil_definition),
+    ]
+}
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut rows: Vec<(&CandidateResult, &SimulationV1)> = run
@@ -35,32 +38,36 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     rows.sort_by_key(|(candidate, _)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let columns_of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
+    let texts = &run.language.phrases().how_well;
+    let columns = columns(texts);
+    let columns_of = |quantity: &str| columns.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
-        "<section>\n<h2>Ratings: model against test</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" \
-         rowspan=\"2\">Model</th>\
-         <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th><th scope=\"colgroup\" \
-         colspan=\"{}\">Displacement</th></tr>\n<tr>",
+        "<section>\n<h2>{}</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">{}</th>\
+         <th scope=\"colgroup\" colspan=\"{}\">{}</th><th scope=\"colgroup\" colspan=\"{}\">{}</th></tr>\n<tr>",
+        texts.ratings,
+        texts.model,
         columns_of("acceleration"),
-        columns_of("displacement")
+        texts.acceleration,
+        columns_of("displacement"),
+        texts.displacement
     ));
-    let fit = "<th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |y − ŷ| / |y − mean y|).\">Fit, %</abbr></th>";
-    for (index, (quantity, id, heading, what)) in COLUMNS.iter().enumerate() {
+    let fit = heads(&[Column::number(texts.fit).means(texts.fit_definition)]);
+    for (index, (quantity, id, heading, what)) in columns.iter().enumerate() {
         out.push_str(&format!(
             "<th scope=\"col\" class=\"n\"><abbr title=\"{} [{id}{}]\">{heading}</abbr></th>",
             html(what),
-            mark(&rows, quantity, id).map_or_else(String::new, |mark| format!(", mark {}", html(mark)))
+            mark(&rows, quantity, id).map_or_else(String::new, |mark| fill(texts.mark, &[("mark", html(mark))]))
         ));
-        if COLUMNS.get(index + 1).is_none_or(|next| next.0 != *quantity) {
-            out.push_str(fit);
+        if columns.get(index + 1).is_none_or(|next| next.0 != *quantity) {
+            out.push_str(&fit);
         }
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for (candidate, simulation) in &rows {
-        row(out, candidate, simulation, ranking);
+        row(out, run.language, candidate, simulation, ranking);
     }
     out.push_str("</tbody>\n</table></div>\n");
-    caption(out, &rows);
+    caption(out, run.language, &rows);
     out.push_str("</section>\n");
 }
 
@@ -73,7 +80,14 @@ fn mark<'a>(rows: &[(&CandidateResult, &'a SimulationV1)], quantity: &str, id: &
     rows.iter().find_map(|(_, simulation)| find(simulation, quantity, id)).map(|rating| rating.mark.as_str())
 }
 
-fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1, ranking: &Ranking) {
+fn row(
+    out: &mut String,
+    language: Language,
+    candidate: &CandidateResult,
+    simulation: &SimulationV1,
+    ranking: &Ranking,
+) {
+    let columns = columns(&language.phrases().how_well);
     let best = ranking.best.as_deref() == Some(&candidate.id);
     out.push_str(&format!(
         "<tr{}><td>{}</td>",
@@ -81,22 +95,23 @@ fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1,
         html(&candidate_name(&candidate.id))
     ));
     let percent = |fit: Option<f64>| {
-        let shown = fit.map_or_else(|| ABSENT.to_owned(), |fit| decimals(fit, 2));
+        let shown = fit.map_or_else(|| ABSENT.to_owned(), |fit| language.decimals(fit, 2));
         format!("<td class=\"n\">{shown}</td>")
     };
-    for (index, (quantity, id, ..)) in COLUMNS.iter().enumerate() {
+    for (index, (quantity, id, ..)) in columns.iter().enumerate() {
         let rating = find(simulation, quantity, id);
         let shown = match rating.and_then(|rating| rating.value) {
-            Some(value) if *id == "sprague-geers-m" => signed(value, 3),
-            Some(value) => decimals(value, 3),
+            Some(value) if *id == "sprague-geers-m" => language.signed(value, 3),
+            Some(value) => language.decimals(value, 3),
             None => ABSENT.to_owned(),
         };
         let note = rating.and_then(|rating| rating.note.as_deref()).filter(|_| *id != "cora");
+        let note = note.map(|note| grade(language, note));
         out.push_str(&match note {
             Some(note) => format!("<td class=\"n\"><abbr title=\"{}\">{shown}</abbr></td>", html(note)),
             None => format!("<td class=\"n\">{shown}</td>"),
         });
-        if COLUMNS.get(index + 1).is_none_or(|next| next.0 != *quantity) {
+        if columns.get(index + 1).is_none_or(|next| next.0 != *quantity) {
             let acceleration = *quantity == "acceleration";
             out.push_str(&percent(if acceleration {
                 simulation.fit_acceleration_percent
@@ -109,19 +124,15 @@ fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1,
 }
 
 /// The window and what CORA's published formulas leave to the one who computes them.
-fn caption(out: &mut String, rows: &[(&CandidateResult, &SimulationV1)]) {
+fn caption(out: &mut String, language: Language, rows: &[(&CandidateResult, &SimulationV1)]) {
+    let texts = &language.phrases().how_well;
     let (from_s, to_s) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), (_, simulation)| {
         (simulation.from_s.min(from), simulation.to_s.max(to))
     });
     let cora = rows.iter().find_map(|(_, simulation)| {
         let rating = simulation.ratings.iter().find(|rating| rating.definition_id == "cora")?;
-        Some(format!(" CORA (mark {}) has {}.", html(&rating.mark), html(rating.note.as_deref()?)))
+        Some(fill(texts.cora_has, &[("mark", html(&rating.mark)), ("note", html(rating.note.as_deref()?))]))
     });
-    out.push_str(&format!(
-        "<p class=\"caption\">Over {} after time zero. ISO/TS 18571 and CORA: 1 is equal; M, P, C (Sprague-Geers) and \
-         Theil's U1: 0 is equal. Roadside practice accepts |M| and P up to 0.4.{} Marks: C checked, S after a \
-         secondary source, M from memory, U uncertain.</p>\n",
-        times(from_s, to_s),
-        cora.unwrap_or_default()
-    ));
+    let filled = [("times", language.times(from_s, to_s)), ("cora", cora.unwrap_or_default())];
+    out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.ratings_caption, &filled)));
 }

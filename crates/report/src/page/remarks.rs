@@ -2,11 +2,12 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::decimals;
 use crumple_signal::Severity;
 
+use crate::frame::heads::{Column, table};
 use crate::page::conclusion;
 use crate::results::ranking::AS_GOOD_PERCENT;
+use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::parameter;
 use crate::{CandidateResult, Ranking, Run, StageNote};
@@ -22,7 +23,8 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
     }
     let items: String = run.missing.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
     out.push_str(&format!(
-        "<section class=\"missing\">\n<h2>Not in this report</h2>\n<ul>\n{items}</ul>\n</section>\n"
+        "<section class=\"missing\">\n<h2>{}</h2>\n<ul>\n{items}</ul>\n</section>\n",
+        run.language.phrases().remarks.missing
     ));
 }
 
@@ -31,16 +33,17 @@ pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[ConcernV1]) {
     if run.notes.is_empty() && concerns.is_empty() {
         return;
     }
-    out.push_str("<section id=\"notes\">\n<h2>Warnings and notes</h2>\n");
+    let texts = &run.language.phrases().remarks;
+    out.push_str(&format!("<section id=\"notes\">\n<h2>{}</h2>\n", texts.notes_title));
     if !concerns.is_empty() {
-        let phrases = run.language.phrases();
+        let phrases = &run.language.phrases().conclusion;
         let items: String = concerns
             .iter()
             .map(|concern| format!("<li class=\"warning\">{}</li>\n", conclusion::item(concern, phrases)))
             .collect();
         let count = match concerns.len() {
-            1 => "1 warning".to_owned(),
-            n => format!("{n} warnings, those first that change most of what is shown"),
+            1 => texts.one_warning.to_owned(),
+            n => fill(texts.warnings, &[("count", n.to_string())]),
         };
         out.push_str(&format!("<h3>{count}</h3>\n<ul class=\"notes\">\n{items}</ul>\n"));
     }
@@ -50,8 +53,8 @@ pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[ConcernV1]) {
         let items: String = of_stage.iter().map(|n| format!("<li>{}</li>\n", html(&n.note.text))).collect();
         let list = format!("<ul class=\"notes\">\n{items}</ul>\n");
         out.push_str(&if of_stage.len() > OPEN_NOTES {
-            let count = of_stage.len();
-            format!("<h3>{}</h3>\n<details><summary>{count} notes</summary>\n{list}</details>\n", html(stage))
+            let count = fill(texts.notes, &[("count", of_stage.len().to_string())]);
+            format!("<h3>{}</h3>\n<details><summary>{count}</summary>\n{list}</details>\n", html(stage))
         } else {
             format!("<h3>{}</h3>\n{list}", html(stage))
         });
@@ -60,6 +63,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[ConcernV1]) {
 }
 
 pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
+    let (language, texts) = (run.language, &run.language.phrases().remarks);
     let mut limits = Vec::new();
     // A fit that saw a second sensor has decided between the two.
     let one_sensor = |c: &CandidateResult| c.other_channels().next().is_none();
@@ -68,83 +72,56 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
         .iter()
         .any(|c| one_sensor(c) && (c.record.model == "double-spring-mass-damper" || c.record.equivalent_to.is_some()))
     {
-        limits.push(
-            "One compartment accelerometer cannot tell a double-mass parameter set from its dual: both give exactly \
-             the same record, so the fit cannot choose between them. A second sensor on the front, on the engine or \
-             the firewall, decides."
-                .to_owned(),
-        );
+        limits.push(texts.one_sensor_dual.to_owned());
     }
     limits.extend(about_the_best(run, ranking));
     let window = run.candidates.iter().find_map(|c| c.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     if run.is_generic() {
-        limits.push(
-            "A model describes the record it was fitted to, over the amplitudes and frequencies that its input \
-             excited; what it predicts elsewhere is extrapolation."
-                .to_owned(),
-        );
+        limits.push(texts.generic_limit.to_owned());
     } else if !run.candidates.is_empty() || !run.models.is_empty() {
-        let mut text =
-            "A linear model of a crash is a model of the loading phase: a structure that has been crushed does not \
-                        spring back as it came."
-                .to_owned();
+        let mut text = texts.linear_limit.to_owned();
         if let Some((from, to)) = window {
-            text.push_str(&format!(
-                " Models are compared with the test from {} to {} ms after time zero; what they do later is \
-                 extrapolation.",
-                decimals(1e3 * from, 1),
-                decimals(1e3 * to, 1)
-            ));
+            let [from, to] = [from, to].map(|time_s| language.decimals(1e3 * time_s, 1));
+            text.push_str(&fill(texts.compared_window, &[("from", from), ("to", to)]));
         }
         limits.push(text);
     }
     let others: std::collections::BTreeSet<&str> =
         run.candidates.iter().flat_map(CandidateResult::other_channels).map(|(channel, _)| channel).collect();
-    let who = if others.is_empty() {
-        "Everything here is read from one sensor".to_owned()
-    } else {
-        let (word, list) = (if others.len() == 1 { "channel" } else { "channels" }, Vec::from_iter(others).join(", "));
-        format!("Crush and events are read from one sensor (models of several masses were fitted to {word} {list} too)")
-    };
     if !run.is_generic() {
-        limits.push(format!(
-            "{who}, with the vehicle taken for a body that moves as one. Crush is the displacement of that sensor, \
-         double-integrated: an error of its zero level grows with the square of time. It is dynamic crush; the crush \
-         that remains after the test cannot be had from an accelerometer."
-        ));
+        let template = match others.len() {
+            0 => texts.read_from_one,
+            1 => texts.read_from_one_fitted_to_channel,
+            _ => texts.read_from_one_fitted_to_channels,
+        };
+        let channels = Vec::from_iter(others).join(", ");
+        limits.push(fill(template, &[("channels", channels)]) + texts.crush_is);
     }
     if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))
         && ratio > std::f64::consts::FRAC_2_PI
     {
-        limits.push(format!(
-            "t_c/t_m is {}, above 2/π = 0.637: no Kelvin model with damping has such a pulse, and one labelled as \
-                 undamped is a reduction to the nearest that exists.",
-            decimals(ratio, 3)
-        ));
+        let bound = language.decimals(std::f64::consts::FRAC_2_PI, 3);
+        limits.push(fill(texts.no_kelvin, &[("ratio", language.decimals(ratio, 3)), ("bound", bound)]));
     }
     if let Some(events) = run.events.as_ref().filter(|e| e.time_of_dynamic_crush_s.is_none()) {
         let end = match (events.end_of_event_s, &events.end_of_event_rule) {
-            (Some(end_s), Some(rule)) => format!(
-                " Its change is counted, and models are fitted, up to the end of the event at {} ms ({rule}).",
-                decimals(1e3 * end_s, 1)
-            ),
+            (Some(end_s), Some(rule)) => {
+                let time = format!("{} ms", language.decimals(1e3 * end_s, 1));
+                fill(texts.end_of_event, &[("time", &time), ("rule", rule)])
+            }
             _ => String::new(),
         };
-        limits.push(format!(
-            "The velocity does not reach zero within the record. This is a valid result: the vehicle was still moving \
-             forward when the record ended, so dynamic crush, restitution and all that builds on them are absent.{end}"
-        ));
+        limits.push(fill(texts.does_not_stop, &[("end", end)]));
     }
     let items: String = limits.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
-    out.push_str(&format!(
-        "<section>\n<h2>What this can and cannot say</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n"
-    ));
+    out.push_str(&format!("<section>\n<h2>{}</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n", texts.limits));
 }
 
 /// Why a closer fit is not called the best: undetermined parameters, or more of them than the record gives reason for.
 fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
+    let texts = &run.language.phrases().remarks;
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
-        return vec![format!("No model is recommended: {reason}.")];
+        return vec![fill(texts.none_recommended, &[("reason", reason)])];
     }
     if run.recommendation.is_some() {
         // The table of the choice says it.
@@ -158,53 +135,43 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     let name = candidate_name(&closest.id);
     if !on_bound.is_empty() {
         let symbols: Vec<String> = on_bound.iter().map(|name| parameter(&closest.record.model, name, 0.0).0).collect();
-        return vec![format!(
-            "{name} fits closest but is not called the best: {} stopped on a bound of the search, so the record does \
-             not determine these values.",
-            symbols.join(", ")
-        )];
+        return vec![fill(texts.stopped_on_bound, &[("model", name), ("names", symbols.join(", "))])];
     }
+    let Some(best) = best else { return Vec::new() };
     let open = CandidateResult::left_open;
-    match best {
-        Some(best) if closest.divides_by_formula() && !best.divides_by_formula() => vec![format!(
-            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better and its masses were looked for with a \
-             sensor on the last one alone, which does not decide their division."
-        )],
-        Some(best) if open(closest) > open(best) => vec![format!(
-            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better, and this record leaves {} of its \
-             parameters undetermined instead of {}.",
-            open(closest),
-            open(best)
-        )],
-        Some(best) if closest.record.parameters.len() > best.record.parameters.len() => vec![format!(
-            "{name} fits no more than {AS_GOOD_PERCENT} percentage points better with {} parameters instead of {}: \
-             this record gives no reason for the larger model.",
-            closest.record.parameters.len(),
-            best.record.parameters.len()
-        )],
-        _ => Vec::new(),
-    }
+    let (count, instead) = (closest.record.parameters.len(), best.record.parameters.len());
+    let (template, count, instead) = match () {
+        () if closest.divides_by_formula() && !best.divides_by_formula() => (texts.divided_by_formula, 0, 0),
+        () if open(closest) > open(best) => (texts.more_open, open(closest), open(best)),
+        () if count > instead => (texts.more_parameters, count, instead),
+        () => return Vec::new(),
+    };
+    let filled = [
+        ("model", name),
+        ("points", run.language.written(&AS_GOOD_PERCENT.to_string())),
+        ("count", count.to_string()),
+        ("instead", instead.to_string()),
+    ];
+    vec![fill(template, &filled)]
 }
 
 pub(super) fn write_provenance(out: &mut String, run: &Run) {
-    out.push_str("<section class=\"provenance\">\n<h2>Provenance</h2>\n");
+    let texts = &run.language.phrases().remarks;
+    out.push_str(&format!("<section class=\"provenance\">\n<h2>{}</h2>\n", texts.provenance));
     let source = &run.test.source;
     if !source.name.is_empty() {
-        out.push_str(&format!(
-            "<p>Record: {} ({}), <code title=\"{}\">{}</code>. Pipeline: {}.</p>\n",
-            html(&source.name),
-            html(&source.format),
-            html(&source.digest),
-            html(short(&source.digest)),
-            html(run.pipeline.as_deref().unwrap_or("not named"))
-        ));
+        let digest = format!("<code title=\"{}\">{}</code>", html(&source.digest), html(short(&source.digest)));
+        let filled = [
+            ("name", html(&source.name)),
+            ("format", html(&source.format)),
+            ("digest", digest),
+            ("pipeline", html(run.pipeline.as_deref().unwrap_or(texts.not_named))),
+        ];
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.source, &filled)));
     }
     if !run.provenance.is_empty() {
-        out.push_str(
-            "<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Stage</th><th scope=\"col\">Version</th><th \
-             scope=\"col\">Content</th>\
-             <th scope=\"col\">Made from</th><th scope=\"col\">Settings</th></tr></thead>\n<tbody>\n",
-        );
+        let columns = [texts.stage, texts.version, texts.content, texts.made_from, texts.settings].map(Column::text);
+        out.push_str(&table("", &columns));
         for record in &run.provenance {
             let inputs: Vec<String> = record
                 .inputs
@@ -214,9 +181,9 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
                 })
                 .collect();
             let settings = if record.settings.is_empty() || record.settings == "{}" {
-                "none".to_owned()
+                texts.none.to_owned()
             } else {
-                format!("<details><summary>show</summary><code>{}</code></details>", html(&record.settings))
+                format!("<details><summary>{}</summary><code>{}</code></details>", texts.show, html(&record.settings))
             };
             out.push_str(&format!(
                 "<tr><td>{}</td><td>{}</td><td><code title=\"{}\">{}</code></td><td>{}</td><td>{settings}</td></tr>\n",
@@ -230,9 +197,8 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
         out.push_str("</tbody>\n</table></div>\n");
     }
     out.push_str(&format!(
-        "<p class=\"caption\">Made by crumple-report {}. Full numbers are in summary.json and in the \
-         artifacts.</p>\n</section>\n",
-        env!("CARGO_PKG_VERSION")
+        "<p class=\"caption\">{}</p>\n</section>\n",
+        fill(texts.made_by, &[("version", env!("CARGO_PKG_VERSION"))])
     ));
 }
 

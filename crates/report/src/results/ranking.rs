@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use crumple_signal::Axis;
 
+use crate::text::language::{Language, fill};
 use crate::{CandidateResult, Run};
 
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
@@ -33,10 +34,6 @@ pub struct Ranking {
     pub no_best: Option<String>,
 }
 
-/// Why a best was chosen without a recommendation.
-const BY_FIT: &str = "by the displacement fit alone: the artifacts hold no /recommendation (crumple-parameter-solve \
-                      writes it)";
-
 impl Ranking {
     /// Ranks by [`CandidateResult::fit_percent`]: the displacement fit as measured over the window that was compared,
     /// by default the loading phase.
@@ -45,6 +42,10 @@ impl Ranking {
     /// to: rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical
     /// candidate has every parameter positive.
     pub fn of_candidates(candidates: &[CandidateResult]) -> Self {
+        Self::in_words(candidates, Language::default())
+    }
+
+    fn in_words(candidates: &[CandidateResult], language: Language) -> Self {
         let stands_for = pairs_of_equals(candidates);
         let fit = |index: usize| candidates[index].fit_percent().filter(|fit| !fit.is_nan());
         let mut fitted: Vec<(f64, &CandidateResult)> = candidates
@@ -60,7 +61,7 @@ impl Ranking {
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
             best: best_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
-            because: BY_FIT.to_owned(),
+            because: language.phrases().remarks.by_fit_alone.to_owned(),
             no_best: None,
         }
     }
@@ -69,7 +70,7 @@ impl Ranking {
     /// the pulse is no crush along the vehicle: a model of springs that stop a mass is no explanation of a lateral or
     /// vertical record, nor, beyond its window, of one that never stops.
     pub fn of_run(run: &Run) -> Self {
-        let mut ranking = Self::of_candidates(&run.candidates);
+        let mut ranking = Self::in_words(&run.candidates, run.language);
         if let Some(choice) = &run.recommendation {
             ranking.best.clone_from(&choice.recommended);
             ranking.because.clone_from(&choice.recommended_because);
@@ -101,11 +102,12 @@ impl Ranking {
 /// for.
 fn no_crush(run: &Run) -> Option<String> {
     let events = run.events.as_ref()?;
+    let texts = &run.language.phrases().remarks;
     if let Some(axis) = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
-        return Some(format!("channel {} is along {axis}, and the models are of a crush along x", events.channel));
+        return Some(fill(texts.other_axis, &[("channel", events.channel.clone()), ("axis", axis.to_string())]));
     }
     let crushed = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
-    (!crushed).then(|| "the record shows no crush that comes to an end: its velocity never reaches zero".to_owned())
+    (!crushed).then(|| texts.no_end_of_crush.to_owned())
 }
 
 /// Whether a candidate may be called the best: physical, no parameter left on a bound of its search (such a value is

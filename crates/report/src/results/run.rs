@@ -144,6 +144,16 @@ impl CandidateResult {
         sensors.iter().filter(move |s| Some(s.channel.as_str()) != pulse).map(|s| (s.channel.as_str(), s.mass))
     }
 
+    /// Why the value of a parameter is in doubt, in words.
+    pub(crate) fn doubt(&self, name: &str, language: Language) -> Option<&'static str> {
+        let texts = &language.phrases().model;
+        self.record.doubt(name).map(|doubt| match doubt {
+            "on a bound" => texts.on_a_bound,
+            "not determined" => texts.not_determined,
+            other => other,
+        })
+    }
+
     /// Its name, with that of the candidate that gives exactly the same record.
     pub fn name_with_dual(&self) -> String {
         let other = self.record.equivalent_to.as_deref();
@@ -200,10 +210,16 @@ pub struct Certainties<'a> {
 }
 
 impl Certainties<'_> {
+    /// `3 of 4`.
+    pub(crate) fn counts(&self, language: Language) -> String {
+        let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
+        fill(language.phrases().candidates.of, &[("determined", determined), ("parameters", parameters)])
+    }
+
     /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
     /// magnitude`. `None`: nothing was asked of the record.
     pub fn words(&self, language: Language) -> Option<String> {
-        let phrases = language.phrases();
+        let phrases = &language.phrases().conclusion;
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
         let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
         let others = [(&self.order_of_magnitude, phrases.order_of_magnitude), (&self.open, phrases.open)];

@@ -15,7 +15,7 @@ pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[Con
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let notes = format!("just notes {}", folder.display());
     let mut lines = overview(run, ranking, verdict, concerns, &notes);
-    lines.push((run.language.phrases().files_label.to_owned(), report.display().to_string()));
+    lines.push((run.language.phrases().conclusion.files_label.to_owned(), report.display().to_string()));
     let width = lines.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0) + 2;
     for (label, text) in &lines {
         labelled(label, width, text, columns).iter().for_each(say);

@@ -8,7 +8,8 @@ use crumple_artifact::records::{
     NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
 };
 use crumple_report::{
-    CandidateResult, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
+    CandidateResult, Element, Language, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
+    fill,
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
@@ -16,11 +17,12 @@ use crumple_stage::{Inputs, RefuseExt, Refused};
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
 /// Refuses artifacts whose records do not decode, and inputs that hold nothing a report could show.
-pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
-    let mut run = Run::default();
+pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
+    let mut run = Run { language, ..Run::default() };
+    let texts = &language.phrases().remarks;
     match inputs.record_if::<TestV1>("/test")? {
         Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
-        None => run.missing.push("the test description (crumple-ingest writes it)".to_owned()),
+        None => run.missing.push(texts.no_description.to_owned()),
     }
     run.events = inputs.record_if("/events")?;
     // The page counts every time from time zero; the artifacts keep the record's own axis.
@@ -288,13 +290,10 @@ fn concerns(inputs: &Inputs) -> anyhow::Result<Vec<ConcernV1>> {
 }
 
 fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
+    let texts = &run.language.phrases().remarks;
     let mut missing = std::mem::take(&mut run.missing);
     if run.is_generic() {
-        missing.push(
-            "what belongs to a crash (motion, events, physical parameters): the test names no crash pulse \
-             (crumple-ingest --channel does)"
-                .to_owned(),
-        );
+        missing.push(texts.no_crash.to_owned());
         run.missing = missing;
         return;
     }
@@ -303,34 +302,17 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
             missing.push(what.to_owned());
         }
     };
-    add(
-        run.channel_id().is_none(),
-        "the crash pulse: the test names none of its channels (crumple-ingest --channel does)",
-    );
-    add(run.measured.raw.is_none(), "acceleration as read (crumple-ingest writes it)");
-    add(run.measured.filtered.is_none(), "filtered acceleration (crumple-filter writes it)");
-    add(
-        run.events.is_none() && run.metrics.is_empty(),
-        "crash events, velocity, displacement and metrics (crumple-integrate writes them)",
-    );
-    add(
-        run.events.is_none() && !run.metrics.is_empty(),
-        "crash events, velocity and displacement: no motion of a vehicle was integrated, the notes say why",
-    );
-    add(
-        run.events.is_some() && run.measured.displacement.is_none(),
-        "velocity and displacement (crumple-integrate writes them)",
-    );
-    add(run.models.is_empty(), "identified models (crumple-identify writes them)");
-    add(run.candidates.is_empty(), "physical parameters (crumple-parameter-solve writes them)");
-    add(
-        run.responses.is_none() && !run.candidates.is_empty(),
-        "responses of the candidates, so there is no ranking and no best (crumple-simulate writes them)",
-    );
+    add(run.channel_id().is_none(), texts.no_pulse);
+    add(run.measured.raw.is_none(), texts.no_raw);
+    add(run.measured.filtered.is_none(), texts.no_filtered);
+    add(run.events.is_none() && run.metrics.is_empty(), texts.no_events);
+    add(run.events.is_none() && !run.metrics.is_empty(), texts.no_motion);
+    add(run.events.is_some() && run.measured.displacement.is_none(), texts.no_displacement);
+    add(run.models.is_empty(), texts.no_models);
+    add(run.candidates.is_empty(), texts.no_parameters);
+    add(run.responses.is_none() && !run.candidates.is_empty(), texts.no_responses);
     if without_parameters > 0 {
-        missing.push(format!(
-            "the parameters of {without_parameters} simulated candidates (crumple-parameter-solve writes them)"
-        ));
+        missing.push(fill(texts.without_parameters, &[("count", without_parameters.to_string())]));
     }
     run.missing = missing;
 }

@@ -55,6 +55,11 @@ pub struct Cli {
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
 
+    /// Where the record lies, for the command in the Markdown that makes the run again [default: here, if a file of its
+    /// name is].
+    #[arg(long, value_name = "PATH", requires = "markdown")]
+    pub record: Option<PathBuf>,
+
     /// Summary to write [default: summary.json beside the report].
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
@@ -75,7 +80,7 @@ pub struct Cli {
     #[arg(long, value_name = "NAME")]
     pub pipeline_name: Option<String>,
 
-    /// Language of the verdict and its warnings: en or de; also the key `language` of [report] [default: en].
+    /// Language of the page, the Markdown and the console: en or de; also the key `language` of [report] [default: en].
     #[arg(long, value_name = "CODE")]
     pub language: Option<String>,
 
@@ -104,32 +109,32 @@ pub struct Cli {
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
 pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
+    let known = |code: &str| {
+        Language::of_code(code)
+            .ok_or_else(|| unknown_name(&format!("no report in the language {code:?}"), code, &Language::CODES))
+    };
+    let asked = cli.language.as_deref().map(known).transpose()?;
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
-        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
+        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), asked.unwrap_or_default(), cli.quiet);
     }
     if cli.index {
-        return index::index(&cli.inputs, cli.output.as_deref().unwrap_or(Path::new("index.html")), cli.quiet);
+        let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));
+        return index::index(&cli.inputs, page, asked.unwrap_or_default(), cli.quiet);
     }
     let Some(output) = &cli.output else { return Err(Usage::new("no report to write is named").hint("add -o").into()) };
     let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
     let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
     let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
-    let mut language = cli.language.clone();
+    let mut language = asked;
     if let Some(file) = &file {
         let table = pipeline_table("report", file, &["language"])?;
-        if language.is_none() {
-            language = table.get("language").and_then(|value| value.as_str()).map(str::to_owned);
-        }
+        let stated = table.get("language").and_then(|value| value.as_str()).map(known).transpose()?;
+        language = language.or(stated);
     }
     if cli.check_options {
         return Ok(ExitStatus::Done);
     }
-    let language = match language.as_deref() {
-        None => Language::default(),
-        Some(code) => Language::of_code(code)
-            .ok_or_else(|| unknown_name(&format!("no report in the language {code:?}"), code, &Language::CODES))?,
-    };
     let summary_path = cli.summary.clone().unwrap_or_else(|| output.with_file_name("summary.json"));
     if summary_path == *output {
         return Err(Usage::new("report and summary are the same file").hint("give --summary another name").into());
@@ -141,9 +146,8 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         be_quiet();
     }
     keep_budget(&cli.inputs, ExitStatus::Refused);
-    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
+    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input, language.unwrap_or_default())?;
     run.pipeline = pipeline;
-    run.language = language;
     let ranking = Ranking::of_run(&run);
     let (said, concerns) = conclusion(&run, &ranking);
     let json = summary(&run, &ranking).to_json()?;
@@ -165,7 +169,11 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         let own = output.with_file_name("0-pipeline.toml");
         let own = own.is_file().then(|| own.display().to_string());
         let run = ComparedRun { name: String::new(), report: None, run, ranking };
-        compare::write(path, OutputKind::Markdown, &first_screen(&run, own.as_deref()))?;
+        let here = Path::new(&run.run.test.source.name);
+        let record =
+            cli.record.as_deref().or_else(|| here.is_file().then_some(here)).map(|path| path.display().to_string());
+        let text = first_screen(&run, own.as_deref(), record.as_deref());
+        compare::write(path, OutputKind::Markdown, &text)?;
     }
     Ok(if said.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done })
 }

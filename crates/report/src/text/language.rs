@@ -1,8 +1,9 @@
 //! The languages of a report, and numbers as each writes them.
 
-use crumple_drawing::numbers::{NBSP, decimals};
+use crumple_drawing::Words;
+use crumple_drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 
-use super::phrases::{ENGLISH, GERMAN, Phrases};
+use super::phrases::{ENGLISH, GERMAN, METRICS, Phrases};
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -35,7 +36,7 @@ impl Language {
         }
     }
 
-    /// All that the verdict, its warnings and the console say.
+    /// All that it says.
     pub const fn phrases(self) -> &'static Phrases {
         match self {
             Self::English => &ENGLISH,
@@ -43,22 +44,103 @@ impl Language {
         }
     }
 
+    /// A number with its decimal mark.
+    pub fn written(self, number: &str) -> String {
+        match self {
+            Self::English => number.to_owned(),
+            Self::German => number.replace('.', ","),
+        }
+    }
+
+    /// A number with so many decimals.
+    pub fn decimals(self, value: f64, places: usize) -> String {
+        self.written(&numbers::decimals(value, places))
+    }
+
+    /// A number with so many significant digits.
+    pub fn significant(self, value: f64, digits: usize) -> String {
+        self.written(&numbers::significant(value, digits))
+    }
+
+    /// A deviation with its sign.
+    pub fn signed(self, value: f64, places: usize) -> String {
+        self.written(&numbers::signed(value, places))
+    }
+
+    /// Up to so many decimals, without trailing zeros.
+    pub fn at_most(self, value: f64, places: usize) -> String {
+        self.written(&numbers::at_most(value, places))
+    }
+
+    /// A value in SI with four significant digits in the unit people use.
+    pub fn value(self, value: f64, si: &str) -> String {
+        let (factor, unit) = numbers::unit(si);
+        with_unit(self.significant(factor * value, 4), unit)
+    }
+
     /// A number with so many decimals and its unit: `749.9 mm`, in German `749,9 mm`.
     pub fn quantity(self, value: f64, places: usize, unit: &str) -> String {
-        let number = decimals(value, places);
-        let number = if self == Self::German { number.replace('.', ",") } else { number };
-        if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
+        with_unit(self.decimals(value, places), unit)
+    }
+
+    /// A deviation with its sign and its unit.
+    pub fn deviation(self, value: f64, places: usize, unit: &str) -> String {
+        with_unit(self.signed(value, places), unit)
+    }
+
+    /// Two values in SI in the unit people use: `741.2 to 759.3 mm`.
+    pub fn range(self, low: f64, high: f64, si: &str) -> String {
+        let (factor, unit) = numbers::unit(si);
+        let digits = digits_of_interval(low, high, 4);
+        let [low, high] = [low, high].map(|end| self.significant(factor * end, digits));
+        with_unit(self.between(&low, &high), unit)
+    }
+
+    /// `0.0 to 120.0 ms`, or in s where that is the fitting unit.
+    pub fn times(self, from_s: f64, to_s: f64) -> String {
+        let (factor, unit) = if to_s - from_s > LONG_S { (1.0, "s") } else { (MILLI, "ms") };
+        let [from, to] = [from_s, to_s].map(|time| self.decimals(factor * time, 1));
+        format!("{} {unit}", self.between(&from, &to))
+    }
+
+    /// `low to high`.
+    pub fn between(self, low: &str, high: &str) -> String {
+        format!("{low} {} {high}", self.phrases().page.to)
+    }
+
+    /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration".
+    pub fn metric(self, name: &str) -> String {
+        let known = METRICS.iter().find(|(known, _)| *known == name && self == Self::German);
+        known.map_or_else(|| name.replace('_', " "), |(_, german)| (*german).to_owned())
+    }
+
+    /// What a drawing adds of its own.
+    pub fn words_of_drawings(self) -> Words {
+        let texts = &self.phrases().figures;
+        Words {
+            over: texts.over,
+            lowest: texts.lowest,
+            highest: texts.highest,
+            at: texts.at,
+            marked: texts.marked,
+            panel: texts.panel,
+            decimal_mark: if self == Self::German { ',' } else { '.' },
+        }
     }
 }
 
+fn with_unit(number: String, unit: &str) -> String {
+    if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
+}
+
 /// Puts texts in the place of `{name}`. A name without a text leaves nothing.
-pub fn fill(template: &str, texts: &[(&str, &str)]) -> String {
+pub fn fill<T: AsRef<str>>(template: &str, texts: &[(&str, T)]) -> String {
     let mut out = String::with_capacity(2 * template.len());
     let mut rest = template;
     while let Some((before, behind)) = rest.split_once('{') {
         let (name, behind) = behind.split_once('}').unwrap_or((behind, ""));
         out.push_str(before);
-        out.push_str(texts.iter().find(|(other, _)| *other == name).map_or("", |(_, text)| text));
+        out.push_str(texts.iter().find(|(other, _)| *other == name).map_or("", |(_, text)| text.as_ref()));
         rest = behind;
     }
     out.push_str(rest);
@@ -71,11 +153,27 @@ mod tests {
 
     #[test]
     fn german_numbers_have_a_comma() {
-        assert_eq!(Language::English.quantity(749.93, 1, "mm"), "749.9\u{a0}mm");
-        assert_eq!(Language::German.quantity(-749.93, 1, "mm"), "−749,9\u{a0}mm");
+        let (english, german) = (Language::English, Language::German);
+        assert_eq!(english.quantity(749.93, 1, "mm"), "749.9\u{a0}mm");
+        assert_eq!(german.quantity(-749.93, 1, "mm"), "−749,9\u{a0}mm");
+        assert_eq!(
+            (english.times(0.0, 0.0741).as_str(), german.times(0.0, 79.92).as_str()),
+            ("0.0 to 74.1 ms", "0,0 bis 79,9 s")
+        );
+        assert_eq!(english.range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
+        assert_eq!(german.range(0.5, 0.75, "1"), "0,5000 bis 0,7500");
+        assert_eq!(english.range(0.75, 0.75, "1"), "0.7500 to 0.7500");
         for code in Language::CODES {
             assert_eq!(Language::of_code(code).map(Language::code), Some(code));
         }
+    }
+
+    #[test]
+    fn a_metric_without_a_german_name_keeps_its_own() {
+        let name = |language: Language, name| language.metric(name);
+        assert_eq!(name(Language::English, "delta_v"), "delta v");
+        assert_eq!(name(Language::German, "delta_v"), "Geschwindigkeitsänderung");
+        assert_eq!(name(Language::German, "of_another_program"), "of another program");
     }
 
     #[test]

@@ -4,9 +4,10 @@
 use super::drawn_models::DrawnModels;
 use super::force;
 use super::same_place::Envelope;
-use crate::figures::time_view::time_view_ms;
+use crate::figures::time_view::{over_time_axis, time_view_ms};
+use crate::text::language::fill;
 use crate::{CandidateResult, Ranking, Run};
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
 use crumple_signal::Sampled;
 
@@ -20,16 +21,17 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         return None;
     }
     let models = DrawnModels::of(run, ranking);
-    let mut figure = Figure::new(
-        "curves",
-        if models.models.is_empty() { "The test: curves" } else { "What the test did, what the models do" },
-    );
+    let texts = &run.language.phrases().figures;
+    let mut figure = Figure::new("curves", if models.models.is_empty() { texts.title_of_test } else { texts.title });
     let test = figure.entry(test_name(run), Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
-    let raw =
-        figure.entry("as read", Look::line(Colour::Raw, Dash::Solid).width(Width::Thin), measured.filtered.is_none());
+    let raw = figure.entry(
+        texts.as_read,
+        Look::line(Colour::Raw, Dash::Solid).width(Width::Thin),
+        measured.filtered.is_none(),
+    );
     let envelope = Envelope::of_run(run);
     let same_place = figure.entry(
-        envelope.as_ref().map_or_else(String::new, |e| format!("sensors at the same place: {}", e.channels.join(", "))),
+        envelope.as_ref().map_or_else(String::new, |e| fill(texts.same_place, &[("channels", e.channels.join(", "))])),
         Look::area(Colour::Test),
         true,
     );
@@ -38,17 +40,18 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
     let acceleration: (_, &str, f64, Of) =
-        (run.acceleration(), "acceleration, g", G_PER_M_PER_S2, |c| c.acceleration.as_ref());
+        (run.acceleration(), texts.acceleration, G_PER_M_PER_S2, |c| c.acceleration.as_ref());
     let velocity: (_, &str, f64, Of) =
-        (measured.velocity.as_ref(), "velocity, km/h", KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+        (measured.velocity.as_ref(), texts.velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
     let displacement: (_, &str, f64, Of) =
-        (measured.displacement.as_ref(), "displacement, mm", MILLI, |c| c.displacement.as_ref());
+        (measured.displacement.as_ref(), texts.displacement, MILLI, |c| c.displacement.as_ref());
     for (place, (signal, title, factor, of)) in [acceleration, velocity, displacement].into_iter().enumerate() {
         let Some(signal) = signal else { continue };
         let drawn: Vec<(usize, &Sampled)> =
             models.models.iter().zip(&entries).filter_map(|((c, _), entry)| Some((*entry, of(c)?))).collect();
         let shown = drawn.iter().filter(|(entry, _)| figure.legend[*entry].shown).map(|(_, signal)| *signal);
-        let mut panel = Panel::over_time(view, Axis { view: y_view(signal, shown, factor, view), ..Axis::new(title) });
+        let mut panel =
+            over_time_axis(run.language, view, Axis { view: y_view(signal, shown, factor, view), ..Axis::new(title) });
         if let Some(edges) = envelope.as_ref().and_then(|e| e.edges(place, factor)) {
             panel.band(same_place, &edges);
         }
@@ -76,11 +79,12 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 
 /// `test, CFC 60`.
 fn test_name(run: &Run) -> String {
+    let texts = &run.language.phrases().figures;
     let cfc = run.filter.as_ref().and_then(|f| f.cfc).or_else(|| run.channel().and_then(|c| c.cfc));
     match (cfc, &run.measured.filtered) {
-        (Some(cfc), Some(_)) => format!("test, CFC{NBSP}{cfc}"),
-        (None, Some(_)) => "test, filtered".to_owned(),
-        _ => "test, as read".to_owned(),
+        (Some(cfc), Some(_)) => fill(texts.test_cfc, &[("cfc", cfc.to_string())]),
+        (None, Some(_)) => texts.test_filtered.to_owned(),
+        _ => texts.test_as_read.to_owned(),
     }
 }
 
@@ -122,12 +126,13 @@ fn y_view<'a>(
 
 /// Time of crush and rebound in one of the three panels over time.
 fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
+    let language = run.language;
     let events = run.events.as_ref();
     let crush = events.and_then(|e| e.dynamic_crush_m);
     if let Some(t_m) = run.time_of_crush_s().map(|t| MILLI * t) {
-        let time = format!("tₘ = {}{NBSP}ms", decimals(t_m, 1));
+        let time = format!("tₘ = {}", language.quantity(t_m, 1, "ms"));
         let name = match (place, crush) {
-            (2, Some(crush)) => format!("C = {}{NBSP}mm", decimals(MILLI * crush, 1)),
+            (2, Some(crush)) => format!("C = {}", language.quantity(MILLI * crush, 1, "mm")),
             _ => time,
         };
         panel.mark(t_m, name, Colour::Event, Dash::Dashed);
@@ -139,7 +144,8 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
     }
     let in_view = |t: &f64| panel.x.view.is_none_or(|[from, to]| (from..=to).contains(t));
     if let Some(t) = events.and_then(|e| e.time_of_rebound_s).map(|t| MILLI * t).filter(in_view) {
-        panel.mark(t, format!("rebound, {}{NBSP}ms", decimals(t, 1)), Colour::Muted, Dash::Dotted);
+        let name = fill(language.phrases().figures.rebound, &[("time", language.quantity(t, 1, "ms"))]);
+        panel.mark(t, name, Colour::Muted, Dash::Dotted);
     }
     if panel.x.view.is_some_and(|[from, _]| from < 0.0) {
         panel.mark(0.0, "", Colour::Muted, Dash::Solid);
@@ -147,43 +153,37 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
 }
 
 fn caption(run: &Run, models: &DrawnModels) -> String {
-    let mut text = format!("Channel {}", run.channel_id().unwrap_or("unknown"));
+    let (language, texts) = (run.language, &run.language.phrases().figures);
+    let mut text = fill(texts.channel, &[("id", run.channel_id().unwrap_or(texts.unknown))]);
     if let Some(channel) = run.channel().filter(|channel| !channel.location.is_empty()) {
         text.push_str(&format!(" ({})", channel.location));
     }
-    text.push_str(", SAE J211 sign: deceleration is negative.");
+    text.push_str(texts.sign);
     if let Some(filter) = run.filter.as_ref().filter(|filter| filter.cfc.is_some()) {
-        text.push_str(&format!(" Filtered in mode {}; ", filter.mode));
-        text.push_str("the record as read waits in the legend, and may reach beyond the axes.");
+        text.push_str(&fill(texts.filtered, &[("mode", &filter.mode)]));
     }
     if let Some(events) = &run.events {
-        match (events.rule.as_deref(), events.start.as_deref()) {
-            (Some(rule), Some(start)) => text.push_str(&format!(
-                " Velocity and displacement by the {} rule from {}.",
-                rule.replace('-', " "),
-                start.replace('-', " ")
-            )),
-            (Some(rule), None) => text.push_str(&format!(" Integrated by the {} rule.", rule.replace('-', " "))),
+        let words = |text: &str| text.replace('-', " ");
+        match (events.rule.as_deref().map(words), events.start.as_deref().map(words)) {
+            (Some(rule), Some(start)) => {
+                text.push_str(&fill(texts.integrated_from, &[("rule", rule), ("start", start)]));
+            }
+            (Some(rule), None) => text.push_str(&fill(texts.integrated, &[("rule", rule)])),
             _ => {}
         }
         if events.time_of_dynamic_crush_s.is_none() {
-            text.push_str(" The velocity does not reach zero within the record: there is no dynamic crush to mark.");
+            text.push_str(texts.no_crush_to_mark);
         }
     }
     if let Some([from, to]) = window_ms(run).filter(|_| !models.models.is_empty()) {
-        text.push_str(&format!(
-            " The shaded window, {} to {} ms, is the one the models are compared over; outside it they are only drawn.",
-            decimals(from, 1),
-            decimals(to, 1)
-        ));
+        let ends = [("from", language.decimals(from, 1)), ("to", format!("{} ms", language.decimals(to, 1)))];
+        text.push_str(&fill(texts.window, &ends));
     }
     if models.hides_some() {
-        text.push_str(
-            " Other models wait in the legend; of parameter sets of one model that fit alike the first stands for all.",
-        );
+        text.push_str(texts.others_wait);
     }
     if models.equals > 0 {
-        text.push_str(" Parameter sets that give exactly the same record (duals) are drawn once.");
+        text.push_str(texts.duals_once);
     }
     text
 }

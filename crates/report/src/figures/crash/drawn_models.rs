@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crumple_drawing::numbers::decimals;
 use crumple_drawing::{Figure, Look};
 
 use crate::figures::shown_at_first::at_first;
 use crate::results::ranking::pairs_of_equals;
+use crate::text::language::Language;
 use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
@@ -48,19 +48,20 @@ impl<'a> DrawnModels<'a> {
             }
             _ => at_first(&ranked, ranking, SHOWN),
         };
-        let fits = fit_texts(&ranked);
+        let texts = &run.language.phrases().figures;
+        let fits = fit_texts(run.language, &ranked);
         let equals_of = |index: usize| stands_for.iter().filter(|drawn_as| **drawn_as == index).count() - 1;
         let mut models: Vec<(&CandidateResult, String)> = drawn
             .iter()
             .zip(&fits)
             .map(|((index, candidate), fit)| {
                 let role = match (Some(candidate.id.as_str()) == recommended, Some(candidate.id.as_str()) == closest) {
-                    (true, true) => "recommended and closest: ",
-                    (true, false) => "recommended: ",
-                    (false, true) => "closest: ",
+                    (true, true) => texts.recommended_and_closest,
+                    (true, false) => texts.recommended,
+                    (false, true) => texts.closest,
                     (false, false) => "",
                 };
-                (*candidate, format!("{role}{}", name(candidate, fit.as_deref(), equals_of(*index))))
+                (*candidate, format!("{role}{}", name(run.language, candidate, fit.as_deref(), equals_of(*index))))
             })
             .collect();
         // The recommended and the closest first, then what else is shown: they have the colours before they repeat.
@@ -88,25 +89,26 @@ impl<'a> DrawnModels<'a> {
 }
 
 /// Fits in percent to two decimals, as in the table of candidates; to three where two are equal in print.
-fn fit_texts(candidates: &[&CandidateResult]) -> Vec<Option<String>> {
+fn fit_texts(language: Language, candidates: &[&CandidateResult]) -> Vec<Option<String>> {
     let fits = candidates.iter().map(|candidate| candidate.fit_percent());
-    let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, decimals(fit, 2)))).collect();
+    let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, language.decimals(fit, 2)))).collect();
     let twice = |text: &str| texts.iter().flatten().filter(|(_, other)| other == text).count() > 1;
     let text = |known: &Option<(f64, String)>| {
         let (fit, text) = known.as_ref()?;
-        Some(if twice(text) { decimals(*fit, 3) } else { text.clone() })
+        Some(if twice(text) { language.decimals(*fit, 3) } else { text.clone() })
     };
     texts.iter().map(text).collect()
 }
 
-fn name(candidate: &CandidateResult, fit: Option<&str>, equals: usize) -> String {
+fn name(language: Language, candidate: &CandidateResult, fit: Option<&str>, equals: usize) -> String {
+    let texts = &language.phrases().figures;
     let mut remarks = Vec::new();
     remarks.extend(fit.map(|fit| format!("{fit} %")));
     if equals > 0 {
-        remarks.push("and its dual: same record".to_owned());
+        remarks.push(texts.and_its_dual.to_owned());
     }
     if !candidate.record.physical {
-        remarks.push("not physical".to_owned());
+        remarks.push(texts.not_physical.to_owned());
     }
     let name = candidate_name(&candidate.id);
     if remarks.is_empty() { name } else { format!("{name} ({})", remarks.join("; ")) }

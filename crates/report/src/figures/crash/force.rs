@@ -1,10 +1,11 @@
 //! Force against crush: loading and unloading, the equal-energy line, the models, the barrier's load cells.
 
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP, decimals, significant};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
 use crumple_signal::Sampled;
 
 use super::drawn_models::DrawnModels;
+use crate::text::language::fill;
 use crate::{CandidateResult, Run};
 
 /// The panel with what is to be said of it; without a mass the deceleration takes the force's place. `None` without a
@@ -17,18 +18,15 @@ pub fn panel(
     figure: &mut Figure,
 ) -> Option<(Panel, String)> {
     let displacement = run.measured.displacement.as_ref()?;
+    let (language, texts) = (run.language, &run.language.phrases().figures);
     let drawn = match &run.measured.force {
-        Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: "force, kN" },
-        None => Ordinate {
-            signal: negated(run.acceleration()?)?,
-            factor: G_PER_M_PER_S2,
-            title: "deceleration, g (mass not known)",
-        },
+        Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: texts.force },
+        None => Ordinate { signal: negated(run.acceleration()?)?, factor: G_PER_M_PER_S2, title: texts.deceleration },
     };
     // After separation the force is noise about zero: the unloading branch ends at the rebound, if the record shows it.
     let t_end = run.events.as_ref().and_then(|e| e.time_of_rebound_s).unwrap_or(f64::INFINITY);
     let (loading, unloading) = branches(displacement, &drawn, run.time_of_crush_s(), t_end);
-    let mut panel = Panel::new(Axis::new("displacement, mm"), Axis::new(drawn.title));
+    let mut panel = Panel::new(Axis::new(texts.displacement), Axis::new(drawn.title));
     // What an acceleration of 1 g is on this axis: a body's own mass times it, or itself.
     let per_g = match (&run.measured.force, run.test.mass_kg) {
         (Some(_), mass_kg) => mass_kg.map(|mass_kg| -KILO * mass_kg / G_PER_M_PER_S2),
@@ -44,16 +42,19 @@ pub fn panel(
     if let Some(crush) = crush {
         // The linear spring that takes up the same work at the same crush: k C²/2 = work.
         let end = drawn.factor * 2.0 * loading.work() / crush;
-        let name = "equal-energy line (force over crush)";
-        let line = figure.entry(name, Look::line(Colour::Muted, Dash::Dotted), true);
+        let line = figure.entry(texts.equal_energy, Look::line(Colour::Muted, Dash::Dotted), true);
         panel.line(line, vec![[0.0, 0.0], [MILLI * crush, end]]);
-        panel.mark(MILLI * crush, format!("C = {}{NBSP}mm", decimals(MILLI * crush, 1)), Colour::Event, Dash::Dashed);
+        panel.mark(
+            MILLI * crush,
+            format!("C = {}", language.quantity(MILLI * crush, 1, "mm")),
+            Colour::Event,
+            Dash::Dashed,
+        );
     }
     panel.line(test, over(&whole.scaled_x(), &whole.scaled_y(drawn.factor)));
     // The load cells saw all masses, each with its own deceleration.
     if let Some(cells) = run.measured.barrier_force.as_ref().filter(|_| run.measured.force.is_some()) {
-        let name = "barrier load cells (force over crush)";
-        let entry = figure.entry(name, Look::line(Colour::Series(2), Dash::DashDot), true);
+        let entry = figure.entry(texts.load_cells, Look::line(Colour::Series(2), Dash::DashDot), true);
         panel.line(entry, load_cells(cells, displacement, t_end));
     }
     for ((candidate, _), entry) in models.models.iter().zip(entries) {
@@ -114,31 +115,23 @@ fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 
 }
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
+    let (language, texts) = (run.language, &run.language.phrases().figures);
+    let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", language.significant(value, 4));
     let mut caption = String::from(" ");
     if let Some(crush) = crush
         && run.test.mass_kg.is_some()
         && run.measured.force.is_some()
     {
-        caption.push_str(&format!(
-            "Loading takes up {}{NBSP}kJ; a linear spring with the same work at the same crush has {}{NBSP}kN/m. ",
-            significant(KILO * loading.work(), 4),
-            significant(KILO * 2.0 * loading.work() / (crush * crush), 4)
-        ));
+        let work = with_unit(KILO * loading.work(), "kJ");
+        let stiffness = with_unit(KILO * 2.0 * loading.work() / (crush * crush), "kN/m");
+        caption.push_str(&fill(texts.loading, &[("work", work), ("stiffness", stiffness)]));
         if !unloading.x.is_empty() {
-            caption.push_str(&format!("Unloading gives {}{NBSP}kJ back. ", significant(KILO * -unloading.work(), 4)));
+            caption.push_str(&fill(texts.unloading, &[("work", with_unit(KILO * -unloading.work(), "kJ"))]));
         }
     }
-    caption.push_str(if run.measured.force.is_some() {
-        "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as \
-         one body."
-    } else {
-        "Deceleration takes the place of force, since no force record or mass is at hand."
-    });
+    caption.push_str(if run.measured.force.is_some() { texts.force_is } else { texts.no_force });
     if run.measured.barrier_force.is_some() && run.measured.force.is_some() {
-        caption.push_str(
-            " The load cells measured it at the barrier: where the two part, the engine and other masses move \
-             otherwise than this sensor.",
-        );
+        caption.push_str(texts.load_cells_differ);
     }
     caption
 }

@@ -1,10 +1,11 @@
 //! Parameters of the double model over the division of the mass: which divisions a passive structure can have.
 
 use crumple_artifact::records::MatchingSweepV1;
-use crumple_drawing::numbers::{KILO, significant};
+use crumple_drawing::numbers::KILO;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
 
 use crate::results::mass_divisions::{Divisions, ratio};
+use crate::text::language::{Language, fill};
 use crate::{Ranking, Run};
 
 /// Name, panel and value of the four parameters, with their marks where all four are positive and where not.
@@ -19,12 +20,13 @@ const PARAMETERS: [Parameter; 4] = [
 /// See [`Divisions::of_run`] for whose.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let divisions = Divisions::of_run(run, ranking)?;
+    let (language, texts) = (run.language, &run.language.phrases().figures);
     let used = divisions.m2_kg / divisions.m1_kg;
     let feasible = divisions.feasible_ranges();
-    let mut figure = Figure::new("mass-split", "Which divisions of the mass a double model can have");
+    let mut figure = Figure::new("mass-split", texts.mass_split);
     let logarithmic = |title: &str| Axis { logarithmic: true, ..Axis::new(title) };
-    let mut panels = ["stiffness, kN/m", "damping, kN·s/m"]
-        .map(|title| Panel::new(logarithmic("mass ratio m2/m1 (compartment over chassis)"), logarithmic(title)));
+    let mut panels =
+        [texts.stiffness, texts.damping].map(|title| Panel::new(logarithmic(texts.mass_ratio), logarithmic(title)));
     for (place, &(name, panel, value, symbols)) in PARAMETERS.iter().enumerate() {
         for (physical, symbol) in [true, false].into_iter().zip(symbols) {
             // Negative values have no place on a logarithmic axis.
@@ -32,42 +34,34 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
                 .filter(|s| s.physical == physical && value(s) > 0.0)
                 .map(|s| [ratio(s), KILO * value(s)])
                 .collect();
-            let name = format!("{name}, {}", if physical { "all four positive" } else { "another is negative" });
+            let template = if physical { texts.all_positive } else { texts.another_negative };
+            let name = fill(template, &[("name", name)]);
             let entry = figure.entry(name, Look::marks(Colour::Series(place), symbol), true);
             panels[panel].points(entry, points);
         }
     }
     for panel in &mut panels {
         panel.windows.extend(feasible.iter().map(|(low, high)| [*low, *high]));
-        panel.mark(used, "used", Colour::Event, Dash::Dashed);
+        panel.mark(used, texts.used, Colour::Event, Dash::Dashed);
     }
-    figure.caption = caption(&divisions, used, &feasible);
+    figure.caption = caption(language, &divisions, used, &feasible);
     figure.panels = panels.into();
     Some(figure.tidy())
 }
 
-fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String {
+fn caption(language: Language, divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String {
+    let texts = &language.phrases().figures;
     let inside = feasible.iter().any(|(low, high)| (*low..=*high).contains(&used));
     let bound = match divisions.largest_mass_ratio {
-        Some(bound) => format!("They exist only for m2/m1 up to {}.", significant(bound, 3)),
-        None => "No division allows them: the identified polynomial is not that of a passive structure.".to_owned(),
+        Some(bound) => fill(texts.only_up_to, &[("bound", language.significant(bound, 3))]),
+        None => texts.no_division.to_owned(),
     };
-    let total = significant(divisions.m1_kg + divisions.m2_kg, 4);
-    let what = if divisions.fitted {
-        format!(
-            "Parameter sets with the same poles as {}, at the same total mass, {total} kg. At another division the \
-             poles are kept, the motion is not quite: fit again with --front-mass-fraction to see by how much.",
-            divisions.source
-        )
-    } else {
-        format!("Real solutions of coefficient matching of {} at the same total mass, {total} kg.", divisions.source)
-    };
-    format!(
-        "{what} Filled: all four parameters are positive, and such divisions are shaded; negative values have no place \
-         on a logarithmic axis. {bound} The division used, m2/m1 = {}, {}.",
-        significant(used, 3),
-        if inside { "is among them" } else { "is not among them" }
-    )
+    let total = format!("{} kg", language.significant(divisions.m1_kg + divisions.m2_kg, 4));
+    let template = if divisions.fitted { texts.same_poles } else { texts.real_solutions };
+    let what = fill(template, &[("source", &divisions.source), ("mass", &total)]);
+    let template = if inside { texts.used_is_among } else { texts.used_is_not_among };
+    let used = fill(template, &[("ratio", language.significant(used, 3))]);
+    format!("{what} {} {bound} {used}", texts.mass_split_filled)
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! What the models leave of the test: test minus model.
 
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Panel, over_time};
+use crumple_drawing::{Axis, Colour, Dash, Figure, over_time};
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
 use super::drawn_models::DrawnModels;
+use crate::figures::time_view::over_time_axis;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Models drawn: the recommended, the closest, then by rank. A residual has many times the points of a motion.
@@ -14,16 +15,17 @@ const DRAWN: usize = 6;
 /// Of displacement and velocity; `None` without a test or without a model.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let models = DrawnModels::of(run, ranking);
-    let mut figure = Figure::new("residual", "Test minus model");
+    let texts = &run.language.phrases().figures;
+    let mut figure = Figure::new("residual", texts.residual);
     let entries = models.entries(&mut figure);
     let window = window_ms(run);
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
     let displacement: (_, &str, f64, Of) =
-        (&run.measured.displacement, "residual of the displacement, mm", MILLI, |c| c.displacement.as_ref());
+        (&run.measured.displacement, texts.residual_displacement, MILLI, |c| c.displacement.as_ref());
     let velocity: (_, &str, f64, Of) =
-        (&run.measured.velocity, "residual of the velocity, km/h", KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+        (&run.measured.velocity, texts.residual_velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
     for (test, title, factor, of) in [displacement, velocity] {
-        let mut panel = Panel::over_time(view_ms(run), Axis::new(title));
+        let mut panel = over_time_axis(run.language, view_ms(run), Axis::new(title));
         let mut largest = 0.0_f64;
         for ((candidate, _), entry) in models.models.iter().zip(&entries).take(DRAWN) {
             let Some(left) = test.as_ref().zip(of(candidate)).and_then(|(test, model)| residual(test, model)) else {
@@ -43,13 +45,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         figure.panels.push(panel);
     }
     let figure = figure.tidy();
-    (!figure.panels.is_empty()).then(|| Figure {
-        caption: "The axes hold the largest residual inside the shaded window, which the models are compared over; a \
-                  model that was made for the loading phase may leave them after it. Of many models \
-                  the first six are drawn."
-            .to_owned(),
-        ..figure
-    })
+    (!figure.panels.is_empty()).then(|| Figure { caption: texts.residual_caption.to_owned(), ..figure })
 }
 
 /// Test minus model at the model's samples, as far as the test reaches.

@@ -3,12 +3,14 @@
 use std::collections::BTreeSet;
 
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;
 use crate::figures::shown_at_first::at_first;
+use crate::figures::time_view::over_time_axis;
 use crate::results::run::SensorMotion;
+use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
@@ -25,16 +27,13 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     }
     let mut ranked: Vec<&CandidateResult> = run.candidates.iter().collect();
     ranked.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let mut figure = Figure::new("sensors", "Other sensors on the vehicle");
-    figure.caption =
-        "Each sensor integrated from its own acceleration. A mass of a model is drawn over the sensor that \
-                      sits on it, for the best candidates, and the compartment of the best model over the pulse; \
-                      sensors that the best model was not compared with and no mass stands for wait in the legend."
-            .to_owned();
+    let texts = &run.language.phrases().figures;
+    let mut figure = Figure::new("sensors", texts.sensors);
+    figure.caption = texts.sensors_caption.to_owned();
     let view = view_ms(run).map(|[from, to]| [from.max(0.0), to]);
-    let mut velocity = Panel::over_time(view, Axis::new("velocity, km/h"));
-    let axis = Axis { view: displacement_view(run, view), ..Axis::new("displacement, mm") };
-    let mut displacement = Panel::over_time(view, axis);
+    let mut velocity = over_time_axis(run.language, view, Axis::new(texts.velocity));
+    let axis = Axis { view: displacement_view(run, view), ..Axis::new(texts.displacement) };
+    let mut displacement = over_time_axis(run.language, view, axis);
     let mut push = |name: String, look: Look, shown: bool, v: Option<&Sampled>, x: Option<&Sampled>| {
         let entry = figure.entry(name, look, shown);
         velocity.line(entry, v.map(|v| over_time(v, KM_PER_H_PER_M_PER_S)).unwrap_or_default());
@@ -42,7 +41,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     };
     let measured = &run.measured;
     push(
-        format!("pulse {}", run.channel_id().unwrap_or_default()),
+        fill(texts.pulse, &[("channel", run.channel_id().unwrap_or_default())]),
         Look::line(Colour::Raw, Dash::Solid),
         true,
         measured.velocity.as_ref(),
@@ -51,7 +50,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     if let Some(best) = best.filter(|best| best.displacement.is_some()) {
         push(
-            format!("compartment of {}", candidate_name(&best.id)),
+            fill(texts.compartment_of, &[("model", candidate_name(&best.id))]),
             Look::line(Colour::Event, Dash::Dashed),
             true,
             best.velocity.as_ref(),
@@ -75,7 +74,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         for (candidate, mass) in models {
             let Some((x, v)) = candidate.masses.get(mass - 1) else { continue };
             push(
-                format!("mass {mass} of {}", candidate_name(&candidate.id)),
+                fill(texts.mass_of, &[("mass", mass.to_string()), ("model", candidate_name(&candidate.id))]),
                 Look::of_series(series),
                 shown.contains(candidate.id.as_str()),
                 v.as_ref(),
@@ -95,7 +94,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 /// `sensor 97 (engine)`.
 fn sensor_name(run: &Run, sensor: &SensorMotion) -> String {
     let place = run.test.channel(&sensor.channel).map(|c| c.location.clone()).filter(|place| !place.is_empty());
-    format!("sensor {}{}", sensor.channel, place.map_or_else(String::new, |place| format!(" ({place})")))
+    let place = place.map_or_else(String::new, |place| format!(" ({place})"));
+    fill(run.language.phrases().figures.sensor, &[("channel", &sensor.channel), ("place", &place)])
 }
 
 /// The candidates with a mass at a sensor, at most [`SHOWN`] or all shown at first, with that mass; and the ids of

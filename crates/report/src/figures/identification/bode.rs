@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use crumple_artifact::records::TransferFunctionV1;
-use crumple_drawing::numbers::significant;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
 
+use crate::text::language::fill;
 use crate::text::names::words_and_unit;
 use crate::{Model, Run};
 
@@ -41,10 +41,11 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
 
-    let axis = || Axis { logarithmic: true, ..Axis::new("frequency, Hz").from_to([low, high]) };
-    let mut figure = Figure::new("bode", "Frequency response");
-    let mut magnitude = Panel::new(axis(), Axis::new("magnitude, dB"));
-    let mut phase = Panel::new(axis(), Axis::new("phase, °"));
+    let (language, texts) = (run.language, &run.language.phrases().identification);
+    let axis = || Axis { logarithmic: true, ..Axis::new(texts.frequency).from_to([low, high]) };
+    let mut figure = Figure::new("bode", texts.bode);
+    let mut magnitude = Panel::new(axis(), Axis::new(texts.magnitude));
+    let mut phase = Panel::new(axis(), Axis::new(texts.phase));
     for (place, (model, curve)) in models.iter().enumerate() {
         let entry = figure.entry(&model.id, Look::of_series(place), true);
         for (panel, line, edges) in [
@@ -60,23 +61,24 @@ pub fn figure(run: &Run) -> Option<Figure> {
             if !(low..=high).contains(&f) {
                 continue;
             }
-            let damping = mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", significant(z, 3)));
-            magnitude.mark(f, format!("{} Hz{damping}", significant(f, 3)), Colour::Muted, Dash::Dotted);
+            let damping =
+                mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", language.significant(z, 3)));
+            magnitude.mark(f, format!("{} Hz{damping}", language.significant(f, 3)), Colour::Muted, Dash::Dotted);
             phase.mark(f, "", Colour::Muted, Dash::Dotted);
         }
     }
     let ((in_words, _), (out_words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
-    let mut caption = format!(
-        "From {} to {}{}. Phase is unwrapped; natural frequencies of oscillating poles are marked.",
-        words(in_words, "the input"),
-        words(out_words, "the output"),
-        if out_unit.is_some() { ", SI units" } else { "" }
-    );
+    let filled = [
+        ("input", words(in_words, texts.the_input)),
+        ("output", words(out_words, texts.the_output)),
+        ("units", if out_unit.is_some() { texts.si_units } else { "" }),
+    ];
+    let mut caption = fill(texts.bode_caption, &filled);
     for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
-        caption.push_str(&format!(" Band of {}: {band}.", model.id));
+        caption.push_str(&fill(texts.band_of, &[("model", &model.id), ("band", band)]));
     }
     if models.iter().all(|(_, curve)| curve.band.is_none()) {
-        caption.push_str(" No band: the records hold no uncertainty of these models.");
+        caption.push_str(texts.no_band);
     }
     figure.caption = caption;
     figure.panels = vec![magnitude, phase];

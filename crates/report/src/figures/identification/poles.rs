@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crumple_drawing::numbers::{decimals, significant};
 use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
 
 use crate::Run;
+use crate::text::language::{Language, fill};
 
 /// Marks of the models, so that they differ without colour too.
 const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];
@@ -24,30 +24,32 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     moduli.sort_by(f64::total_cmp);
     let (radius, outside) = first_view(&moduli);
+    let (language, texts) = (run.language, &run.language.phrases().identification);
 
-    let mut figure = Figure::new("poles", "Poles and zeros of the identified models");
+    let mut figure = Figure::new("poles", texts.poles);
     // The upper half of the plane: poles of a real system are mirrored in the lower one.
     let (left, right, low, high) = (-1.2 * radius, 0.42 * radius, -0.1 * radius, 1.18 * radius);
-    let real = Axis::new("real part, 1/s").from_to([left, right]);
-    let mut panel = Panel::new(real, Axis::new("imaginary part, rad/s").from_to([low, high]));
+    let real = Axis::new(texts.real_part).from_to([left, right]);
+    let mut panel = Panel::new(real, Axis::new(texts.imaginary_part).from_to([low, high]));
     // One length for a unit on both axes, so that circles are round.
     panel.height = PLANE_WIDTH * (high - low) / (right - left);
-    guide_lines(&mut panel, radius, [low, high]);
+    guide_lines(&mut panel, language, radius, [low, high]);
     let unstable = poles(run, &mut figure, &mut panel);
     let far_zeros = zeros(run, &mut figure, &mut panel, radius);
-    figure.caption = caption(unstable, far_zeros, outside);
+    figure.caption = caption(language, unstable, far_zeros, outside);
     figure.panels.push(panel);
     Some(figure.tidy())
 }
 
 /// The poles of every model, stable and unstable apart. Gives how many are unstable.
 fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) -> usize {
+    let texts = &run.language.phrases().identification;
     let mut unstable = 0;
     for (place, model) in run.models.iter().enumerate() {
         for stable in [true, false] {
             let poles = || model.modes.iter().filter(|p| (p.re_per_s <= 0.0) == stable);
             unstable += if stable { 0 } else { poles().count() };
-            let name = if stable { model.id.clone() } else { format!("{}, unstable", model.id) };
+            let name = if stable { model.id.clone() } else { fill(texts.unstable_poles, &[("model", &model.id)]) };
             let symbol = if stable { SYMBOLS[place % SYMBOLS.len()] } else { Symbol::Triangle };
             let colour = if stable { Colour::Series(place) } else { Colour::Event };
             let entry = figure.entry(name, Look::marks(colour, symbol), true);
@@ -62,6 +64,7 @@ fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) -> usize {
 
 /// The zeros of every model. Gives how many lie outside the first view of this radius.
 fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usize {
+    let texts = &run.language.phrases().identification;
     let mut far = 0;
     for (place, model) in run.models.iter().enumerate() {
         let Some(response) = &model.response else { continue };
@@ -69,7 +72,7 @@ fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usiz
         let near = |[re, im]: &[f64; 2]| re.hypot(*im) <= 1.2 * radius;
         far += zeros().filter(|z| !near(z)).count();
         let look = Look::marks(Colour::Series(place), Symbol::Ring);
-        let entry = figure.entry(format!("{}, zeros", model.id), look, run.models.len() <= 3);
+        let entry = figure.entry(fill(texts.zeros, &[("model", &model.id)]), look, run.models.len() <= 3);
         // No name in the legend without a mark in the view.
         panel.points(entry, zeros().filter(|z| near(z) && z[1] >= 0.0).collect());
     }
@@ -77,40 +80,37 @@ fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usiz
 }
 
 /// Rays of equal damping, rings of equal frequency and the imaginary axis, with their labels.
-fn guide_lines(panel: &mut Panel, radius: f64, [low, high]: [f64; 2]) {
+fn guide_lines(panel: &mut Panel, language: Language, radius: f64, [low, high]: [f64; 2]) {
     for damping in DAMPING_RAYS {
         let end = [-damping * radius, (1.0 - damping * damping).sqrt() * radius];
         panel.guides.push(vec![[0.0, 0.0], end]);
-        panel.labels.push(Label { at: end, text: format!("ζ {}", decimals(damping, 1)) });
+        panel.labels.push(Label { at: end, text: format!("ζ {}", language.decimals(damping, 1)) });
     }
     let step = nice_step(radius / TAU / 2.5);
     for ring in (1..=4).map(|ring| TAU * step * f64::from(ring)).take_while(|r| *r <= 1.02 * radius) {
         let arc = (0..=60).map(|k| f64::from(k) / 60.0 * std::f64::consts::PI);
         panel.guides.push(arc.map(|angle| [ring * angle.cos(), ring * angle.sin()]).collect());
-        panel.labels.push(Label { at: [0.0, ring], text: format!("{} Hz", significant(ring / TAU, 2)) });
+        panel.labels.push(Label { at: [0.0, ring], text: format!("{} Hz", language.significant(ring / TAU, 2)) });
     }
     panel.guides.push(vec![[0.0, low], [0.0, high]]);
 }
 
-fn caption(unstable: usize, far_zeros: usize, outside: usize) -> String {
-    let mut caption = String::from(
-        "Continuous poles, and zeros as circles; their mirror images below the real axis are not drawn. Rays join \
-         poles of equal damping ratio ζ, circles those of equal natural frequency.",
-    );
-    match unstable {
-        0 => caption.push_str(" All poles are stable."),
-        1 => caption.push_str(" One pole is unstable (right half plane): it describes the window, not the structure."),
-        n => caption.push_str(&format!(
-            " {n} poles are unstable (right half plane): they describe the window, not the structure."
-        )),
-    }
-    if far_zeros > 0 {
-        // Of the wider side of the view some may still be in sight.
-        let lie = if far_zeros == 1 { "zero lies" } else { "zeros lie" };
-        caption.push_str(&format!(" {far_zeros} {lie} farther out than these poles."));
-    }
-    if outside > 0 {
-        caption.push_str(&format!(" {outside} far poles lie outside the axes."));
+fn caption(language: Language, unstable: usize, far_zeros: usize, outside: usize) -> String {
+    let texts = &language.phrases().identification;
+    let counted = |template: &str, count: usize| fill(template, &[("count", count.to_string())]);
+    let mut caption = texts.poles_caption.to_owned();
+    caption.push_str(&match unstable {
+        0 => texts.all_stable.to_owned(),
+        1 => texts.one_unstable.to_owned(),
+        n => counted(texts.several_unstable, n),
+    });
+    // Of the wider side of the view some zeros may still be in sight.
+    for (count, one, several) in
+        [(far_zeros, texts.one_far_zero, texts.far_zeros), (outside, texts.one_far_pole, texts.far_poles)]
+    {
+        if count > 0 {
+            caption.push_str(&counted(if count == 1 { one } else { several }, count));
+        }
     }
     caption
 }

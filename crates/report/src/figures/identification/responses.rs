@@ -3,6 +3,7 @@
 use crumple_drawing::numbers::LONG_S;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
 
+use crate::text::language::fill;
 use crate::text::names::words_and_unit;
 use crate::{Model, Run};
 
@@ -34,22 +35,21 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let seen_s = || models.iter().map(|(_, r)| settles(&r.time_s, &r.impulse)).fold(0.0, f64::max).min(longest_s);
     let (factor, unit) = if seen_s() > LONG_S { (1.0, "s") } else { (1e3, "ms") };
     // Models with another input or output have other units: they start hidden.
-    let mut figure = Figure::new(
-        "responses",
-        if first.input.contains("Markov") { "Impulse response" } else { "Impulse and step response" },
-    );
+    let texts = &run.language.phrases().identification;
+    let of_free_motion = first.input.contains("Markov");
+    let title = if of_free_motion { texts.impulse_title } else { texts.impulse_and_step_title };
+    let mut figure = Figure::new("responses", title);
     let (mut impulse, mut step) =
         (Panel::new(Axis::default(), Axis::default()), Panel::new(Axis::default(), Axis::default()));
     if first.impulse_of == "unit sample"
-        && first.input.contains("Markov")
+        && of_free_motion
         && let Some(record) = record(run, models[0].0, factor)
     {
         let look = Look::line(Colour::Raw, Dash::Solid).width(Width::Thin);
-        let entry = figure.entry("the record", look, true);
+        let entry = figure.entry(texts.record, look, true);
         impulse.line(entry, record);
     }
     let mut hidden = 0;
-    let of_free_motion = first.input.contains("Markov");
     for (place, (model, response)) in models.iter().enumerate() {
         let has_same_units = response.output == first.output && response.impulse_of == first.impulse_of;
         let shown = has_same_units && peak(&response.impulse) <= GROWN * least;
@@ -66,30 +66,30 @@ pub fn figure(run: &Run) -> Option<Figure> {
         }
     }
     let ((_, in_unit), (words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
-    let mut caption = format!(
-        "Response of {} to a {}{}, from rest.",
-        if words.is_empty() { "the output" } else { words },
-        first.impulse_of,
-        if of_free_motion { "" } else { " and to a unit step" }
-    );
+    let impulse_of = match first.impulse_of.as_str() {
+        "unit impulse" => texts.unit_impulse,
+        "unit sample" => texts.unit_sample,
+        other => other,
+    };
+    let output = if words.is_empty() { texts.the_output } else { words };
+    let template = if of_free_motion { texts.response_caption } else { texts.response_step_caption };
+    let mut caption = fill(template, &[("output", output), ("impulse", impulse_of)]);
     // An impulse of a unit for one sample has the input's unit, an impulse of unit area that times s.
     let per = |more: &str| match (&out_unit, &in_unit) {
-        (Some(out), Some(input)) => format!(", {out} per {input}{more}"),
+        (Some(out), Some(input)) => fill(texts.per, &[("output", out.clone()), ("input", format!("{input}{more}"))]),
         (Some(out), None) => format!(", {out}"),
         _ => String::new(),
     };
-    let impulse_title = format!("impulse response{}", per(if first.impulse_of == "unit impulse" { "·s" } else { "" }));
-    let time_title = format!("time from the start of the window, {unit}");
-    let step_title = format!("step response{}", per(""));
+    let more = if first.impulse_of == "unit impulse" { "·s" } else { "" };
+    let impulse_title = fill(texts.impulse_response, &[("unit", per(more))]);
+    let time_title = fill(texts.time_of_window, &[("unit", unit)]);
+    let step_title = fill(texts.step_response, &[("unit", per(""))]);
     let view = (settled_s > 0.0 && ROOM * settled_s < 0.5 * longest_s).then_some([0.0, factor * ROOM * settled_s]);
     if view.is_some() {
-        caption.push_str(" The axis of time ends where the impulse response has died down.");
+        caption.push_str(texts.died_down);
     }
     if hidden > 0 {
-        caption.push_str(&format!(
-            " {hidden} models with another output, another impulse, or far larger responses are hidden: their names in \
-             the legend show them."
-        ));
+        caption.push_str(&fill(texts.hidden, &[("count", hidden.to_string())]));
     }
     for (panel, title) in [(&mut impulse, impulse_title), (&mut step, step_title)] {
         panel.x = Axis { view, ..Axis::new(&time_title) };

@@ -4,28 +4,34 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::Certainty;
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{digits_of_interval, significant};
+use crumple_drawing::numbers::{ABSENT, digits_of_interval};
 
 use crate::CandidateResult;
+use crate::frame::heads::{Column, heads};
+use crate::text::language::Language;
 use crate::text::parameters::{parameter, parameter_order};
 
 /// Decades to either side of the value.
 const DECADES: f64 = 1.0;
 
 /// A row a parameter: symbol, value, interval in words, bar.
-pub(super) fn table(candidate: &CandidateResult) -> String {
+pub(super) fn table(language: Language, candidate: &CandidateResult) -> String {
     let model = candidate.record.model.as_str();
     let mut names: Vec<&String> = candidate.record.parameters.keys().collect();
     names.sort_by_key(|name| parameter_order(model, name));
-    let rows: String = names.into_iter().map(|name| row(candidate, name)).collect();
+    let rows: String = names.into_iter().map(|name| row(language, candidate, name)).collect();
+    let texts = &language.phrases().candidates;
+    let columns = [Column::text(texts.parameter), Column::number(texts.value), Column::number(texts.interval)];
     format!(
-        "<table class=\"bars\"><thead><tr><th scope=\"col\">Parameter</th><th scope=\"col\" class=\"n\">Value</th>\
-         <th scope=\"col\" class=\"n\">95&nbsp;%</th><th scope=\"col\" class=\"scale\"><span>÷10</span>\
-         <span>value</span><span>×10</span></th></tr></thead><tbody>{rows}</tbody></table>"
+        "<table class=\"bars\"><thead><tr>{}<th scope=\"col\" class=\"scale\"><span>÷10</span>\
+         <span>{}</span><span>×10</span></th></tr></thead><tbody>{rows}</tbody></table>",
+        heads(&columns),
+        texts.scale_value
     )
 }
 
-fn row(candidate: &CandidateResult, name: &str) -> String {
+fn row(language: Language, candidate: &CandidateResult, name: &str) -> String {
+    let texts = &language.phrases().candidates;
     let record = &candidate.record;
     let value = record.parameters[name];
     let shown = |value: f64| parameter(&record.model, name, value).1;
@@ -34,18 +40,19 @@ fn row(candidate: &CandidateResult, name: &str) -> String {
     let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
     let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
     let is_wide = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
-    let (words, bar) = match (record.doubt(name), ends) {
-        (None, Some((low, high))) if is_wide => {
-            ("<span class=\"no\">to an order of magnitude</span>".to_owned(), bar(value, low, high))
-        }
-        (Some(doubt), _) => (format!("<span class=\"no\">{doubt}</span>"), bar(value, None, None)),
-        (None, _) if on_bound => ("limit of what is physical".to_owned(), String::new()),
-        (None, None) if record.asked().any(|asked| asked == name) => ("–".to_owned(), String::new()),
-        (None, None) => ("given".to_owned(), String::new()),
+    let no = |words: &str| format!("<span class=\"no\">{words}</span>");
+    let (words, bar) = match (candidate.doubt(name, language), ends) {
+        (None, Some((low, high))) if is_wide => (no(texts.order_of_magnitude), bar(value, low, high)),
+        (Some(doubt), _) => (no(doubt), bar(value, None, None)),
+        (None, _) if on_bound => (texts.limit_of_physical.to_owned(), String::new()),
+        (None, None) if record.asked().any(|asked| asked == name) => (ABSENT.to_owned(), String::new()),
+        (None, None) => (texts.given.to_owned(), String::new()),
         (None, Some((low, high))) => {
             let digits = low.zip(high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-            let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(shown(x), digits));
-            (format!("{} to {}", end(low), end(high)), bar(value, low, high))
+            let end = |end: Option<f64>| {
+                end.map_or_else(|| texts.open.to_owned(), |x| language.significant(shown(x), digits))
+            };
+            (language.between(&end(low), &end(high)), bar(value, low, high))
         }
     };
     format!(
@@ -53,7 +60,7 @@ fn row(candidate: &CandidateResult, name: &str) -> String {
          <td class=\"n\">{words}</td><td>{bar}</td></tr>",
         html(name),
         html(&symbol),
-        significant(shown(value), 4)
+        language.significant(shown(value), 4)
     )
 }
 

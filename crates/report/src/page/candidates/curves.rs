@@ -2,9 +2,11 @@
 
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP, decimals, signed};
+use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
 
 use crate::conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
+use crate::frame::heads::{Column, table};
+use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
@@ -19,51 +21,39 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     let speeds = speeds(run);
-    let of_speed = |speed: &f64| {
-        format!(
-            "<th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush as predicted at this speed, same mass, same \
-             wall; below it the 90 % interval.\">C at {}{NBSP}km/h, mm</abbr></th>",
-            decimals(KM_PER_H_PER_M_PER_S * speed, 0)
-        )
-    };
+    let (language, texts) = (run.language, &run.language.phrases().candidates);
     let has_evidence = run.recommendation.as_ref().is_some_and(|choice| !choice.candidates.is_empty());
-    let evidence = if has_evidence {
-        "<th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion with what is known beside the record, \
-         above the lowest of the adequate models: below 2 says nothing, above 10 decides.\">Evidence \
-         against</abbr></th>"
-    } else {
-        ""
-    };
-    out.push_str(&format!(
-        "<div class=\"scroll\"><table class=\"candidates curves\">\n<thead><tr><th scope=\"col\">Model</th>\
-         <th scope=\"col\" class=\"n\">Determined</th>{evidence}<th scope=\"col\" class=\"n\"><abbr title=\"Dynamic \
-         crush of the model minus that of the test.\">ΔC, mm</abbr></th><th scope=\"col\" class=\"n\"><abbr \
-         title=\"Time of dynamic crush of the model minus that of the test.\">Δt<sub>m</sub>, ms</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the \
-         compared window, the model measured as the record was.\">Fit, %</abbr></th>{}</tr></thead>\n<tbody>\n",
-        speeds.iter().map(of_speed).collect::<String>()
-    ));
+    let of_speed =
+        |speed: &f64| fill(texts.crush_at, &[("speed", language.quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"))]);
+    let at_speeds: Vec<String> = speeds.iter().map(of_speed).collect();
+    let mut columns = vec![Column::text(texts.model), Column::number(texts.determined)];
+    if has_evidence {
+        columns.push(Column::number(texts.evidence_against).means(texts.evidence_definition));
+    }
+    columns.extend([
+        Column::number(texts.crush_error).means(texts.crush_error_definition),
+        Column::number(texts.time_error).means(texts.time_error_definition),
+        Column::number(texts.fit).means(texts.fit_as_measured_definition),
+    ]);
+    columns.extend(at_speeds.iter().map(|name| Column::number(name).means(texts.crush_at_definition)));
+    out.push_str(&table("candidates curves", &columns));
     for curve in &curves {
         row(out, run, ranking, curve, &speeds, has_evidence);
     }
     out.push_str("</tbody>\n</table></div>\n");
     let of = run.candidates.len();
     let together = if curves.len() < of {
-        format!(
-            "{of} candidates, {} distinct curves: those in one row differ over the compared window by no more than \
-             {}{NBSP}% of the largest displacement and velocity (root mean square), and in restitution by no more than \
-             {}. ",
-            curves.len(),
-            decimals(1e2 * SAME_CURVE, 1),
-            decimals(SAME_RESTITUTION, 2)
-        )
+        let filled = [
+            ("candidates", of.to_string()),
+            ("curves", curves.len().to_string()),
+            ("share", language.quantity(1e2 * SAME_CURVE, 1, "%")),
+            ("restitution", language.decimals(SAME_RESTITUTION, 2)),
+        ];
+        fill(texts.distinct_curves, &filled)
     } else {
         String::new()
     };
-    out.push_str(&format!(
-        "<p class=\"caption\">{together}Highlighted is the model recommended for predictions. A bar is a 95 % interval \
-         between a tenth and ten times the value; it fades where it goes on or is open.</p>\n"
-    ));
+    out.push_str(&format!("<p class=\"caption\">{together}{}</p>\n", texts.bars_caption));
 }
 
 /// The lowest and the highest speed at which this vehicle was predicted against the wall of the test, m/s.
@@ -83,6 +73,7 @@ fn wall(run: &Run) -> impl Iterator<Item = &PredictionV1> {
 
 fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, speeds: &[f64], has_evidence: bool) {
     let Some(candidate) = run.candidate(&curve.id) else { return };
+    let (language, texts) = (run.language, &run.language.phrases().candidates);
     let best = ranking.best.as_deref() == Some(&candidate.id);
     let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
     let simulation = candidate.simulation.as_ref();
@@ -90,10 +81,13 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
     let certainties = candidate.certainties();
     let determined = certainties.words(run.language).map_or_else(
         || ABSENT.to_owned(),
-        |words| format!("<span title=\"{words}\">{} of {}</span>", certainties.determined, certainties.parameters),
+        |words| format!("<span title=\"{words}\">{}</span>", certainties.counts(language)),
     );
     let evidence = if has_evidence {
-        format!("<td class=\"n\">{}</td>", number(rated.and_then(|r| r.difference_with_priors), &|v| decimals(v, 1)))
+        format!(
+            "<td class=\"n\">{}</td>",
+            number(rated.and_then(|r| r.difference_with_priors), &|v| language.decimals(v, 1))
+        )
     } else {
         String::new()
     };
@@ -103,36 +97,40 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
          <td class=\"n\">{}</td>{predicted}</tr>\n",
         if best { " class=\"best\"" } else { "" },
         about(run, curve, candidate, rated),
-        format_args!("<details><summary>parameters</summary>{}</details>", bars::table(candidate)),
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| signed(MILLI * v, 1)),
-        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| signed(MILLI * v, 1)),
-        number(candidate.fit_percent(), &|v| decimals(v, 2)),
+        format_args!(
+            "<details><summary>{}</summary>{}</details>",
+            texts.parameters_of_row,
+            bars::table(language, candidate)
+        ),
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 1)),
+        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 1)),
+        number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
     ));
 }
 
 /// Name, why it is not adequate, and the candidates with the same curve.
 fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: Option<&RatedCandidateV1>) -> String {
+    let texts = &run.language.phrases().candidates;
     let mut about = format!("<strong>{}</strong>", html(&candidate_name(&candidate.id)));
     let roles = run.recommendation.iter().flat_map(|choice| {
-        [("simplest", &choice.simplest), ("closest", &choice.closest)]
+        [(texts.badge_simplest, &choice.simplest), (texts.badge_closest, &choice.closest)]
             .into_iter()
             .filter(|(_, id)| id.as_ref().is_some_and(|id| *id == curve.id || curve.same_curve.contains(id)))
             .map(|(name, _)| name)
     });
     about.extend(roles.map(|role| format!(" <span class=\"badge\">{role}</span>")));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
-        about.push_str(&format!("<br><span class=\"dual\">not adequate: {}</span>", html(why)));
+        let why = fill(texts.not_adequate, &[("why", html(why))]);
+        about.push_str(&format!("<br><span class=\"dual\">{why}</span>"));
     }
     if !candidate.record.physical {
-        about.push_str("<br><span class=\"no\">not a passive structure</span>");
+        about.push_str(&format!("<br><span class=\"no\">{}</span>", texts.not_passive));
     }
     if !curve.same_curve.is_empty() {
         let names: String =
             curve.same_curve.iter().map(|id| format!("<li>{}</li>", html(&candidate_name(id)))).collect();
-        about.push_str(&format!(
-            "<details><summary>same curve: {} more</summary><ul>{names}</ul></details>",
-            curve.same_curve.len()
-        ));
+        let count = fill(texts.same_curve, &[("count", curve.same_curve.len().to_string())]);
+        about.push_str(&format!("<details><summary>{count}</summary><ul>{names}</ul></details>"));
     }
     about
 }
@@ -146,8 +144,9 @@ fn predicted_crush(run: &Run, curve: &DistinctCurve, speed: f64) -> String {
     let Some((prediction, crush)) = of_row else { return format!("<td class=\"n\">{ABSENT}</td>") };
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
     let interval = interval.map_or_else(String::new, |interval| {
-        let (low, high) = (decimals(MILLI * interval.low, 0), decimals(MILLI * interval.high, 0));
-        format!("<br><span class=\"dual\" title=\"{}\">{low} to {high}</span>", html(&interval.interval_by))
+        let [low, high] = [interval.low, interval.high].map(|end| run.language.decimals(MILLI * end, 0));
+        let ends = run.language.between(&low, &high);
+        format!("<br><span class=\"dual\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
     });
-    format!("<td class=\"n\">{}{interval}</td>", decimals(MILLI * crush, 0))
+    format!("<td class=\"n\">{}{interval}</td>", run.language.decimals(MILLI * crush, 0))
 }

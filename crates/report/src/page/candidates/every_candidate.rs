@@ -2,8 +2,10 @@
 
 use crumple_artifact::records::Certainty;
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, decimals, digits_of_interval, signed, significant};
+use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
 
+use crate::frame::heads::{Column, table};
+use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
@@ -14,170 +16,146 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {
         return;
     }
-    out.push_str(
-        "<details><summary>Every candidate with its parameters and remarks</summary>\n\
-         <div class=\"scroll\"><table class=\"candidates\">\n\
-         <thead><tr><th scope=\"col\">Rank</th><th scope=\"col\">Model and method</th><th scope=\"col\">Parameters</th>\
-         <th scope=\"col\"><abbr title=\"No parameter is negative: a passive structure.\">Physical</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"100 (1 − |x − x̂| / |x − mean x|) of the displacement over the \
-         compared window.\">Fit, %</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Root mean square displacement error over the compared \
-         window.\">RMSE, mm</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Corrected Akaike criterion of the displacement error over the \
-         same window, at the same number of independent samples for all: lower is better, it charges for every \
-         parameter.\">AICc</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Dynamic crush of the model minus that of the test.\">ΔC, \
-         mm</abbr></th>\
-         <th scope=\"col\" class=\"n\"><abbr title=\"Time of dynamic crush of the model minus that of the \
-         test.\">Δt<sub>m</sub>, ms</abbr></th>\
-         </tr></thead>\n<tbody>\n",
-    );
+    let (language, texts) = (run.language, &run.language.phrases().candidates);
+    let columns = [
+        Column::text(texts.rank),
+        Column::text(texts.model_and_method),
+        Column::text(texts.parameters),
+        Column::text(texts.physical).means(texts.physical_definition),
+        Column::number(texts.fit).means(texts.fit_definition),
+        Column::number(texts.rmse).means(texts.rmse_definition),
+        Column::number("AICc").means(texts.aicc_definition),
+        Column::number(texts.crush_error).means(texts.crush_error_definition),
+        Column::number(texts.time_error).means(texts.time_error_definition),
+    ];
+    let table = table("candidates", &columns);
+    out.push_str(&format!("<details><summary>{}</summary>\n{table}", texts.every_candidate));
     let mut rows: Vec<&CandidateResult> = run.candidates.iter().collect();
     rows.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     for candidate in rows {
-        row(out, candidate, ranking);
+        row(out, language, candidate, ranking);
     }
     out.push_str("</tbody>\n</table></div>\n");
     if let Some(supported) = ranking.best_of_matching(run) {
-        let dual = supported.record.equivalent_to.as_deref().map_or_else(String::new, |other| {
-            format!(" and its dual {}, which this sensor cannot tell from it", html(&candidate_name(other)))
-        });
-        let fit = supported.fit_percent();
-        out.push_str(&format!(
-            "<p class=\"caption\">Of the solutions of coefficient matching the simulation supports {}{dual}: fit {} \
-             %{}.</p>\n",
-            html(&candidate_name(&supported.id)),
-            fit.map_or_else(|| ABSENT.to_owned(), |fit| decimals(fit, 2)),
-            if supported.record.physical { "" } else { "; it is not a passive structure" },
-        ));
+        let dual = supported.record.equivalent_to.as_deref();
+        let dual = dual.map(|other| fill(texts.and_its_dual, &[("model", html(&candidate_name(other)))]));
+        let fit = supported.fit_percent().map_or_else(|| ABSENT.to_owned(), |fit| language.decimals(fit, 2));
+        let filled = [
+            ("model", html(&candidate_name(&supported.id))),
+            ("dual", dual.unwrap_or_default()),
+            ("fit", format!("{fit} %")),
+            ("physical", if supported.record.physical { "" } else { texts.it_is_not_passive }.to_owned()),
+        ];
+        out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.matching_supported, &filled)));
     }
-    out.push_str(match ranking.best {
-        _ if run.recommendation.is_some() => {
-            "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc \
-             stands beside it, over the same window, for information. Highlighted is the model recommended for \
-             predictions, which need not be the one that follows this record closest: the list above says why. A \
-             dual gives exactly the same record on this sensor and so the same figures.</p>\n"
-        }
-        Some(_) => {
-            "<p class=\"caption\">Ranked by the fit of the displacement, the model measured as the record was; AICc \
-             stands beside it, over the same window, for information. Highlighted is the best that is physical, has no \
-             parameter left on a bound of its search other than zero, the limit of what is physical, and a fit within \
-             0.1 points of the best such candidate; of those the one with the fewest parameters left open by the \
-             record, then the one with the fewest parameters. A dual gives exactly the same record on this sensor and \
-             so the same figures.</p>\n"
-        }
-        None => {
-            "<p class=\"caption\">No candidate is called the best: that takes a physical candidate without a parameter \
-             on a bound that explains at least half of the displacement; zero is no such bound, but the limit of what \
-             is physical.</p>\n"
-        }
-    });
-    if run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some()) {
-        out.push_str(
-            "<p class=\"caption\">± is one standard deviation, from the misfit and the sensitivities at the fit; “95 \
-             %” is the interval that holds the value in 95 of 100 such records if the model is true and mass, speed, \
-             gain and the division of the mass are exact, “open” where the record does not bound it. It is far wider \
-             than two standard deviations where the misfit is worth few independent samples (see the remarks), and not \
-             symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a \
-             candidate's remarks.</p>\n",
-        );
+    let ranked = match ranking.best {
+        _ if run.recommendation.is_some() => texts.ranked_recommended,
+        Some(_) => texts.ranked_best,
+        None => texts.ranked_none,
+    };
+    let has_intervals = run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some());
+    for caption in std::iter::once(ranked).chain(has_intervals.then_some(texts.intervals_caption)) {
+        out.push_str(&format!("<p class=\"caption\">{caption}</p>\n"));
     }
     out.push_str("</details>\n");
 }
 
-fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
+fn row(out: &mut String, language: Language, candidate: &CandidateResult, ranking: &Ranking) {
+    let texts = &language.phrases().candidates;
     let CandidateResult { id, record, simulation, .. } = candidate;
     let best = ranking.best.as_deref() == Some(id);
     let place = ranking.place(id).map_or_else(|| ABSENT.to_owned(), |place| place.to_string());
     let mut about = format!("<strong>{}</strong><br><code>{}</code>", html(&candidate_name(id)), html(id));
     if let Some(other) = &record.equivalent_to {
-        about.push_str(&format!(
-            "<br><span class=\"dual\">dual of {}: same record</span>",
-            html(&candidate_name(other))
-        ));
+        let dual = fill(texts.dual_of, &[("model", html(&candidate_name(other)))]);
+        about.push_str(&format!("<br><span class=\"dual\">{dual}</span>"));
     }
     let mut remarks: Vec<String> = record.notes.clone();
     if let Some(fit) = &record.fit {
-        remarks.push(format!(
-            "Fitted to the {} of channel {} from {} to {} ms ({} samples); stopped: {}.",
-            fit.quantity,
-            fit.channel,
-            decimals(MILLI * fit.from_s, 1),
-            decimals(MILLI * fit.to_s, 1),
-            fit.samples,
-            fit.stop_reason.replace('-', " ")
-        ));
+        let filled = [
+            ("quantity", language.metric(&fit.quantity)),
+            ("channel", fit.channel.clone()),
+            ("from", language.decimals(MILLI * fit.from_s, 1)),
+            ("to", language.decimals(MILLI * fit.to_s, 1)),
+            ("samples", fit.samples.to_string()),
+            ("reason", fit.stop_reason.replace('-', " ")),
+        ];
+        remarks.push(fill(texts.fitted_to, &filled));
         if !fit.active_bounds.is_empty() {
             let names: Vec<String> =
                 fit.active_bounds.iter().map(|name| parameter(&candidate.record.model, name, 0.0).0).collect();
-            remarks.push(format!("On a bound of the search: {}.", names.join(", ")));
+            remarks.push(fill(texts.on_bounds, &[("names", names.join(", "))]));
         }
     }
-    remarks.extend(how_well_known(candidate));
-    remarks.extend(uncertainty::remarks(candidate));
+    remarks.extend(how_well_known(language, candidate));
+    remarks.extend(uncertainty::remarks(language, candidate));
     remarks.extend(simulation.iter().flat_map(|s| s.notes.iter().cloned()));
     if !remarks.is_empty() {
         let items: String = remarks.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
-        about.push_str(&format!(
-            "<details><summary>{} remark{}</summary><ul>{items}</ul></details>",
-            remarks.len(),
-            if remarks.len() == 1 { "" } else { "s" }
-        ));
+        let template = if remarks.len() == 1 { texts.one_remark } else { texts.remarks };
+        let count = fill(template, &[("count", remarks.len().to_string())]);
+        about.push_str(&format!("<details><summary>{count}</summary><ul>{items}</ul></details>"));
     }
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let simulation = simulation.as_ref();
+    let star = format!("<span class=\"star\" title=\"{}\">★</span> ", texts.star);
+    let no = format!("<span class=\"no\">{}</span>", language.phrases().page.no);
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
          <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
          class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
-        if best { "<span class=\"star\" title=\"recommended for predictions\">★</span> " } else { "" },
-        parameters(candidate),
-        if record.physical { "yes" } else { "<span class=\"no\">no</span>" },
-        number(candidate.fit_percent(), &|v| decimals(v, 2)),
-        number(simulation.and_then(|s| s.rmse_displacement_m), &|v| decimals(MILLI * v, 2)),
-        number(simulation.and_then(|s| s.aicc), &|v| decimals(v, 1)),
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| signed(MILLI * v, 2)),
-        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| signed(MILLI * v, 2)),
+        if best { &star } else { "" },
+        parameters(language, candidate),
+        if record.physical { language.phrases().page.yes } else { &no },
+        number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
+        number(simulation.and_then(|s| s.rmse_displacement_m), &|v| language.decimals(MILLI * v, 2)),
+        number(simulation.and_then(|s| s.aicc), &|v| language.decimals(v, 1)),
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 2)),
+        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 2)),
     ));
 }
 
 /// Rank, weakest direction and condition; the sensors that the fit did not use.
-fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
+fn how_well_known(language: Language, candidate: &CandidateResult) -> Vec<String> {
+    let texts = &language.phrases().candidates;
     let mut remarks = Vec::new();
     if let Some(u) = &candidate.record.uncertainty {
         if let Some(rank) = u.rank {
-            remarks.push(format!(
-                "Independent directions in the parameters that the waves respond to: {rank} of {}; how well each \
-                 parameter is known, its interval says.",
-                u.order.len()
-            ));
+            let filled = [("rank", rank.to_string()), ("order", u.order.len().to_string())];
+            remarks.push(fill(texts.directions, &filled));
         }
-        remarks.extend(u.weakest_direction.iter().map(|text| format!("Known least: {text}.")));
+        remarks.extend(u.weakest_direction.iter().map(|text| fill(texts.known_least, &[("what", text)])));
         if let Some(condition) = u.condition {
-            remarks.push(format!("Condition of the sensitivities: {}.", significant(condition, 3)));
+            remarks.push(fill(texts.condition, &[("value", language.significant(condition, 3))]));
         }
     }
     let Some(simulation) = &candidate.simulation else { return remarks };
     if let (Some(p), Some(samples)) = (simulation.fitted_parameters, simulation.effective_samples) {
-        let few = if simulation.aicc.is_some() { "" } else { ": too few for an AICc" };
-        remarks.push(format!("{p} parameters, {} independent samples in the window{few}.", significant(samples, 3)));
+        let filled = [
+            ("parameters", p.to_string()),
+            ("samples", language.significant(samples, 3)),
+            ("few", if simulation.aicc.is_some() { "" } else { texts.too_few }.to_owned()),
+        ];
+        remarks.push(fill(texts.independent_samples, &filled));
     }
     let others = simulation.other_sensors.iter().map(|other| {
-        format!(
-            "Sensor {} on mass {}, which the fit did not use: {} mm root mean square{}.",
-            other.channel,
-            other.mass,
-            decimals(MILLI * other.rmse_displacement_m, 2),
-            other.fit_percent.map_or_else(String::new, |fit| format!(", fit {} %", decimals(fit, 2)))
-        )
+        let fit = other.fit_percent.map(|fit| format!("{} %", language.decimals(fit, 2)));
+        let filled = [
+            ("channel", other.channel.clone()),
+            ("mass", other.mass.to_string()),
+            ("error", format!("{} mm", language.decimals(MILLI * other.rmse_displacement_m, 2))),
+            ("fit", fit.map_or_else(String::new, |fit| fill(texts.sensor_fit, &[("fit", fit)]))),
+        ];
+        fill(texts.other_sensor, &filled)
     });
     remarks.extend(others);
     remarks
 }
 
 /// `k = 321.9 ± 0.4 kN/m, 95 %: 321.1 to 322.7`, one parameter a line.
-fn parameters(candidate: &CandidateResult) -> String {
+fn parameters(language: Language, candidate: &CandidateResult) -> String {
+    let texts = &language.phrases().candidates;
     let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
     let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
     parameters.sort_by_key(|(name, _)| parameter_order(&candidate.record.model, name));
@@ -186,40 +164,41 @@ fn parameters(candidate: &CandidateResult) -> String {
         .map(|(name, &value)| {
             let (symbol, shown, unit) = parameter(&candidate.record.model, name, value);
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
-            let (deviation, doubt) = match (candidate.record.doubt(name), deviations.and_then(|d| d.get(name))) {
-                (Some(doubt), _) => (String::new(), format!(" <span class=\"no\">{doubt}</span>")),
+            let no = |words: &str| format!(" <span class=\"no\">{words}</span>");
+            let (deviation, doubt) = match (candidate.doubt(name, language), deviations.and_then(|d| d.get(name))) {
+                (Some(doubt), _) => (String::new(), no(doubt)),
                 (None, _) if candidate.record.certainty(name) == Some(Certainty::OrderOfMagnitude) => {
-                    (String::new(), " <span class=\"no\">to an order of magnitude</span>".to_owned())
+                    (String::new(), no(texts.order_of_magnitude))
                 }
-                (None, _) if on_bound => (String::new(), " (the limit of what is physical)".to_owned()),
-                (None, Some(&d)) => (
-                    format!("{NBSP}±{NBSP}{}", significant(parameter(&candidate.record.model, name, d).1, 2)),
-                    String::new(),
-                ),
+                (None, _) if on_bound => (String::new(), texts.the_limit_of_physical.to_owned()),
+                (None, Some(&d)) => {
+                    let deviation = language.significant(parameter(&candidate.record.model, name, d).1, 2);
+                    (format!("{NBSP}±{NBSP}{deviation}"), String::new())
+                }
                 (None, None) => (String::new(), String::new()),
             };
-            let interval = if on_bound { String::new() } else { interval(candidate, name) };
+            let interval = if on_bound { String::new() } else { interval(language, candidate, name) };
             format!(
                 "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
                 html(name),
                 html(&symbol),
-                significant(shown, 4)
+                language.significant(shown, 4)
             )
         })
         .collect();
     lines.join("<br>")
 }
 
-/// `, 95 %: 310 to 330`; an end that the record does not bound is "open".
-fn interval(candidate: &CandidateResult, name: &str) -> String {
+/// `; 95 %: 310 to 330`; an end that the record does not bound is "open".
+fn interval(language: Language, candidate: &CandidateResult, name: &str) -> String {
+    let texts = &language.phrases().candidates;
     let Some(u) = &candidate.record.uncertainty else { return String::new() };
     let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
     let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-    let end = |end: &Option<f64>| {
-        end.map_or_else(|| "open".to_owned(), |x| significant(parameter(&candidate.record.model, name, x).1, digits))
-    };
+    let shown = |x: f64| language.significant(parameter(&candidate.record.model, name, x).1, digits);
+    let end = |end: &Option<f64>| end.map_or_else(|| texts.open.to_owned(), shown);
     match (low, high) {
-        (None, None) => "; 95\u{a0}%: open".to_owned(),
-        _ => format!("; 95{NBSP}%: {} to {}", end(low), end(high)),
+        (None, None) => texts.interval_open.to_owned(),
+        _ => fill(texts.interval_of, &[("low", end(low)), ("high", end(high))]),
     }
 }

@@ -16,10 +16,11 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() && run.recommendation.is_none() {
         return;
     }
-    out.push_str(
+    out.push_str(&format!(
         "<section id=\"candidates\" aria-labelledby=\"candidates-title\">\n\
-         <h2 id=\"candidates-title\">Which model to use</h2>\n",
-    );
+         <h2 id=\"candidates-title\">{}</h2>\n",
+        run.language.phrases().candidates.title
+    ));
     recommendation::write_roles(out, run);
     curves::write(out, run, ranking);
     recommendation::write_evidence(out, run);

@@ -1,47 +1,52 @@
 //! What profile likelihood, bootstrap and uncertain inputs say of a candidate's parameters, in words.
 
 use crumple_artifact::records::{ProfileV1, ReplicatesV1};
-use crumple_drawing::numbers::{NBSP, at_most, significant};
+use crumple_drawing::numbers::NBSP;
 
 use crate::CandidateResult;
+use crate::text::language::{Language, fill};
 use crate::text::parameters::{parameter, parameter_order};
 
 /// A sentence for each method that the candidate was put through.
-pub(super) fn remarks(candidate: &CandidateResult) -> Vec<String> {
+pub(super) fn remarks(language: Language, candidate: &CandidateResult) -> Vec<String> {
     let Some(u) = &candidate.record.uncertainty else { return Vec::new() };
+    let texts = &language.phrases().candidates;
     let mut remarks = Vec::new();
     let model = candidate.record.model.as_str();
     if !u.profile.is_empty() {
         let mut profiles: Vec<&ProfileV1> = u.profile.iter().collect();
         profiles.sort_by_key(|p| parameter_order(model, &p.parameter));
-        let parts: Vec<String> = profiles.iter().map(|p| interval(model, &p.parameter, p.low, p.high)).collect();
-        remarks.push(format!("Profile likelihood, 95{NBSP}%: {}.", parts.join("; ")));
+        let parts: Vec<String> =
+            profiles.iter().map(|p| interval(language, model, &p.parameter, p.low, p.high)).collect();
+        remarks.push(fill(texts.profile, &[("intervals", parts.join("; "))]));
     }
-    remarks.extend(u.bootstrap.iter().map(|r| replicates("Bootstrap", model, r)));
-    remarks.extend(u.propagation.iter().map(|r| replicates("Uncertain inputs", model, r)));
+    remarks.extend(u.bootstrap.iter().map(|r| replicates(language, texts.bootstrap, model, r)));
+    remarks.extend(u.propagation.iter().map(|r| replicates(language, texts.uncertain_inputs, model, r)));
     remarks
 }
 
-fn replicates(name: &str, model: &str, r: &ReplicatesV1) -> String {
+fn replicates(language: Language, name: &str, model: &str, r: &ReplicatesV1) -> String {
     let mut names: Vec<&String> = r.low.keys().filter(|name| r.high.contains_key(*name)).collect();
     names.sort_by_key(|name| parameter_order(model, name));
-    let parts: Vec<String> =
-        names.iter().map(|name| interval(model, name, r.low.get(*name).copied(), r.high.get(*name).copied())).collect();
-    format!(
-        "{name} ({}; {} repetitions), {}{NBSP}%: {}.",
-        r.method,
-        r.replicates,
-        at_most(100.0 * r.coverage, 1),
-        parts.join("; ")
-    )
+    let of = |name: &&String| interval(language, model, name, r.low.get(*name).copied(), r.high.get(*name).copied());
+    let filled = [
+        ("name", name.to_owned()),
+        ("method", r.method.clone()),
+        ("count", r.replicates.to_string()),
+        ("coverage", format!("{}{NBSP}%", language.at_most(100.0 * r.coverage, 1))),
+        ("intervals", names.iter().map(of).collect::<Vec<_>>().join("; ")),
+    ];
+    fill(language.phrases().candidates.replicates, &filled)
 }
 
 /// `k1 430.2 to 763.3 kN/m`; an end that does not exist is "open".
-fn interval(model: &str, name: &str, low: Option<f64>, high: Option<f64>) -> String {
+fn interval(language: Language, model: &str, name: &str, low: Option<f64>, high: Option<f64>) -> String {
     let (symbol, _, unit) = parameter(model, name, 0.0);
-    let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |x| significant(parameter(model, name, x).1, 4));
+    let open = language.phrases().candidates.open;
+    let shown = |x: f64| language.significant(parameter(model, name, x).1, 4);
+    let end = |end: Option<f64>| end.map_or_else(|| open.to_owned(), shown);
     let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}{unit}") };
-    format!("{symbol} {} to {}{unit}", end(low), end(high))
+    format!("{symbol} {}{unit}", language.between(&end(low), &end(high)))
 }
 
 #[cfg(test)]
@@ -51,11 +56,11 @@ mod tests {
     #[test]
     fn an_interval_without_an_upper_end_is_open() {
         assert_eq!(
-            interval("double-spring-mass-damper", "k1_n_per_m", Some(430_204.9), None),
+            interval(Language::English, "double-spring-mass-damper", "k1_n_per_m", Some(430_204.9), None),
             "k1 430.2 to open\u{a0}kN/m"
         );
         assert_eq!(
-            interval("kelvin", "dynamic_crush_m", Some(0.7412), Some(0.7593)),
+            interval(Language::English, "kelvin", "dynamic_crush_m", Some(0.7412), Some(0.7593)),
             "dynamic crush 741.2 to 759.3\u{a0}mm"
         );
     }

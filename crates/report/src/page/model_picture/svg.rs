@@ -6,9 +6,10 @@ use crumple_drawing::escape::html;
 
 use super::layout::{LINE, Lane, Layout, WIDTH, layout};
 use super::parts::{ElementPart, Glyph, Parts};
+use crate::text::language::{Language, fill};
 
 /// The picture of a model. `number` makes its ids those of one picture of the page.
-pub fn drawing(number: usize, name: &str, parts: &Parts, speed: Option<&str>) -> String {
+pub fn drawing(language: Language, number: usize, name: &str, parts: &Parts, speed: Option<&str>) -> String {
     let layout = layout(parts);
     let mut out = format!(
         "<svg class=\"model-picture\" viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" aria-labelledby=\"model-{number}-name \
@@ -16,9 +17,9 @@ pub fn drawing(number: usize, name: &str, parts: &Parts, speed: Option<&str>) ->
          </desc>\n",
         layout.height,
         html(name),
-        html(&in_words(parts))
+        html(&in_words(language, parts))
     );
-    frame(&mut out, &layout, speed);
+    frame(&mut out, &layout, speed, language.phrases().model.barrier);
     for (element, lane) in parts.elements.iter().zip(&layout.lanes) {
         draw_element(&mut out, element, lane);
     }
@@ -52,27 +53,36 @@ pub fn drawing(number: usize, name: &str, parts: &Parts, speed: Option<&str>) ->
 }
 
 /// What the drawing shows, in a sentence a part.
-fn in_words(parts: &Parts) -> String {
+fn in_words(language: Language, parts: &Parts) -> String {
+    let texts = &language.phrases().model;
     let node = |node: Option<usize>| match node {
-        None => "the barrier".to_owned(),
-        Some(i) if parts.masses.len() == 1 => parts.masses[i].symbol.replace('m', "the mass"),
-        Some(i) => format!("mass {}", i + 1),
+        None => texts.the_barrier.to_owned(),
+        Some(i) if parts.masses.len() == 1 => parts.masses[i].symbol.replace('m', texts.the_mass),
+        Some(i) => fill(texts.mass_number, &[("number", (i + 1).to_string())]),
     };
-    let masses = parts.masses.iter().map(|mass| format!("Mass {}: {}.", mass.symbol, mass.lines.join(", ")));
+    let masses = parts.masses.iter().map(|mass| {
+        fill(texts.mass_words, &[("symbol", mass.symbol.as_str()), ("values", mass.lines.join(", ").as_str())])
+    });
     let elements = parts.elements.iter().map(|element| {
         let kind = match element.glyph {
-            Glyph::Spring => "Spring",
-            Glyph::Damper => "Damper",
-            Glyph::SpringAndDamper => "Spring and damper in series",
-            Glyph::Curve(_) => "Force-deflection curve",
+            Glyph::Spring => texts.spring,
+            Glyph::Damper => texts.damper,
+            Glyph::SpringAndDamper => texts.spring_and_damper,
+            Glyph::Curve(_) => texts.curve,
         };
-        format!("{kind} between {} and {}: {}.", node(element.front), node(element.rear), element.lines.join(", "))
+        let filled = [
+            ("kind", kind.to_owned()),
+            ("front", node(element.front)),
+            ("rear", node(element.rear)),
+            ("values", element.lines.join(", ")),
+        ];
+        fill(texts.between, &filled)
     });
     masses.chain(elements).collect::<Vec<_>>().join(" ")
 }
 
 /// Ground, barrier and the arrow of the impact speed.
-fn frame(out: &mut String, layout: &Layout, speed: Option<&str>) {
+fn frame(out: &mut String, layout: &Layout, speed: Option<&str>, wall: &str) {
     let (barrier, ground) = (layout.barrier, layout.ground);
     let _ = writeln!(
         out,
@@ -84,7 +94,7 @@ fn frame(out: &mut String, layout: &Layout, speed: Option<&str>) {
         let _ = writeln!(
             out,
             "<text class=\"interval\" x=\"4\" y=\"{:.1}\">{} →</text>\n\
-             <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">barrier</text>",
+             <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{wall}</text>",
             ground + 15.0,
             html(speed),
             barrier + 8.0,

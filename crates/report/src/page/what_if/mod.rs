@@ -3,13 +3,14 @@
 
 mod structure;
 
-use crumple_drawing::escape::{html, json_in_script};
+use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use serde_json::json;
 
 use crumple_signal::Sampled;
 
-use crate::frame::framed::compact;
+use crate::frame::framed::{compact, json_element};
+use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
 
@@ -20,7 +21,9 @@ pub(super) const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("what_if.js");
 
 /// A drawing that the script fills.
-const PANEL: &str = "<svg viewBox=\"0 0 350 210\" role=\"img\"><title>Motion over time</title></svg>";
+fn panel(title: &str) -> String {
+    format!("<svg viewBox=\"0 0 350 210\" role=\"img\"><title>{title}</title></svg>")
+}
 
 /// Points of a measured curve beside the model's.
 const POINTS: usize = 300;
@@ -29,14 +32,17 @@ const POINTS: usize = 300;
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let Some(candidate) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return };
     let Some(data) = data(run, candidate) else { return };
+    let texts = &run.language.phrases().what_if;
+    let panel = panel(texts.motion_over_time);
     out.push_str(&format!(
-        "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">What if</h2>\n\
-         <p>{}, computed in this page with other numbers. Not fitted to anything: it shows what the model says, not \
-         what a vehicle does.</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
-         <div class=\"panels\">{PANEL}{PANEL}</div>\n<p class=\"caption state\"></p>\n</section>\n\
-         <script type=\"application/json\" id=\"what-if-data\">{}</script>\n<script>\n{}</script>\n",
-        html(&candidate_name(&candidate.id)),
-        json_in_script(&data.to_string()),
+        "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">{}</h2>\n\
+         <p>{}</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
+         <div class=\"panels\">{panel}{panel}</div>\n<p class=\"caption state\"></p>\n</section>\n\
+         {}{}<script>\n{}</script>\n",
+        texts.title,
+        fill(texts.not_fitted, &[("model", html(&candidate_name(&candidate.id)))]),
+        json_element("what-if-data", &data),
+        json_element("what-if-words", texts),
         compact(SCRIPT)
     ));
 }

@@ -4,7 +4,16 @@
 (function () {
   const section = document.getElementById("what-if");
   const data = JSON.parse(document.getElementById("what-if-data").textContent);
+  const words = JSON.parse(document.getElementById("what-if-words").textContent);
   const TOLERANCE = 1e-3;
+
+  // A number in the language of the page, and a text with others put in.
+  const number = function (value, places) {
+    return value.toFixed(places).replace("-", "\u2212").replace(".", words.decimal_mark);
+  };
+  const fill = function (template, texts) {
+    return template.replace(/\{(\w+)\}/g, function (_, name) { return texts[name]; });
+  };
 
   // y(q) through points, constant beyond the last.
   function along(points, q) {
@@ -156,10 +165,12 @@
   if (original === null || original.time === null || off(original.crush, data.crush) > TOLERANCE
       || off(original.time, data.time) > TOLERANCE) {
     section.dataset.state = "off";
-    state.textContent = "Switched off: this page does not find the crush and time of the simulation again"
-      + (original && original.time !== null
-        ? " (" + (1e3 * original.crush).toFixed(1) + " mm at " + (1e3 * original.time).toFixed(2) + " ms instead of "
-          + (1e3 * data.crush).toFixed(1) + " mm at " + (1e3 * data.time).toFixed(2) + " ms)." : ".");
+    const stopped = original !== null && original.time !== null;
+    const instead = stopped ? fill(words.instead, {
+      crush: number(1e3 * original.crush, 1) + " mm", time: number(1e3 * original.time, 2) + " ms",
+      stage_crush: number(1e3 * data.crush, 1) + " mm", stage_time: number(1e3 * data.time, 2) + " ms",
+    }) : "";
+    state.textContent = fill(words.switched_off, { instead: instead });
     return;
   }
 
@@ -168,12 +179,12 @@
   const total = data.masses.reduce(function (sum, m) { return sum + m; }, 0);
   // Letter in the address, name, unit, range, step, factor from the shown number to that of the model.
   const sliders = [
-    { key: "k", of: "stiffness", name: "Stiffness", unit: "%", low: 50, high: 200, step: 1, per: 0.01 },
-    { key: "c", of: "damping", name: damped ? "Damping" : "Rate effect", unit: "%", low: 0, high: 300, step: 1,
+    { key: "k", of: "stiffness", name: words.stiffness, unit: "%", low: 50, high: 200, step: 1, per: 0.01 },
+    { key: "c", of: "damping", name: damped ? words.damping : words.rate_effect, unit: "%", low: 0, high: 300, step: 1,
       per: 0.01 },
-    { key: "m", of: "mass", name: "Mass", unit: "kg", low: Math.round(0.5 * total), high: Math.round(2 * total),
+    { key: "m", of: "mass", name: words.mass, unit: "kg", low: Math.round(0.5 * total), high: Math.round(2 * total),
       step: 1, per: 1 / total },
-    { key: "v", of: "speed", name: "Speed", unit: "km/h", low: 10,
+    { key: "v", of: "speed", name: words.speed, unit: "km/h", low: 10,
       high: Math.max(120, Math.ceil(1.5 * data.kmh * data.v0)), step: 0.1, per: 1 / data.kmh },
   ].filter(function (s) { return s.key !== "c" || damped || rated; });
 
@@ -195,7 +206,7 @@
   });
   const reset = document.createElement("button");
   reset.type = "button";
-  reset.textContent = "as identified";
+  reset.textContent = words.as_identified;
   reset.addEventListener("click", function () {
     sliders.forEach(function (s) { s.input.value = s.start; });
     update(true);
@@ -226,17 +237,17 @@
     const x = function (t) { return L + (W - L - R) * t / right; };
     const y = function (v) { return T + (H - T - B) * (high - v) / (high - low || 1); };
     svg.replaceChildren();
-    shape(svg, "title", {}, title + " over time: test, model as identified, model as set");
+    shape(svg, "title", {}, fill(words.over_time, { quantity: title }));
     ticks(low, high).forEach(function (v) {
       shape(svg, "path", { class: "grid", d: "M" + L + " " + y(v).toFixed(1) + "H" + (W - R) });
       shape(svg, "text", { x: L - 5, y: (y(v) + 4).toFixed(1), "text-anchor": "end" },
-        String(v).replace("-", "\u2212"));
+        String(v).replace("-", "\u2212").replace(".", words.decimal_mark));
     });
     ticks(0, right).forEach(function (t) {
       shape(svg, "text", { x: x(t).toFixed(1), y: H - B + 15, "text-anchor": "middle" }, String(t));
     });
     shape(svg, "text", { x: L, y: 13 }, title + ", " + unit);
-    shape(svg, "text", { x: W - R, y: H - 4, "text-anchor": "end" }, "time after contact, ms");
+    shape(svg, "text", { x: W - R, y: H - 4, "text-anchor": "end" }, words.time_after_contact);
     curves.forEach(function (c) {
       const d = c.points.map(function (p, i) {
         return (i ? "L" : "M") + x(p[0]).toFixed(1) + " " + y(p[1]).toFixed(1);
@@ -248,7 +259,7 @@
   const charts = panels.querySelectorAll("svg");
   const legend = document.createElement("p");
   legend.className = "legend";
-  [["test", "test"], ["identified", "model as identified"], ["changed", "model as set"]].forEach(function (entry) {
+  [["test", words.test], ["identified", words.model_as_identified], ["changed", words.model_as_set]].forEach(function (entry) {
     const svg = shape(legend, "svg", { viewBox: "0 0 30 8", "aria-hidden": "true" });
     shape(svg, "path", { class: entry[0], d: "M1 4H29" });
     legend.append(entry[1] + " ");
@@ -258,34 +269,34 @@
   const points = function (r, y) { return r.t.map(function (t, i) { return [t, r[y][i]]; }); };
   const percent = function (now, then) {
     const p = 100 * (now - then) / then;
-    return (p < 0 ? "\u2212" : "+") + Math.abs(p).toFixed(1) + " %";
+    return (p < 0 ? "\u2212" : "+") + number(Math.abs(p), 1) + " %";
   };
   function update(keep) {
     const change = {};
     Object.assign(change, identified);
     sliders.forEach(function (s) {
       const shown = Number(s.input.value);
-      s.output.textContent = shown + " " + s.unit;
-      s.input.setAttribute("aria-valuetext", shown + " " + s.unit);
+      s.output.textContent = String(shown).replace(".", words.decimal_mark) + " " + s.unit;
+      s.input.setAttribute("aria-valuetext", s.output.textContent);
       if (shown !== s.start) { change[s.of] = shown * s.per; }
     });
     const result = integrate(change);
     const stops = result !== null && result.time !== null;
-    let words = "The model does not stop.";
+    let answer = words.does_not_stop;
     if (stops) {
-      words = "C " + (1e3 * result.crush).toFixed(1) + " mm (" + percent(result.crush, original.crush) + ") after "
-        + (1e3 * result.time).toFixed(1) + " ms (" + percent(result.time, original.time) + ")";
-      if (result.rebound !== null) {
-        words += ", restitution " + Math.max(0, -result.rebound / change.speed).toFixed(3);
-      }
-      if (data.tested !== null && result.crush > 1.001 * data.tested) { words += "; beyond the tested crush"; }
-      words += ".";
+      answer = fill(words.answer, {
+        crush: number(1e3 * result.crush, 1) + " mm", crush_change: percent(result.crush, original.crush),
+        time: number(1e3 * result.time, 1) + " ms", time_change: percent(result.time, original.time),
+        restitution: result.rebound === null ? ""
+          : fill(words.restitution, { value: number(Math.max(0, -result.rebound / change.speed), 3) }),
+        beyond: data.tested !== null && result.crush > 1.001 * data.tested ? words.beyond : "",
+      });
       section.dataset.crush = result.crush;
       section.dataset.time = result.time;
     }
-    section.querySelector(".answer").textContent = words;
+    section.querySelector(".answer").textContent = answer;
     if (result !== null) {
-      [["Displacement", "mm", "x", data.displacement], ["Acceleration", "g", "a", data.acceleration]]
+      [[words.displacement, "mm", "x", data.displacement], [words.acceleration, "g", "a", data.acceleration]]
         .forEach(function (p, i) {
           const curves = [{ name: "identified", points: points(original, p[2]) },
             { name: "changed", points: points(result, p[2]) }];
@@ -309,9 +320,7 @@
     update(false);
   }
   section.dataset.state = "ready";
-  state.textContent = "As identified this page finds crush and time of the simulation again to 0.1 %. Stiffness and "
-    + "damping are shares of those identified. The acceleration is that of the model itself, the test\u2019s is "
-    + "filtered. The address of the page keeps the sliders, to be sent.";
+  state.textContent = words.state;
   window.addEventListener("hashchange", read);
   read();
 }());
