@@ -189,9 +189,9 @@ impl<M: Parametric> AtMinimum<'_, M> {
         })
     }
 
-    /// The intervals of knots: open above where they leave the range of the knot; where the noise of the sensors is known,
-    /// those that are still closed by the likelihood over that range if it explains the misfit, and open if it does not.
-    /// They hold the value.
+    /// The intervals of knots: open above where they leave the range of the knot; where the noise of the sensors is
+    /// known, those that are still closed by the likelihood over that range if it explains the misfit, and open if it
+    /// does not. They hold the value.
     fn bound_knots(
         &self,
         kept: &[usize],

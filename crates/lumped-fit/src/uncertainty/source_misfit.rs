@@ -152,8 +152,8 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         .profile(i)
     }
 
-    /// The 95 % interval of a knot by the likelihood of the accelerations at values all over its range, all others fitted
-    /// again at each, from the least misfit, from the value beside it and from knots spread over their ranges.
+    /// The 95 % interval of a knot by the likelihood of the accelerations at values all over its range, all others
+    /// fitted again at each, from the least misfit, from the value beside it and from knots spread over their ranges.
     ///
     /// From the lowest value that the likelihood allows to the highest, whether or not it allows all between: a knot
     /// that crosses the motion elsewhere is another minimum. Open where it allows the end of the range. Where it allows

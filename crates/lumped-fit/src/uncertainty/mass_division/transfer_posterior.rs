@@ -222,14 +222,14 @@ fn of_values(values: &[f64]) -> Option<(Numbers, f64)> {
 /// 2.5th to the 97.5th percentile of what the record says.
 ///
 /// `source`: the misfit with these two springs, two dampers and the mass in front free. Beforehand no share, no
-/// logarithm of a spring and no damper, from zero on, is preferred. Draws of share and noise, solved for both duals, are
-/// weighted as in importance sampling; near its own dual, where few of them have a model, they are too coarse, so
+/// logarithm of a spring and no damper, from zero on, is preferred. Draws of share and noise, solved for both duals,
+/// are weighted as in importance sampling; near its own dual, where few of them have a model, they are too coarse, so
 /// walkers start from them and move by the density itself (Goodman & Weare, Commun. Appl. Math. Comput. Sci. 5, 2010).
 /// The intervals are those of the walkers whose front moves more like that of `model` than like that of its dual, see
-/// [`front_by_compartment`]. Noise counts as in Student's distribution for the degrees of freedom of its level. The same
-/// bytes for any number of threads. Errors: the response is taken as straight in the numbers of the transfer function;
-/// 40,000 places of 200 walkers that hang together know an end to some hundredths of the width. `None` where too few
-/// draws have a model.
+/// [`front_by_compartment`]. Noise counts as in Student's distribution for the degrees of freedom of its level. The
+/// same bytes for any number of threads. Errors: the response is taken as straight in the numbers of the transfer
+/// function; 40,000 places of 200 walkers that hang together know an end to some hundredths of the width. `None` where
+/// too few draws have a model.
 pub(crate) fn intervals(
     source: &AtSource<'_, Model>,
     coordinates: &Coordinates<Model>,
