@@ -174,7 +174,7 @@ fn check_warnings(page: &Page, summary: &Value) {
 }
 
 /// What the page shows is wide enough for its screen, and its sentences are there.
-fn check_screen(browser: &Browser, file: &std::path::Path, screen: Screen, sentences: &[String]) {
+fn check_screen(browser: &Browser, file: &Path, screen: Screen, sentences: &[String]) {
     let page = browser.open(file, "", screen);
     assert_eq!(texts(&page, "section.verdict p"), sentences, "{screen:?}");
     let wide = page.ask("return document.documentElement.scrollWidth").as_u64().unwrap();
@@ -256,8 +256,8 @@ fn check_kind(kind: &KindOfRecord) {
     assert!(matches!(output.status.code(), Some(0 | 4)), "{}: {said}", kind.name);
     eprintln!("{}: exit {:?}", kind.name, output.status.code());
     let file = folder.path().join("report.html");
-    let summary: Value = serde_json::from_slice(&std::fs::read(folder.path().join("summary.json")).unwrap()).unwrap();
-    assert!(std::fs::metadata(&file).unwrap().len() < LARGEST_PAGE, "{}", kind.name);
+    let summary: Value = serde_json::from_slice(&fs::read(folder.path().join("summary.json")).unwrap()).unwrap();
+    assert!(fs::metadata(&file).unwrap().len() < LARGEST_PAGE, "{}", kind.name);
     let Some(browser) = Browser::start("the first screen") else { return };
     let page = browser.open(&file, "", Screen::DESK);
     assert_eq!((page.console(), page.requests()), (vec![], vec![]), "{}", kind.name);

@@ -182,7 +182,7 @@ impl<'a, M: Parametric> AtSource<'a, M> {
             costs
         };
         let (below, above) = rayon::join(|| along((0..first).rev().collect()), || along((first..PLACES).collect()));
-        let mut costs = vec![f64::INFINITY; PLACES];
+        let mut costs = [f64::INFINITY; PLACES];
         below.into_iter().chain(above).for_each(|(place, cost)| costs[place] = cost);
         let own = misfit.sum_of_squares(&self.theta)?;
         let least = costs.iter().copied().fold(own, f64::min);
