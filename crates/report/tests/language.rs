@@ -11,7 +11,7 @@ use std::process::Command;
 use crumple_browser::{Browser, Screen};
 
 /// Words that are the same in both languages: symbols with their units, names of standards and of programs' terms.
-const SAME: [&str; 25] = [
+const SAME: [&str; 26] = [
     "AICc",
     "C",
     "CFC",
