@@ -11,9 +11,10 @@ use std::process::Command;
 use crumple_browser::{Browser, Screen};
 
 /// Words that are the same in both languages: symbols with their units, names of standards and of programs' terms.
-const SAME: [&str; 24] = [
+const SAME: &[&str] = &[
     "AICc",
     "C",
+    "C, mm",
     "CFC",
     "CORA",
     "CSV",
@@ -21,6 +22,7 @@ const SAME: [&str; 24] = [
     "M",
     "OLC",
     "OLC, g",
+    "olc",
     "P",
     "Parameter",
     "Pipeline",

@@ -1,8 +1,8 @@
-//! Names as people write them, languages, and text made safe for Markdown.
+//! Names as people write them, and text made safe for Markdown; languages and phrases are those of `crumple-phrases`.
 //! Uses no other room.
 
-pub mod language;
+pub use crumple_phrases::{language, phrases};
+
 pub mod markdown;
 pub mod names;
 pub mod parameters;
-pub mod phrases;

@@ -9,7 +9,7 @@ use crate::source::{Package, Source};
 pub const LAYERS: [&[&str]; 9] = [
     &["signal", "linalg", "memory", "source-digest", "browser"],
     &["lti", "estimation", "artifact", "drawing"],
-    &["metrics", "lumped"],
+    &["metrics", "lumped", "phrases"],
     &["sysid", "lumped-fit"],
     &["stage"],
     &["diff"],

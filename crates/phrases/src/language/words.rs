@@ -3,7 +3,7 @@
 use crumple_drawing::Words;
 use crumple_drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 
-use super::phrases::{ENGLISH, GERMAN, METRICS, Phrases};
+use crate::phrases::{ENGLISH, GERMAN, METRICS, Phrases};
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -6,6 +6,7 @@ macro_rules! texts {
     ($name:ident $($field:ident: $english:expr, $german:expr;)+) => {
         #[doc = concat!("Texts of one language: ", stringify!($name), ".")]
         #[derive(Debug, serde::Serialize)]
+        #[allow(missing_docs, reason = "a field is named after its text")]
         pub struct $name {
             $(#[doc = $english] pub $field: &'static str,)+
         }

@@ -1,0 +1,6 @@
+//! The languages: their phrases, their numbers, and what fills the places in a text.
+//! Uses phrases.
+
+mod words;
+
+pub use words::{Language, fill};

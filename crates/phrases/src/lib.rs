@@ -1,0 +1,9 @@
+//! All texts of reports in each language, and numbers as each writes them.
+//!
+//! A [`Language`](language::Language) has its [`Phrases`](phrases::Phrases); identifiers, notes of the stages and units
+//! are not translated.
+//!
+//! rooms: language | phrases
+
+pub mod language;
+pub mod phrases;
