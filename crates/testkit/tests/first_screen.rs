@@ -190,7 +190,10 @@ fn check_screen(browser: &Browser, file: &Path, screen: Screen, sentences: &[Str
 /// What a German page may have in common with the English one: terms, symbols with units, names of standards, stages
 /// and models, and what the records themselves say.
 fn is_common(label: &str, names: &BTreeSet<String>) -> bool {
-    const TERMS: [&str; 24] = [
+    const TERMS: &[&str] = &[
+        "olc",
+        "hic15",
+        "hic36",
         "AICc",
         "C",
         "CFC",
@@ -220,6 +223,10 @@ fn is_common(label: &str, names: &BTreeSet<String>) -> bool {
     TERMS.contains(&label) || !has_words || names.iter().any(|name| label.starts_with(name.as_str()))
 }
 
+/// Where a page names what its records name: title, stages, candidates, parameters, prior knowledge, places of sensors.
+const NAMES: &str = "h1, #notes h3, code, strong, #candidates li, .bars tbody th, #candidates details th abbr, \
+                     h3 + .scroll tbody th";
+
 /// The German page of a run has no label of the English one.
 fn check_german(browser: &Browser, folder: &Path, english: &Page) {
     let page = folder.join("german.html");
@@ -231,7 +238,7 @@ fn check_german(browser: &Browser, folder: &Path, english: &Page) {
     let german = browser.open(&page, "", Screen::DESK);
     assert_eq!((german.console(), german.ask("return document.documentElement.lang")), (vec![], "de".into()));
     // Names: what stands in the records. Candidates and models are named in `code`, `strong` and `td`, others by id.
-    let names = texts(english, "h1, #notes h3, code, strong, #candidates li, .numbers abbr[title] code");
+    let names = texts(english, NAMES);
     let summary: Value = serde_json::from_slice(&fs::read(folder.join("summary.json")).unwrap()).unwrap();
     let mut names: BTreeSet<String> = names.into_iter().filter(|name| !name.is_empty()).collect();
     let channels = [&summary["test"]["channel"], &summary["other_channels"]];
