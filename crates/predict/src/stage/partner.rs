@@ -124,8 +124,8 @@ impl PartnerSettings {
         Ok(Scenario { speed_m_per_s: speed_m_per_s.max(0.0), partner_speed_m_per_s, mass_kg })
     }
 
-    /// Reads the run of another vehicle, or the model of its several tests. Errors: artifacts that are missing or cannot
-    /// be read, no candidate for predictions.
+    /// Reads the run of another vehicle, or the model of its several tests. Errors: artifacts that are missing or
+    /// cannot be read, no candidate for predictions.
     pub fn read(&self) -> anyhow::Result<(ReadPartner, Vec<InputDigest>)> {
         let folder = match &self.kind {
             Kind::Wall => {
