@@ -368,6 +368,8 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
     assert!(said.sentences[1].ends_with("distrust all of it until the first warning is settled."), "{said:?}");
     let page = page_of(&run);
     let before_use = &page[page.find("class=\"before-use\"").unwrap()..];
+    // What makes the numbers doubtful stands before them.
+    assert!(before_use.contains("id=\"numbers\""), "{before_use}");
     let before_use = &before_use[..before_use.find("</section>").unwrap()];
     assert_eq!(before_use.matches("<li>").count(), 3);
     assert!(before_use.contains("<a href=\"#notes\">4 more warnings</a>"), "{before_use}");

@@ -16,9 +16,9 @@ pub const SHOWN_FIRST: usize = 3;
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
 
-/// Whether what the page shows first may be another thing than it is taken for.
-pub(crate) fn is_decisive(concern: &ConcernV1) -> bool {
-    concern.weight == LARGEST_WEIGHT
+/// Whether what the page shows first may be another thing than it is taken for, as a stage says.
+pub(crate) fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
+    concerns.first().is_some_and(|first| first.weight == LARGEST_WEIGHT && first.stage != "report")
 }
 
 /// The concerns of a run, weighed from 1 to [`LARGEST_WEIGHT`], gravest first: the diagnosis of a stage without a

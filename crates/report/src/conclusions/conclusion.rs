@@ -6,7 +6,7 @@ use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::conclusions::concerns::{concerns, is_decisive, symbols};
+use crate::conclusions::concerns::{concerns, first_is_decisive, symbols};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
@@ -370,7 +370,7 @@ impl<'a> Text<'a> {
     /// The one thing to distrust before all others.
     fn distrust(&mut self, best: &CandidateResult, concerns: &[ConcernV1]) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
-        if concerns.first().is_some_and(|first| is_decisive(first) && first.stage != "report") {
+        if first_is_decisive(concerns) {
             return Some(phrases.decisive.to_owned());
         }
         let named = |template: &str, names: &[&str]| {

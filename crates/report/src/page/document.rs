@@ -11,6 +11,7 @@ use super::{
     candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
     numbers, predictions, ratings, remarks, what_if,
 };
+use crate::conclusions::concerns::first_is_decisive;
 use crate::conclusions::conclusion::conclusion;
 use crate::figures::all::{crash_figures, identification_figures};
 use crate::frame::framed::{FIGURES, framed, words_of_figures};
@@ -29,9 +30,16 @@ impl Page {
         let mut body = String::with_capacity(1 << 20);
         header::write(&mut body, run, |body| top::write(body, &said, phrases));
         body.push_str("<main>\n");
+        // What makes all that follows doubtful stands before it.
+        let warnings_first = first_is_decisive(&concerns);
+        if warnings_first {
+            top::write_before_use(&mut body, &said, &concerns, phrases);
+        }
         key_numbers::write(&mut body, run);
         model_picture::write(&mut body, run, ranking);
-        top::write_before_use(&mut body, &said, &concerns, phrases);
+        if !warnings_first {
+            top::write_before_use(&mut body, &said, &concerns, phrases);
+        }
         figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {
             models::write(&mut body, run, &identification);
