@@ -102,7 +102,9 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
     let output = together(folder.path(), &records, &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(summary(folder.path()), first);
-    // The joint model as a partner: two equals are each as at the wall at the same speed.
+    // The joint model as a partner: two equals are each as at the wall at the same speed. The model of one test has
+    // the rate factor of the prior, 0.016 s/m less: at the mean of the closing rates, 7 m/s, a force less by 11 %, of
+    // which the softer of two in a row takes half.
     let run = folder.path().join("runs/a/default");
     let predicted = |partner: &Path| {
         let arguments = ["--speed", "50km/h", "--partner"];
@@ -114,7 +116,7 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
         number(summary["predictions"].as_array().unwrap().iter().find(is_asked).unwrap(), &["dynamic_crush_m"])
     };
     let (wall, joint) = (predicted(Path::new("wall")), predicted(&folder.path().join("joint")));
-    assert!((joint / wall - 1.0).abs() < 0.02, "{joint} {wall}");
+    assert!((joint / wall - 1.0).abs() < 0.06, "{joint} {wall}");
 }
 
 #[test]
