@@ -84,7 +84,7 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
         let (Some(value), (Some(low), Some(high))) = (values.get(name.as_str()), *ends) else { continue };
         let of_fits = fits.iter().filter_map(|fit| fit.model.parameters().get(name.as_str()).copied());
         let nodes: Vec<[f64; 3]> = of_fits.map(|there| as_wide_as([low, *value, high], there)).collect();
-        *ends = with_value(name, mixture(&nodes, &weights));
+        *ends = with_value(name, not_negative(mixture(&nodes, &weights)));
     }
 }
 
@@ -152,6 +152,11 @@ fn weights(minimum: &Minimum, fits: &[&AtShare], effective_samples: f64) -> Vec<
         effective_samples * ratio.max(1.0).ln()
     };
     fits.iter().map(|fit| (-0.5 * rise(fit)).exp()).collect()
+}
+
+/// An interval of a spring or damper that reaches below zero begins at zero.
+fn not_negative((low, high): Ends) -> Ends {
+    (low.map(|low| low.max(0.0)), high)
 }
 
 /// Low end, value and high end around another value, at the same distances: of logarithms where the low end has one.
@@ -303,6 +308,15 @@ mod tests {
         let spread: Vec<_> = (-4..=4).map(|k| node(f64::from(k), 1e-6)).collect();
         let (low, high) = mixture(&spread, &[1.0; 9]);
         assert!((low.unwrap() + 3.8).abs() < 0.06 && (high.unwrap() - 3.8).abs() < 0.06, "{low:?} {high:?}");
+    }
+
+    #[test]
+    fn the_interval_of_a_damper_near_zero_begins_at_zero_at_every_share() {
+        // 0 to 3 around 1, moved to shares at which the damper is less.
+        let nodes = [1.0, 0.5, 0.1].map(|there| as_wide_as([0.0, 1.0, 3.0], there));
+        assert!(mixture(&nodes, &[1.0; 3]).0.unwrap() < 0.0);
+        let (low, high) = not_negative(mixture(&nodes, &[1.0; 3]));
+        assert!(low == Some(0.0) && high.unwrap() > 2.0, "{low:?} {high:?}");
     }
 
     #[test]
