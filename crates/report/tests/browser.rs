@@ -225,3 +225,29 @@ fn paper_is_a4_and_nothing_is_cut_at_its_side() {
     assert!(pdf.starts_with(b"%PDF") && (2..=14).contains(&sheets), "{sheets} pages");
     assert!(String::from_utf8_lossy(&pdf).contains("/MediaBox [0 0 594.9"), "A4 upright");
 }
+
+#[test]
+fn verdict_model_numbers_warnings_and_curves_are_on_the_first_sheet() {
+    let Some(browser) = browser() else { return };
+    let page = open(&browser, Screen::SHEET);
+    let bottoms = page.ask(
+        "return ['section.verdict', '#model', '#numbers', '.figure .panels'].map((name) =>
+            document.querySelector(name).getBoundingClientRect().bottom)",
+    );
+    for bottom in bottoms.as_array().unwrap() {
+        assert!(bottom.as_f64().unwrap() <= f64::from(Screen::SHEET.height), "{bottoms}");
+    }
+}
+
+#[test]
+fn the_picture_of_the_model_and_the_numbers_are_on_the_first_screen() {
+    let Some(browser) = browser() else { return };
+    let page = open(&browser, Screen::DESK);
+    let bottoms = page.ask(
+        "return ['.model-picture', '#numbers .card:last-child'].map((name) =>
+            document.querySelector(name).getBoundingClientRect().bottom)",
+    );
+    for bottom in bottoms.as_array().unwrap() {
+        assert!(bottom.as_f64().unwrap() <= f64::from(Screen::DESK.height), "{bottoms}");
+    }
+}

@@ -176,10 +176,35 @@ fn a_barrier_test_says_crush_model_prediction_and_what_to_distrust() {
             "The vehicle was crushed by 447.6 mm (440.1 to 455.3 mm) within 77.2 ms of an impact at 35.0 km/h and \
              rebounded with 0.80 of that speed.",
             "For predictions use Kelvin, direct fit 1 (2 of 2 numbers determined): it follows the \
-             displacement to 99.9 % and predicts a crush of 368.3 mm (348.3 to 388.3 mm) at 28.8 km/h; distrust it \
-             above the 35.0 km/h of the test, where it extrapolates.",
+             displacement to 99.9 %; it may be used at 28.8 km/h, within what was tested: a crush of 368.3 mm \
+             (348.3 to 388.3 mm); distrust it above the 35.0 km/h of the test, where it extrapolates.",
         ]
     );
+}
+
+#[test]
+fn a_crush_that_other_sensors_dispute_stands_beside_what_they_say() {
+    let mut run = car();
+    run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1", "3 sensors"]);
+    assert!(
+        said[0]
+            .contains("447.6\u{a0}mm (440.1 to 455.3\u{a0}mm from the inputs, 430.0 to 447.7\u{a0}mm over 3 sensors)"),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn a_knot_of_a_curve_is_named_by_its_deflection() {
+    let mut run = car();
+    let record = &mut run.candidates[0].record;
+    record.model = "force-deflection".to_owned();
+    record.parameters.extend([("knot1_m".to_owned(), 0.0966), ("knot1_n".to_owned(), 9.4e4)]);
+    let uncertainty = record.uncertainty.as_mut().unwrap();
+    uncertainty.standard_deviation.insert("knot1_n".to_owned(), 9e4);
+    uncertainty.interval_low.insert("knot1_n".to_owned(), None);
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[1].contains("the force at 97\u{a0}mm"), "{said:?}");
 }
 
 #[test]

@@ -126,6 +126,7 @@ fn show_on(tab: &Tab, screen: Screen) {
         name: "prefers-color-scheme".to_owned(),
         value: if screen.is_dark { "dark" } else { "light" }.to_owned(),
     };
-    told("colours", tab.call_method(Emulation::SetEmulatedMedia { media: None, features: Some(vec![scheme]) }));
+    let media = screen.is_paper.then(|| "print".to_owned());
+    told("colours", tab.call_method(Emulation::SetEmulatedMedia { media, features: Some(vec![scheme]) }));
     told("scripts", tab.call_method(Emulation::SetScriptExecutionDisabled { value: !screen.has_script }));
 }

@@ -13,13 +13,19 @@ pub struct Screen {
     pub is_dark: bool,
     /// Scripts run.
     pub has_script: bool,
+    /// Paper, which a page is laid out for by the rules of its print.
+    pub is_paper: bool,
 }
 
 impl Screen {
     /// A desk's.
-    pub const DESK: Self = Self { width: 1400, height: 1000, is_phone: false, is_dark: false, has_script: true };
+    pub const DESK: Self =
+        Self { width: 1400, height: 1000, is_phone: false, is_dark: false, has_script: true, is_paper: false };
     /// A telephone's.
-    pub const PHONE: Self = Self { width: 390, height: 844, is_phone: true, is_dark: false, has_script: true };
+    pub const PHONE: Self =
+        Self { width: 390, height: 844, is_phone: true, is_dark: false, has_script: true, is_paper: false };
+    /// A sheet of A4 within margins of 14 mm, at 96 pixels an inch.
+    pub const SHEET: Self = Self { width: 688, height: 1016, is_paper: true, ..Self::DESK };
 
     /// The same, `width` CSS pixels wide.
     #[must_use]

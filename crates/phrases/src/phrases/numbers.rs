@@ -22,7 +22,7 @@ texts! { NumberTexts
     at: "at {time}", "bei {time}";
     does_not_reach_zero: "; the velocity does not reach zero", "; die Geschwindigkeit wird nicht null";
     rebound: "rebound {speed}", "Rückprall {speed}";
-    olc: "occupant load criterion", "Kriterium der Insassenbelastung";
+    olc: "occupant load", "Insassenbelastung";
     hic: "head injury criterion", "Kopfverletzungskriterium";
     inputs_caption:
         "“Inputs”: {by} with mass, speed, gain, zero level and time zero within their stated uncertainty, one sensor.",
@@ -33,10 +33,10 @@ texts! { NumberTexts
         "“Sensors”: lowest to highest of channels {channels}, which measured the same motion.",
         "„Aufnehmer“: kleinster bis größter Wert der Kanäle {channels}, die dieselbe Bewegung maßen.";
     marked_caption:
-        "A marked range goes beyond the interval: there the sensors differ by more than the stated uncertainty \
-         explains, and the range is the honest one.",
+        "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; go by \
+         the range.",
         "Ein hervorgehobener Bereich reicht über das Intervall hinaus: Die Aufnehmer weichen stärker voneinander ab, \
-         als die angegebene Unsicherheit erklärt; ehrlich ist dann der Bereich.";
+         als die angegebene Unsicherheit erklärt; dann gilt der Bereich.";
     velocity_never_zero: "the velocity does not reach zero", "die Geschwindigkeit wird nicht null";
     peak_of_a_table:
         "derived from a recorder's table of velocity changes, whose steps are too long for a peak",

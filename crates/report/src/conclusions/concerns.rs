@@ -183,11 +183,27 @@ fn place_of(location: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// `k and c` of a candidate.
+/// How the deflection of a knot is shown.
+pub(crate) const DEFLECTION: (f64, usize, &str) = (MILLI, 0, "mm");
+
+/// Name and value of the deflection of the knot of a force-deflection curve that has this force, m.
+pub(crate) fn deflection_of_knot(candidate: &CandidateResult, force: &str) -> Option<(String, f64)> {
+    let name = format!("{}_m", force.strip_suffix("_n")?);
+    candidate.record.parameters.get(&name).map(|deflection_m| (name.clone(), *deflection_m))
+}
+
+/// `k and c` of a candidate; of the knot of a force-deflection curve `the force at 97 mm`.
 pub(crate) fn symbols(candidate: &CandidateResult, names: &[&str], language: Language) -> String {
     let mut symbols: Vec<String> = Vec::new();
     for name in names {
-        let (symbol, ..) = parameter(&candidate.record.model, name, 0.0);
+        let symbol = match deflection_of_knot(candidate, name) {
+            Some((_, deflection_m)) => {
+                let (factor, places, unit) = DEFLECTION;
+                let deflection = language.quantity(factor * deflection_m, places, unit);
+                fill(language.phrases().conclusion.force_at, &[("deflection", deflection)])
+            }
+            None => parameter(&candidate.record.model, name, 0.0).0,
+        };
         if !symbols.contains(&symbol) {
             symbols.push(symbol);
         }

@@ -6,7 +6,8 @@ use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::conclusions::concerns::{concerns, first_is_decisive, symbols};
+use crate::conclusions::concerns::{DEFLECTION, concerns, deflection_of_knot, first_is_decisive, symbols};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
@@ -154,7 +155,7 @@ impl<'a> Text<'a> {
         let Some(events) = &self.run.events else { return String::new() };
         let mm = (MILLI, 1, "mm");
         let crush = events.dynamic_crush_m.map_or_else(String::new, |c| self.number("/events/dynamic_crush_m", c, mm));
-        let interval = self.interval_of_event("dynamic_crush_m", mm);
+        let interval = self.interval_of_crush(mm);
         let time = events
             .time_of_dynamic_crush_s
             .map_or_else(String::new, |t| self.number("/events/time_of_dynamic_crush_s", t, (MILLI, 1, "ms")));
@@ -170,6 +171,25 @@ impl<'a> Text<'a> {
         let speed = speed.unwrap_or_default();
         let texts = [("crush", crush), ("interval", interval), ("time", time), ("speed", speed), ("rebound", rebound)];
         fill(phrases.crushed, &texts.each_ref().map(|(name, text)| (*name, text.as_str())))
+    }
+
+    /// The interval of the crush; where a sensor at the same place lies outside of it, what they all say too.
+    fn interval_of_crush(&mut self, shown: (f64, usize, &str)) -> String {
+        let numbers = key_numbers(self.run);
+        let found = numbers.iter().enumerate().find(|(_, number)| number.name == "dynamic_crush");
+        let Some((place, KeyNumber { low: Some(low), high: Some(high), spread: Some(spread), .. })) =
+            found.filter(|(_, number)| number.interval_misses_a_sensor())
+        else {
+            return self.interval_of_event("dynamic_crush_m", shown);
+        };
+        let (at, (factor, places, unit)) = (format!("/key_numbers/{place}"), shown);
+        let low = self.number(&format!("{at}/low"), *low, (factor, places, ""));
+        let high = self.number(&format!("{at}/high"), *high, (factor, places, unit));
+        let lowest = self.number(&format!("{at}/spread/low"), spread.low, (factor, places, ""));
+        let highest = self.number(&format!("{at}/spread/high"), spread.high, (factor, places, unit));
+        let count = spread.channels.split('+').count().to_string();
+        let texts = [("low", low), ("high", high), ("lowest", lowest), ("highest", highest), ("count", count)];
+        fill(self.language.phrases().conclusion.interval_and_sensors, &texts)
     }
 
     fn impact_speed(&mut self) -> Option<String> {
@@ -313,7 +333,7 @@ impl<'a> Text<'a> {
             format!(" ({text})")
         });
         let follows = self.follows(best).map(|fit| fill(phrases.follows, &[("fit", &fit)]));
-        let predicts = self.predicts(best);
+        let predicts = self.predicts(best, first_is_decisive(concerns));
         let what = self.distrust(best, concerns);
         let distrust = what.map(|what| fill(phrases.distrust, &[("what", &what)]));
         let texts = [
@@ -336,8 +356,8 @@ impl<'a> Text<'a> {
     }
 
     /// What it predicts: against a partner where one was asked for, else the slowest impact on the wall that does not
-    /// go beyond the test.
-    fn predicts(&mut self, best: &CandidateResult) -> Option<String> {
+    /// go beyond the test, where the model may be used unless all of it is doubtful.
+    fn predicts(&mut self, best: &CandidateResult, doubtful: bool) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
         let run = self.run;
         let of_best = || run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
@@ -364,7 +384,8 @@ impl<'a> Text<'a> {
         let (crush, interval) = of_crush(self, found);
         let at = format!("/predictions/{}/impact_speed_m_per_s", found.0);
         let speed = self.number(&at, found.1.impact_speed_m_per_s, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
-        Some(fill(phrases.predicts, &[("crush", &crush), ("interval", &interval), ("speed", &speed)]))
+        let words = if doubtful { phrases.predicts } else { phrases.usable };
+        Some(fill(words, &[("crush", &crush), ("interval", &interval), ("speed", &speed)]))
     }
 
     /// The one thing to distrust before all others.
@@ -373,17 +394,26 @@ impl<'a> Text<'a> {
         if first_is_decisive(concerns) {
             return Some(phrases.decisive.to_owned());
         }
-        let named = |template: &str, names: &[&str]| {
-            (!names.is_empty()).then(|| fill(template, &[("names", &symbols(best, names, self.language))]))
-        };
-        named(phrases.open_numbers, &best.record.undetermined())
-            .or_else(|| best.record.equivalent_to.as_ref().map(|_| phrases.dual.to_owned()))
-            .or_else(|| named(phrases.hardly, &best.certainties().order_of_magnitude))
-            .or_else(|| {
-                let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
-                let speed = beyond.then(|| self.impact_speed())??;
-                Some(fill(phrases.extrapolates, &[("speed", &speed)]))
-            })
+        if let Some(open) = self.named(best, phrases.open_numbers, &best.record.undetermined()) {
+            return Some(open);
+        }
+        if best.record.equivalent_to.is_some() {
+            return Some(phrases.dual.to_owned());
+        }
+        self.named(best, phrases.hardly, &best.certainties().order_of_magnitude).or_else(|| {
+            let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
+            let speed = beyond.then(|| self.impact_speed())??;
+            Some(fill(phrases.extrapolates, &[("speed", &speed)]))
+        })
+    }
+
+    /// A template with the names of some parameters in it; nothing without any.
+    fn named(&mut self, candidate: &CandidateResult, template: &str, names: &[&str]) -> Option<String> {
+        let place = self.run.candidates.iter().position(|other| other.id == candidate.id)?;
+        for (name, deflection_m) in names.iter().filter_map(|name| deflection_of_knot(candidate, name)) {
+            self.number(&format!("/candidates/{place}/parameters/{name}"), deflection_m, DEFLECTION);
+        }
+        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(candidate, names, self.language))]))
     }
 
     fn none_recommended(&mut self) -> String {

@@ -35,11 +35,14 @@ impl Page {
         if warnings_first {
             top::write_before_use(&mut body, &said, &concerns, phrases);
         }
-        key_numbers::write(&mut body, run);
+        body.push_str("<div class=\"answer\">\n");
         model_picture::write(&mut body, run, ranking);
+        body.push_str("<div class=\"known\">\n");
+        key_numbers::write(&mut body, run);
         if !warnings_first {
             top::write_before_use(&mut body, &said, &concerns, phrases);
         }
+        body.push_str("</div>\n</div>\n");
         figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {
             models::write(&mut body, run, &identification);

@@ -6,8 +6,8 @@ mod parts;
 mod svg;
 
 use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use parts::parts;
+use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use parts::{ElementPart, Glyph, parts};
 
 use crate::page::how_well::grade;
 use crate::text::language::fill;
@@ -87,11 +87,21 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
             sentences.push(fill(texts.rating, &filled));
         }
     }
+    sentences.extend(one_spring(run, candidate));
     if let Some(other) = &candidate.record.equivalent_to {
         sentences.push(fill(texts.same_record, &[("model", html(&candidate_name(other)))]));
     }
     sentences.extend(second_sensor(run, candidate));
     sentences.join(" ")
+}
+
+/// The stiffness that one number can say of a model of one curve: that of the spring with the same energy.
+fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
+    let elements = parts(run.language, candidate)?.elements;
+    let [ElementPart { glyph: Glyph::Curve(_), .. }, ..] = &elements[..] else { return None };
+    let stiffness = run.metric("average_stiffness")?.value?;
+    let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
+    Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
 }
 
 /// What sensors on the masses in front say of a model with several masses.
