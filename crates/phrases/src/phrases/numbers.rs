@@ -33,8 +33,8 @@ texts! { NumberTexts
         "“Sensors”: lowest to highest of channels {channels}, which measured the same motion.",
         "„Aufnehmer“: kleinster bis größter Wert der Kanäle {channels}, die dieselbe Bewegung maßen.";
     marked_caption:
-        "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; go by \
-         the range.",
+        "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; go \
+         by the range.",
         "Ein hervorgehobener Bereich reicht über das Intervall hinaus: Die Aufnehmer weichen stärker voneinander ab, \
          als die angegebene Unsicherheit erklärt; dann gilt der Bereich.";
     velocity_never_zero: "the velocity does not reach zero", "die Geschwindigkeit wird nicht null";
