@@ -23,6 +23,10 @@ simulate := quote(bin / "crumple-simulate")
 predict := quote(bin / "crumple-predict")
 report := quote(bin / "crumple-report")
 
+# One model for several tests.
+together := quote(bin / "crumple-together") + " --project " + quote(justfile_directory()) + \
+    " --parameter-solve " + quote(parameter_solve) + " --predict " + quote(predict)
+
 # Which program reads what and writes what.
 stages := "--optional predict " + \
     "--stage " + quote(ingest) + " RECORD -o 1-ingest.mcap " + \
@@ -57,6 +61,7 @@ run record *args: build
 predict folder *args: build
     @shift; {{ quote(bin / "crumple-run") }} --project {{ quote(justfile_directory()) }} \
         --pipeline {{ quote(pipeline) }} --again {{ quote(folder) }} --flags {{ quote(flags) }} \
+        --joint {{ quote(together + " --run false") }} \
         --stage {{ quote(predict) }} 3-integrate.mcap 5-parameter-solve.mcap RECORD -o 7-predict.mcap \
         --stage {{ quote(report) }} 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap \
                  6-simulate.mcap 7-predict.mcap -o report.html summary.json \
@@ -68,9 +73,7 @@ predict folder *args: build
 [no-cd]
 [no-exit-message]
 together *args: build
-    @{{ quote(bin / "crumple-together") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
-        --parameter-solve {{ quote(parameter_solve) }} --predict {{ quote(predict) }} \
+    @{{ together }} --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
         --run {{ quote(quote(just_executable()) + " --justfile " + quote(justfile()) + " bin=" + quote(bin) + " pipeline=" + quote(pipeline) + " flags=" + quote(flags) + " run") }} \
         -- "$@"
 
@@ -106,8 +109,7 @@ study *args: build
     @{{ quote(bin / "crumple-study") }} --project {{ quote(justfile_directory()) }} \
         --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
         --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
-        --together {{ quote(quote(bin / "crumple-together") + " --project " + quote(justfile_directory()) + " --run false" + \
-            " --parameter-solve " + quote(parameter_solve) + " --predict " + quote(predict)) }} \
+        --together {{ quote(together + " --run false") }} \
         "$@"
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.

@@ -102,6 +102,18 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
     let output = together(folder.path(), &records, &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(summary(folder.path()), first);
+    // Predicted with again: the speed that was asked for comes to those of the pipeline, all else stays.
+    let joint = folder.path().join("joint");
+    let output = just().args(["flags=-q", "predict"]).arg(joint).args(["--speed", "30km/h"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut asked = summary(folder.path());
+    let speeds = |summary: &Value| -> Vec<f64> {
+        let all = summary["predictions"].as_array().unwrap().iter();
+        all.filter(|p| p["recommended"] == true).map(|p| number(p, &["impact_speed_m_per_s"]) * 3.6).collect()
+    };
+    assert!(speeds(&asked).len() == speeds(&first).len() + 1 && speeds(&asked).iter().any(|v| (v - 30.0).abs() < 0.1));
+    asked["predictions"] = first["predictions"].clone();
+    assert_eq!(asked, first);
     // The joint model as a partner: two equals are each as at the wall at the same speed. The model of one test has
     // the rate factor of the prior, 0.016 s/m less: at the mean of the closing rates, 7 m/s, a force less by 11 %, of
     // which the softer of two in a row takes half.

@@ -47,6 +47,10 @@ pub struct Options {
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
 
+    /// Command that goes on with the joint result of several tests, if the folder of `--again` is one.
+    #[arg(long, value_name = "COMMAND", requires = "again")]
+    pub(crate) joint: Option<String>,
+
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,

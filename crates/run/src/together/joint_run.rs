@@ -14,7 +14,7 @@ use crate::steps::ending::Ending;
 use crate::steps::start::run_in_shell;
 use crate::together::each_run::{TestRun, run_each, test_runs};
 use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
-use crate::together::leave_one_out::{Left, folder_without, remove_of_others};
+use crate::together::leave_one_out::{Left, folder_without, left_out_of, remove_of_others};
 use crate::together::options::{Asked, TogetherOptions};
 use crate::together::summary::write_summary;
 
@@ -23,6 +23,9 @@ use crate::together::summary::write_summary;
 /// A record or program that fails ends it with its exit code, named; what stands in the folder is then that of an
 /// earlier run or of the steps before, each file whole. Exit code 4: no acceptable joint model.
 pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
+    if let Some(made) = &options.again {
+        return predict_again(made, &options);
+    }
     let asked = Asked::read(&options.rest)?;
     let runs = test_runs(&asked.records, &options)?;
     if let Some(failed) = run_each(&runs, &options)? {
@@ -75,6 +78,23 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     }
     write_summary(folder.path(), &pipeline.name, &left_out)?;
     given.keep(folder.path(), &composed)?;
+    Ok(status)
+}
+
+/// Predicts with the joint candidates of a folder again, and writes its summary anew.
+fn predict_again(made: &Path, options: &TogetherOptions) -> anyhow::Result<ExitStatus> {
+    let pipeline = Pipeline::of_run(made, &options.pipeline, &options.project);
+    let folder = LockedFolder::lock(made)?;
+    let mut composed = pipeline.read(&options.project, &[])?;
+    composed.note_run(&pipeline.name);
+    let given = PipelineOfRun::write(folder.path(), &composed, None)?;
+    let joint = JointRun { options, pipeline: given.path(), folder: folder.path() };
+    let left_out = left_out_of(folder.path())?;
+    let status = joint.prediction(&[folder.path().join(SOLVED)], None, folder.path(), &options.rest)?;
+    if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
+        write_summary(folder.path(), &pipeline.name, &left_out)?;
+        given.keep(folder.path(), &composed)?;
+    }
     Ok(status)
 }
 

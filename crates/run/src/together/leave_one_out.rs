@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_stage::load_artifacts;
-use crumple_stage::records::{DiagnosisV1, PredictionV1};
+use crumple_stage::records::{DiagnosisV1, PredictionV1, TestsV1};
 
 use crate::together::files::{PREDICTED, SOLVED};
 
@@ -26,6 +26,18 @@ pub(crate) struct Left {
 /// Where a test is left out.
 pub(crate) fn folder_without(folder: &Path, test: &str) -> PathBuf {
     folder.join(format!("{WITHOUT}{test}"))
+}
+
+/// The tests of a joint result, each left out once.
+pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<Left>> {
+    let tests: TestsV1 = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?.unwrap_or_default();
+    let names: Vec<&String> = tests.tests.iter().map(|test| &test.name).collect();
+    let left = |name: &&String| Left {
+        test: (*name).clone(),
+        from: names.iter().filter(|other| *other != name).map(|other| (*other).clone()).collect(),
+        folder: folder_without(folder, name),
+    };
+    Ok(names.iter().map(left).collect())
 }
 
 /// Removes what an earlier run into this folder left out and this one does not.

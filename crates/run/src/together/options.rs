@@ -45,8 +45,12 @@ pub struct TogetherOptions {
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
 
+    /// Predicts again with the joint result in this folder; behind `--` stand flags of that prediction.
+    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
+    pub(crate) again: Option<PathBuf>,
+
     /// Records or run folders, then `--name NAME` and flags of the joint prediction, such as --speed 64km/h.
-    #[arg(last = true, required = true, value_name = "RECORD")]
+    #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
     pub(crate) rest: Vec<OsString>,
 }
 
