@@ -46,14 +46,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if options.asks_for_information() {
         return information(first, &options);
     }
-    let (pipeline, path) = match &options.again {
-        Some(made) => (Pipeline::of_run(made, &options.pipeline, &options.project), folder_of_a_run(made)?),
-        None => {
-            let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
-            let path = options.folder(&pipeline)?;
-            (pipeline, path)
-        }
-    };
+    let (pipeline, path) = pipeline_and_folder(&options)?;
     let mut composed = pipeline.read(&options.project, &options.set)?;
     let (in_use, left_out) =
         options.stages.in_use(|name| !options.optional.iter().any(|o| o == name) || composed.table(name).is_some());
@@ -132,6 +125,16 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     }
     given.keep(folder.path(), &composed)?;
     Ok(status)
+}
+
+/// The pipeline and the folder of the run.
+fn pipeline_and_folder(options: &Options) -> anyhow::Result<(Pipeline, PathBuf)> {
+    if let Some(made) = &options.again {
+        return Ok((Pipeline::of_run(made, &options.pipeline, &options.project), folder_of_a_run(made)?));
+    }
+    let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
+    let path = options.folder(&pipeline)?;
+    Ok((pipeline, path))
 }
 
 /// Notes flags typed for single stages, and programs from elsewhere: what a run depends on beside its pipeline.
