@@ -6,6 +6,13 @@ use crumple_signal::{Acceleration, BeforeEvent, RecordingSteps, Sampled};
 use crate::artifacts::inputs::Inputs;
 use crate::error::RefuseExt;
 
+/// The coefficients of a channel class filter and the samples mirrored before it; `None` of any other.
+pub(crate) fn class_filter(record: &ChannelFilterV1) -> Option<([f64; 5], usize)> {
+    let is_class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
+    let coefficients: [f64; 5] = record.coefficients.clone().try_into().ok()?;
+    (is_class && record.cfc.is_some()).then_some((coefficients, record.samples_added as usize))
+}
+
 impl Inputs {
     /// The steps from the acceleration of this channel to its motion. Time zero, start and rule are those of the
     /// events: all channels are integrated alike.
@@ -29,11 +36,7 @@ impl Inputs {
             Some(wave) => (wave.dt_s(), wave.t0_s(), wave.len()),
             None => (motion.dt_s(), motion.t0_s(), motion.len()),
         };
-        let filter = record.as_ref().and_then(|record| {
-            let class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
-            let coefficients: [f64; 5] = record.coefficients.clone().try_into().ok()?;
-            (class && record.cfc.is_some()).then_some((coefficients, record.samples_added as usize))
-        });
+        let filter = record.as_ref().and_then(class_filter);
         let untouched = record.as_ref().is_some_and(|r| r.coefficients.is_empty() && r.width_s.is_none());
         let unfiltered = untouched && self.test().ok().and_then(|t| t.channel(channel)?.cfc).is_none();
         let as_sampled = record.as_ref().is_some_and(|r| r.resampled_to_hz.is_none());

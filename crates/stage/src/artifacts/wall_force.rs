@@ -4,6 +4,7 @@ use crumple_artifact::records::{ChannelFilterV1, EventsV1};
 use crumple_signal::{QuantityKind, RecordingSteps, Sampled};
 
 use crate::artifacts::inputs::Inputs;
+use crate::artifacts::recording_steps::class_filter;
 
 impl Inputs {
     /// The sum of the load cells that integrate wrote, N, positive in compression, with the filter of its cells; `None`
@@ -21,10 +22,8 @@ impl Inputs {
         let mut known = true;
         for cell in cells {
             let Some(record) = self.record_if::<ChannelFilterV1>(&format!("/filter/{}", cell.id))? else { continue };
-            let class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
-            let coefficients: Option<[f64; 5]> = record.coefficients.clone().try_into().ok();
-            match coefficients.filter(|_| class && record.cfc.is_some() && record.resampled_to_hz.is_none()) {
-                Some(coefficients) => filters.push((coefficients, record.samples_added as usize)),
+            match class_filter(&record).filter(|_| record.resampled_to_hz.is_none()) {
+                Some(filter) => filters.push(filter),
                 None => known = false,
             }
         }

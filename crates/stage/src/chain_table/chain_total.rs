@@ -36,5 +36,6 @@ mod tests {
         );
         assert!(total_mass_remark(&[1530.0], 1500.0).unwrap().contains("2.0 % more"));
         assert_eq!(total_mass_remark(&[1530.0], 0.0), None);
+        assert!(total_mass_remark(&[1012.0], 1000.0).is_some() && total_mass_remark(&[1009.0], 1000.0).is_none());
     }
 }

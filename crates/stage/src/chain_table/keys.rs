@@ -39,3 +39,31 @@ pub fn check_name(place: &str, name: &str) -> anyhow::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use crumple_signal::value::Mass;
+
+    use super::*;
+
+    #[test]
+    fn a_value_is_read_with_its_unit_and_a_bare_number_is_asked_for_one() {
+        let read = |value: Value| typed::<Mass>("place", &value).map(Mass::si).map_err(|error| error.to_string());
+        assert_eq!(read(Value::from("1.5 t")), Ok(1500.0));
+        for bare in [Value::from(1500), Value::from(1500.5)] {
+            let refused = read(bare.clone()).unwrap_err();
+            assert!(refused.starts_with("place: ") && refused.contains(&format!("\"{bare}\"")), "{refused}");
+        }
+        assert_eq!(read(Value::from(true)), Err("place: expected a number with its unit in quotes".to_owned()));
+    }
+
+    #[test]
+    fn a_name_that_stands_in_topics_has_letters_digits_and_two_signs() {
+        for good in ["a", "two-mass_2", "9"] {
+            assert!(check_name("place", good).is_ok(), "{good}");
+        }
+        for bad in ["", "a/b", "a b", "ä", "a."] {
+            assert!(check_name("place", bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -258,6 +258,7 @@ mod tests {
             (one("mass = \"3 kg\", stifness = \"3 kN/m\""), "mass 1: unknown key \"stifness\""),
             (one("mass = 3, stiffness = \"3 kN/m\""), "mass 1, mass: "),
             (one("mass = \"3 kg\", stiffness = [[\"0 mm\"]]"), "list of pairs of a knot and a value"),
+            (one("name = \" \", mass = \"3 kg\", stiffness = \"3 kN/m\""), "mass 1: name is no text"),
             (one("name = 3, mass = \"3 kg\", stiffness = \"3 kN/m\""), "mass 1: name is no text"),
             (
                 "masses = [{ name = \"m2\", mass = \"3 kg\", stiffness = \"1 N/m\" }, \
@@ -268,6 +269,15 @@ mod tests {
         ] {
             let error = read(&text).unwrap_err();
             assert!(error.contains(expected), "{text}: {error}");
+        }
+        // Only where numbers may be free is a mass the rest.
+        assert!(read(&one("mass = \"rest\", stiffness = \"3 kN/m\"")).is_err());
+        assert!(read(&one("mass = { start = \"3 kg\" }, stiffness = \"3 kN/m\"")).unwrap_err().contains("is free"));
+        for taken in [TakenNumbers::Given, TakenNumbers::GivenOrFree] {
+            let example: Table =
+                taken.example().replace(", ...", "").replace(", from the barrier on", "").parse().unwrap();
+            let read = read_chain("stage", "car", &Value::Table(example), &[], taken);
+            assert!(read.is_ok(), "{read:?}");
         }
     }
 }

@@ -364,6 +364,28 @@ mod tests {
     }
 
     #[test]
+    fn what_a_run_notes_is_read_back() {
+        let mut pipeline = read("").unwrap();
+        assert_eq!((pipeline.name(), pipeline.end(), pipeline.is_set()), (None, None, false));
+        pipeline.note_run("my");
+        pipeline.note_end("blake3:aa", 4);
+        pipeline.set("filter.cfc=180").unwrap();
+        assert_eq!((pipeline.name(), pipeline.end(), pipeline.is_set()), (Some("my"), Some(("blake3:aa", 4)), true));
+    }
+
+    #[test]
+    fn a_fault_in_the_file_is_named_by_its_line() {
+        let error = read("title = 'x'\n\n[filter]\ncfc = = 60\n").unwrap_err().to_string();
+        assert!(error.starts_with("my.toml, line 4: "), "{error}");
+        let error = read("filter = 60").unwrap_err().to_string();
+        assert!(error.contains("filter is not a table"), "{error}");
+        // A list stays the list that was typed.
+        let mut pipeline = read("").unwrap();
+        pipeline.set("identify.orders=[4, 6]").unwrap();
+        assert_eq!(value(&pipeline, "identify", "orders").unwrap(), "[4, 6]");
+    }
+
+    #[test]
     fn a_number_and_its_text_are_one_value() {
         let (text, number) = (read("[filter]\ncfc = '180'\n").unwrap(), read("[filter]\ncfc = 180\n").unwrap());
         assert_eq!(number.changes_since(&text), []);
