@@ -276,7 +276,8 @@ mod tests {
         for taken in [TakenNumbers::Given, TakenNumbers::GivenOrFree] {
             let example: Table =
                 taken.example().replace(", ...", "").replace(", from the barrier on", "").parse().unwrap();
-            let read = read_chain("stage", "car", &Value::Table(example), &[], taken);
+            let example = Value::Table(example);
+            let read = read_chain("stage", "car", &example, &[], taken);
             assert!(read.is_ok(), "{read:?}");
         }
     }
