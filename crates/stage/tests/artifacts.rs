@@ -26,7 +26,8 @@ fn no_filter() -> Value {
 }
 
 fn channel(id: &str, quantity: &str, location: &str) -> Value {
-    json!({"id": id, "quantity": quantity, "location": location, "unit": "SI", "status": "as measured"})
+    let unit = if quantity == "force" { "N" } else { "m/s^2" };
+    json!({"id": id, "quantity": quantity, "location": location, "unit": unit, "status": "valid"})
 }
 
 /// 60 samples from 20 ms before contact on.

@@ -1,6 +1,6 @@
 //! What the artifacts say of how the motion of a channel came about.
 
-use crumple_artifact::records::{ChannelFilterV1, EventsV1};
+use crumple_artifact::records::{ChannelFilterV1, EventsV1, TestV1};
 use crumple_signal::{Acceleration, BeforeEvent, RecordingSteps, Sampled};
 
 use crate::artifacts::inputs::Inputs;
@@ -38,7 +38,9 @@ impl Inputs {
         };
         let filter = record.as_ref().and_then(class_filter);
         let untouched = record.as_ref().is_some_and(|r| r.coefficients.is_empty() && r.width_s.is_none());
-        let unfiltered = untouched && self.test().ok().and_then(|t| t.channel(channel)?.cfc).is_none();
+        let test: Option<TestV1> = self.record_if("/test")?;
+        let recorded = test.iter().flat_map(|test| &test.channels).find(|recorded| recorded.id == channel);
+        let unfiltered = untouched && recorded.and_then(|recorded| recorded.cfc).is_none();
         let as_sampled = record.as_ref().is_some_and(|r| r.resampled_to_hz.is_none());
         let rule = events.rule.as_deref();
         let known = acceleration.is_some()

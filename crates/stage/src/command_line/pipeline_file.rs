@@ -376,7 +376,7 @@ mod tests {
     #[test]
     fn a_fault_in_the_file_is_named_by_its_line() {
         let error = read("title = 'x'\n\n[filter]\ncfc = = 60\n").unwrap_err().to_string();
-        assert!(error.starts_with("my.toml, line 4: "), "{error}");
+        assert!(error.starts_with("error: my.toml, line 4: "), "{error}");
         let error = read("filter = 60").unwrap_err().to_string();
         assert!(error.contains("filter is not a table"), "{error}");
         // A list stays the list that was typed.
