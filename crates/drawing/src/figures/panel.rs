@@ -435,7 +435,8 @@ mod tests {
         let mut numbers = Vec::new();
         let mut number = String::new();
         for c in path.replace('l', " ").chars().chain([' ']) {
-            if (c == '-' || c == ' ') && !number.is_empty() {
+            let is_next = c == '-' || c == ' ' || (c == '.' && number.contains('.'));
+            if is_next && !number.is_empty() {
                 numbers.push(number.parse::<f64>().unwrap());
                 number.clear();
             }

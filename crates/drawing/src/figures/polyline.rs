@@ -5,7 +5,7 @@ use std::fmt::Write;
 /// Appends a start and the steps from each point to the next, in multiples of so many hundredths of a unit.
 pub fn polyline(out: &mut String, points: &[[f64; 2]], hundredths_a_step: i64) {
     let rounded = |x: f64| (100.0 * x / hundredths_a_step as f64).round() as i64 * hundredths_a_step;
-    let mut last = [0_i64; 2];
+    let (mut last, mut before) = ([0_i64; 2], 0);
     for (place, point) in points.iter().enumerate() {
         let here = point.map(rounded);
         out.push_str(match place {
@@ -13,20 +13,23 @@ pub fn polyline(out: &mut String, points: &[[f64; 2]], hundredths_a_step: i64) {
             1 => "l",
             _ => "",
         });
-        hundredths(out, here[0] - last[0], place > 1);
-        hundredths(out, here[1] - last[1], true);
-        last = here;
+        let step = [here[0] - last[0], here[1] - last[1]];
+        hundredths(out, step[0], (place > 1).then_some(before));
+        hundredths(out, step[1], Some(step[0]));
+        (last, before) = (here, step[1]);
     }
 }
 
-/// A number of hundredths as few characters: `3`, `-.25`, `1.5`; a blank goes before what does not start with a sign.
-fn hundredths(out: &mut String, value: i64, blank: bool) {
+/// A number of hundredths as few characters: `3`, `-.25`, `1.5`. Behind another number a blank goes before what starts
+/// neither with a sign nor, if that number has a point already, with a point.
+fn hundredths(out: &mut String, value: i64, behind: Option<i64>) {
+    let (whole, part) = (value.unsigned_abs() / 100, value.unsigned_abs() % 100);
+    let starts_with_a_point = whole == 0 && part > 0;
     if value < 0 {
         out.push('-');
-    } else if blank {
+    } else if behind.is_some_and(|before| !(starts_with_a_point && before % 100 != 0)) {
         out.push(' ');
     }
-    let (whole, part) = (value.unsigned_abs() / 100, value.unsigned_abs() % 100);
     if whole > 0 || part == 0 {
         let _ = write!(out, "{whole}");
     }
@@ -41,12 +44,14 @@ mod tests {
 
     #[test]
     fn hundredths_are_short() {
-        let text = |value, blank| {
+        let text = |value, behind| {
             let mut out = String::new();
-            hundredths(&mut out, value, blank);
+            hundredths(&mut out, value, behind);
             out
         };
-        assert_eq!([text(300, true), text(-25, true), text(150, false), text(0, true)], [" 3", "-.25", "1.5", " 0"]);
+        let behind_3 = [300, -25, 0, 25].map(|value| text(value, Some(300)));
+        assert_eq!(behind_3, [" 3", "-.25", " 0", " .25"]);
+        assert_eq!([text(150, None), text(25, Some(-150)), text(125, Some(150))], ["1.5", ".25", " 1.25"]);
     }
 
     #[test]
@@ -54,7 +59,7 @@ mod tests {
         let points: Vec<[f64; 2]> = (0..=30).map(|k| [f64::from(k) * 0.33, 1.0]).collect();
         let mut out = String::new();
         polyline(&mut out, &points, 10);
-        let steps = out.split('l').nth(1).unwrap().split_whitespace().step_by(2);
+        let steps = out.split('l').nth(1).unwrap().split(' ').step_by(2);
         let sum: f64 = steps.map(|step| step.parse::<f64>().unwrap()).sum();
         assert!(out.starts_with("M0 1l.3 0 .4 0") && (sum - 9.9).abs() < 1e-9, "{out}");
     }

@@ -23,11 +23,11 @@ pub(crate) fn framed(language: Language, title: &str, style: &str, body: &str, s
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
-         <style>\n{}{STYLE}{style}</style>\n<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
+         <style>\n{}</style>\n<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
         language.code(),
         env!("CARGO_PKG_VERSION"),
         html(title),
-        palette(),
+        compact(&[palette().as_str(), STYLE, style].concat()),
         page_rules()
     ));
     page.push_str(&reachable(body));
@@ -47,9 +47,11 @@ pub(crate) fn json_element(id: &str, data: &impl Serialize) -> String {
     format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", json_in_script(&json))
 }
 
-/// A script without the indentation of its lines and the lines that are comments: a fleet has hundreds of pages.
-pub(crate) fn compact(script: &str) -> String {
-    let lines = script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
+/// A script or a style without the indentation of its lines and the lines that are comments: a fleet has hundreds of
+/// pages.
+pub(crate) fn compact(text: &str) -> String {
+    let is_comment = |line: &str| line.starts_with("//") || (line.starts_with("/*") && line.ends_with("*/"));
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !is_comment(line));
     lines.flat_map(|line| [line, "\n"]).collect()
 }
 

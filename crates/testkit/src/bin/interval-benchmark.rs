@@ -6,7 +6,7 @@
 
 use std::process::ExitCode;
 
-use crumple_testkit::interval_cover::{DRAWN, FAMILIES, choices_of, cover_of};
+use crumple_testkit::interval_cover::{Cover, DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
@@ -52,8 +52,11 @@ fn benchmark() -> Result<ExitCode, Failure> {
             print!("{}", choices.row(drawn.name));
         }
     } else {
-        println!("| family | parameter | closed | cover, % | median width, % | open | records without a candidate |");
-        println!("|---|---|---|---|---|---|---|");
+        if !FAMILIES.iter().any(|family| asked(family.name)) {
+            let names: Vec<&str> = FAMILIES.iter().map(|family| family.name).collect();
+            return Err(format!("no family is named so; there are: {}", names.join("; ")).into());
+        }
+        println!("{}", Cover::HEAD);
         for family in FAMILIES.iter().filter(|family| asked(family.name)) {
             let cover = cover_of(family, records.clone(), &bin, &folder)?;
             print!("{}", cover.rows(family.name));

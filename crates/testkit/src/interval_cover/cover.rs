@@ -3,15 +3,47 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+/// Closed intervals of one kind.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Closed {
+    /// Those with the truth inside.
+    pub held: usize,
+    /// Their widths over the truth.
+    pub widths: Vec<f64>,
+}
+
 /// The counts of one parameter.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Counts {
-    /// Closed intervals with the truth inside.
-    pub held: usize,
-    /// Intervals that are open on a side: the record leaves the parameter open.
+    /// Closed intervals of records that determine the parameter, as the report says it.
+    pub determined: Closed,
+    /// Closed intervals of a parameter of which no more than an order of magnitude is known, or not that.
+    pub wide: Closed,
+    /// Intervals that are open on a side.
     pub open: usize,
-    /// Widths of the closed intervals over the truth.
-    pub widths: Vec<f64>,
+}
+
+impl Closed {
+    fn add(&mut self, other: &Self) {
+        self.held += other.held;
+        self.widths.extend(&other.widths);
+    }
+
+    /// How many, and how many in a hundred hold the truth.
+    fn cells(&self) -> String {
+        let count = self.widths.len();
+        match count {
+            0 => "0 | -".to_owned(),
+            _ => format!("{count} | {:.1}", 100.0 * self.held as f64 / count as f64),
+        }
+    }
+
+    /// Median width in percent of the truth.
+    fn width(&self) -> String {
+        let mut widths = self.widths.clone();
+        widths.sort_by(f64::total_cmp);
+        widths.get(widths.len() / 2).map_or_else(|| "-".to_owned(), |width| format!("{:.1}", 100.0 * width))
+    }
 }
 
 /// A closed interval without the truth.
@@ -44,9 +76,9 @@ impl Cover {
         self.without += other.without;
         for (name, more) in &other.parameters {
             let counts = self.parameters.entry(name.clone()).or_default();
-            counts.held += more.held;
+            counts.determined.add(&more.determined);
+            counts.wide.add(&more.wide);
             counts.open += more.open;
-            counts.widths.extend(&more.widths);
         }
         self.misses.extend(other.misses.iter().cloned());
     }
@@ -55,7 +87,7 @@ impl Cover {
     pub(super) fn count(
         &mut self,
         record: usize,
-        (parameter, truth): (&str, f64),
+        (parameter, truth, is_determined): (&str, f64, bool),
         (low, high): (Option<f64>, Option<f64>),
     ) {
         let counts = self.parameters.entry(parameter.to_owned()).or_default();
@@ -63,29 +95,33 @@ impl Cover {
             counts.open += 1;
             return;
         };
-        counts.widths.push((high - low) / truth);
+        let closed = if is_determined { &mut counts.determined } else { &mut counts.wide };
+        closed.widths.push((high - low) / truth);
         if low <= truth && truth <= high {
-            counts.held += 1;
+            closed.held += 1;
         } else {
             self.misses.push(Miss { record, parameter: parameter.to_owned(), truth, interval: (low, high) });
         }
     }
 
-    /// Rows of a Markdown table: family, parameter, closed intervals, cover in percent, median width of the closed ones
-    /// in percent of the truth, open, without a candidate.
+    /// What stands over the [`rows`](Self::rows).
+    pub const HEAD: &str = "| family | parameter | determined | cover, % | median width, % | closed, not determined | \
+                            cover, % | open | records without a candidate |\n|---|---|---|---|---|---|---|---|---|";
+
+    /// Rows of a Markdown table: family, parameter; of records that determine it how many, cover and median width in
+    /// percent of the truth; other closed intervals and their cover; open, without a candidate.
     pub fn rows(&self, family: &str) -> String {
         let mut rows = String::new();
         for (name, counts) in &self.parameters {
-            let closed = counts.widths.len();
-            let percent = 100.0 * counts.held as f64 / closed as f64;
-            let mut widths = counts.widths.clone();
-            widths.sort_by(f64::total_cmp);
-            let width = widths.get(closed / 2).map_or_else(|| "-".to_owned(), |width| format!("{:.1}", 100.0 * width));
-            let cover = if closed > 0 { format!("{percent:.1}") } else { "-".to_owned() };
+            let (determined, wide) = (&counts.determined, &counts.wide);
             let _infallible = writeln!(
                 rows,
-                "| {family} | {name} | {closed} | {cover} | {width} | {} | {} |",
-                counts.open, self.without
+                "| {family} | {name} | {} | {} | {} | {} | {} |",
+                determined.cells(),
+                determined.width(),
+                wide.cells(),
+                counts.open,
+                self.without
             );
         }
         rows
@@ -106,11 +142,17 @@ mod tests {
     #[test]
     fn closed_intervals_are_counted_apart_from_open_ones() {
         let mut cover = Cover::default();
-        cover.count(0, ("k", 2.0), (Some(1.0), Some(3.0)));
-        cover.count(1, ("k", 4.0), (Some(1.0), Some(3.0)));
-        cover.count(2, ("k", 2.0), (None, Some(3.0)));
-        assert_eq!(cover.parameters["k"], Counts { held: 1, open: 1, widths: vec![1.0, 0.5] });
-        assert_eq!(cover.rows("x"), "| x | k | 2 | 50.0 | 100.0 | 1 | 0 |\n");
+        cover.count(0, ("k", 2.0, true), (Some(1.0), Some(3.0)));
+        cover.count(1, ("k", 4.0, true), (Some(1.0), Some(3.0)));
+        cover.count(2, ("k", 2.0, false), (None, Some(3.0)));
+        cover.count(3, ("k", 2.0, false), (Some(1e-4), Some(3.0)));
+        let mut both = cover.clone();
+        both.add(&cover);
+        let counts = &cover.parameters["k"];
+        assert_eq!(counts.determined, Closed { held: 1, widths: vec![1.0, 0.5] });
+        assert_eq!((counts.wide.held, counts.open), (1, 1));
+        assert_eq!(cover.rows("x"), "| x | k | 2 | 50.0 | 100.0 | 1 | 100.0 | 1 | 0 |\n");
+        assert_eq!(both.rows("x"), "| x | k | 4 | 50.0 | 100.0 | 2 | 100.0 | 2 | 0 |\n");
         assert_eq!(cover.misses[0].to_string(), "record 1: k = 4.000000e0 is not in 1.000000e0 to 3.000000e0");
     }
 }

@@ -1,9 +1,9 @@
 //! One car, its record, and what the programs say of its parameters.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
+use crumple_artifact::records::{CandidateV1, Certainty};
 use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{LumpedError, Model};
 use rayon::prelude::*;
@@ -117,11 +117,16 @@ fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Cover {
         cover.without = 1;
         return cover;
     };
-    let uncertainty = &nearest["uncertainty"];
-    let ends: BTreeMap<&String, &Value> = uncertainty["interval_low"].as_object().into_iter().flatten().collect();
-    for (name, low) in ends {
+    let Ok(nearest) = serde_json::from_value::<CandidateV1>(nearest.clone()) else {
+        cover.without = 1;
+        return cover;
+    };
+    let ends = nearest.uncertainty.iter().flat_map(|u| u.interval_low.iter().map(move |(name, low)| (u, name, *low)));
+    for (known, name, low) in ends {
         if let Some(truth) = truth.get(name) {
-            cover.count(number, (name, *truth), (low.as_f64(), uncertainty["interval_high"][name].as_f64()));
+            let is_determined = nearest.certainty(name) == Some(Certainty::Determined);
+            let high = known.interval_high.get(name).copied().flatten();
+            cover.count(number, (name, *truth, is_determined), (low, high));
         }
     }
     cover
