@@ -102,6 +102,9 @@ texts! { FigureTexts
     residual: "Test minus model", "Versuch minus Modell";
     residual_displacement: "residual of the displacement, mm", "Residuum des Wegs, mm";
     residual_velocity: "residual of the velocity, km/h", "Residuum der Geschwindigkeit, km/h";
+    residual_band:
+        "recommended: what its parameters leave open, 95 %",
+        "empfohlen: was seine Parameter offen lassen, 95 %";
     residual_caption:
         "The axes hold the largest residual inside the shaded window, which the models are compared over; a model \
          that was made for the loading phase may leave them after it. Of many models the first six are drawn.",

@@ -1,7 +1,8 @@
-//! Everything the artifacts of a run say: its types, the ranking of candidates, residuals.
+//! Everything the artifacts of a run say: its types, the ranking of candidates, residuals, bands of models.
 //! Uses text.
 
 pub mod mass_divisions;
+pub mod model_band;
 pub mod ranking;
 pub mod residual;
 pub mod run;

@@ -1,16 +1,20 @@
 //! What the models leave of the test: test minus model.
 
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, over_time};
+use crumple_drawing::{Axis, Colour, Dash, Figure, Look, over_time};
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
 use super::drawn_models::DrawnModels;
 use crate::figures::time_view::over_time_axis;
+use crate::results::model_band::model_band;
 use crate::{CandidateResult, Ranking, Run};
 
 /// Models drawn: the recommended, the closest, then by rank. A residual has many times the points of a motion.
 const DRAWN: usize = 6;
+
+/// A band is seen whole up to so many times the largest residual.
+const BAND: f64 = 6.0;
 
 /// Of displacement and velocity; `None` without a test or without a model.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
@@ -19,13 +23,24 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let mut figure = Figure::new("residual", texts.residual);
     let entries = models.entries(&mut figure);
     let window = window_ms(run);
+    let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
+    let band = best.and_then(|best| model_band(run, best));
+    let moved = band.is_some().then(|| figure.entry(texts.residual_band, Look::area(Colour::Test), true));
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
     let displacement: (_, &str, f64, Of) =
         (&run.measured.displacement, texts.residual_displacement, MILLI, |c| c.displacement.as_ref());
     let velocity: (_, &str, f64, Of) =
         (&run.measured.velocity, texts.residual_velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
-    for (test, title, factor, of) in [displacement, velocity] {
+    let bands = [band.as_ref().map(|b| &b.displacement_m), band.as_ref().map(|b| &b.velocity_m_per_s)];
+    for ((test, title, factor, of), band) in [displacement, velocity].into_iter().zip(bands) {
         let mut panel = over_time_axis(run.language, view_ms(run), Axis::new(title));
+        if let Some((entry, band)) = moved.zip(band) {
+            let edge = |k: usize| {
+                let half = factor * band.samples()[k];
+                [MILLI * band.time_s(k), -half, half]
+            };
+            panel.band(entry, &(0..band.len()).map(edge).collect::<Vec<_>>());
+        }
         let mut largest = 0.0_f64;
         for ((candidate, _), entry) in models.models.iter().zip(&entries).take(DRAWN) {
             let Some(left) = test.as_ref().zip(of(candidate)).and_then(|(test, model)| residual(test, model)) else {
@@ -37,7 +52,9 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             panel.line(*entry, over_time(&left, factor));
         }
         // By what lies inside the compared window: what a model does after it would flatten the rest.
-        panel.y.view = (largest > 0.0).then_some([-1.15 * largest, 1.15 * largest]);
+        let band = band.map_or(0.0, |band| factor * largest_within(band, None)).min(BAND * largest);
+        let half = 1.15 * largest.max(band);
+        panel.y.view = (half > 0.0).then_some([-half, half]);
         panel.windows.extend(window);
         if let Some(t_m) = run.time_of_crush_s() {
             panel.mark(MILLI * t_m, "", Colour::Event, Dash::Dashed);
