@@ -54,7 +54,7 @@ run record *args: build
         -- "$@"
 
 # Writes 7-predict.mcap of that run again, with the speeds of its pipeline and those asked for, and the report and the summary.
-# The models of a run at other speeds and masses: `just predict runs/crash/default --speed 40km/h,64km/h [--mass 1500kg] [--candidate ID] [--partner OTHER_RUN]`.
+# The models of a run, or of several tests (runs/together/NAME), at other speeds and masses: `just predict runs/crash/default --speed 40km/h,64km/h [--mass 1500kg] [--candidate ID] [--partner OTHER_RUN]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]

@@ -227,7 +227,7 @@ fn paper_is_a4_and_nothing_is_cut_at_its_side() {
 }
 
 #[test]
-fn verdict_model_numbers_warnings_and_curves_are_on_the_first_sheet() {
+fn verdict_model_numbers_and_curves_are_on_the_first_sheet() {
     let Some(browser) = browser() else { return };
     let page = open(&browser, Screen::SHEET);
     let bottoms = page.ask(

@@ -25,7 +25,7 @@ use crate::messages::whose_flag::say_whose_flags;
 use crate::steps::ending::Ending;
 use crate::steps::start::{arguments, run_in_shell};
 use crate::steps::take_over::take_over;
-use crate::together::files::SOLVED;
+use crate::together::files::{INTEGRATED, SOLVED};
 
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
 /// shows the diagnosis, and the last stage decides. Any other failure does.
@@ -38,13 +38,13 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
     }
+    if options.asks_for_information() {
+        return information(first, &options);
+    }
     if let (Some(made), Some(joint)) = (&options.again, &options.joint)
         && is_joint(made)
     {
-        return go_on_with(made, joint, &options.record);
-    }
-    if options.asks_for_information() {
-        return information(first, &options);
+        return predict_joint(made, joint, &options);
     }
     let (pipeline, path) = pipeline_and_folder(&options)?;
     let mut composed = pipeline.read(&options.project, &options.set)?;
@@ -170,18 +170,24 @@ fn folder_of_a_run(made: &Path) -> Result<PathBuf, Usage> {
     Err(Usage::new(problem).hint("runs/NAME-OF-RECORD/NAME-OF-PIPELINE, which just run made"))
 }
 
-/// Whether the folder is that of several tests with one model, which has no record of its own.
+/// Whether the folder is that of several tests with one model, which has no motion of its own.
 fn is_joint(made: &Path) -> bool {
-    made.join(SOLVED).is_file() && !made.join("3-integrate.mcap").is_file()
+    let has = |file: &str| made.join(file).is_file();
+    has(PIPELINE_OF_A_RUN) && has(SOLVED) && !has(INTEGRATED)
 }
 
-/// Goes on with the joint result of a folder.
-fn go_on_with(made: &Path, joint: &str, flags: &[OsString]) -> anyhow::Result<ExitStatus> {
-    let mut arguments = vec!["--again".into(), made.as_os_str().to_owned(), "--".into()];
-    arguments.extend_from_slice(flags);
+/// Predicts again with the joint result of a folder.
+fn predict_joint(made: &Path, joint: &str, options: &Options) -> anyhow::Result<ExitStatus> {
+    let mut arguments: Vec<OsString> = vec!["--again".into(), made.into()];
+    arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
+    arguments.extend(["--flags".into(), OsString::from(&options.flags), "--".into()]);
+    arguments.extend_from_slice(&options.record);
     Ok(match Ending::of(run_in_shell(joint, &arguments, "")?) {
         Ending::WithResult(status) | Ending::Failed(status) => status,
-        Ending::Unforeseen(_) => ExitStatus::Failure,
+        Ending::Unforeseen(_) => {
+            say(format_args!("error: {joint} ended in an unforeseen way"));
+            ExitStatus::Failure
+        }
     })
 }
 

@@ -13,7 +13,7 @@ pub struct Screen {
     pub is_dark: bool,
     /// Scripts run.
     pub has_script: bool,
-    /// Paper, which a page is laid out for by the rules of its print.
+    /// Laid out by its print rules, as on paper.
     pub is_paper: bool,
 }
 

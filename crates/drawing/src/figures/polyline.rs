@@ -20,14 +20,14 @@ pub fn polyline(out: &mut String, points: &[[f64; 2]], hundredths_a_step: i64) {
     }
 }
 
-/// A number of hundredths as few characters: `3`, `-.25`, `1.5`. Behind another number a blank goes before what starts
-/// neither with a sign nor, if that number has a point already, with a point.
-fn hundredths(out: &mut String, value: i64, behind: Option<i64>) {
+/// A number of hundredths as few characters: `3`, `-.25`, `1.5`. Between it and the previous number stands a blank,
+/// unless it starts with a sign, or with a point after a number that has one already.
+fn hundredths(out: &mut String, value: i64, previous: Option<i64>) {
     let (whole, part) = (value.unsigned_abs() / 100, value.unsigned_abs() % 100);
     let starts_with_a_point = whole == 0 && part > 0;
     if value < 0 {
         out.push('-');
-    } else if behind.is_some_and(|before| !(starts_with_a_point && before % 100 != 0)) {
+    } else if previous.is_some_and(|before| !(starts_with_a_point && before % 100 != 0)) {
         out.push(' ');
     }
     if whole > 0 || part == 0 {
@@ -44,13 +44,13 @@ mod tests {
 
     #[test]
     fn hundredths_are_short() {
-        let text = |value, behind| {
+        let text = |value, previous| {
             let mut out = String::new();
-            hundredths(&mut out, value, behind);
+            hundredths(&mut out, value, previous);
             out
         };
-        let behind_3 = [300, -25, 0, 25].map(|value| text(value, Some(300)));
-        assert_eq!(behind_3, [" 3", "-.25", " 0", " .25"]);
+        let after_3 = [300, -25, 0, 25].map(|value| text(value, Some(300)));
+        assert_eq!(after_3, [" 3", "-.25", " 0", " .25"]);
         assert_eq!([text(150, None), text(25, Some(-150)), text(125, Some(150))], ["1.5", ".25", " 1.25"]);
     }
 

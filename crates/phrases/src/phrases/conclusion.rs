@@ -9,8 +9,8 @@ texts! { ConclusionTexts
     within: " in {time}", " in {time}";
     interval: " ({low} to {high})", " ({low} bis {high})";
     interval_and_sensors:
-        " ({low} to {high} from the inputs, {lowest} to {highest} over {count} sensors)",
-        " ({low} bis {high} aus den Eingaben, {lowest} bis {highest} über {count} Aufnehmer)";
+        " ({lowest} to {highest} over the sensors there, {low} to {high} for this one)",
+        " ({lowest} bis {highest} über die Aufnehmer dort, {low} bis {high} für diesen)";
     rebounded:
         " and rebounded with {restitution} of that speed",
         " und prallte mit dem {restitution}-Fachen dieser Geschwindigkeit zurück";
@@ -89,8 +89,8 @@ texts! { ConclusionTexts
         " and predicts a crush of {crush}{interval} at {speed}",
         " und sagt bei {speed} eine Eindrückung von {crush}{interval} voraus";
     usable:
-        "; it may be used at {speed}, within what was tested: a crush of {crush}{interval}",
-        "; bei {speed}, im erprobten Bereich, ist es brauchbar: eine Eindrückung von {crush}{interval}";
+        "; within what was tested it may be used: at {speed} it predicts a crush of {crush}{interval}",
+        "; im erprobten Bereich ist es brauchbar: Bei {speed} sagt es eine Eindrückung von {crush}{interval} voraus";
     predicts_collision:
         " and predicts against {partner} a crush of {crush}{interval}",
         " und sagt gegen {partner} eine Eindrückung von {crush}{interval} voraus";
@@ -118,6 +118,7 @@ texts! { ConclusionTexts
     decisive: "all of it until the first warning is settled", "alles, bis die erste Warnung geklärt ist";
     and: "and", "und";
     force_at: "the force at {deflection}", "die Kraft bei {deflection}";
+    forces_at: "the forces at {deflection}", "die Kräfte bei {deflection}";
     sensors_differ:
         "sensors of the compartment give a crush of {low} to {high}, outside of the interval of this one",
         "Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}, außerhalb des Intervalls dieses \

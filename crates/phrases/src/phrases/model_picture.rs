@@ -18,8 +18,8 @@ texts! { ModelTexts
         "Crush {crush}, t<sub>m</sub> {time} off the test; displacement fit {fit}.",
         "Abweichung vom Versuch: Eindrückung {crush}, t<sub>m</sub> {time}; Anpassung des Wegs {fit}.";
     one_spring:
-        "One spring that takes up the same energy at that crush: k = {stiffness}.",
-        "Eine Feder, die bei dieser Eindrückung dieselbe Energie aufnimmt: k = {stiffness}.";
+        "One spring with the energy and the crush of the test: k = {stiffness}.",
+        "Eine Feder mit Energie und Eindrückung des Versuchs: k = {stiffness}.";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.", "ISO/TS 18571 der Beschleunigung {value}{grade}.";
     same_record:
         "{model} gives the same record on this sensor.",

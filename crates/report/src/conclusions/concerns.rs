@@ -4,11 +4,12 @@ use crumple_artifact::records::ConcernV1;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_signal::{About, Severity, Weight};
 
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::Kind;
-use crate::text::language::{Language, fill};
+use crate::text::language::fill;
 use crate::text::names::candidate_name;
-use crate::text::parameters::parameter;
-use crate::{CandidateResult, Ranking, Run, SensorMotion};
+use crate::text::parameters::symbols;
+use crate::{Ranking, Run};
 
 /// Warnings that stand on the first screen.
 pub const SHOWN_FIRST: usize = 3;
@@ -118,9 +119,10 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     if kind == Kind::TwoVehicles {
         found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
     }
-    if let Some((low, high)) = spread_beyond_the_interval(run) {
+    let crush = key_numbers(run).into_iter().find(|number| number.name == "dynamic_crush");
+    if let Some(spread) = crush.filter(KeyNumber::interval_misses_a_sensor).and_then(|crush| crush.spread) {
         let mm = |m: f64| language.quantity(MILLI * m, 1, "mm");
-        let text = fill(phrases.sensors_differ, &[("low", &mm(low)), ("high", &mm(high))]);
+        let text = fill(phrases.sensors_differ, &[("low", &mm(spread.low)), ("high", &mm(spread.high))]);
         found.push((About::Motion, Weight::Marked, text));
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
@@ -131,7 +133,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
             (best.certainties().order_of_magnitude, phrases.warn_hardly, Weight::Marked),
         ] {
             if !names.is_empty() {
-                let names = symbols(best, &names, language);
+                let names = symbols(&best.record, &names, language);
                 found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
             }
         }
@@ -160,57 +162,4 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         found.push((About::Predictions, Weight::Slight, text));
     }
     found
-}
-
-/// Crushes of the pulse and of the sensors at its place, left or right, where they reach beyond its own interval.
-fn spread_beyond_the_interval(run: &Run) -> Option<(f64, f64)> {
-    let events = run.events.as_ref()?;
-    let interval = events.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
-    let crush = events.dynamic_crush_m?;
-    let place = Some(place_of(&run.channel()?.location)).filter(|place| !place.is_empty())?;
-    let beside = run
-        .other_sensors
-        .iter()
-        .filter(|sensor| run.test.channel(&sensor.channel).is_some_and(|channel| place_of(&channel.location) == place));
-    let largest = |sensor: &SensorMotion| sensor.displacement.samples().iter().copied().fold(f64::NAN, f64::max);
-    let (low, high) = beside.map(largest).fold((crush, crush), |(low, high), c| (low.min(c), high.max(c)));
-    (low < interval.low || high > interval.high).then_some((low, high))
-}
-
-/// Words of a place but its side.
-fn place_of(location: &str) -> String {
-    let words = location.split_whitespace().map(str::to_lowercase).filter(|word| word != "left" && word != "right");
-    words.collect::<Vec<_>>().join(" ")
-}
-
-/// How the deflection of a knot is shown.
-pub(crate) const DEFLECTION: (f64, usize, &str) = (MILLI, 0, "mm");
-
-/// Name and value of the deflection of the knot of a force-deflection curve that has this force, m.
-pub(crate) fn deflection_of_knot(candidate: &CandidateResult, force: &str) -> Option<(String, f64)> {
-    let name = format!("{}_m", force.strip_suffix("_n")?);
-    candidate.record.parameters.get(&name).map(|deflection_m| (name.clone(), *deflection_m))
-}
-
-/// `k and c` of a candidate; of the knot of a force-deflection curve `the force at 97 mm`.
-pub(crate) fn symbols(candidate: &CandidateResult, names: &[&str], language: Language) -> String {
-    let mut symbols: Vec<String> = Vec::new();
-    for name in names {
-        let symbol = match deflection_of_knot(candidate, name) {
-            Some((_, deflection_m)) => {
-                let (factor, places, unit) = DEFLECTION;
-                let deflection = language.quantity(factor * deflection_m, places, unit);
-                fill(language.phrases().conclusion.force_at, &[("deflection", deflection)])
-            }
-            None => parameter(&candidate.record.model, name, 0.0).0,
-        };
-        if !symbols.contains(&symbol) {
-            symbols.push(symbol);
-        }
-    }
-    match symbols.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, before)) => format!("{} {} {last}", before.join(", "), language.phrases().conclusion.and),
-        None => String::new(),
-    }
 }

@@ -6,11 +6,12 @@ use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::conclusions::concerns::{DEFLECTION, concerns, deflection_of_knot, first_is_decisive, symbols};
+use crate::conclusions::concerns::{concerns, first_is_decisive};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of};
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
+use crate::text::parameters::{DEFLECTION, deflection_of_knot, symbols};
 use crate::{CandidateResult, Certainties, Model, Ranking, Run};
 
 /// Whether what was asked for is there.
@@ -187,8 +188,7 @@ impl<'a> Text<'a> {
         let high = self.number(&format!("{at}/high"), *high, (factor, places, unit));
         let lowest = self.number(&format!("{at}/spread/low"), spread.low, (factor, places, ""));
         let highest = self.number(&format!("{at}/spread/high"), spread.high, (factor, places, unit));
-        let count = spread.channels.split('+').count().to_string();
-        let texts = [("low", low), ("high", high), ("lowest", lowest), ("highest", highest), ("count", count)];
+        let texts = [("low", low), ("high", high), ("lowest", lowest), ("highest", highest)];
         fill(self.language.phrases().conclusion.interval_and_sensors, &texts)
     }
 
@@ -394,26 +394,26 @@ impl<'a> Text<'a> {
         if first_is_decisive(concerns) {
             return Some(phrases.decisive.to_owned());
         }
-        if let Some(open) = self.named(best, phrases.open_numbers, &best.record.undetermined()) {
+        if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {
             return Some(open);
         }
         if best.record.equivalent_to.is_some() {
             return Some(phrases.dual.to_owned());
         }
-        self.named(best, phrases.hardly, &best.certainties().order_of_magnitude).or_else(|| {
+        self.with_names(best, phrases.hardly, &best.certainties().order_of_magnitude).or_else(|| {
             let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
             let speed = beyond.then(|| self.impact_speed())??;
             Some(fill(phrases.extrapolates, &[("speed", &speed)]))
         })
     }
 
-    /// A template with the names of some parameters in it; nothing without any.
-    fn named(&mut self, candidate: &CandidateResult, template: &str, names: &[&str]) -> Option<String> {
+    /// A template with the names of some parameters in it, and the numbers in these names taken; nothing without any.
+    fn with_names(&mut self, candidate: &CandidateResult, template: &str, names: &[&str]) -> Option<String> {
         let place = self.run.candidates.iter().position(|other| other.id == candidate.id)?;
-        for (name, deflection_m) in names.iter().filter_map(|name| deflection_of_knot(candidate, name)) {
+        for (name, deflection_m) in names.iter().filter_map(|name| deflection_of_knot(&candidate.record, name)) {
             self.number(&format!("/candidates/{place}/parameters/{name}"), deflection_m, DEFLECTION);
         }
-        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(candidate, names, self.language))]))
+        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(&candidate.record, names, self.language))]))
     }
 
     fn none_recommended(&mut self) -> String {

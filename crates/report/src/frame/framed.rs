@@ -72,7 +72,8 @@ mod tests {
     }
 
     #[test]
-    fn a_script_loses_indentation_and_lines_of_comments_alone() {
+    fn a_script_and_a_style_lose_indentation_and_lines_of_comments_alone() {
+        assert_eq!(compact("/* All. */\na {\n  b: c; /* kept */\n}\n"), "a {\nb: c; /* kept */\n}\n");
         let script = "// Sorts.\nif (a) {\n  // Not this.\n  b('// kept');\n\n}\n";
         assert_eq!(compact(script), "if (a) {\nb('// kept');\n}\n");
     }

@@ -1,8 +1,13 @@
 //! Parameters of candidates as people read them: order, symbol, unit.
 
+use crumple_artifact::records::CandidateV1;
+use crumple_drawing::numbers::{KILO, MILLI};
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
 
-use crumple_drawing::numbers::{KILO, MILLI};
+use crate::text::language::{Language, fill};
+
+/// How the deflection of a knot is shown: factor, digits after the point, unit.
+pub const DEFLECTION: (f64, usize, &str) = (MILLI, 0, "mm");
 
 /// Masses, then stiffnesses, then dampings, then the rest, each by name: the order people write them in.
 pub fn parameter_order<'a>(model: &str, name: &'a str) -> (usize, &'a str) {
@@ -59,6 +64,46 @@ fn words(symbol: &str) -> String {
         "loading_stiffness" => "k loading".to_owned(),
         "unloading_stiffness" => "k unloading".to_owned(),
         other => other.replace('_', " "),
+    }
+}
+
+/// Name and value, m, of the deflection of the knot of a force-deflection curve that has this force; `None` where the
+/// model has several curves, whose knots do not say of which they are.
+pub fn deflection_of_knot(candidate: &CandidateV1, force: &str) -> Option<(String, f64)> {
+    let is_knot = force.starts_with("knot") && parameter_kind(&candidate.model, force) == Some(ParameterKind::Force);
+    let name = format!("{}_m", force.strip_suffix("_n").filter(|_| is_knot)?);
+    candidate.parameters.get(&name).map(|deflection_m| (name.clone(), *deflection_m))
+}
+
+/// `k and c` of a candidate; of knots of a force-deflection curve `the forces at 97 mm and 283 mm`.
+pub fn symbols(candidate: &CandidateV1, names: &[&str], language: Language) -> String {
+    let phrases = &language.phrases().conclusion;
+    let (mut deflections, mut symbols) = (Vec::new(), Vec::new());
+    for name in names {
+        let (texts, text) = match deflection_of_knot(candidate, name) {
+            Some((_, deflection_m)) => {
+                let (factor, places, unit) = DEFLECTION;
+                (&mut deflections, language.quantity(factor * deflection_m, places, unit))
+            }
+            None => (&mut symbols, parameter(&candidate.model, name, 0.0).0),
+        };
+        if !texts.contains(&text) {
+            texts.push(text);
+        }
+    }
+    let template = if deflections.len() > 1 { phrases.forces_at } else { phrases.force_at };
+    if !deflections.is_empty() {
+        symbols.insert(0, fill(template, &[("deflection", listed(&deflections, phrases.and))]));
+    }
+    listed(&symbols, phrases.and)
+}
+
+/// `a, b and c`.
+fn listed(texts: &[String], and: &str) -> String {
+    match texts.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, before)) => format!("{} {and} {last}", before.join(", ")),
+        None => String::new(),
     }
 }
 

@@ -47,7 +47,7 @@ pub struct Options {
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
 
-    /// Command that goes on with the joint result of several tests, if the folder of `--again` is one.
+    /// Command that predicts with the joint result of several tests, if the folder of `--again` holds one.
     #[arg(long, value_name = "COMMAND", requires = "again")]
     pub(crate) joint: Option<String>,
 

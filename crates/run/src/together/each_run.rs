@@ -8,12 +8,11 @@ use crumple_stage::{ExitStatus, Usage, say};
 use crate::command::pipeline::Pipeline;
 use crate::steps::ending::Ending;
 use crate::steps::start::run_in_shell;
-use crate::together::files::SOLVED;
+use crate::together::files::{INTEGRATED, SOLVED};
 use crate::together::options::TogetherOptions;
 
 /// What a joint fit reads of a test.
 const FILTERED: &str = "2-filter.mcap";
-const INTEGRATED: &str = "3-integrate.mcap";
 
 /// A test with its run.
 #[derive(Debug, Clone, PartialEq, Eq)]

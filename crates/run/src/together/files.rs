@@ -1,5 +1,7 @@
 //! Names of what the joint stages write.
 
+/// Motion of a test.
+pub(crate) const INTEGRATED: &str = "3-integrate.mcap";
 /// Joint candidates.
 pub(crate) const SOLVED: &str = "5-parameter-solve.mcap";
 /// Predictions.

@@ -14,7 +14,7 @@ use crate::steps::ending::Ending;
 use crate::steps::start::run_in_shell;
 use crate::together::each_run::{TestRun, run_each, test_runs};
 use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
-use crate::together::leave_one_out::{Left, folder_without, left_out_of, remove_of_others};
+use crate::together::leave_one_out::{folder_without, left_out_of, remove_of_others};
 use crate::together::options::{Asked, TogetherOptions};
 use crate::together::summary::write_summary;
 
@@ -39,9 +39,7 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     };
     let folder = LockedFolder::lock(&path)?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
-    let mut composed = pipeline.read(&options.project, &[])?;
-    composed.note_run(&pipeline.name);
-    let given = PipelineOfRun::write(folder.path(), &composed, None)?;
+    let (composed, given) = handed_on(&pipeline, &options, folder.path())?;
     let joint = JointRun { options: &options, pipeline: given.path(), folder: folder.path() };
     let status = joint.model(&runs, folder.path(), Vec::new())?;
     if status != ExitStatus::Done {
@@ -52,7 +50,6 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
         return Ok(status);
     }
     remove_of_others(folder.path(), &names)?;
-    let mut left_out = Vec::new();
     for (k, run) in runs.iter().enumerate() {
         let others: Vec<&TestRun> = runs.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, run)| run).collect();
         let own = folder_without(folder.path(), &run.name);
@@ -73,23 +70,31 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
             say(format_args!("error: {} could not be predicted from the others", run.name));
             return Ok(predicted);
         }
-        let from = others.iter().map(|other| other.name.clone()).collect();
-        left_out.push(Left { test: run.name.clone(), from, folder: own });
     }
-    write_summary(folder.path(), &pipeline.name, &left_out)?;
+    write_summary(folder.path(), &pipeline.name, &left_out_of(folder.path())?)?;
     given.keep(folder.path(), &composed)?;
     Ok(status)
 }
 
-/// Predicts with the joint candidates of a folder again, and writes its summary anew.
+/// The pipeline as the stages are given it, and its file in the folder.
+fn handed_on(
+    pipeline: &Pipeline,
+    options: &TogetherOptions,
+    folder: &Path,
+) -> anyhow::Result<(crumple_stage::Pipeline, PipelineOfRun)> {
+    let mut composed = pipeline.read(&options.project, &[])?;
+    composed.note_run(&pipeline.name);
+    let given = PipelineOfRun::write(folder, &composed, None)?;
+    Ok((composed, given))
+}
+
+/// Predicts with the joint candidates of a folder again, and writes its summary again.
 fn predict_again(made: &Path, options: &TogetherOptions) -> anyhow::Result<ExitStatus> {
     let pipeline = Pipeline::of_run(made, &options.pipeline, &options.project);
     let folder = LockedFolder::lock(made)?;
-    let mut composed = pipeline.read(&options.project, &[])?;
-    composed.note_run(&pipeline.name);
-    let given = PipelineOfRun::write(folder.path(), &composed, None)?;
-    let joint = JointRun { options, pipeline: given.path(), folder: folder.path() };
     let left_out = left_out_of(folder.path())?;
+    let (composed, given) = handed_on(&pipeline, options, folder.path())?;
+    let joint = JointRun { options, pipeline: given.path(), folder: folder.path() };
     let status = joint.prediction(&[folder.path().join(SOLVED)], None, folder.path(), &options.rest)?;
     if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
         write_summary(folder.path(), &pipeline.name, &left_out)?;

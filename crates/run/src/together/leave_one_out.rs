@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_stage::load_artifacts;
 use crumple_stage::records::{DiagnosisV1, PredictionV1, TestsV1};
+use crumple_stage::{Refused, load_artifacts};
 
 use crate::together::files::{PREDICTED, SOLVED};
 
@@ -28,9 +28,16 @@ pub(crate) fn folder_without(folder: &Path, test: &str) -> PathBuf {
     folder.join(format!("{WITHOUT}{test}"))
 }
 
-/// The tests of a joint result, each left out once.
+/// The tests of a joint result, each left out once. Refuses a folder whose tests were not all predicted.
 pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<Left>> {
-    let tests: TestsV1 = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?.unwrap_or_default();
+    let tests: Option<TestsV1> = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?;
+    let refused = |problem: String| Refused::new(problem).hint("just together A.EV5 B.EV5 ... makes all of it again");
+    let nothing = || refused(format!("{} holds no model of several tests", folder.display()));
+    let tests = tests.ok_or_else(nothing)?;
+    if let Some(test) = tests.tests.iter().find(|test| !folder_without(folder, &test.name).is_dir()) {
+        let problem = format!("in {} the test {} is not predicted from the others", folder.display(), test.name);
+        return Err(refused(problem).into());
+    }
     let names: Vec<&String> = tests.tests.iter().map(|test| &test.name).collect();
     let left = |name: &&String| Left {
         test: (*name).clone(),

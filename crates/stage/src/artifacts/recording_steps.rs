@@ -18,7 +18,7 @@ impl Inputs {
     /// events: all channels are integrated alike.
     ///
     /// Known are CFC filters with their coefficients, no filter, the trapezoidal rule and forward Euler, at the rate of
-    /// the record.
+    /// the record. Errors: a record that cannot be read.
     pub fn recording_steps(
         &self,
         events: &EventsV1,

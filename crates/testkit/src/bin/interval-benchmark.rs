@@ -43,6 +43,13 @@ fn benchmark() -> Result<ExitCode, Failure> {
     let folder = std::env::temp_dir().join(format!("interval-benchmark-{}", std::process::id()));
     let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
     let records = first..first + records;
+    let names: Vec<&str> = match choice {
+        true => DRAWN.iter().map(|drawn| drawn.name).collect(),
+        false => FAMILIES.iter().map(|family| family.name).collect(),
+    };
+    if !names.iter().any(|name| asked(name)) {
+        return Err(format!("no family has {} in its name; there are: {}", wanted.join(", "), names.join("; ")).into());
+    }
     if choice {
         println!("| made of | held, % | recommended: it / not told apart / other / none | simplest | others |");
         println!("|---|---|---|---|---|");
@@ -52,10 +59,6 @@ fn benchmark() -> Result<ExitCode, Failure> {
             print!("{}", choices.row(drawn.name));
         }
     } else {
-        if !FAMILIES.iter().any(|family| asked(family.name)) {
-            let names: Vec<&str> = FAMILIES.iter().map(|family| family.name).collect();
-            return Err(format!("no family is named so; there are: {}", names.join("; ")).into());
-        }
         println!("{}", Cover::HEAD);
         for family in FAMILIES.iter().filter(|family| asked(family.name)) {
             let cover = cover_of(family, records.clone(), &bin, &folder)?;

@@ -9,7 +9,9 @@ const SEED: u64 = 17;
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let count = |at: usize| words.get(at).map_or(Ok(0), |word| word.parse::<usize>());
-    let (Some(folder), Ok(records), Ok(broken)) = (words.first(), count(1), count(2)) else {
+    let (Some(folder), Ok(records), Ok(broken)) =
+        (words.first().filter(|word| !word.starts_with('-')), count(1), count(2))
+    else {
         eprintln!("usage: make-fleet FOLDER RECORDS [BROKEN]");
         return ExitCode::from(2);
     };

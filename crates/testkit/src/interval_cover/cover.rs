@@ -17,8 +17,8 @@ pub struct Closed {
 pub struct Counts {
     /// Closed intervals of records that determine the parameter, as the report says it.
     pub determined: Closed,
-    /// Closed intervals of a parameter of which no more than an order of magnitude is known, or not that.
-    pub wide: Closed,
+    /// Other closed intervals: the parameter is open, or known to an order of magnitude only.
+    pub not_determined: Closed,
     /// Intervals that are open on a side.
     pub open: usize,
 }
@@ -77,7 +77,7 @@ impl Cover {
         for (name, more) in &other.parameters {
             let counts = self.parameters.entry(name.clone()).or_default();
             counts.determined.add(&more.determined);
-            counts.wide.add(&more.wide);
+            counts.not_determined.add(&more.not_determined);
             counts.open += more.open;
         }
         self.misses.extend(other.misses.iter().cloned());
@@ -95,7 +95,7 @@ impl Cover {
             counts.open += 1;
             return;
         };
-        let closed = if is_determined { &mut counts.determined } else { &mut counts.wide };
+        let closed = if is_determined { &mut counts.determined } else { &mut counts.not_determined };
         closed.widths.push((high - low) / truth);
         if low <= truth && truth <= high {
             closed.held += 1;
@@ -113,13 +113,13 @@ impl Cover {
     pub fn rows(&self, family: &str) -> String {
         let mut rows = String::new();
         for (name, counts) in &self.parameters {
-            let (determined, wide) = (&counts.determined, &counts.wide);
+            let (determined, others) = (&counts.determined, &counts.not_determined);
             let _infallible = writeln!(
                 rows,
                 "| {family} | {name} | {} | {} | {} | {} | {} |",
                 determined.cells(),
                 determined.width(),
-                wide.cells(),
+                others.cells(),
                 counts.open,
                 self.without
             );
@@ -150,7 +150,7 @@ mod tests {
         both.add(&cover);
         let counts = &cover.parameters["k"];
         assert_eq!(counts.determined, Closed { held: 1, widths: vec![1.0, 0.5] });
-        assert_eq!((counts.wide.held, counts.open), (1, 1));
+        assert_eq!((counts.not_determined.held, counts.open), (1, 1));
         assert_eq!(cover.rows("x"), "| x | k | 2 | 50.0 | 100.0 | 1 | 100.0 | 1 | 0 |\n");
         assert_eq!(both.rows("x"), "| x | k | 4 | 50.0 | 100.0 | 2 | 100.0 | 2 | 0 |\n");
         assert_eq!(cover.misses[0].to_string(), "record 1: k = 4.000000e0 is not in 1.000000e0 to 3.000000e0");

@@ -26,6 +26,8 @@ pub enum CoverError {
     Step(StepError),
     /// The car has no motion.
     Model(LumpedError),
+    /// A candidate that is none.
+    Record(serde_json::Error),
 }
 
 impl std::fmt::Display for CoverError {
@@ -33,6 +35,7 @@ impl std::fmt::Display for CoverError {
         match self {
             Self::Step(error) => error.fmt(f),
             Self::Model(error) => error.fmt(f),
+            Self::Record(error) => error.fmt(f),
         }
     }
 }
@@ -42,6 +45,12 @@ impl std::error::Error for CoverError {}
 impl From<StepError> for CoverError {
     fn from(error: StepError) -> Self {
         Self::Step(error)
+    }
+}
+
+impl From<serde_json::Error> for CoverError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Record(error)
     }
 }
 
@@ -74,7 +83,7 @@ fn trial(family: &Family, number: usize, programs: &Steps<'_>) -> Result<Cover, 
     arguments.extend(family.flags);
     let printed = programs.run("parameter-solve", &arguments)?;
     programs.remove_folder()?;
-    Ok(count(family, number, &car, &printed))
+    count(family, number, &car, &printed)
 }
 
 /// Draws a car and measures its test: `2.mcap` and `3.mcap` in the folder of the programs. Without a pipeline no
@@ -97,7 +106,7 @@ fn blend(name: &str, number: usize) -> u64 {
 
 /// Counts the intervals of the candidate whose masses move most like those of the car: a record cannot tell duals
 /// apart, and both are given; their springs and dampers may be near each other, the motion of the front is not.
-fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Cover {
+fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Result<Cover, CoverError> {
     let truth = car.model.parameters();
     let below = format!("/parameters/{}/", family.id);
     let candidates = records(printed, &below).map(|(_, candidate)| candidate);
@@ -115,12 +124,9 @@ fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Cover {
     let mut cover = Cover::default();
     let Some(nearest) = candidates.min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
         cover.without = 1;
-        return cover;
+        return Ok(cover);
     };
-    let Ok(nearest) = serde_json::from_value::<CandidateV1>(nearest.clone()) else {
-        cover.without = 1;
-        return cover;
-    };
+    let nearest: CandidateV1 = serde_json::from_value(nearest.clone())?;
     let ends = nearest.uncertainty.iter().flat_map(|u| u.interval_low.iter().map(move |(name, low)| (u, name, *low)));
     for (known, name, low) in ends {
         if let Some(truth) = truth.get(name) {
@@ -129,5 +135,5 @@ fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Cover {
             cover.count(number, (name, *truth, is_determined), (low, high));
         }
     }
-    cover
+    Ok(cover)
 }

@@ -62,7 +62,7 @@ impl CandidateV1 {
     /// How sure a parameter is that was asked of the record; `None` for one that was given.
     ///
     /// Open is what is in [`CandidateV1::doubt`]. Of what is not, an interval between ends of one sign, one of them
-    /// more than a thousand times the other, gives an order of magnitude and no more.
+    /// more than ten times the other, gives an order of magnitude and no more.
     pub fn certainty(&self, name: &str) -> Option<Certainty> {
         if !self.asked().any(|asked| asked == name) {
             return None;
@@ -85,14 +85,14 @@ impl CandidateV1 {
 }
 
 /// Ratio of the ends of a 95 % interval above which a parameter counts as known to an order of magnitude only.
-const ORDER_OF_MAGNITUDE: f64 = 1e3;
+const ORDER_OF_MAGNITUDE: f64 = 10.0;
 
 /// How sure a record is of a parameter that was asked of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Certainty {
     /// The record determines it.
     Determined,
-    /// Its 95 % interval spans more than a factor of 1000.
+    /// Its 95 % interval spans more than a factor of 10.
     OrderOfMagnitude,
     /// It may be anything: on a bound of its search, or without an interval.
     Open,

@@ -95,10 +95,15 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     sentences.join(" ")
 }
 
-/// The stiffness that one number can say of a model of one curve: that of the spring with the same energy.
+/// One stiffness for a model of one mass whose spring is a curve of knots: that of the spring with the energy and the
+/// crush of the test.
 fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
-    let elements = parts(run.language, candidate)?.elements;
-    let [ElementPart { glyph: Glyph::Curve(_), .. }, ..] = &elements[..] else { return None };
+    let drawn = parts(run.language, candidate)?;
+    let has_a_curve = matches!(drawn.elements.first(), Some(ElementPart { glyph: Glyph::Curve(_), .. }));
+    let has_a_stiffness = candidate.record.parameters.contains_key("loading_stiffness_n_per_m");
+    if drawn.masses.len() > 1 || !has_a_curve || has_a_stiffness {
+        return None;
+    }
     let stiffness = run.metric("average_stiffness")?.value?;
     let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
     Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
