@@ -290,6 +290,10 @@ impl Run<'_> {
             if self.options.again.is_none() && self.has_a_report() && stage.writes_an_artifact() {
                 arguments.push("--no-summary".into());
             }
+            // Asked again, it answers, also where the answer is there.
+            if self.options.again.is_some() && number == 0 && !self.is_forced() {
+                arguments.push("--force".into());
+            }
             let status = run_in_shell(&stage.command, &arguments, &self.options.flags)?;
             return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
@@ -314,6 +318,11 @@ impl Run<'_> {
         let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };
         removed.with_context(|| format!("cannot remove {}", new.display()))?;
         Ok(ending)
+    }
+
+    /// Whether a flag makes stages compute what is up to date.
+    fn is_forced(&self) -> bool {
+        words(&self.options.flags).any(|word| word == "--force") || self.options.record.iter().any(|w| w == "--force")
     }
 
     /// Whether the last stage is one that sums the run up.
