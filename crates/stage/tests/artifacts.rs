@@ -30,9 +30,9 @@ fn channel(id: &str, quantity: &str, location: &str) -> Value {
     json!({"id": id, "quantity": quantity, "location": location, "unit": unit, "status": "valid"})
 }
 
-/// 120 samples from 80 ms before zero of the axis on.
+/// 120 samples from 50 ms before zero of the axis on.
 fn wave(dt_s: f64) -> Sampled {
-    Sampled::new(-0.08, dt_s, (0..120).map(|k| f64::from(k % 7) - 3.0).collect()).unwrap()
+    Sampled::new(-0.05, dt_s, (0..120).map(|k| f64::from(k % 7) - 3.0).collect()).unwrap()
 }
 
 /// An artifact in a folder, of records as JSON and waves.
@@ -82,8 +82,8 @@ fn a_class_filter_with_its_coefficients_is_known() {
     assert_eq!(found.two_pass_filter, Some((COEFFICIENTS, 10)));
     assert!(found.known && found.from_contact && !found.forward_euler, "{found:?}");
     assert_eq!((found.dt_s, found.samples), (DT_S, 120));
-    // The first sample is 80 ms before zero of the axis, contact 5 ms before it.
-    assert!((found.first_s + 0.075).abs() < 1e-12, "{}", found.first_s);
+    // The first sample is 50 ms before zero of the axis, contact 5 ms before it.
+    assert!((found.first_s + 0.045).abs() < 1e-12, "{}", found.first_s);
     let euler = steps(Some(class_filter()), DT_S, &events(Some("forward-euler"), "record-start"));
     assert!(euler.known && euler.forward_euler && !euler.from_contact, "{euler:?}");
     // What a filter mirrors at the first sample is left out of the noise before the event.
@@ -158,7 +158,7 @@ fn the_force_on_the_wall_is_known_where_all_cells_went_through_one_filter() {
     resampled["resampled_to_hz"] = json!(1000.0);
     let (force, steps) = wall([Some(class_filter()), Some(class_filter())], Some(other.clone())).unwrap();
     assert_eq!((force.len(), steps.samples, steps.two_pass_filter), (120, 120, Some((COEFFICIENTS, 10))));
-    assert!(steps.known && !steps.from_contact && (steps.first_s + 0.075).abs() < 1e-12, "{steps:?}");
+    assert!(steps.known && !steps.from_contact && (steps.first_s + 0.045).abs() < 1e-12, "{steps:?}");
     assert!(wall([Some(class_filter()), None], None).unwrap().1.known, "a cell without data has no filter");
     for second in [other, resampled, no_filter()] {
         let steps = wall([Some(class_filter()), Some(second.clone())], None).unwrap().1;
