@@ -128,6 +128,10 @@ fn a_folder_without_a_summary_is_named_with_what_to_do() {
     let output = index(folder.path(), &["runs/empty"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(said(&output).contains("runs/empty/summary.json is no summary of a run"), "{}", said(&output));
+    fs::write(folder.path().join("runs/empty/summary.json"), r#"{"schema": "crumple.together.v1"}"#).unwrap();
+    let output = index(folder.path(), &["runs/empty"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(said(&output).contains("runs/empty is a model of several tests, not a run"), "{}", said(&output));
     let output = index(folder.path(), &["@none.txt"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).contains("cannot read the list none.txt"), "{}", said(&output));

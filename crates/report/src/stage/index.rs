@@ -104,13 +104,25 @@ fn refuse_missing(folders: &[PathBuf], summaries: &[PathBuf]) -> Result<(), Refu
         .hint("just run RECORD makes one; leave out runs that did not get there"))
 }
 
+/// Schema of the summary that `just together` writes.
+const OF_SEVERAL_TESTS: &str = "crumple.together.v1";
+
 fn read(path: &Path) -> anyhow::Result<RunSummary> {
     let refused = |problem: String| {
         Refused::new(problem).hint("write it again: crumple-report FOLDER/*.mcap -o FOLDER/report.html")
     };
     let bytes = fs::read(path).map_err(|error| refused(format!("cannot read {}: {error}", path.display())))?;
-    Ok(RunSummary::from_json(&bytes)
-        .map_err(|error| refused(format!("{} is no summary of a run: {error}", path.display())))?)
+    RunSummary::from_json(&bytes).map_err(|error| {
+        let other: Option<serde_json::Value> = serde_json::from_slice(&bytes).ok();
+        if other.is_some_and(|summary| summary["schema"] == OF_SEVERAL_TESTS) {
+            let folder = path.parent().unwrap_or(path);
+            return Refused::new(format!("{} is a model of several tests, not a run", folder.display()))
+                .expected("run folders")
+                .hint("leave it out, and name the runs of its tests")
+                .into();
+        }
+        refused(format!("{} is no summary of a run: {error}", path.display())).into()
+    })
 }
 
 /// The filtered pulse of a run folder; empty where there is none.
