@@ -254,4 +254,35 @@ mod tests {
         assert_eq!(status_of(&Usage::new("no such key").into()), ExitStatus::Usage);
         assert_eq!(status_of(&anyhow::anyhow!("disk on fire")), ExitStatus::Failure);
     }
+
+    #[test]
+    fn a_missing_topic_names_who_writes_it() {
+        let error = MissingTopic::new("/events", "2-filter.mcap (filter)".to_owned(), "crumple-integrate");
+        assert_eq!(error.writer(), "crumple-integrate");
+        insta::assert_snapshot!(render(&error.into()), @r#"
+        error: topic /events is in none of the inputs: 2-filter.mcap (filter)
+          hint: give the artifact of crumple-integrate too
+        "#);
+    }
+
+    #[test]
+    fn an_error_of_a_library_is_told_with_its_sources_once() {
+        #[derive(Debug, thiserror::Error)]
+        #[error("cannot read the table")]
+        struct Outer(#[source] Inner);
+        #[derive(Debug, thiserror::Error)]
+        #[error("line 7")]
+        struct Inner;
+        #[derive(Debug, thiserror::Error)]
+        #[error("cannot read: line 7")]
+        struct Quoting(#[source] Inner);
+        let text = |error: &dyn std::error::Error| full_text(error);
+        assert_eq!(text(&Outer(Inner)), "cannot read the table: line 7");
+        assert_eq!(text(&Quoting(Inner)), "cannot read: line 7");
+        let refused = Err::<(), _>(Outer(Inner)).refuse_with_hint("mend it").unwrap_err();
+        assert!(render(&refused).ends_with("line 7\n  hint: mend it") && status_of(&refused) == ExitStatus::Refused);
+        // A cause that its effect quotes is not said twice.
+        let quoted = anyhow::Error::new(Quoting(Inner));
+        assert_eq!(render(&quoted), "error: cannot read: line 7");
+    }
 }

@@ -211,6 +211,19 @@ mod tests {
     }
 
     #[test]
+    fn a_stage_without_a_result_is_the_reason_for_what_is_missing() {
+        let diagnosis = DiagnosisV1 { stage: "identify".to_owned(), reason: "no poles".to_owned(), has_result: false };
+        let concern = |severity: &str| ConcernV1 { severity: severity.to_owned(), ..ConcernV1::default() };
+        let concerns = vec![concern(ConcernV1::WARNING), concern(ConcernV1::NO_RESULT)];
+        let diagnosed = Diagnosed { diagnoses: vec![diagnosis], concerns, test: None };
+        let missing = |writer| MissingTopic::new("/model", String::new(), writer);
+        let reason = diagnosed.reason_for(&missing("crumple-identify")).unwrap();
+        assert_eq!(reason, "nothing to work on, since identify says: no poles");
+        assert_eq!(diagnosed.reason_for(&missing("crumple-filter")), None);
+        assert_eq!(diagnosed.concerns().count(), 1);
+    }
+
+    #[test]
     fn two_artifacts_of_one_stage_and_artifacts_of_two_records_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name, stage, record| written(folder.path(), name, stage, record);

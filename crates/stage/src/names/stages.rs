@@ -42,3 +42,30 @@ pub(crate) fn writer_of(topic: &str) -> &'static str {
     }
     WRITERS.iter().find(|(prefix, _)| topic.starts_with(prefix)).map_or("another stage", |(_, writer)| writer)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_are_in_the_order_of_the_pipeline_and_others_behind_them() {
+        let orders: Vec<usize> = STAGES.iter().map(|stage| stage_order(Some(stage))).collect();
+        assert!(orders.windows(2).all(|pair| pair[0] < pair[1]), "{orders:?}");
+        assert!(stage_order(Some("mine")) > orders[0] && stage_order(None) > orders[0]);
+    }
+
+    #[test]
+    fn a_topic_is_written_by_its_stage() {
+        for (topic, writer) in [
+            ("/test", "crumple-ingest"),
+            ("/filter/93", "crumple-filter"),
+            ("/events", "crumple-integrate"),
+            ("/parameters/kelvin/direct-fit/1", "crumple-parameter-solve"),
+            ("/wave/93", "crumple-filter or crumple-ingest"),
+            ("/wave/93/velocity", "crumple-integrate"),
+            ("/mine/velocity", "another stage"),
+        ] {
+            assert_eq!(writer_of(topic), writer, "{topic}");
+        }
+    }
+}
