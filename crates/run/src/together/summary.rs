@@ -11,6 +11,9 @@ use serde_json::{Map, Value, json};
 use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
 use crate::together::leave_one_out::Left;
 
+/// An error of the crush that an engineer calls none, percent: that of two sensors in one car.
+const ALIKE: f64 = 3.0;
+
 /// Writes `summary.json` in one piece, and says the table.
 pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) -> anyhow::Result<()> {
     let joint = load_artifacts(&[folder.join(SOLVED)])?.input;
@@ -26,7 +29,7 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) ->
     for left in left_out {
         let predicted = left.predictions()?;
         say(format_args!("{:<16} {}", "together", line(left, &predicted)));
-        missed.extend(predicted.iter().flatten().find_map(|prediction| missed_crush(left, prediction)));
+        missed.extend(predicted.iter().find_map(|predictions| missed_crush(&left.test, predictions)));
         rows.push(row(left, predicted)?);
     }
     let candidates =
@@ -65,16 +68,14 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) ->
     Ok(())
 }
 
-/// `ka (-23.3 %)` where the others predict another crush than this test has, beyond interval and [`ALIKE`].
-fn missed_crush(left: &Left, prediction: &PredictionV1) -> Option<String> {
-    let against = prediction.against.as_ref()?;
+/// `ka (-23.3 %)` where the others predict another crush than this test has, beyond interval and [`ALIKE`]: by the
+/// prediction that stands in the table.
+fn missed_crush(test: &str, predictions: &[PredictionV1]) -> Option<String> {
+    let against = predictions.iter().find_map(|prediction| prediction.against.as_ref())?;
     let error = against.dynamic_crush_error_percent?;
     let is_held = against.held.iter().any(|name| name == "dynamic_crush_m");
-    (!is_held && error.abs() > ALIKE).then(|| format!("{} ({error:+.1} %)", left.test))
+    (!is_held && error.abs() > ALIKE).then(|| format!("{test} ({error:+.1} %)"))
 }
-
-/// An error of the crush that an engineer calls none, percent: that of two sensors in one car.
-const ALIKE: f64 = 3.0;
 
 fn with_id(id: &str, candidate: &CandidateV1) -> Result<Value, serde_json::Error> {
     let mut value = serde_json::to_value(candidate)?;
@@ -129,4 +130,27 @@ fn errors(against: &AgainstTestV1) -> String {
         percent(against.peak_acceleration_error_percent),
         number(against.coefficient_of_restitution_error),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crush_that_the_others_miss_is_named_by_the_prediction_of_the_table() {
+        let prediction = |error: Option<f64>, held: bool| PredictionV1 {
+            against: error.map(|percent| AgainstTestV1 {
+                dynamic_crush_error_percent: Some(percent),
+                held: if held { vec!["dynamic_crush_m".to_owned()] } else { Vec::new() },
+                ..AgainstTestV1::default()
+            }),
+            ..PredictionV1::default()
+        };
+        let missed = |predictions: &[PredictionV1]| missed_crush("a", predictions);
+        assert_eq!(missed(&[prediction(None, false), prediction(Some(-23.3), false)]).unwrap(), "a (-23.3 %)");
+        // What another candidate misses is not what is recommended.
+        assert_eq!(missed(&[prediction(Some(1.0), true), prediction(Some(-23.3), false)]), None);
+        assert_eq!(missed(&[prediction(Some(8.0), true)]), None);
+        assert_eq!(missed(&[prediction(Some(2.0), false)]), None);
+    }
 }
