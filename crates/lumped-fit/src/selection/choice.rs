@@ -12,6 +12,8 @@ use crate::selection::rating::{ComparedRecord, Rated, rate_all};
 
 /// Criteria that differ by less are equal: among them the fewest parameters.
 const EQUAL: f64 = 2.0;
+/// Criteria that differ by more decide.
+const DECISIVE: f64 = 10.0;
 /// Fits that differ by less, percentage points, are the same: rounding does not decide.
 const FIT_STEP: f64 = 1e-6;
 /// Misfits of the wall's force by models of as many masses that differ by less are alike: half of the force that one
@@ -49,7 +51,9 @@ pub struct CandidateSelection {
 /// *Adequate*: physical, no parameter on a bound of its search, a displacement fit of at least
 /// [`SelectionRules::adequate_fit_percent`]. *Recommended*: of the adequate whose numbers the record determines as far
 /// as they are felt at other speeds, and whose wall force is within its limit, the lowest criterion with priors; within
-/// 2 of it the fewest parameters; where that is a plastic structure, the plastic one with the fewest parameters that
+/// 2 of it the fewest parameters. One with open numbers that are felt, not more than half of its numbers, qualifies too
+/// where its criterion is lower than all of those by more than 10, and the lowest with priors: the record itself speaks
+/// against them. Where that is a plastic structure, the plastic one with the fewest parameters that
 /// has the record's own crush at lower speeds ([`crush_error_at_lower_speeds`](crate::crush_error_at_lower_speeds)).
 /// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
 /// physical the best displacement fit.
@@ -89,13 +93,29 @@ impl ComparedCandidates<'_> {
         self.predicts_wrongly(k)
     }
 
-    /// Why an adequate candidate is not for prediction, whatever its criterion.
+    /// Why an adequate candidate is not for prediction beside others that are, whatever its criterion.
     fn predicts_wrongly(&self, k: usize) -> Option<String> {
         let candidate = &self.candidates[k];
         if !candidate.open_and_felt.is_empty() {
             let (open, of) = (candidate.open_and_felt.len(), candidate.parameters);
             return Some(format!("{open} of its {of} numbers are not determined and felt at other speeds"));
         }
+        self.misses_the_force(k)
+    }
+
+    /// Whether a candidate with open numbers that are felt, not more than half of all, has a criterion lower than all
+    /// of `others` by more than [`DECISIVE`], and the lowest with priors too.
+    fn decides(&self, k: usize, others: &[usize]) -> bool {
+        let candidate = &self.candidates[k];
+        let criterion = |k: usize| self.rated[k].aicc.unwrap_or(f64::INFINITY);
+        2 * candidate.open_and_felt.len() <= candidate.parameters
+            && others.iter().all(|other| criterion(k) + DECISIVE < criterion(*other))
+            && others.iter().all(|other| self.total(k) < self.total(*other))
+            && self.misses_the_force(k).is_none()
+    }
+
+    fn misses_the_force(&self, k: usize) -> Option<String> {
+        let candidate = &self.candidates[k];
         let force = candidate.force_misfit_percent.filter(|force| *force > self.force_limit_percent(candidate.masses));
         force.map(|force| format!("it misses the force on the wall by {force:.0} %"))
     }
@@ -112,14 +132,18 @@ impl ComparedCandidates<'_> {
 
     fn recommended(&self, samples: Option<f64>) -> Choice {
         let Some(samples) = samples else { return Self::none(self.why_none_is_adequate()) };
-        let qualified: Vec<usize> = self.adequate().filter(|k| self.not_for_prediction(*k).is_none()).collect();
-        let Some(lowest) = qualified.iter().map(|k| self.total(*k)).reduce(f64::min) else {
+        let mut qualified: Vec<usize> = self.adequate().filter(|k| self.not_for_prediction(*k).is_none()).collect();
+        if qualified.is_empty() {
             let reasons: Vec<String> = self
                 .adequate()
                 .filter_map(|k| Some(format!("{}: {}", self.candidates[k].id, self.not_for_prediction(k)?)))
                 .collect();
             return Self::none(format!("no adequate candidate qualifies ({})", reasons.join("; ")));
-        };
+        }
+        let decisive: Vec<usize> =
+            self.adequate().filter(|k| !qualified.contains(k) && self.decides(*k, &qualified)).collect();
+        qualified.extend(decisive);
+        let lowest = qualified.iter().map(|k| self.total(*k)).fold(f64::INFINITY, f64::min);
         let equal = qualified.iter().copied().filter(|k| self.total(*k) <= lowest + EQUAL);
         let by_evidence = equal.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(qualified[0]);
         let best = self.right_at_lower_speeds(by_evidence);
@@ -130,7 +154,11 @@ impl ComparedCandidates<'_> {
             "{}, {}{}, {}",
             candidate.class.name(),
             candidate.determined_in_words(),
-            if candidate.open.is_empty() { "" } else { " and hardly felt at other speeds" },
+            match (candidate.open.len(), candidate.open_and_felt.len()) {
+                (0, _) => String::new(),
+                (_, 0) => " and hardly felt at other speeds".to_owned(),
+                (_, felt) => format!(" ({felt} felt at other speeds)"),
+            },
             match next {
                 _ if best != by_evidence => self.beside_the_evidence(best, by_evidence),
                 Some(next) => self.beside_the_next(best, next),
@@ -191,7 +219,7 @@ impl ComparedCandidates<'_> {
         if gap.abs() < EQUAL {
             format!("equal to {id} within {EQUAL} and with no more numbers")
         } else {
-            let weight = if gap > 10.0 { "decisive" } else { "weak" };
+            let weight = if gap > DECISIVE { "decisive" } else { "weak" };
             format!("its criterion {gap:.1} below that of {id}, which is {weight}")
         }
     }
@@ -308,19 +336,58 @@ mod tests {
 
     #[test]
     fn what_the_record_leaves_open_is_not_for_prediction() {
-        let mut open = candidate("open", EnergyClass::Plastic, 5, 0.2);
+        let rules = SelectionRules::default();
+        // 20 ln(1/0.75^2) = 11.5, less 2 for a number more and 1.2 for the correction: lower by 8.3.
+        let mut open = candidate("open", EnergyClass::Plastic, 3, 0.75);
         open.open = vec!["k3".to_owned()];
         let determined = candidate("determined", EnergyClass::Plastic, 2, 1.0);
         // Not felt at other speeds, it stands in the way of the simplest alone.
         let unfelt = [open.clone(), determined.clone()];
-        assert_eq!(ids(&unfelt, &SelectionRules::default()), some(["open", "determined", "open"]));
+        assert_eq!(ids(&unfelt, &rules), some(["open", "determined", "open"]));
         open.open_and_felt.clone_from(&open.open);
         let both = [open.clone(), determined];
-        assert_eq!(ids(&both, &SelectionRules::default()), some(["determined", "determined", "open"]));
-        let selection = choose(&both, &RECORD, &SelectionRules::default());
-        assert!(selection.recommended.because.contains("but 1 of its 5 numbers are not determined and felt"));
-        let [recommended, simplest, closest] = ids(&[open], &SelectionRules::default());
+        assert_eq!(ids(&both, &rules), some(["determined", "determined", "open"]));
+        let selection = choose(&both, &RECORD, &rules);
+        assert!(selection.recommended.because.contains("but 1 of its 3 numbers are not determined and felt"));
+        let [recommended, simplest, closest] = ids(&[open], &rules);
         assert_eq!((recommended, simplest, closest.as_deref()), (None, None, Some("open")));
+    }
+
+    #[test]
+    fn a_decisive_record_is_for_a_model_with_open_numbers_unless_most_of_them_are() {
+        let rules = SelectionRules::default();
+        // 20 ln 16 = 55 above one without open numbers.
+        let determined = candidate("determined", EnergyClass::Plastic, 2, 2.0);
+        let open = |names: &[&str]| {
+            let open: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            let close = candidate("open", EnergyClass::Damped, 4, 0.5);
+            ComparedCandidate { open_and_felt: open.clone(), open, ..close }
+        };
+        let half = [open(&["c2", "c3"]), determined.clone()];
+        assert_eq!(ids(&half, &rules), some(["open", "determined", "open"]));
+        let because = choose(&half, &RECORD, &rules).recommended.because;
+        assert!(because.starts_with("damped, 2 of 4 numbers determined, 2 open (2 felt at other speeds)"), "{because}");
+        let most = [open(&["c1", "c2", "c3"]), determined.clone()];
+        assert_eq!(ids(&most, &rules), some(["determined", "determined", "open"]));
+        // 20 ln(1.25^2) = 8.9: not decisive.
+        let near = ComparedCandidate { misfit: candidate("", EnergyClass::Damped, 4, 1.6).misfit, ..open(&["c2"]) };
+        assert_eq!(ids(&[near, determined.clone()], &rules)[0].as_deref(), Some("determined"));
+        let misses_the_wall = ComparedCandidate { force_misfit_percent: Some(60.0), ..open(&["c2"]) };
+        assert_eq!(ids(&[misses_the_wall, determined], &rules), some(["determined", "determined", "open"]));
+    }
+
+    #[test]
+    fn a_misfit_that_is_all_zero_level_leaves_a_choice_among_the_fewest_numbers() {
+        let level = |mut candidate: ComparedCandidate, level: f64| {
+            candidate.misfit = Some(vec![level; 40]);
+            candidate
+        };
+        let two = level(candidate("two", EnergyClass::Plastic, 2, 1.0), 1.0);
+        let worse = level(candidate("worse", EnergyClass::Plastic, 2, 1.0), 2.0);
+        let three = level(candidate("three", EnergyClass::Plastic, 3, 0.9), 0.9);
+        let all = [worse, three, two];
+        assert_eq!(ids(&all, &SelectionRules::default())[0].as_deref(), Some("two"));
+        assert_eq!(choose(&all, &RECORD, &SelectionRules::default()).samples, Some(5.0));
     }
 
     #[test]

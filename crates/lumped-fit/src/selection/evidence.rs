@@ -49,12 +49,17 @@ impl TwoPassFilter {
     }
 }
 
+/// Independent samples that a criterion of a candidate with so many free numbers needs, its level of noise counted.
+pub fn fewest_samples(parameters: usize) -> f64 {
+    (parameters + 1) as f64 + TO_SPARE
+}
+
 /// The corrected Akaike criterion of a misfit with so many free numbers, its own level of noise counted as one more.
 ///
 /// `record_rms` is the root mean square of the record. `None`: fewer than two independent samples more than numbers.
 pub fn criterion(misfit: &[f64], record_rms: f64, samples: f64, parameters: usize) -> Option<f64> {
     let charged = parameters + 1;
-    if misfit.is_empty() || samples < charged as f64 + TO_SPARE {
+    if misfit.is_empty() || samples < fewest_samples(parameters) {
         return None;
     }
     let loss = visible_misfit(misfit, record_rms).powi(2);

@@ -1,7 +1,7 @@
 //! What speaks for and against each candidate, in numbers: whether it is adequate, its criterion, what priors add.
 
 use crate::selection::compared_candidate::ComparedCandidate;
-use crate::selection::evidence::{criterion, independent_samples, visible_misfit};
+use crate::selection::evidence::{criterion, fewest_samples, independent_samples, visible_misfit};
 use crate::selection::prior::SelectionRules;
 
 /// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
@@ -92,16 +92,20 @@ fn not_adequate(candidate: &ComparedCandidate, rules: &SelectionRules) -> Option
     }
 }
 
-/// The smallest number of independent samples among adequate candidates with comparable misfits.
+/// The smallest number of independent samples among adequate candidates with comparable misfits, at least as many as
+/// the adequate candidate with the fewest numbers needs: where a misfit is all zero level, all of it is worth one
+/// sample, and there is still a choice among those.
 fn shared_samples(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
-    let adequate = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
-    let misfits: Vec<&[f64]> = adequate.filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
+    let adequate = || candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
+    let misfits: Vec<&[f64]> = adequate().filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
     let least = misfits.iter().map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)?;
+    let fewest = adequate().map(|(candidate, _)| candidate.parameters).min()?;
     misfits
         .iter()
         .filter(|misfit| visible_misfit(misfit, record.rms) <= COMPARABLE * least)
         .map(|misfit| independent_samples(misfit, record.rms, record.most_samples))
         .reduce(f64::min)
+        .map(|samples| samples.max(fewest_samples(fewest)))
 }
 
 /// Fills in the criteria.

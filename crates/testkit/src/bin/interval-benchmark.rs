@@ -8,7 +8,7 @@
 
 use std::process::ExitCode;
 
-use crumple_testkit::interval_cover::{Cover, DRAWN, FAMILIES, choices_of, cover_of};
+use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
@@ -53,8 +53,7 @@ fn benchmark() -> Result<ExitCode, Failure> {
         return Err(format!("no family has {} in its name; there are: {}", wanted.join(", "), names.join("; ")).into());
     }
     if choice {
-        println!("| made of | held, % | recommended: it / not told apart / other / none | simplest | others |");
-        println!("|---|---|---|---|---|");
+        println!("{}", Choices::HEAD);
         let pipeline = workspace().join("pipelines/default.toml");
         for drawn in DRAWN.iter().filter(|drawn| asked(drawn.name)) {
             let choices = choices_of(drawn, records.clone(), (&bin, &pipeline), &folder)?;

@@ -54,6 +54,9 @@ enum Choice {
     True,
     /// Another, whose criterion is not worse by more than [`TOLD_APART`].
     NotToldApart,
+    /// Another, where the record has too few independent samples for the numbers of that model: its criterion grows
+    /// without limit towards them.
+    TooFewSamples,
     /// Another.
     Other,
     /// None.
@@ -66,6 +69,8 @@ pub struct Choices {
     records: usize,
     /// Records with the true model, or one not told apart, as recommended or simplest.
     held: usize,
+    /// Of the others, those too short for the numbers of the true model.
+    too_short: usize,
     /// By name in the recommendation and choice.
     counts: BTreeMap<(&'static str, Choice), usize>,
     /// Models recommended where the record tells them from the true one.
@@ -112,17 +117,23 @@ impl Choices {
             of.filter_map(|candidate| candidate["aicc"].as_f64()).min_by(f64::total_cmp)
         };
         let truth = criterion(&|id| model_of(id) == model);
+        let is_true = |candidate: &&Value| candidate["id"].as_str().is_some_and(|id| model_of(id) == model);
+        let mut of_truth = candidates.iter().filter(is_true);
+        let is_too_short = truth.is_none() && of_truth.any(|candidate| candidate["misfit"].is_number());
         let choice = |name: &str| match recommendation[name].as_str() {
             None => Choice::Nothing,
             Some(id) if model_of(id) == model => Choice::True,
             Some(id) => match criterion(&|other| other == id).zip(truth) {
                 Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::NotToldApart,
+                None if is_too_short => Choice::TooFewSamples,
                 _ => Choice::Other,
             },
         };
         let named = ["recommended", "simplest"].map(|name| (name, choice(name)));
         self.records += 1;
-        self.held += usize::from(named.iter().any(|(_, choice)| *choice <= Choice::NotToldApart));
+        let best = named.iter().map(|(_, choice)| *choice).min();
+        self.held += usize::from(best.is_some_and(|choice| choice <= Choice::NotToldApart));
+        self.too_short += usize::from(best == Some(Choice::TooFewSamples));
         for key in named {
             *self.counts.entry(key).or_default() += 1;
         }
@@ -131,15 +142,29 @@ impl Choices {
         }
     }
 
-    /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, then the counts
-    /// of the recommended and of the simplest: true, not told apart, other, none; others that are recommended.
+    /// Share of records, %, with the true model or one not told apart as recommended or simplest, with those that have
+    /// too few independent samples for that model.
+    pub fn held_percent(&self) -> f64 {
+        100.0 * (self.held + self.too_short) as f64 / self.records as f64
+    }
+
+    /// Head of the table of [`Choices::row`].
+    pub const HEAD: &str = "\
+| made of | held, % | held, or too few samples, % | recommended: it / not told apart / too few samples / other / none \
+| simplest | others |
+|---|---|---|---|---|---|";
+
+    /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, the same with
+    /// the records that have too few independent samples for that model, then the counts of the recommended and of the
+    /// simplest: true, not told apart, too few samples, other, none; others that are recommended.
     pub fn row(&self, name: &str) -> String {
-        let mut row = format!("| {name} | {:.1} |", 100.0 * self.held as f64 / self.records as f64);
+        let held = 100.0 * self.held as f64 / self.records as f64;
+        let mut row = format!("| {name} | {held:.1} | {:.1} |", self.held_percent());
         for of in ["recommended", "simplest"] {
             let count = |choice| self.counts.get(&(of, choice)).copied().unwrap_or_default();
-            let [truth, not_told_apart, other, nothing] =
-                [Choice::True, Choice::NotToldApart, Choice::Other, Choice::Nothing].map(count);
-            let _infallible = write!(row, " {truth} / {not_told_apart} / {other} / {nothing} |");
+            let [truth, not_told_apart, too_few, other, nothing] =
+                [Choice::True, Choice::NotToldApart, Choice::TooFewSamples, Choice::Other, Choice::Nothing].map(count);
+            let _infallible = write!(row, " {truth} / {not_told_apart} / {too_few} / {other} / {nothing} |");
         }
         let others: Vec<String> = self.others.iter().map(|(model, count)| format!("{model} {count}")).collect();
         let _infallible = writeln!(row, " {} |", others.join(", "));
@@ -163,6 +188,14 @@ mod tests {
             choices.count(&record, "a");
         }
         choices.count(&serde_json::json!({ "recommended": null, "simplest": null }), "a");
-        assert_eq!(choices.row("a"), "| a | 50.0 | 1 / 1 / 1 / 1 | 0 / 1 / 2 / 1 | c 1 |\n");
+        // A criterion of the true model that nobody can state: too many numbers for the samples.
+        let too_many = serde_json::json!({ "id": "a/fit/1", "aicc": null, "misfit": 0.1 });
+        choices.count(
+            &serde_json::json!({
+                "recommended": "c/fit/1", "simplest": null, "candidates": [too_many, candidate("c/fit/1", 11.0)]
+            }),
+            "a",
+        );
+        assert_eq!(choices.row("a"), "| a | 40.0 | 60.0 | 1 / 1 / 1 / 1 / 1 | 0 / 1 / 0 / 2 / 2 | c 1 |\n");
     }
 }

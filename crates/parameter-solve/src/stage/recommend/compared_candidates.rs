@@ -20,6 +20,11 @@ const HORIZON_S: f64 = 2.0;
 /// Share of the largest force of a curve below which a force at a knot is none.
 const NO_FORCE: f64 = 1e-3;
 
+/// Parameters of which the bound is another parameter of the same model, by the side constraints of its paper: `k1 <=
+/// k2`, `c1 >= c2 >= c3`. On it the two are one number, which says something of the vehicle.
+const ORDERED: [(&str, &str); 3] =
+    [("nonlinear-1", "k2_n_per_m"), ("nonlinear-1", "c1_n_s_per_m"), ("nonlinear-1", "c2_n_s_per_m")];
+
 /// A candidate with what its record does not say.
 #[derive(Debug)]
 pub struct Submitted<'a> {
@@ -151,6 +156,7 @@ impl Comparison {
         let forces = record.parameters.keys().filter(|name| is_force(name)).filter_map(|name| size(name));
         let smallest = NO_FORCE * forces.fold(0.0, f64::max);
         let is_zero = |name: &str| size(name).is_some_and(|v| v == 0.0 || is_force(name) && v <= smallest);
+        let is_limit = |name: &str| is_zero(name) || ORDERED.contains(&(record.model.as_str(), name));
         let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
         // A rate factor is free in a fit to several tests alone: however little they say of it, it is more than the
@@ -170,7 +176,7 @@ impl Comparison {
             open,
             order_of_magnitude: record.parameters_of(Certainty::OrderOfMagnitude).len(),
             open_and_felt,
-            on_bound: bounds.iter().filter(|name| !is_zero(name)).cloned().collect(),
+            on_bound: bounds.iter().filter(|name| !is_limit(name)).cloned().collect(),
             physical: record.physical,
             misfit: misfit.map(|misfits| misfits.concat()),
             // The worst of several: a model is to follow all.
