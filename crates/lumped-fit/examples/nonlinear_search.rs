@@ -262,6 +262,7 @@ fn random_starts(record: &Signal<Displacement>, starts: usize, seed: u64) -> any
         upper: limits.iter().map(|ends| ends.1).collect(),
         max_iterations: 120,
         cost_tolerance: 1e-9,
+        slow: 0.0,
     };
     let mut random = RandomNumbers::seeded(seed);
     let mut even = || random.uniform();

@@ -74,9 +74,14 @@ pub struct Bounds {
     pub max_iterations: u32,
     /// Smallest relative decrease of the cost, that of the linear model too, that is worth going on for.
     pub cost_tolerance: f64,
+    /// Smallest relative decrease of the cost in [`Bounds::SLOW_STEPS`] steps that is worth going on for; 0: any.
+    pub slow: f64,
 }
 
 impl Bounds {
+    /// Steps after which a descent is asked whether it still gets anywhere.
+    pub const SLOW_STEPS: u32 = 20;
+
     /// The nearest point of the box.
     fn nearest(&self, theta: &[f64]) -> Vec<f64> {
         let limits = self.lower.iter().zip(&self.upper);
@@ -178,6 +183,7 @@ pub(super) fn descent<L: LeastSquares>(
     let mut on_bound = fixed_at_bound(&theta, &linear, bounds);
     let mut scale = vec![0.0; n];
     let (mut lambda, mut growth) = (1e-3, 2.0);
+    let mut cost_before = cost;
     let stop = loop {
         if let Some(reason) = end.or_else(|| ended(cost, iterations)) {
             break reason;
@@ -188,6 +194,12 @@ pub(super) fn descent<L: LeastSquares>(
         let size = cost.sqrt();
         if (0..n).all(|i| on_bound[i] || linear.gradient[i].abs() <= orthogonal * linear.norms[i] * size) {
             break StopReason::GradientConverged;
+        }
+        if iterations > 0 && iterations % Bounds::SLOW_STEPS == 0 {
+            if cost > (1.0 - bounds.slow) * cost_before {
+                break StopReason::SlowDescent;
+            }
+            cost_before = cost;
         }
         iterations += 1;
         let Some(step) = damped_step(&linear, &scale, lambda, &on_bound, &theta, bounds) else {

@@ -1,7 +1,8 @@
 //! Why an iteration stopped, and how records name it.
 //!
-//! All of these are results: the point is the best that was seen. Only [`StopReason::IterationLimit`] says that going
-//! on could still lower the cost. Whether unknowns stand on a bound is said beside the reason, by the optimum.
+//! All of these are results: the point is the best that was seen. [`StopReason::IterationLimit`] and
+//! [`StopReason::SlowDescent`] say that going on could still lower the cost. Whether unknowns stand on a bound is said
+//! beside the reason, by the optimum.
 
 use std::fmt;
 
@@ -18,6 +19,8 @@ pub enum StopReason {
     PerfectFit,
     /// No step with a finite response lowers the cost any more.
     NoImprovement,
+    /// The cost still falls, by less in many steps than is worth them: a valley that the record leaves open.
+    SlowDescent,
     /// The limit of iterations or evaluations was reached; the parameters are the best seen.
     IterationLimit,
 }
@@ -31,6 +34,7 @@ impl StopReason {
             Self::StepConverged => "step-converged",
             Self::PerfectFit => "perfect-fit",
             Self::NoImprovement => "no-improvement",
+            Self::SlowDescent => "slow-descent",
             Self::IterationLimit => "iteration-limit",
         }
     }

@@ -238,7 +238,8 @@ impl<S: Separable> LeastSquares for Projected<'_, S> {
 /// basis, one of the sensitivities, `2 rows (unknowns + columns)²` for the orthogonalisation.
 pub fn minimize(problem: &impl Separable, start: &[f64], stop: Stop) -> Option<SeparableFit> {
     let (lower, upper) = problem.bounds().into_iter().unzip();
-    let bounds = Bounds { lower, upper, max_iterations: stop.max_iterations, cost_tolerance: COST_TOLERANCE };
+    let bounds =
+        Bounds { lower, upper, max_iterations: stop.max_iterations, cost_tolerance: COST_TOLERANCE, slow: 0.0 };
     let Descent { theta, point, cost, on_bound, iterations, evaluations, stop, .. } =
         descent(&Projected(problem), start, &bounds, stop.gradient, false)?;
     let Point { coefficients, residual, .. } = point;

@@ -39,17 +39,32 @@ const OWN_DUAL: f64 = 1e-4;
 /// A parameter that comes near zero, or leaves it, changes its coordinate (logarithm or share of its scale) and the
 /// descent goes on. Local: the result depends on the start. `None` where the model has no finite response.
 pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
-    let minimum = descend_with_hops(model, free, observed)?;
+    // The coordinates first: a hop in ones that are to change would be for nothing.
+    let minimum = descend_with_hops(model, free, observed, Hops::WithCoordinatesThatStay)?;
     let redescribed: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
-    if redescribed.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic) {
+    if same_coordinates(&redescribed, free) {
         return Some(minimum);
     }
-    let next = descend_with_hops(&minimum.model, &redescribed, observed)?;
+    let next = descend_with_hops(&minimum.model, &redescribed, observed, Hops::Always)?;
     Some(Minimum {
         evaluations: minimum.evaluations + next.evaluations,
         iterations: minimum.iterations + next.iterations,
         ..next
     })
+}
+
+/// Whether every parameter keeps its kind of coordinate.
+fn same_coordinates(redescribed: &[FreeParameter], free: &[FreeParameter]) -> bool {
+    redescribed.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic)
+}
+
+/// When a descent is followed by hops from its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Hops {
+    /// Whatever the end.
+    Always,
+    /// Where no parameter changes its coordinate there.
+    WithCoordinatesThatStay,
 }
 
 /// The minimum near a start that is close already, by one descent; else as [`fit_as_measured`].
@@ -61,12 +76,15 @@ pub(crate) fn fit_nearby(model: &Model, free: &[FreeParameter], observed: &Obser
 }
 
 /// One descent and the hops from its end, with coordinates fixed to those of `free`.
-fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
+fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation, hops: Hops) -> Option<Minimum> {
     let coordinates = Coordinates::near(*model, free);
     let problem = near(&coordinates, observed);
     let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
-    for _ in 0..3 {
+    let values = coordinates.model(&best.theta)?.parameters();
+    let redescribed: Vec<FreeParameter> = free.iter().map(|p| p.described_at(values[p.name])).collect();
+    let rounds = if hops == Hops::Always || same_coordinates(&redescribed, free) { 3 } else { 0 };
+    for _ in 0..rounds {
         // Below the resolution no other minimum can be told to be better.
         if best.cost <= observed.unresolved() || best.on_bound.iter().any(|on_bound| *on_bound) {
             break;

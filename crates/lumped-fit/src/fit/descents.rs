@@ -27,6 +27,7 @@ pub(crate) fn bounds(coordinates: &Coordinates<impl Parametric>, max_iterations:
         upper: axes().map(|axis| axis.upper).collect(),
         max_iterations,
         cost_tolerance,
+        slow: 0.0,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The search for the second nonlinear model in the compartment's displacement.
 
+use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 use crumple_lumped::{Model, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
@@ -8,7 +9,7 @@ use crate::fit::descents::{all, bounds};
 use crate::fit::nonlinear::coordinates::{coordinates, record_of_fit};
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::options::SingleMassFitOptions;
-use crate::fit::problem::Problem;
+use crate::fit::problem::{Problem, SLOW};
 use crate::free::coordinates::{Coordinates, Map};
 use crate::{Fit, SolveError};
 
@@ -67,7 +68,8 @@ pub fn search_nonlinear2(
     let (mut ends, mut evaluations) = all(&problem, points, &bounds(&coordinates, 12, 1e-4));
     ends.truncate(FOLLOWED);
     let ends = ends.into_iter().map(|m| m.theta).collect();
-    let (ends, more) = all(&problem, ends, &bounds(&coordinates, 120, 1e-9));
+    let follow = Bounds { slow: SLOW, ..bounds(&coordinates, 120, 1e-9) };
+    let (ends, more) = all(&problem, ends, &follow);
     evaluations += more;
     let best = ends.first().ok_or(SolveError::NoFit { starts: REFINED })?;
     // The knots of the damper stand in rising order in the model.
