@@ -127,8 +127,8 @@ texts! { ConclusionTexts
         "{names} of the recommended {model} may be anything as far as this record tells",
         "{names} des empfohlenen Modells {model} kann nach dieser Aufzeichnung alles sein";
     warn_hardly:
-        "{names} of the recommended {model} is known to an order of magnitude only",
-        "{names} des empfohlenen Modells {model} ist nur der Größenordnung nach bekannt";
+        "of the recommended {model} the record gives {names} to an order of magnitude only",
+        "vom empfohlenen Modell {model} gibt die Aufzeichnung {names} nur der Größenordnung nach an";
     warn_dual:
         "the recommended {model} has a mirror image that gives exactly the same record; a second sensor, on the front \
          or the engine, decides between them",
@@ -159,6 +159,8 @@ texts! { ConclusionTexts
     peak_label: "peak", "Spitzenwert";
     olc_label: "OLC", "OLC";
     knots: "knots", "Stützstellen";
+    as_one_spring: "as one spring k {stiffness}", "als eine Feder k {stiffness}";
+    given: "given", "vorgegeben";
     model_label: "recommended", "empfohlen";
     warnings_label: "before you use it", "vor dem Gebrauch";
     missing_label: "not in it", "fehlt darin";

@@ -14,8 +14,8 @@ pub struct Row {
 /// Titles of the columns of [`line`].
 pub fn header() -> String {
     format!(
-        "{:>6} {:>7} {:>8} {:>15} {:>6} {:>6} {:>6} {:>6}  candidate",
-        "km/h", "kg", "crush mm", "90 %", "t_m ms", "dv", "peak g", "e"
+        "{:>6} {:>7} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  candidate",
+        "km/h", "kg", "crush mm", "90 %", "t_m ms", "dv km/h", "peak g", "e"
     )
 }
 
@@ -28,7 +28,7 @@ pub fn line(record: &PredictionV1) -> String {
     let interval = interval.map_or_else(|| "-".to_owned(), |i| format!("{:.1}..{:.1}", 1e3 * i.low, 1e3 * i.high));
     let names = if record.names.is_empty() { String::new() } else { format!(" ({})", record.names.join(", ")) };
     format!(
-        "{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>6} {:>6} {:>6}  {}{names}{}",
+        "{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
         3.6 * record.impact_speed_m_per_s,
         record.mass_kg,
         number(record.dynamic_crush_m, 1e3, 1),
@@ -50,7 +50,7 @@ pub fn partner_and_occupant(record: &PredictionV1) -> Vec<String> {
     let collision = record.collision.as_ref().map(|both| {
         format!(
             "        closing {:.1} km/h, common {} km/h; mutual crush {} mm, partner {} mm; energy {} and {} kJ; \
-             partner {:.0} kg, dv {}, peak {} g; after {} and {} km/h",
+             partner {:.0} kg, dv {} km/h, peak {} g; after {} and {} km/h",
             3.6 * both.closing_speed_m_per_s,
             number(both.common_velocity_m_per_s, 3.6, 1),
             number(both.mutual_crush_m, 1e3, 1),

@@ -110,49 +110,71 @@ fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
 
 /// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
 fn parameters(run: &Run, candidate: &CandidateResult) -> String {
-    let known = candidate.record.uncertainty.as_ref();
-    let end = |ends: &BTreeMap<String, Option<f64>>, name: &str| ends.get(name).copied().flatten();
     let knots = knots(run, candidate);
-    let is_of_a_knot = |name: &&str| knots.is_some() && name.starts_with(KNOT);
+    let is_of_a_knot = |name: &&str| !knots.is_empty() && name.starts_with(KNOT);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
     names.retain(|name| !is_of_a_knot(name));
     names.sort_by_key(|name| parameter_order(&candidate.record.model, name));
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
-    let mut texts: Vec<String> = Vec::new();
-    for name in names {
-        let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
-        let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
-        let interval = known.and_then(|u| Some((end(&u.interval_low, name)?, end(&u.interval_high, name)?)));
-        let interval = interval.map_or_else(String::new, |(low, high)| {
-            let digits = digits_of_interval(low, high, 3);
-            let [low, high] = [low, high].map(|si| run.language.significant(in_unit(si), digits));
-            format!(" ({})", run.language.between(&low, &high))
-        });
-        let is_sure = matches!(candidate.record.certainty(name), None | Some(Certainty::Determined));
-        let open = if is_sure { "" } else { " ?" };
-        let value = run.language.significant(value, 4);
-        texts.push(format!("{symbol} {value} {unit}{interval}{open}").replace(" ?", "?").trim_end().to_owned());
-    }
+    let mut texts: Vec<String> = names.into_iter().map(|name| named_value(run, candidate, name)).collect();
+    texts.extend(as_one_spring(run, candidate, &knots));
     texts.extend(knots);
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
     format!("{}: {}{more}", candidate_name(&candidate.id), texts.join(", "))
 }
 
+/// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
+/// masses aside, is said to be given.
+fn named_value(run: &Run, candidate: &CandidateResult, name: &str) -> String {
+    let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
+    let value = run.language.significant(value, 4);
+    format!("{symbol} {value} {unit}{}", how_sure(run, candidate, name)).trim_end().to_owned()
+}
+
+/// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
+fn how_sure(run: &Run, candidate: &CandidateResult, name: &str) -> String {
+    let known = candidate.record.uncertainty.as_ref();
+    let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
+    let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
+    let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
+    let interval = interval.map_or_else(String::new, |(low, high)| {
+        let digits = digits_of_interval(low, high, 3);
+        let [low, high] = [low, high].map(|si| run.language.significant(in_unit(si), digits));
+        format!(" ({})", run.language.between(&low, &high))
+    });
+    let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
+    match candidate.record.certainty(name) {
+        Some(Certainty::Determined) => interval,
+        None if is_mass || !interval.is_empty() => interval,
+        None => format!(" ({})", run.language.phrases().conclusion.given),
+        Some(Certainty::OrderOfMagnitude | Certainty::Open) => format!("{interval}?"),
+    }
+}
+
 /// What the parameters of a knot of a force-deflection curve begin with.
 const KNOT: &str = "knot";
 
-/// `knots 96.6 mm 93.7 kN, ...`: the curve of a candidate with deflections and forces.
-fn knots(run: &Run, candidate: &CandidateResult) -> Option<String> {
+/// `knots 97 mm 94 kN (40 to 210)`, then one text a knot: the curve of a candidate with deflections and forces.
+fn knots(run: &Run, candidate: &CandidateResult) -> Vec<String> {
     let parameters = &candidate.record.parameters;
     let mut knots = Vec::new();
     for number in 1.. {
-        let at = |unit: &str| parameters.get(&format!("{KNOT}{number}_{unit}"));
-        let Some((deflection_m, force_n)) = at("m").zip(at("n")) else { break };
+        let [deflection, force] = ["m", "n"].map(|unit| format!("{KNOT}{number}_{unit}"));
+        let Some((deflection_m, force_n)) = parameters.get(&deflection).zip(parameters.get(&force)) else { break };
         let (mm, kn) =
             (run.language.quantity(MILLI * deflection_m, 0, "mm"), run.language.quantity(KILO * force_n, 0, "kN"));
-        knots.push(format!("{mm} {kn}"));
+        let name = if number == 1 { format!("{} ", run.language.phrases().conclusion.knots) } else { String::new() };
+        knots.push(format!("{name}{mm} {kn}{}", how_sure(run, candidate, &force)));
     }
-    let name = run.language.phrases().conclusion.knots;
-    (!knots.is_empty()).then(|| format!("{name} {}", knots.join(", ")))
+    knots
+}
+
+/// `as one spring k 769 kN/m`: one stiffness for a curve of knots on one mass, that of the spring with the energy and
+/// the crush of the test.
+fn as_one_spring(run: &Run, candidate: &CandidateResult, knots: &[String]) -> Option<String> {
+    let is_one_curve = !knots.is_empty() && candidate.record.parameters.contains_key("mass_kg");
+    let stiffness = run.metric("average_stiffness").filter(|_| is_one_curve)?.value?;
+    let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
+    Some(fill(run.language.phrases().conclusion.as_one_spring, &[("stiffness", stiffness)]))
 }
