@@ -172,6 +172,9 @@ fn a_hundred_channels_and_more_are_folded() {
     let html = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(html.contains("<details><summary>Show all 31 channels</summary>"));
     assert!(html.contains("The test lists 31 channels in all: 30 valid, 1 not installed."));
+    // On paper a list of hundreds has those with data alone, and says so.
+    assert_eq!(html.matches("<tr class=\"no-paper\">").count(), 1);
+    assert!(html.contains("<p class=\"on-paper\">Left out on paper, for want of valid data: 1.</p>"));
 }
 
 #[test]

@@ -23,6 +23,9 @@ texts! { PageTexts
     no_pulse:
         "The test does not say which of its channels is the crash pulse.",
         "Der Versuch sagt nicht, welcher seiner Kanäle der Crashpuls ist.";
+    not_on_paper:
+        "Left out on paper, for want of valid data: {count}.",
+        "Auf Papier weggelassen, da ohne gültige Daten: {count}.";
     all_channels: "Show all {count} channels", "Alle {count} Kanäle zeigen";
     id: "Id", "Kennung";
     location: "Location", "Einbauort";

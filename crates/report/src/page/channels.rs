@@ -2,7 +2,7 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
-use crumple_signal::Channel;
+use crumple_signal::{Channel, ChannelStatus};
 
 use crate::Run;
 use crate::frame::heads::{Column, table};
@@ -41,11 +41,18 @@ pub(super) fn write(out: &mut String, run: &Run) {
     let columns = [texts.id, texts.location, texts.axis_head, texts.quantity, "CFC", texts.status, texts.remark]
         .map(Column::text);
     out.push_str(&table("", &columns));
+    let is_without_data = |channel: &&Channel| channel.status != ChannelStatus::Valid;
     for channel in channels {
-        row(out, run.language, channel, taken == Some(channel.id.as_str()));
+        let on_paper = !(folded && is_without_data(&channel));
+        row(out, run.language, channel, taken == Some(channel.id.as_str()), on_paper);
     }
     out.push_str("</tbody>\n</table></div>\n");
     if folded {
+        let left_out = channels.iter().filter(is_without_data).count();
+        if left_out > 0 {
+            let note = fill(texts.not_on_paper, &[("count", left_out.to_string())]);
+            out.push_str(&format!("<p class=\"on-paper\">{note}</p>\n"));
+        }
         out.push_str("</details>\n");
     }
     out.push_str("</section>\n");
@@ -57,15 +64,20 @@ fn states(channels: &[Channel]) -> String {
     for channel in channels {
         *counts.entry(channel.status).or_insert(0_usize) += 1;
     }
-    if counts.len() == 1 && counts.contains_key(&crumple_signal::ChannelStatus::Valid) {
+    if counts.len() == 1 && counts.contains_key(&ChannelStatus::Valid) {
         return String::new();
     }
     let parts: Vec<String> = counts.iter().map(|(status, count)| format!("{count} {status}")).collect();
     format!(": {}", parts.join(", "))
 }
 
-fn row(out: &mut String, language: Language, channel: &Channel, taken: bool) {
+fn row(out: &mut String, language: Language, channel: &Channel, taken: bool, on_paper: bool) {
     let texts = &language.phrases().page;
+    let class = match taken {
+        true => " class=\"best\"",
+        false if !on_paper => " class=\"no-paper\"",
+        false => "",
+    };
     let or_dash = |text: Option<String>| text.map_or_else(|| ABSENT.to_owned(), |text| html(&text));
     let mut remark = channel.comment.clone().unwrap_or_default();
     if channel.redundant {
@@ -73,8 +85,7 @@ fn row(out: &mut String, language: Language, channel: &Channel, taken: bool) {
         remark = if remark.is_empty() { redundant.to_owned() } else { format!("{redundant}; {remark}") };
     }
     out.push_str(&format!(
-        "<tr{}><td><code>{}</code>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-        if taken { " class=\"best\"" } else { "" },
+        "<tr{class}><td><code>{}</code>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
         html(&channel.id),
         if taken { format!(" <strong>{}</strong>", texts.taken) } else { String::new() },
         html(&channel.location),
