@@ -3,6 +3,7 @@
 
 mod folder;
 
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -14,8 +15,8 @@ use crumple_artifact_cli::{
 };
 use crumple_signal::value::Length;
 use crumple_stage::{
-    ExitStatus, Refused, Usage, artifacts_of_a_run, keep_budget, printable, refuse_to_overwrite, say, to_stdout,
-    tool_main,
+    ExitStatus, Refused, Usage, artifacts_of_a_run, columns, keep_budget, printable, refuse_to_overwrite, say,
+    to_stdout, tool_main,
 };
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
@@ -153,7 +154,9 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         None => notes,
     };
     let mut bytes = Vec::new();
-    notes.write(&mut bytes).context("cannot print the notes")?;
+    // A line each where a program reads them.
+    let columns = if std::io::stdout().is_terminal() { columns() } else { usize::MAX };
+    notes.write(&mut bytes, columns).context("cannot print the notes")?;
     to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
     Ok(ExitStatus::Done)
 }
