@@ -1,14 +1,8 @@
 //! The notes of artifacts alone: warnings by weight, then what is good to know, each with its stage.
 
-use std::io::{self, Write};
-
 use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1};
 use crumple_artifact::{Artifact, ReadError};
 use crumple_signal::{About, Note, Severity, Weight};
-use crumple_stage::labelled;
-
-/// Columns of mark, weight and stage, in front of the text.
-const LABEL: usize = 28;
 
 /// What stages remarked.
 #[derive(Debug, Default)]
@@ -66,19 +60,16 @@ impl StageNotes {
         }
     }
 
-    /// Writes them: weight, stage, text, wrapped to so many columns.
-    pub fn write(&self, out: &mut dyn Write, columns: usize) -> io::Result<()> {
-        let mut write = |label: &str, text: &str| {
-            labelled(label, LABEL, text, columns).iter().try_for_each(|line| writeln!(out, "{line}"))
-        };
+    /// A label (mark, weight, stage) and a text for each of them; what to do has no label.
+    pub fn lines(&self) -> Vec<(String, String)> {
+        let mut lines = Vec::new();
         for ConcernV1 { stage, severity, weight, text, remedy, .. } in &self.concerns {
             let mark = if severity == ConcernV1::NO_RESULT { "none" } else { "warning" };
-            write(&format!("{mark:<8}{weight:<3}{stage}"), text)?;
-            if let Some(remedy) = remedy {
-                write("", &format!("what to do: {remedy}"))?;
-            }
+            lines.push((format!("{mark:<8}{weight:<3}{stage}"), text.clone()));
+            lines.extend(remedy.iter().map(|remedy| (String::new(), format!("what to do: {remedy}"))));
         }
-        self.infos.iter().try_for_each(|(stage, text)| write(&format!("{:<11}{stage}", "note"), text))
+        lines.extend(self.infos.iter().map(|(stage, text)| (format!("{:<11}{stage}", "note"), text.clone())));
+        lines
     }
 }
 
@@ -87,16 +78,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_terminal_gets_lines_that_fit_and_a_program_one_a_note() -> io::Result<()> {
-        let infos = vec![("ingest".to_owned(), "a long note on one record".to_owned())];
+    fn a_note_has_its_stage_in_front() {
+        let infos = vec![("ingest".to_owned(), "a note on one record".to_owned())];
         let notes = StageNotes { infos, ..StageNotes::default() };
-        let written = |columns: usize| {
-            let mut bytes = Vec::new();
-            notes.write(&mut bytes, columns).map(|()| String::from_utf8_lossy(&bytes).into_owned())
-        };
-        let (mark, beside) = (format!("{:<11}{:<17}", "note", "ingest"), " ".repeat(LABEL));
-        assert_eq!(written(usize::MAX)?, format!("{mark}a long note on one record\n"));
-        assert_eq!(written(48)?, format!("{mark}a long note on one\n{beside}record\n"));
-        Ok(())
+        assert_eq!(notes.lines(), [("note       ingest".to_owned(), "a note on one record".to_owned())]);
     }
 }

@@ -15,8 +15,8 @@ use crumple_artifact_cli::{
 };
 use crumple_signal::value::Length;
 use crumple_stage::{
-    ExitStatus, Refused, Usage, artifacts_of_a_run, columns, keep_budget, printable, refuse_to_overwrite, say,
-    to_stdout, tool_main,
+    ExitStatus, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, printable, refuse_to_overwrite,
+    say, to_stdout, tool_main,
 };
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
@@ -136,6 +136,9 @@ fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitSt
     Ok(ExitStatus::Done)
 }
 
+/// Columns of mark, weight and stage in front of a note.
+const LABEL_OF_A_NOTE: usize = 28;
+
 fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let mut files = Vec::new();
     let mut ranked = None;
@@ -153,11 +156,11 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         Some(concerns) => notes.ranked_as(concerns),
         None => notes,
     };
-    let mut bytes = Vec::new();
     // A line each where a program reads them.
     let columns = if std::io::stdout().is_terminal() { columns() } else { usize::MAX };
-    notes.write(&mut bytes, columns).context("cannot print the notes")?;
-    to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
+    let lines = notes.lines().into_iter().flat_map(|(label, text)| labelled(&label, LABEL_OF_A_NOTE, &text, columns));
+    let text: String = lines.map(|line| line + "\n").collect();
+    to_stdout(printable(&text).as_bytes())?;
     Ok(ExitStatus::Done)
 }
 
