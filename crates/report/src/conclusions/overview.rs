@@ -114,7 +114,11 @@ fn parameters(run: &Run, candidate: &CandidateResult) -> String {
     let is_of_a_knot = |name: &&str| !knots.is_empty() && name.starts_with(KNOT);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
     names.retain(|name| !is_of_a_knot(name));
-    names.sort_by_key(|name| parameter_order(&candidate.record.model, name));
+    // What nobody asked the record for comes last, masses aside.
+    names.sort_by_key(|name| {
+        let order = parameter_order(&candidate.record.model, name);
+        (order.0 > 0 && candidate.record.certainty(name).is_none(), order)
+    });
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(run, candidate, name)).collect();
