@@ -12,6 +12,9 @@ use crate::screen::Screen;
 /// Longest wait for an answer of the browser: a machine with much other work starts it slowly.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+/// Times that a page is asked for: the library waits for each for some seconds only, whatever its patience.
+const TRIES: usize = 6;
+
 /// Names under which a browser of this kind is installed.
 const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
@@ -46,7 +49,13 @@ impl Browser {
     /// Opens a file on a screen and waits until it is loaded. `fragment`: empty, or what stands behind it from `#` on.
     pub fn open(&self, file: &Path, fragment: &str, screen: Screen) -> Page {
         let file = file.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        let tab = self.0.new_tab().unwrap_or_else(|error| panic!("no new page: {error}"));
+        let mut tab = self.0.new_tab();
+        for _ in 1..TRIES {
+            if tab.is_err() {
+                tab = self.0.new_tab();
+            }
+        }
+        let tab = tab.unwrap_or_else(|error| panic!("no new page: {error}"));
         tab.set_default_timeout(PATIENCE);
         Page::open(tab, &format!("file://{}{fragment}", file.display()), screen)
     }
