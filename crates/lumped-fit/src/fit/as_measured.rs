@@ -41,10 +41,7 @@ const OWN_DUAL: f64 = 1e-4;
 pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
     // The coordinates first: a hop in ones that are to change would be for nothing.
     let minimum = descend_with_hops(model, free, observed, Hops::WithCoordinatesThatStay)?;
-    let redescribed: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
-    if same_coordinates(&redescribed, free) {
-        return Some(minimum);
-    }
+    let Some(redescribed) = redescribed(free, &minimum.model) else { return Some(minimum) };
     let next = descend_with_hops(&minimum.model, &redescribed, observed, Hops::Always)?;
     Some(Minimum {
         evaluations: minimum.evaluations + next.evaluations,
@@ -53,9 +50,11 @@ pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observa
     })
 }
 
-/// Whether every parameter keeps its kind of coordinate.
-fn same_coordinates(redescribed: &[FreeParameter], free: &[FreeParameter]) -> bool {
-    redescribed.iter().zip(free).all(|(new, old)| new.logarithmic == old.logarithmic)
+/// The free parameters as they are described at this model; `None` where all keep their kind of coordinate.
+fn redescribed(free: &[FreeParameter], model: &Model) -> Option<Vec<FreeParameter>> {
+    let values = model.parameters();
+    let there: Vec<FreeParameter> = free.iter().map(|p| p.described_at(values[p.name])).collect();
+    there.iter().zip(free).any(|(new, old)| new.logarithmic != old.logarithmic).then_some(there)
 }
 
 /// When a descent is followed by hops from its end.
@@ -81,9 +80,8 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
     let problem = near(&coordinates, observed);
     let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
-    let values = coordinates.model(&best.theta)?.parameters();
-    let redescribed: Vec<FreeParameter> = free.iter().map(|p| p.described_at(values[p.name])).collect();
-    let rounds = if hops == Hops::Always || same_coordinates(&redescribed, free) { 3 } else { 0 };
+    let stays = redescribed(free, &coordinates.model(&best.theta)?).is_none();
+    let rounds = if stays || hops == Hops::Always { 3 } else { 0 };
     for _ in 0..rounds {
         // Below the resolution no other minimum can be told to be better.
         if best.cost <= observed.unresolved() || best.on_bound.iter().any(|on_bound| *on_bound) {
