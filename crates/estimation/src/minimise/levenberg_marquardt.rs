@@ -347,3 +347,40 @@ fn damped_step(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `exp(-x)`: each step of Gauss and Newton is one, and lowers the cost by `exp(-2)`.
+    struct Decay;
+
+    impl Response for Decay {
+        fn rows(&self) -> usize {
+            1
+        }
+
+        fn residuals(&self, theta: &[f64], out: &mut [f64]) -> bool {
+            out[0] = (-theta[0]).exp();
+            true
+        }
+
+        fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool {
+            out[(0, 0)] = -(-theta[0]).exp();
+            true
+        }
+    }
+
+    #[test]
+    fn a_descent_that_gains_too_little_in_twenty_steps_ends() {
+        let end = |slow: f64| {
+            let bounds = Bounds { lower: vec![0.0], upper: vec![1e3], max_iterations: 50, cost_tolerance: 0.0, slow };
+            descend(&Decay, &[0.0], &bounds).map(|optimum| (optimum.stop, optimum.iterations))
+        };
+        // Twenty steps lower the cost by exp(-40): too little for one who asks for all of it alone.
+        assert_eq!(end(1.0), Some((StopReason::SlowDescent, Bounds::SLOW_STEPS)));
+        for slow in [0.0, 1e-2, 0.99] {
+            assert_eq!(end(slow), Some((StopReason::IterationLimit, 50)));
+        }
+    }
+}
