@@ -27,5 +27,5 @@ pub use impact::reach::Reach;
 pub use impact::scenario::{Partner, Scenario, Surroundings, TestedImpact};
 pub use intervals::directions::Directions;
 pub use intervals::prediction::{Prediction, Support};
-pub use intervals::sources::{INTERVAL_LEVEL, Inputs, Interval};
+pub use intervals::sources::{HALF_WIDTH, INTERVAL_LEVEL, Inputs, Interval};
 pub use predict::predict;

@@ -85,7 +85,8 @@ mod tests {
         other
     }
 
-    const TEST: TestedImpact = TestedImpact { speed_m_per_s: 15.0, range_m_per_s: (15.0, 15.0) };
+    const TEST: TestedImpact =
+        TestedImpact { speed_m_per_s: 15.0, range_m_per_s: (15.0, 15.0), crush_deviation_m: 0.0 };
 
     fn at(candidates: &[Candidate], inputs: Inputs, speed: f64, mass_kg: Option<f64>) -> Prediction {
         let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg };
@@ -132,10 +133,32 @@ mod tests {
         // Half of the weight on a model whose crush is 1/sqrt(1.1) of this: 4.65 %, times sqrt(0.5).
         let expected = 1.644_853_6 * f64::hypot(0.005, (1.0 - 1.1_f64.powf(-0.5)) * 0.5_f64.sqrt());
         assert!((spread - expected).abs() < 2e-4, "{spread}, expected {expected}");
-        let inputs = Inputs { speed_m_per_s: 0.15, mass_kg: 0.0 };
+        let inputs = Inputs { speed_m_per_s: 0.15, ..Inputs::default() };
         // Crush goes as the speed: 1 % of it.
         let with_speed = half_width(&at(&one, inputs, 15.0, None));
         assert!((with_speed - 1.644_853_6 * f64::hypot(0.005, 0.01)).abs() < 2e-4, "{with_speed}");
+    }
+
+    #[test]
+    fn a_prediction_is_as_unsure_as_the_record_that_it_is_from() {
+        let one = [elastoplastic(Some(0.0))];
+        let test = TEST.with_crush_deviation(0.01);
+        let half = |inputs: Inputs, speed: f64| {
+            let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
+            let predicted = predict(&one, &[0], test, inputs, &[scenario], &Surroundings::default());
+            half_width(predicted[0][0].as_ref().unwrap())
+        };
+        // 0.5 % by the stiffness and 10 mm of 0.75 m.
+        let tested = half(Inputs::default(), 15.0);
+        let crush = 15.0 * f64::sqrt(1000.0 / 4e5);
+        assert!((tested - 1.644_853_6 * f64::hypot(0.005, 0.01 / crush)).abs() < 2e-4, "{tested}");
+        // The same 10 mm of a shorter crush.
+        let known = half_width(&at(&one, Inputs::default(), 10.0, None)) / 1.644_853_6;
+        let slower = half(Inputs::default(), 10.0);
+        assert!((slower - 1.644_853_6 * known.hypot(0.01 / crush * 1.5)).abs() < 2e-4, "{slower}");
+        // Tests that were left out were missed by twice their standard deviations.
+        assert!((half(Inputs { left_out: 2.0, ..Inputs::default() }, 15.0) - 2.0 * tested).abs() < 1e-12);
+        assert_eq!(half(Inputs { left_out: 0.5, ..Inputs::default() }, 15.0), tested);
     }
 
     #[test]

@@ -49,6 +49,32 @@ fn summary(folder: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(folder.join("joint/summary.json")).unwrap()).unwrap()
 }
 
+/// The interval of the dynamic crush of a prediction.
+fn crush_interval(prediction: &Value) -> &Value {
+    let intervals = prediction["intervals"].as_array().unwrap();
+    intervals.iter().find(|interval| interval["name"] == "dynamic_crush_m").unwrap()
+}
+
+/// Joint intervals are as much wider as tests that were left out were missed by more than their intervals say.
+fn check_intervals_hold_what_was_missed(summary: &Value) {
+    let in_deviations = |row: &Value| {
+        let prediction = &row["predictions"][0];
+        let interval = crush_interval(prediction);
+        let crush = number(prediction, &["dynamic_crush_m"]);
+        let measured = crush / (1.0 + 0.01 * number(prediction, &["against", "dynamic_crush_error_percent"]));
+        // 1.645 standard deviations on either side.
+        (crush - measured) / ((number(interval, &["high"]) - number(interval, &["low"])) / 3.289_707)
+    };
+    let errors: Vec<f64> = summary["leave_one_out"].as_array().unwrap().iter().map(in_deviations).collect();
+    let ratio = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt();
+    for prediction in summary["predictions"].as_array().unwrap() {
+        let by = crush_interval(prediction)["interval_by"].as_str().unwrap();
+        let said = by.split_once("wider by ").map(|(_, rest)| rest.split(',').next().unwrap().parse::<f64>().unwrap());
+        // Printed to two decimals, handed on to three.
+        assert!((said.unwrap_or(1.0) - ratio.max(1.0)).abs() < 0.0056, "{ratio}: {by}");
+    }
+}
+
 /// Three exact records: what two of them say of the third is off by the knots, which stand at other places than those
 /// of the truth, and by the filter: 2 % of crush between 40 and 64 km/h.
 #[test]
@@ -79,6 +105,7 @@ fn every_test_is_predicted_from_the_others_and_the_rate_factor_is_found() {
         assert!(error.abs() < 2.0, "{}: {error} %", row["test"]);
         assert!(number(of_test, &["against", "iso18571_score"]) > 0.8);
     }
+    check_intervals_hold_what_was_missed(&summary);
     let speeds = summary["predictions"].as_array().unwrap().iter().map(|p| number(p, &["impact_speed_m_per_s"]) * 3.6);
     let mut speeds: Vec<i64> = speeds.map(|v| v.round() as i64).collect();
     // By the text of their numbers: the tenth stands after the first.
@@ -97,6 +124,7 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
     let output = together(folder.path(), &records, &[]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let first = summary(folder.path());
+    check_intervals_hold_what_was_missed(&first);
     assert_eq!(first["leave_one_out"][0]["from"], serde_json::json!(["b"]));
     assert!(!folder.path().join("joint/without-a/5-parameter-solve.mcap").exists());
     let output = together(folder.path(), &records, &[]);

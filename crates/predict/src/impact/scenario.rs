@@ -11,6 +11,8 @@ pub struct TestedImpact {
     pub speed_m_per_s: f64,
     /// Slowest and fastest test, m/s; of one test its speed twice.
     pub range_m_per_s: (f64, f64),
+    /// Standard deviation of its dynamic crush by the uncertainty of its own speed, zero level, gain and time zero, m.
+    pub crush_deviation_m: f64,
 }
 
 impl TestedImpact {
@@ -19,7 +21,13 @@ impl TestedImpact {
         let range = (speed_m_per_s, speed_m_per_s);
         let range_m_per_s =
             others_m_per_s.into_iter().fold(range, |(slowest, fastest), v| (slowest.min(v), fastest.max(v)));
-        Self { speed_m_per_s, range_m_per_s }
+        Self { speed_m_per_s, range_m_per_s, crush_deviation_m: 0.0 }
+    }
+
+    /// The test with this standard deviation of its dynamic crush by its inputs, m.
+    #[must_use]
+    pub fn with_crush_deviation(self, crush_deviation_m: f64) -> Self {
+        Self { crush_deviation_m, ..self }
     }
 
     /// The speed within those of the tests that is nearest to another, m/s.

@@ -15,7 +15,7 @@ use crate::impact::setting::Setting;
 use crate::intervals::directions::Direction;
 use crate::intervals::partner::PreparedPartner;
 use crate::intervals::sources::{
-    Inputs, Interval, Variances, by_extrapolation, by_masses_in_front, by_rate_effect, interval,
+    Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
 };
 use crate::intervals::tested::{COARSE_S, SAMPLING_S, Tested, at_crush, half_difference, relative};
 
@@ -67,10 +67,10 @@ pub(crate) struct Impact<'a> {
 }
 
 /// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force
-/// beyond the tested crush and by masses in front of the compartment, and the crush, m.
+/// beyond the tested crush, by masses in front of the compartment and by the inputs of its test, and the crush, m.
 #[derive(Clone, Copy, Default)]
 struct CrushDoubt {
-    shares: [f64; 3],
+    shares: [f64; 4],
     crush_m: f64,
 }
 
@@ -106,7 +106,7 @@ impl Impact<'_> {
             let models = others.iter().chain(&partner_others);
             let models =
                 models.filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
-            let by_crush = [0, 1, 2].map(|k| {
+            let by_crush = [0, 1, 2, 3].map(|k| {
                 let scaled = |doubt: &CrushDoubt| (quantity.power_of_crush() * doubt.shares[k] * value).powi(2);
                 match quantity.side() {
                     Side::Own => scaled(&own_doubt),
@@ -116,8 +116,9 @@ impl Impact<'_> {
                     }
                 }
             });
-            let all: Variances = [variances[q], by_speed[q], by_mass[q], models, by_crush[0], by_crush[1], by_crush[2]];
-            interval(value, &all)
+            let [rate, extrapolation, in_front, record] = by_crush;
+            let all: Variances = [variances[q], by_speed[q], by_mass[q], models, rate, extrapolation, in_front, record];
+            interval(value, &all, inputs.left_out)
         });
         let energy = match &both {
             Some(both) => both.energy,
@@ -278,5 +279,8 @@ fn doubt(
         .zip(tested_m)
         .filter(|(crush, _)| *crush > 0.0 && one_mass && candidate.class() == EnergyClass::Plastic)
         .map_or(0.0, |(crush, tested_m)| by_masses_in_front(crush / tested_m, mass_kg / tested.mass_kg));
-    CrushDoubt { shares: [rate, extrapolation, in_front], crush_m: crush_m.unwrap_or(0.0) }
+    let record = crush_m.zip(tested_m).filter(|(crush, tested)| *crush > 0.0 && *tested > 0.0);
+    let record =
+        record.map_or(0.0, |(crush, tested_m)| by_inputs_of_test(tested.test.crush_deviation_m, crush, tested_m));
+    CrushDoubt { shares: [rate, extrapolation, in_front, record], crush_m: crush_m.unwrap_or(0.0) }
 }

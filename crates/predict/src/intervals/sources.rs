@@ -1,11 +1,13 @@
 //! Everything that makes a predicted number unsure, as variances, and the interval they come to.
 
+use std::fmt::Write as _;
+
 use crumple_lumped_fit::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 
 /// Share of cases that an interval is to hold.
 pub const INTERVAL_LEVEL: f64 = 0.9;
 /// Half width of it in standard deviations of a normal distribution.
-const HALF_WIDTH: f64 = 1.644_853_626_951_472_7;
+pub const HALF_WIDTH: f64 = 1.644_853_626_951_472_7;
 /// Standard deviation of the rate effect of vehicle structures, s/m: force grows by 0.8 +- 0.5 % per m/s (Cowper &
 /// Symonds for mild steel 1.1 to 1.2 %, for crushed square tubes 0.6 %).
 const RATE_DEVIATION: f64 = 0.005;
@@ -35,6 +37,9 @@ pub struct Inputs {
     pub speed_m_per_s: f64,
     /// Of the mass, kg.
     pub mass_kg: f64,
+    /// Root mean square of what tests that were left out were missed by, in the standard deviations of those
+    /// predictions; zero where none was left out.
+    pub left_out: f64,
 }
 
 /// An interval of a predicted number.
@@ -52,26 +57,33 @@ pub struct Interval {
 const NAMED: f64 = 0.005;
 
 /// What is not known, each with its name.
-pub(crate) const SOURCES: [&str; 7] =
-    ["parameters", "speed", "mass", "models", "rate effect", "extrapolation", "masses in front"];
+pub(crate) const SOURCES: [&str; 8] =
+    ["parameters", "speed", "mass", "models", "rate effect", "extrapolation", "masses in front", "inputs of the test"];
 
 /// Variances of one number in the order of [`SOURCES`].
-pub(crate) type Variances = [f64; 7];
+pub(crate) type Variances = [f64; 8];
 
 /// The interval about a value, symmetric and not below zero; `None` beyond the range of numbers.
-pub(crate) fn interval(value: f64, variances: &Variances) -> Option<Interval> {
+///
+/// Where tests that were left out were missed by more than their intervals say, `left_out` above 1, it is wider by that
+/// ratio: R. T. Birge, *The Calculation of Errors by the Method of Least Squares*, Phys. Rev. 40, 1932.
+pub(crate) fn interval(value: f64, variances: &Variances, left_out: f64) -> Option<Interval> {
     let total: f64 = variances.iter().sum();
     if !(value.is_finite() && total.is_finite()) {
         return None;
     }
-    let half = HALF_WIDTH * total.sqrt();
+    let wider = left_out.max(1.0);
+    let half = wider * HALF_WIDTH * total.sqrt();
     let shares = SOURCES.iter().zip(variances).filter(|(_, variance)| **variance >= NAMED * total && total > 0.0);
     let shares: Vec<String> =
         shares.map(|(name, variance)| format!("{name} {:.0} %", 100.0 * variance / total)).collect();
-    let by = match shares.len() {
+    let mut by = match shares.len() {
         0 => "nothing that is known to be uncertain".to_owned(),
         _ => format!("{} of the variance", shares.join(", ")),
     };
+    if wider > 1.0 {
+        let _infallible = write!(by, "; wider by {wider:.2}, as tests that were left out were missed");
+    }
     Some(Interval { low: (value - half).max(0.0), high: value + half, by })
 }
 
@@ -92,6 +104,12 @@ pub(crate) fn by_masses_in_front(crush: f64, mass: f64) -> f64 {
     (slower * (IN_FRONT[0] + IN_FRONT[1] * slower)).hypot(IN_FRONT_BY_MASS * (mass - 1.0))
 }
 
+/// Relative standard deviation of the crush by what the inputs of the test leave unsure of its own, m: as much at every
+/// lower crush, for time zero shifts all alike, and in proportion beyond the tested one, as by the gain.
+pub(crate) fn by_inputs_of_test(deviation_m: f64, crush_m: f64, tested_m: f64) -> f64 {
+    deviation_m / crush_m.min(tested_m)
+}
+
 /// Relative standard deviation of the crush by the force beyond the tested one: its slope times a factor between 0 and
 /// 2.
 ///
@@ -109,15 +127,15 @@ mod tests {
 
     #[test]
     fn an_interval_is_as_wide_as_the_root_of_its_variances() {
-        let interval = interval(0.5, &[9e-4, 0.0, 0.0, 16e-4, 0.0, 0.0, 0.0]).unwrap();
+        let interval = interval(0.5, &[9e-4, 0.0, 0.0, 16e-4, 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
         // 5 % of standard deviation.
         assert!(
             (interval.high - 0.5 - HALF_WIDTH * 0.05).abs() < 1e-12
                 && (interval.low + interval.high - 1.0).abs() < 1e-12
         );
         assert_eq!(interval.by, "parameters 36 %, models 64 % of the variance");
-        assert_eq!(super::interval(0.01, &[1.0; 7]).unwrap().low, 0.0);
-        assert_eq!(super::interval(f64::NAN, &[0.0; 7]), None);
+        assert_eq!(super::interval(0.01, &[1.0; 8], 0.0).unwrap().low, 0.0);
+        assert_eq!(super::interval(f64::NAN, &[0.0; 8], 0.0), None);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Candidates as the library takes them, and which of them are to predict.
 
-use crumple_predict::{Candidate, ParameterSpread, TestedImpact};
+use crumple_predict::{Candidate, HALF_WIDTH, ParameterSpread, TestedImpact};
 use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestsV1};
 use crumple_stage::{Inputs, Usage, unknown_name};
 
@@ -17,12 +17,25 @@ pub struct Named {
 /// `None` where nothing tells a speed. Errors: records that cannot be read.
 pub fn tested(input: &Inputs) -> anyhow::Result<Option<TestedImpact>> {
     let several: Option<TestsV1> = input.record_if("/tests")?;
-    let speed = match &several {
-        Some(_) => None,
-        None => input.record::<EventsV1>("/events")?.impact_speed_m_per_s,
+    let (speed, deviation) = match &several {
+        // What their inputs leave unsure is in what the tests that are left out are missed by.
+        Some(_) => (None, None),
+        None => {
+            let events: EventsV1 = input.record("/events")?;
+            (events.impact_speed_m_per_s, crush_deviation_m(&events))
+        }
     };
     let speeds = several.iter().flat_map(|several| &several.tests).map(|test| test.impact_speed_m_per_s);
-    Ok(speed.or(input.test()?.impact_speed_m_per_s).map(|speed| TestedImpact::new(speed, speeds)))
+    Ok(speed
+        .or(input.test()?.impact_speed_m_per_s)
+        .map(|speed| TestedImpact::new(speed, speeds).with_crush_deviation(deviation.unwrap_or(0.0))))
+}
+
+/// Standard deviation of the dynamic crush by the inputs of its test, m: of a normal distribution as wide as its 5-95 %
+/// interval.
+fn crush_deviation_m(events: &EventsV1) -> Option<f64> {
+    let interval = events.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
+    Some((interval.high - interval.low) / (2.0 * HALF_WIDTH))
 }
 
 /// All candidates, with what the choice says of them.

@@ -77,6 +77,11 @@ pub struct Options {
     /// Uncertainty of the mass, likewise [default: 0 kg]
     #[arg(long, value_name = "MASS")]
     pub mass_uncertainty: Option<Uncertain<Mass>>,
+
+    /// What tests of the vehicle that were left out were missed by, root mean square in standard deviations of their
+    /// predictions: above 1 it widens all intervals [default: none was left out]
+    #[arg(long, value_name = "RATIO")]
+    pub left_out: Option<f64>,
 }
 
 /// Options with every default filled in.
@@ -90,6 +95,8 @@ pub struct Settings {
     /// Standard deviations.
     pub speed_deviation_m_per_s: f64,
     pub mass_deviation_kg: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<f64>,
     /// The digests of its artifacts are among those of the inputs.
     #[serde(skip)]
     pub against: Option<PathBuf>,
@@ -128,6 +135,9 @@ impl Settings {
         }
         let usual = Uncertain { size: Speed::from_si(0.1 / 3.6), distribution: Distribution::Uniform };
         let speed = options.speed_uncertainty.unwrap_or(usual);
+        if let Some(ratio) = options.left_out.filter(|ratio| !(*ratio >= 0.0 && ratio.is_finite())) {
+            return Err(Usage::new(format!("--left-out is {ratio}, expected zero or more")).into());
+        }
         let mass = options.mass_uncertainty.map_or(0.0, |mass| deviation(mass.size.si(), mass.distribution));
         Ok(Self {
             speeds_m_per_s: all.0,
@@ -140,12 +150,17 @@ impl Settings {
             against: options.against,
             speed_deviation_m_per_s: deviation(speed.size.si(), speed.distribution),
             mass_deviation_kg: mass,
+            left_out: options.left_out,
         })
     }
 
     /// How uncertain the inputs are.
     pub fn inputs(&self) -> Inputs {
-        Inputs { speed_m_per_s: self.speed_deviation_m_per_s, mass_kg: self.mass_deviation_kg }
+        Inputs {
+            speed_m_per_s: self.speed_deviation_m_per_s,
+            mass_kg: self.mass_deviation_kg,
+            left_out: self.left_out.unwrap_or(0.0),
+        }
     }
 }
 

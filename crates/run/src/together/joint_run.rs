@@ -14,11 +14,11 @@ use crate::steps::ending::Ending;
 use crate::steps::start::run_in_shell;
 use crate::together::each_run::{TestRun, run_each, test_runs};
 use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
-use crate::together::leave_one_out::{folder_without, left_out_of, remove_of_others};
+use crate::together::leave_one_out::{Left, folder_without, left_out_of, ratio_of, remove_of_others};
 use crate::together::options::{Asked, TogetherOptions};
 use crate::together::summary::write_summary;
 
-/// Runs every record, fits one model to all of them, predicts with it, and predicts every test from the others.
+/// Runs every record, fits one model to all of them, predicts every test from the others, and predicts with the model.
 ///
 /// A record or program that fails ends it with its exit code, named; what stands in the folder is then that of an
 /// earlier run or of the steps before, each file whole. Exit code 4: no acceptable joint model.
@@ -45,10 +45,6 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     if status != ExitStatus::Done {
         return Ok(status);
     }
-    let status = joint.prediction(&[folder.path().join(SOLVED)], None, folder.path(), &asked.flags)?;
-    if !matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
-        return Ok(status);
-    }
     remove_of_others(folder.path(), &names)?;
     for (k, run) in runs.iter().enumerate() {
         let others: Vec<&TestRun> = runs.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, run)| run).collect();
@@ -71,8 +67,12 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
             return Ok(predicted);
         }
     }
-    write_summary(folder.path(), &pipeline.name, &left_out_of(folder.path())?)?;
-    given.keep(folder.path(), &composed)?;
+    let left_out = left_out_of(folder.path())?;
+    let status = joint.joint_prediction(&left_out, &asked.flags)?;
+    if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
+        write_summary(folder.path(), &pipeline.name, &left_out)?;
+        given.keep(folder.path(), &composed)?;
+    }
     Ok(status)
 }
 
@@ -95,7 +95,7 @@ fn predict_again(made: &Path, options: &TogetherOptions) -> anyhow::Result<ExitS
     let left_out = left_out_of(folder.path())?;
     let (composed, given) = handed_on(&pipeline, options, folder.path())?;
     let joint = JointRun { options, pipeline: given.path(), folder: folder.path() };
-    let status = joint.prediction(&[folder.path().join(SOLVED)], None, folder.path(), &options.rest)?;
+    let status = joint.joint_prediction(&left_out, &options.rest)?;
     if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
         write_summary(folder.path(), &pipeline.name, &left_out)?;
         given.keep(folder.path(), &composed)?;
@@ -124,6 +124,15 @@ impl JointRun<'_> {
         arguments.extend(self.ending(&own.join(SOLVED), &made_from_it));
         arguments.extend(flags);
         self.step(&self.options.parameter_solve, &arguments)
+    }
+
+    /// Predicts with the joint candidates; the intervals hold what the tests that were left out were missed by.
+    fn joint_prediction(&self, left_out: &[Left], flags: &[OsString]) -> anyhow::Result<ExitStatus> {
+        let is_said = flags.iter().any(|flag| flag.to_string_lossy().starts_with("--left-out"));
+        let ratio = ratio_of(left_out)?.filter(|_| !is_said);
+        let ratio = ratio.map(|ratio| ["--left-out".into(), OsString::from(format!("{ratio:.3}"))]);
+        let flags: Vec<OsString> = ratio.into_iter().flatten().chain(flags.iter().cloned()).collect();
+        self.prediction(&[self.folder.join(SOLVED)], None, self.folder, &flags)
     }
 
     /// Predicts with the candidates of these artifacts, into `own`.

@@ -66,6 +66,30 @@ pub(crate) fn remove_of_others(folder: &Path, tests: &[&str]) -> anyhow::Result<
     Ok(())
 }
 
+/// Half width of the 90 % intervals of a prediction in standard deviations.
+const HALF_OF_90_PERCENT: f64 = 1.644_853_626_951_472_7;
+
+/// By how much tests that were left out were missed: root mean square of the errors of their dynamic crush over the
+/// standard deviations of those predictions. `None` where none was predicted.
+pub(crate) fn ratio_of(left_out: &[Left]) -> anyhow::Result<Option<f64>> {
+    let mut squares = Vec::new();
+    for left in left_out {
+        let predictions = left.predictions()?;
+        squares.extend(predictions.iter().flatten().find_map(in_deviations).map(|error| error * error));
+    }
+    Ok(Some((squares.iter().sum::<f64>() / squares.len() as f64).sqrt()).filter(|ratio| ratio.is_finite()))
+}
+
+/// The error of a predicted crush in standard deviations of it.
+fn in_deviations(prediction: &PredictionV1) -> Option<f64> {
+    let error_percent = prediction.against.as_ref()?.dynamic_crush_error_percent?;
+    let predicted = prediction.dynamic_crush_m?;
+    let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
+    let error_m = predicted - predicted / (1.0 + 0.01 * error_percent);
+    let deviation_m = 0.5 * (interval.high - interval.low) / HALF_OF_90_PERCENT;
+    Some(error_m / deviation_m).filter(|ratio| ratio.is_finite())
+}
+
 impl Left {
     /// The predictions of the test itself, the recommended first, or why there is none.
     pub(crate) fn predictions(&self) -> anyhow::Result<Result<Vec<PredictionV1>, String>> {
@@ -80,5 +104,33 @@ impl Left {
             all.into_iter().map(|(_, prediction)| prediction).filter(|p| p.against.is_some()).collect();
         of_the_test.sort_by_key(|prediction| !prediction.recommended);
         Ok(Ok(of_the_test))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crumple_stage::records::{AgainstTestV1, PredictedIntervalV1};
+
+    use super::*;
+
+    #[test]
+    fn an_error_is_counted_in_deviations_of_its_prediction() {
+        let interval = PredictedIntervalV1 {
+            name: "dynamic_crush_m".to_owned(),
+            low: 0.55 - 0.02 * HALF_OF_90_PERCENT,
+            high: 0.55 + 0.02 * HALF_OF_90_PERCENT,
+            level: 0.9,
+            interval_by: String::new(),
+        };
+        let against = AgainstTestV1 { dynamic_crush_error_percent: Some(10.0), ..AgainstTestV1::default() };
+        let prediction = PredictionV1 {
+            dynamic_crush_m: Some(0.55),
+            intervals: vec![interval],
+            against: Some(against),
+            ..PredictionV1::default()
+        };
+        // 0.55 m predicted, 0.50 m measured, 20 mm known.
+        assert!((in_deviations(&prediction).unwrap() - 2.5).abs() < 1e-12);
+        assert_eq!(in_deviations(&PredictionV1 { against: None, ..prediction }), None);
     }
 }
