@@ -24,6 +24,7 @@ pub use impact::candidate::{Candidate, ParameterSpread};
 pub use impact::outcome::{Energy, Outcome, Quantity, Wave};
 pub use impact::partner::{BodyOutcome, CollisionOutcome};
 pub use impact::reach::Reach;
+pub use impact::restraint_fit::{Fitted, FittedRestraint, MeasuredRide};
 pub use impact::scenario::{Partner, Scenario, Surroundings, TestedImpact};
 pub use intervals::directions::Directions;
 pub use intervals::prediction::{Prediction, Support};

@@ -46,7 +46,8 @@ pub fn predict(
             .par_iter()
             .map(|tested| {
                 let tested = tested.as_ref().map_err(Clone::clone)?;
-                Impact { tested, partner, setting, scenario: *scenario }.prediction(inputs, &others)
+                let occupant_ends = &surroundings.occupant_ends;
+                Impact { tested, partner, setting, scenario: *scenario, occupant_ends }.prediction(inputs, &others)
             })
             .collect())
     };

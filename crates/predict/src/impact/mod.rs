@@ -7,5 +7,6 @@ pub mod occupant;
 pub mod outcome;
 pub mod partner;
 pub mod reach;
+pub mod restraint_fit;
 pub mod scenario;
 pub mod setting;

@@ -75,4 +75,6 @@ pub struct Surroundings {
     pub partner: Partner,
     /// Who sits in its compartment, behind which restraint.
     pub occupant: Option<Occupant>,
+    /// The occupant one standard deviation up and down along each direction in which a fitted restraint may be off.
+    pub occupant_ends: Vec<[Occupant; 2]>,
 }

@@ -24,16 +24,22 @@ impl<'a> Setting<'a> {
     /// The impact of a structure at a speed, sampled at `dt_s`. Errors: a response that leaves the range of numbers, no
     /// closing speed.
     pub fn impact(&self, structure: &Structure, speed: f64, dt_s: f64) -> Result<(Outcome, Wave), PredictError> {
-        let (mut outcome, wave) = match self.opponent {
+        let (outcome, wave) = match self.opponent {
             None => at_wall(structure, speed, dt_s)?,
             Some(opponent) => collide(structure, speed, opponent, dt_s)?,
         };
-        if let Some(motion) = self.ride(&wave, speed)? {
+        Ok((self.with_occupant(outcome, &wave, speed)?, wave))
+    }
+
+    /// An outcome with the numbers of the occupant in a compartment of this motion. Errors: a motion that cannot be
+    /// followed.
+    pub fn with_occupant(&self, mut outcome: Outcome, wave: &Wave, speed: f64) -> Result<Outcome, PredictError> {
+        if let Some(motion) = self.ride(wave, speed)? {
             outcome.0[Quantity::OccupantPeak as usize] = Some(motion.peak_deceleration.value);
             outcome.0[Quantity::OccupantExcursion as usize] = Some(motion.largest_excursion.value);
             outcome.0[Quantity::RideDown as usize] = motion.stop.map(|stop| stop.ridedown_share);
         }
-        Ok((outcome, wave))
+        Ok(outcome)
     }
 
     /// The occupant in the compartment of this motion; `None` without one, or where the compartment gains speed.

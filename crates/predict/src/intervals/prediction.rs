@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{OccupantMotion, Structure};
+use crumple_lumped::{Occupant, OccupantMotion, Structure};
 use crumple_lumped_fit::EnergyClass;
 use rayon::prelude::*;
 
@@ -64,6 +64,8 @@ pub(crate) struct Impact<'a> {
     pub partner: &'a PreparedPartner<'a>,
     pub setting: Setting<'a>,
     pub scenario: Scenario,
+    /// The occupant at the ends of what is not known of its restraint.
+    pub occupant_ends: &'a [[Occupant; 2]],
 }
 
 /// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force
@@ -95,6 +97,7 @@ impl Impact<'_> {
         let variances = self.by_parameters(&structure, &outcome);
         let by_speed = self.by_speed(&structure, inputs.speed_m_per_s);
         let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
+        let by_restraint = self.by_restraint(&wave);
         let own_doubt = doubt(self.tested, (own_speed, mass_kg), own.beyond.is_some(), &wave, &outcome, Side::Own);
         let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, support)| {
             let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
@@ -117,7 +120,8 @@ impl Impact<'_> {
                 }
             });
             let [rate, extrapolation, in_front, record] = by_crush;
-            let all: Variances = [variances[q], by_speed[q], by_mass[q], models, rate, extrapolation, in_front, record];
+            let all: Variances =
+                [variances[q], by_speed[q], by_mass[q], models, rate, extrapolation, in_front, record, by_restraint[q]];
             interval(value, &all, inputs.left_out)
         });
         let energy = match &both {
@@ -185,6 +189,16 @@ impl Impact<'_> {
             |factors: &BTreeMap<String, f64>| self.against(structure, self.partner.changed(opponent, factors));
         let of_partner = along_directions(tested, outcome, partner, Quantity::of_partner);
         std::array::from_fn(|q| of_own[q] + of_partner[q])
+    }
+
+    /// Variances of what becomes of the occupant by the restraint.
+    fn by_restraint(&self, wave: &Wave) -> [f64; QUANTITIES] {
+        let at = |occupant: &Occupant| {
+            let setting = Setting { occupant: Some(occupant), ..self.setting };
+            setting.with_occupant(Outcome::default(), wave, self.scenario.speed_m_per_s).ok()
+        };
+        let changes = self.occupant_ends.iter().map(|[up, down]| half_difference(at(up), at(down)));
+        changes.fold([0.0; QUANTITIES], |sum, change| std::array::from_fn(|q| sum[q] + change[q] * change[q]))
     }
 
     /// Variances by the speeds of both, of each that moves.

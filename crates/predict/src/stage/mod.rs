@@ -5,6 +5,7 @@ mod against;
 mod barriers;
 mod described;
 mod inputs;
+mod occupant;
 mod options;
 mod partner;
 mod records;
@@ -20,6 +21,7 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
 
 use crate::stage::against::OtherTest;
 use crate::stage::inputs::{candidates, named, tested};
+use crate::stage::occupant::rider;
 use crate::stage::options::{Options, Settings};
 use crate::stage::partner::ReadPartner;
 use crate::stage::records::{record, write_waves};
@@ -77,14 +79,13 @@ impl Stage for Predict {
             return Ok(Outcome::NoAcceptableResult(reason));
         }
         let scenarios = scenarios(settings, tested.speed_m_per_s, other.as_ref())?;
-        let surroundings = Surroundings {
-            partner: partner.partner.clone(),
-            occupant: settings.occupant.as_ref().map(|settings| settings.occupant.clone()),
-        };
-        for (what, words) in [
-            ("partner", partner.words.as_ref()),
-            ("occupant", settings.occupant.as_ref().map(|settings| &settings.words)),
-        ] {
+        let rider = rider(settings.occupant.as_ref().map(|settings| &settings.restraint), input)?;
+        if rider.is_fitted() {
+            rider.words.iter().for_each(|words| out.notes().info(format!("occupant: {words}")));
+        }
+        let surroundings =
+            Surroundings { partner: partner.partner.clone(), occupant: rider.occupant, occupant_ends: rider.ends };
+        for (what, words) in [("partner", partner.words.as_ref()), ("occupant", rider.words.as_ref())] {
             words.into_iter().for_each(|words| out.summary(format!("{what}: {words}")));
         }
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();

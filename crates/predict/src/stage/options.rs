@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use crumple_lumped::Occupant;
 use crumple_predict::Inputs;
 use crumple_signal::value::{Mass, Speed};
 use crumple_signal::{Distribution, Uncertain};
@@ -11,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::stage::described::Described;
 use crate::stage::partner::PartnerSettings;
-use crate::stage::restraint::{occupant, words};
+use crate::stage::restraint::{Restraint, restraint, words};
 use crate::stage::speeds::speeds;
 
 /// Speeds closer than this are one, m/s.
@@ -65,7 +64,8 @@ pub struct Options {
     #[arg(long, value_name = "SPEED", value_delimiter = ',')]
     pub closing_speed: Vec<String>,
 
-    /// Occupant of the compartment, e.g. "stiffness=60kN/m slack=30mm force_limit=5kN" [default: none]
+    /// Occupant of the compartment, e.g. "stiffness=60kN/m slack=30mm force_limit=5kN", or "sensor=CHANNEL" on its
+    /// chest, which the restraint is fitted to [default: none]
     #[arg(long, value_name = "RESTRAINT")]
     pub occupant: Option<Described>,
 
@@ -118,7 +118,7 @@ pub struct Settings {
 pub struct OccupantSettings {
     pub words: String,
     #[serde(skip)]
-    pub occupant: Occupant,
+    pub restraint: Restraint,
 }
 
 impl Settings {
@@ -144,7 +144,7 @@ impl Settings {
             closing_speeds_m_per_s: closing.0,
             taken_as_km_per_h: all.1 || closing.1,
             partner: partner(&options)?,
-            occupant: options.occupant.as_ref().map(restraint).transpose()?,
+            occupant: options.occupant.as_ref().map(occupant).transpose()?,
             masses_kg,
             candidates: options.candidate,
             against: options.against,
@@ -189,9 +189,13 @@ fn partner(options: &Options) -> anyhow::Result<PartnerSettings> {
     )
 }
 
-fn restraint(described: &Described) -> Result<OccupantSettings, Usage> {
-    let occupant = occupant(&described.read("occupant", "occupant")?)?;
-    Ok(OccupantSettings { words: words(&occupant), occupant })
+fn occupant(described: &Described) -> Result<OccupantSettings, Usage> {
+    let restraint = restraint(&described.read("occupant", "occupant")?)?;
+    let words = match &restraint {
+        Restraint::Stated(occupant) => words(occupant),
+        Restraint::OfSensor(channel, mass_kg) => format!("{mass_kg:.0} kg, restraint fitted to {channel}"),
+    };
+    Ok(OccupantSettings { words, restraint })
 }
 
 /// Standard deviation; of a uniform distribution the half width over the root of 3.

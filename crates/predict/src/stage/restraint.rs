@@ -23,25 +23,54 @@ pub struct OccupantTable {
     pub force_limit: Option<Force>,
     /// Of the way back; as stiff as the way in if nothing is said.
     pub unloading_stiffness: Option<Stiffness>,
+    /// Channel on the chest that the restraint is fitted to, in place of all numbers but the mass.
+    pub sensor: Option<String>,
+}
+
+/// What is known of a restraint before a test is read.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Restraint {
+    /// All of it.
+    Stated(Occupant),
+    /// The channel that it is fitted to, and the occupant's mass, kg.
+    OfSensor(String, f64),
+}
+
+/// Reads the restraint. Errors: numbers without meaning, numbers beside a sensor.
+pub fn restraint(table: &OccupantTable) -> Result<Restraint, Usage> {
+    let Some(sensor) = &table.sensor else { return occupant(table).map(Restraint::Stated) };
+    let given = [table.stiffness.is_some(), table.frequency.is_some(), table.slack.is_some()];
+    if given.into_iter().chain([table.force_limit.is_some(), table.unloading_stiffness.is_some()]).any(|given| given) {
+        return Err(Usage::new("the occupant's restraint is fitted to its sensor or stated, not both")
+            .hint("--occupant \"sensor=CHANNEL mass=75kg\", or \"stiffness=60kN/m slack=30mm force_limit=5kN\""));
+    }
+    Ok(Restraint::OfSensor(sensor.clone(), mass_of(table)?))
+}
+
+/// The occupant's mass, kg. Errors: one that is not positive.
+fn mass_of(table: &OccupantTable) -> Result<f64, Usage> {
+    let mass_kg = table.mass.map_or(SEATED_KG, Mass::si);
+    if !(mass_kg > 0.0 && mass_kg.is_finite()) {
+        return Err(Usage::new(format!("the occupant's mass is {mass_kg} kg, expected a positive mass")));
+    }
+    Ok(mass_kg)
 }
 
 /// Builds the occupant. Errors: no stiffness, numbers without meaning.
-pub fn occupant(table: &OccupantTable) -> Result<Occupant, Usage> {
-    let mass_kg = table.mass.map_or(SEATED_KG, Mass::si);
+fn occupant(table: &OccupantTable) -> Result<Occupant, Usage> {
+    let mass_kg = mass_of(table)?;
     let by_frequency = |frequency: Frequency| mass_kg * (2.0 * std::f64::consts::PI * frequency.si()).powi(2);
     let stiffness = match (table.stiffness, table.frequency) {
         (Some(stiffness), None) => stiffness.si(),
         (None, Some(frequency)) => by_frequency(frequency),
         _ => {
             return Err(Usage::new("an occupant needs the stiffness of its restraint, or its natural frequency").hint(
-                "--occupant \"stiffness=60kN/m slack=30mm force_limit=5kN\", or frequency=4.5Hz for a stiffness",
+                "--occupant \"stiffness=60kN/m slack=30mm force_limit=5kN\", frequency=4.5Hz for a stiffness, or \
+                 sensor=CHANNEL on its chest, which it is fitted to",
             ));
         }
     };
     let refused = |error| Usage::new(format!("the occupant's restraint: {error}"));
-    if !(mass_kg > 0.0 && mass_kg.is_finite()) {
-        return Err(Usage::new(format!("the occupant's mass is {mass_kg} kg, expected a positive mass")));
-    }
     let unloading = table.unloading_stiffness.map_or(stiffness, Stiffness::si);
     let mut restraint = ForceDeflection::new(&[(0.0, 0.0), (ONE_M, stiffness * ONE_M)], unloading)
         .and_then(|restraint| restraint.with_gap(table.slack.map_or(0.0, Length::si)))
@@ -67,6 +96,18 @@ mod tests {
 
     fn read(text: &str) -> Result<Occupant, Usage> {
         occupant(&Described::Text(text.to_owned()).read("occupant", "name")?)
+    }
+
+    #[test]
+    fn a_restraint_is_stated_or_fitted() {
+        let read = |text: &str| {
+            let table = Described::Text(text.to_owned()).read("occupant", "name").unwrap();
+            restraint(&table)
+        };
+        assert_eq!(read("sensor=CHST mass=60kg").unwrap(), Restraint::OfSensor("CHST".to_owned(), 60.0));
+        assert_eq!(read("sensor=CHST").unwrap(), Restraint::OfSensor("CHST".to_owned(), SEATED_KG));
+        assert!(read("sensor=CHST slack=30mm").is_err() && read("sensor=CHST mass=0kg").is_err());
+        assert!(matches!(read("stiffness=60kN/m").unwrap(), Restraint::Stated(_)));
     }
 
     #[test]

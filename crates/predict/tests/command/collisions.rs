@@ -2,10 +2,12 @@
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{FitV1, PredictedCollisionV1, PredictionV1, SensorFitV1};
-use crumple_lumped::{Chain, Elastoplastic, Kelvin, Model};
+use crumple_lumped::{Chain, CrashPulse, Drive, Elastoplastic, ForceDeflection, Kelvin, Model, Structure};
+use crumple_testkit::IMPACT_SPEED_M_PER_S;
 
 use super::{
     KELVIN, KELVIN_ID, PLASTIC, PLASTIC_ID, both, candidate, choice, predictions, run, run_folder, stderr, write,
+    write_with,
 };
 
 /// Predictions of the plastic and the damped candidate against the vehicle of another run.
@@ -187,6 +189,50 @@ fn an_occupant_rides_in_the_pulse_at_the_wall() {
     for name in ["occupant.peak_acceleration_m_per_s2", "occupant.largest_excursion_m", "occupant.ride_down_share"] {
         assert!(names.contains(&name), "{names:?}");
     }
+}
+
+/// A made ride: 75 kg behind 60 kN/m with 20 mm of slack and a limit of 4 kN, in the motion of the test.
+#[test]
+fn a_restraint_is_fitted_to_the_chest_and_scored_against_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let limited = ForceDeflection::new(&[(0.0, 0.0), (1.0, 60e3)], 60e3).unwrap();
+    let limited = limited.with_gap(0.02).unwrap().with_limit(4e3).unwrap();
+    let pulse = Model::Kelvin(KELVIN).respond(IMPACT_SPEED_M_PER_S, 1e-4, 3000).unwrap();
+    let compartment = pulse.compartment();
+    let points = compartment.acceleration_m_per_s2.iter().enumerate();
+    let base = Drive::BasePulse(CrashPulse::Lines(points.step_by(5).map(|(k, a)| (k as f64 * 1e-4, *a)).collect()));
+    let structure = Structure::row(&[75.0], [vec![limited.into()]]).unwrap();
+    let chest = structure.dynamics(&base, 1e-4, 3000).unwrap().response.motions.pop().unwrap();
+    let velocity: Vec<f64> = chest.velocity_m_per_s.iter().map(|v| v + IMPACT_SPEED_M_PER_S).collect();
+    write_with(
+        folder.path(),
+        &both(),
+        Some(&choice()),
+        &[("a/velocity", compartment.velocity_m_per_s.clone()), ("CHST/velocity", velocity)],
+    );
+    let flags = ["--speed", "40km/h", "--candidate", PLASTIC_ID, "--occupant"];
+    let asked = |restraint: &str| run(folder.path(), &[&flags[..], &[restraint]].concat());
+    let output = asked("sensor=CHST");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = stderr(&output);
+    let of = |name: &str, unit: &str| -> f64 {
+        let rest = said.split_once(name).unwrap_or_else(|| panic!("{name}: {said}")).1;
+        assert!(rest.contains(unit), "{said}");
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    // The compartment is known by straight lines between half milliseconds.
+    assert!((of("fitted to CHST: ", "kN/m") - 60.0).abs() < 1.0, "{said}");
+    assert!((of("slack ", "mm") - 20.0).abs() < 0.5 && (of("limit ", "kN") - 4.0).abs() < 0.1, "{said}");
+    let prediction = predictions(folder.path()).remove(0);
+    let peak = prediction.intervals.iter().find(|i| i.name == "occupant.peak_acceleration_m_per_s2").unwrap();
+    let occupant = prediction.occupant.as_ref().unwrap();
+    // On the limit again: 4 kN on 75 kg.
+    close(Some(occupant.peak_acceleration_m_per_s2), Some(4e3 / 75.0), 0.02);
+    assert!(peak.low < occupant.peak_acceleration_m_per_s2 && occupant.peak_acceleration_m_per_s2 < peak.high);
+    let refused = asked("sensor=HEAD");
+    assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
+    assert!(stderr(&refused).contains("HEAD"), "{}", stderr(&refused));
+    assert_eq!(asked("sensor=CHST slack=10mm").status.code(), Some(2));
 }
 
 #[test]

@@ -10,6 +10,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{CandidateV1, PredictionV1, RatedCandidateV1, RecommendationV1, UncertaintyV1};
 use crumple_artifact::{Artifact, Compression, Provenance};
 use crumple_lumped::{Elastoplastic, Kelvin, Maxwell, Model};
+use crumple_signal::{QuantityKind, Sampled};
 use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
 const KELVIN: Kelvin = Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 };
@@ -74,6 +75,16 @@ fn choice() -> RecommendationV1 {
 }
 
 fn write(folder: &Path, candidates: &[(&str, CandidateV1)], choice: Option<&RecommendationV1>) {
+    write_with(folder, candidates, choice, &[]);
+}
+
+/// The same with further velocities, from contact on at 10 kHz.
+fn write_with(
+    folder: &Path,
+    candidates: &[(&str, CandidateV1)],
+    choice: Option<&RecommendationV1>,
+    velocities: &[(&str, Vec<f64>)],
+) {
     let events = KELVIN.events(IMPACT_SPEED_M_PER_S);
     let mut builder = integrated(&Model::Kelvin(KELVIN), Some(873.0), &events, None).unwrap();
     for (id, candidate) in candidates {
@@ -81,6 +92,10 @@ fn write(folder: &Path, candidates: &[(&str, CandidateV1)], choice: Option<&Reco
     }
     if let Some(choice) = choice {
         builder.put("/recommendation", choice).unwrap();
+    }
+    for (id, velocity) in velocities {
+        let sampled = Sampled::new(0.0, 1e-4, velocity.clone()).unwrap();
+        builder.wave(id, QuantityKind::Velocity, sampled).unwrap();
     }
     let provenance = Provenance::new("parameter-solve", "0", "{}".to_owned(), Vec::new());
     builder.write(&folder.join("5.mcap"), &provenance, Compression::None).unwrap();
