@@ -157,6 +157,13 @@ mod tests {
         let known = half_width(&at(&one, Inputs::default(), 10.0, None)) / 1.644_853_6;
         let slower = half(Inputs::default(), 10.0);
         assert!((slower - 1.644_853_6 * known.hypot(0.01 / crush * 1.5)).abs() < 2e-4, "{slower}");
+        // An error of the speed of the test, which shifts the record by pi/2 of it, shifts what is asked by pi/2 - 1.
+        let inputs = Inputs { speed_m_per_s: 0.1, ..Inputs::default() };
+        let by_speed = 0.1 / 15.0;
+        let record = (0.01 / crush).powi(2) - by_speed * by_speed * (std::f64::consts::PI - 1.0);
+        let expected = 1.644_853_6 * (0.005_f64.powi(2) + by_speed * by_speed + record).sqrt();
+        let with_speed = half(inputs, 15.0);
+        assert!((with_speed - expected).abs() < 2e-4, "{with_speed}, expected {expected}");
         // Tests that were left out were missed by twice their standard deviations.
         assert!((half(Inputs { left_out: 2.0, ..Inputs::default() }, 15.0) - 2.0 * tested).abs() < 1e-12);
         assert_eq!(half(Inputs { left_out: 0.5, ..Inputs::default() }, 15.0), tested);

@@ -17,10 +17,7 @@ use crate::intervals::partner::PreparedPartner;
 use crate::intervals::sources::{
     Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
 };
-use crate::intervals::tested::{COARSE_S, SAMPLING_S, Tested, at_crush, half_difference, relative};
-
-/// Relative step of speed and mass for their derivatives.
-const STEP: f64 = 0.01;
+use crate::intervals::tested::{COARSE_S, SAMPLING_S, STEP, Tested, at_crush, half_difference, relative};
 
 /// What the test of a vehicle supports of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,10 +95,12 @@ impl Impact<'_> {
         let by_speed = self.by_speed(&structure, inputs.speed_m_per_s);
         let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
         let by_restraint = self.by_restraint(&wave);
-        let own_doubt = doubt(self.tested, (own_speed, mass_kg), own.beyond.is_some(), &wave, &outcome, Side::Own);
+        let known = inputs.speed_m_per_s;
+        let own_doubt =
+            doubt(self.tested, (own_speed, mass_kg, known), own.beyond.is_some(), &wave, &outcome, Side::Own);
         let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, support)| {
             let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
-            doubt(tested, (*speed, partner_kg), support.beyond.is_some(), &wave, &outcome, Side::Partner)
+            doubt(tested, (*speed, partner_kg, known), support.beyond.is_some(), &wave, &outcome, Side::Partner)
         });
         let intervals = Quantity::ALL.map(|quantity| {
             let value = outcome.get(quantity)?;
@@ -264,10 +263,10 @@ fn by_step(deviation: f64, at: impl Fn(f64) -> Option<Outcome>) -> [f64; QUANTIT
 }
 
 /// What the front of one side makes unsure: `speed` is that of an impact on a wall with the energy it takes, `mass_kg`
-/// the mass of the side.
+/// the mass of the side; the speed of its test is known to the third number.
 fn doubt(
     tested: &Tested<'_>,
-    (speed, mass_kg): (f64, f64),
+    (speed, mass_kg, known_m_per_s): (f64, f64, f64),
     beyond: bool,
     wave: &Wave,
     outcome: &Outcome,
@@ -294,7 +293,7 @@ fn doubt(
         .filter(|(crush, _)| *crush > 0.0 && one_mass && candidate.class() == EnergyClass::Plastic)
         .map_or(0.0, |(crush, tested_m)| by_masses_in_front(crush / tested_m, mass_kg / tested.mass_kg));
     let record = crush_m.zip(tested_m).filter(|(crush, tested)| *crush > 0.0 && *tested > 0.0);
-    let record =
-        record.map_or(0.0, |(crush, tested_m)| by_inputs_of_test(tested.test.crush_deviation_m, crush, tested_m));
+    let record = record
+        .map_or(0.0, |(crush, tested_m)| by_inputs_of_test(tested.crush_deviation_m(known_m_per_s), crush, tested_m));
     CrushDoubt { shares: [rate, extrapolation, in_front, record], crush_m: crush_m.unwrap_or(0.0) }
 }

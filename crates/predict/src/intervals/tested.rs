@@ -15,6 +15,9 @@ pub(crate) const SAMPLING_S: f64 = 1e-4;
 /// Sampling interval of impacts that only a difference is taken of.
 pub(crate) const COARSE_S: f64 = 2e-4;
 
+/// Relative step of speed and mass for their derivatives.
+pub(crate) const STEP: f64 = 0.01;
+
 /// A candidate with the directions of its parameters, in the test that it is from.
 pub(crate) struct Tested<'a> {
     pub candidate: &'a Candidate,
@@ -28,6 +31,8 @@ pub(crate) struct Tested<'a> {
     pub mass_kg: f64,
     /// Deceleration of the compartment at the end of the crush, m/s².
     pub deceleration: Option<f64>,
+    /// How much longer the crush is at a higher speed, s.
+    pub crush_by_speed_s: f64,
     /// For each direction the relative changes of the numbers in the test.
     pub changes: Vec<[f64; QUANTITIES]>,
 }
@@ -54,11 +59,43 @@ impl<'a> Tested<'a> {
                 }
             })
             .collect();
+        let crush_at = |factor: f64| {
+            let (outcome, _) = Setting::default().impact(&structure, factor * speed, COARSE_S).ok()?;
+            outcome.get(Quantity::DynamicCrush)
+        };
+        let ends = crush_at(1.0 + STEP).zip(crush_at(1.0 - STEP));
+        let crush_by_speed_s = ends.map_or(0.0, |(up, down)| (up - down) / (2.0 * STEP * speed));
         let reach = Reach::new(&structure, &wave, Side::Own, speed);
         let deceleration = at_crush(&wave, Side::Own, &outcome);
         let masses = structure.masses_kg();
         let (masses, mass_kg) = (masses.len(), masses.iter().sum());
-        Ok(Self { candidate, test, directions, reach, outcome, masses, mass_kg, deceleration, changes })
+        Ok(Self {
+            candidate,
+            test,
+            directions,
+            reach,
+            outcome,
+            masses,
+            mass_kg,
+            deceleration,
+            crush_by_speed_s,
+            changes,
+        })
+    }
+}
+
+impl Tested<'_> {
+    /// Standard deviation of the crush at the speed of the test by the inputs of the test, m; its speed is known to
+    /// `speed_m_per_s`.
+    ///
+    /// The record's own interval is that of the crush that was reached, whatever the speed was. An error `d` of the
+    /// stated speed makes the record's crush wrong by `t d`, `t` its time, and leaves the crush at the stated speed
+    /// wrong by `(t - dC/dv) d` alone: the faster test has the longer crush.
+    pub fn crush_deviation_m(&self, speed_m_per_s: f64) -> f64 {
+        let time_s = self.outcome.get(Quantity::TimeOfDynamicCrush).unwrap_or(0.0);
+        let slope_s = self.crush_by_speed_s;
+        let by_speed = speed_m_per_s * speed_m_per_s * slope_s * (2.0 * time_s - slope_s);
+        (self.test.crush_deviation_m.powi(2) - by_speed.max(0.0)).max(0.0).sqrt()
     }
 }
 
