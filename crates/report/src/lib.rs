@@ -32,6 +32,7 @@ pub use index::run_summary::{
     SummaryMetric, SummaryTest, model_year,
 };
 pub use page::document::Page;
+pub use results::joint::{JointTest, JointTests, LeftOut};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,

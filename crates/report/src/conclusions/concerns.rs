@@ -6,6 +6,7 @@ use crumple_signal::{About, Severity, Weight};
 
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::Kind;
+use crate::conclusions::several_tests::missed;
 use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::symbols;
@@ -85,6 +86,14 @@ fn concern(
     }
 }
 
+/// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.
+pub(crate) fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
+    match concern.about.parse() {
+        Ok(About::Model(name)) => prominence_of_model(&name, run, ranking) == 1,
+        _ => false,
+    }
+}
+
 /// How prominently the page shows what a concern is about: 3 on the first screen, 2 in a section of its own, 1 on
 /// demand.
 fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
@@ -124,6 +133,10 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         let mm = |m: f64| language.quantity(MILLI * m, 1, "mm");
         let text = fill(phrases.sensors_differ, &[("low", &mm(spread.low)), ("high", &mm(spread.high))]);
         found.push((About::Motion, Weight::Marked, text));
+    }
+    if let Some(tests) = run.joint.as_ref().and_then(|joint| missed(joint, language)) {
+        let text = fill(language.phrases().joint.warn_missed, &[("tests", tests)]);
+        found.push((About::Predictions, Weight::Decisive, text));
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let model = candidate_name(&best.id);

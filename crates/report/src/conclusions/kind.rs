@@ -16,6 +16,8 @@ pub enum Kind {
     NoStop,
     /// A vehicle that met another one.
     TwoVehicles,
+    /// One model of several tests.
+    SeveralTests,
     /// A sensor in an occupant.
     Occupant,
     /// The table of an event data recorder.
@@ -34,6 +36,9 @@ pub enum Kind {
 pub fn kind_of(run: &Run) -> Kind {
     if run.is_generic() {
         return Kind::InputOutput;
+    }
+    if run.joint.is_some() {
+        return if run.without_result() { Kind::NoModel } else { Kind::SeveralTests };
     }
     if run.metrics.iter().any(|metric| metric.name == RECORDED && metric.value.is_some()) {
         return Kind::Recorder;

@@ -55,8 +55,9 @@ fn row(out: &mut String, language: Language, prediction: &PredictionV1) {
     };
     let names: Vec<String> = prediction.names.iter().map(role).collect();
     let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+    let asked = if prediction.asked { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
     out.push_str(&format!(
-        "<tr{}><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}<td>{}</td></tr>\n",
+        "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}<td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },
         language.decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
         language.decimals(prediction.mass_kg, 0),

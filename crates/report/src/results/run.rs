@@ -9,6 +9,7 @@ use crumple_signal::{Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::results::joint::JointTests;
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 
@@ -21,6 +22,8 @@ pub struct Run {
     pub pipeline: Option<String>,
     /// The test.
     pub test: TestDescription,
+    /// The tests, where the models are of several.
+    pub joint: Option<JointTests>,
     /// The waves of the channel the crash was read from.
     pub measured: MeasuredWaves,
     /// Other sensors whose motion is at hand, in the order of their ids.

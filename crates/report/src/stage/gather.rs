@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
-    NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
+    NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1,
+    TransferFunctionV1,
 };
 use crumple_report::{
-    CandidateResult, Element, Language, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
-    fill,
+    CandidateResult, Element, JointTests, Language, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
+    compare_ids, fill,
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
@@ -24,6 +25,7 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
         Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
         None => run.missing.push(texts.no_description.to_owned()),
     }
+    run.joint = inputs.record_if::<TestsV1>("/tests")?.map(JointTests::new);
     run.events = inputs.record_if("/events")?;
     // The page counts every time from time zero; the artifacts keep the record's own axis.
     let time_zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
@@ -294,6 +296,11 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     let mut missing = std::mem::take(&mut run.missing);
     if run.is_generic() {
         missing.push(texts.no_crash.to_owned());
+        run.missing = missing;
+        return;
+    }
+    // Waves and events of several tests are in the reports of each.
+    if run.joint.is_some() {
         run.missing = missing;
         return;
     }

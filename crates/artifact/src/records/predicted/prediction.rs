@@ -15,6 +15,9 @@ pub struct PredictionV1 {
     pub names: Vec<String>,
     /// Impact speed over ground, m/s.
     pub impact_speed_m_per_s: f64,
+    /// Whether this speed was asked for beside the standing ones of the pipeline; absent where it was not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub asked: bool,
     /// Mass of the vehicle, kg.
     pub mass_kg: f64,
     /// What it meets; `null`: the rigid wall of the test.
@@ -142,6 +145,18 @@ pub struct PredictedIntervalV1 {
     pub high: f64,
     /// What is in it, with its share of the variance, in words.
     pub interval_by: String,
+}
+
+/// An error of the crush that an engineer calls none, percent: that of two sensors in one car.
+const ALIKE_PERCENT: f64 = 3.0;
+
+impl AgainstTestV1 {
+    /// The error of the crush, percent, where the measured one is outside of its interval and further off than two
+    /// sensors in one car are.
+    pub fn missed_crush_percent(&self) -> Option<f64> {
+        let is_held = self.held.iter().any(|name| name == "dynamic_crush_m");
+        self.dynamic_crush_error_percent.filter(|error| !is_held && error.abs() > ALIKE_PERCENT)
+    }
 }
 
 /// A prediction beside a test that was made.
