@@ -17,7 +17,6 @@ mod text;
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
-pub use conclusions::concerns::SHOWN_FIRST;
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::overview;

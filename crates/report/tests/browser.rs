@@ -154,9 +154,50 @@ fn a_legend_shows_and_hides_without_the_script_and_a_zoom_is_shared() {
 }
 
 #[test]
+fn a_telephone_names_hidden_curves_on_demand_and_shows_every_value_at_the_cursor() {
+    let Some(browser) = browser() else { return };
+    for screen in [Screen::PHONE, Screen::PHONE.without_script()] {
+        let page = open(&browser, screen);
+        let names = || {
+            page.ask(
+                "return [...document.querySelectorAll('#curves .legend li:not(.all)')]
+                    .filter((l) => getComputedStyle(l).display !== 'none').length",
+            )
+        };
+        let first = names();
+        let (x, y) = middle(&page, "#curves .legend .all label");
+        page.click(x, y);
+        let all = names();
+        assert!(0 < first.as_u64().unwrap() && first.as_u64() < all.as_u64(), "{screen:?}: {first} {all}");
+    }
+    let page = open(&browser, Screen::PHONE);
+    let cut = page
+        .ask("return [...document.querySelectorAll('.cursor')].filter((c) => c.scrollWidth > c.clientWidth).length");
+    assert_eq!(cut, 0);
+    assert_eq!(page.ask("return document.querySelector('#curves .values').innerText.includes('kN')"), true);
+}
+
+#[test]
+fn a_definition_stands_at_the_foot_of_the_window() {
+    let Some(browser) = browser() else { return };
+    let page = open(&browser, Screen::DESK);
+    // Far down the page, in a section that is laid out when it comes near.
+    let place = page.ask(
+        "const word = [...document.querySelectorAll('main [title][tabindex]')].filter((e) => e.offsetParent).at(-1);
+         word.scrollIntoView({block: 'center'}); word.focus();
+         const style = getComputedStyle(word, '::after');
+         const held = (e) => e && (getComputedStyle(e).contentVisibility === 'auto' || held(e.parentElement));
+         return {position: style.position, bottom: style.bottom, held: Boolean(held(word))};",
+    );
+    assert_eq!(place, json!({"position": "fixed", "bottom": place["bottom"], "held": false}));
+}
+
+#[test]
 fn a_telephone_has_no_scrolling_sideways_and_type_that_can_be_read() {
     let Some(browser) = browser() else { return };
     let script = "
+        // What is beyond the window takes no room unless it is laid out.
+        document.querySelectorAll('section').forEach((s) => { s.style.contentVisibility = 'visible'; });
         const sizes = [...document.querySelectorAll('svg.plot text')].map((t) =>
             parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.getBoundingClientRect().width
             / t.ownerSVGElement.viewBox.baseVal.width);
@@ -176,7 +217,8 @@ fn every_control_and_definition_has_a_name_and_is_reached_by_the_tab_key() {
     let page = open(&browser, Screen::DESK);
     let script = "
         document.querySelectorAll('details').forEach((d) => { d.open = true; });
-        const controls = [...document.querySelectorAll('button, input, summary, [title], .panels[role]')];
+        const all = document.querySelectorAll('button, input, summary, [title], .panels[role]');
+        const controls = [...all].filter((c) => c instanceof SVGElement || c.offsetParent !== null);
         controls.forEach((c, k) => { c.dataset.control = k; });
         const nameless = controls.filter((c) =>
             !(c.getAttribute('aria-label') || c.textContent.trim() || (c.labels && c.labels[0].textContent.trim())));

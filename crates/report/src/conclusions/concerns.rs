@@ -13,7 +13,7 @@ use crate::text::parameters::symbols;
 use crate::{Ranking, Run};
 
 /// Warnings that stand on the first screen.
-pub const SHOWN_FIRST: usize = 3;
+pub(crate) const SHOWN_FIRST: usize = 3;
 
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
@@ -84,6 +84,22 @@ fn concern(
         text,
         remedy: None,
     }
+}
+
+/// Of warnings in their order those for the first screen: at most [`SHOWN_FIRST`], none of a candidate that nobody
+/// recommends while there is any other; and how many are left.
+pub(crate) fn first_warnings<'a>(
+    warnings: &[&'a ConcernV1],
+    run: &Run,
+    ranking: &Ranking,
+) -> (Vec<&'a ConcernV1>, usize) {
+    let prominent = warnings.iter().filter(|concern| !is_of_another_candidate(concern, run, ranking));
+    let mut first: Vec<&ConcernV1> = prominent.take(SHOWN_FIRST).copied().collect();
+    if first.is_empty() {
+        first.extend(warnings.iter().take(1));
+    }
+    let others = warnings.len() - first.len();
+    (first, others)
 }
 
 /// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.

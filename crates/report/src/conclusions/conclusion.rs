@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::conclusions::concerns::{concerns, first_is_decisive};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
-use crate::conclusions::kind::{Kind, RECORDED, kind_of};
+use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
@@ -125,12 +125,15 @@ impl<'a> Text<'a> {
             Kind::Occupant => (self.occupant(), self.occupant_use(concerns)),
             Kind::Recorder => (self.recorded(), self.recorder_use()),
             Kind::InputOutput => (self.identified(phrases.identified), Some(phrases.identified_use.to_owned())),
-            Kind::LinearModel => (self.not_stated(), Some(self.identified(phrases.not_stated_use))),
+            Kind::LinearModel => (not_stated(self.run).to_owned(), Some(self.identified(phrases.not_stated_use))),
             Kind::NoModel => {
                 let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
                 let reason = diagnosis.map_or("", |concern| concern.text.as_str());
                 let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
                 (fill(phrases.no_model, &[("reason", reason)]), Some(fill(phrases.what_to_do, &[("remedy", remedy)])))
+            }
+            Kind::MeasuredOnly if lacks_mass_or_speed(self.run) => {
+                (not_stated(self.run).to_owned(), self.use_model(concerns))
             }
             Kind::MeasuredOnly => (phrases.measured_only.to_owned(), self.use_model(concerns)),
         };
@@ -277,17 +280,6 @@ impl<'a> Text<'a> {
             fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
         });
         Some(fill(phrases.recorder_use, &[("crush", &crush.unwrap_or_default())]))
-    }
-
-    fn not_stated(&self) -> String {
-        let phrases = &self.language.phrases().conclusion;
-        let test = &self.run.test;
-        let which = match (test.mass_kg, test.impact_speed_m_per_s) {
-            (None, None) => phrases.not_stated_both,
-            (None, Some(_)) => phrases.not_stated_mass,
-            _ => phrases.not_stated_speed,
-        };
-        which.to_owned()
     }
 
     /// The identified model that follows the record closest.

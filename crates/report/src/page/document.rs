@@ -30,19 +30,19 @@ impl Page {
         let mut body = String::with_capacity(1 << 20);
         header::write(&mut body, run, |body| top::write(body, &said, phrases));
         body.push_str("<main>\n");
+        body.push_str("<div class=\"answer\">\n");
         // What makes all that follows doubtful stands before it.
         let warnings_first = first_is_decisive(&concerns);
         if warnings_first {
-            top::write_before_use(&mut body, &said, &concerns, phrases);
+            top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
-        body.push_str("<div class=\"answer\">\n");
         model_picture::write(&mut body, run, ranking);
         body.push_str("<div class=\"known\">\n");
         if run.joint.is_none() {
             key_numbers::write(&mut body, run);
         }
         if !warnings_first {
-            top::write_before_use(&mut body, &said, &concerns, phrases);
+            top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
         body.push_str("</div>\n</div>\n");
         joint::write(&mut body, run);
