@@ -251,6 +251,53 @@ fn every_control_and_definition_has_a_name_and_is_reached_by_the_tab_key() {
     assert_eq!(missed, Vec::<String>::new(), "{stops} stops");
 }
 
+/// Texts fainter on their background than WCAG 2.2 asks for at level AA: 4.5, of large type 3.
+const FAINT: &str = r"
+    const luminance = (c) => {
+        const [r, g, b] = c.map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const colour = (text) => text.match(/[\d.]+/g).map(Number);
+    const behind = (e) => {
+        for (; e; e = e.parentElement) {
+            const c = colour(getComputedStyle(e).backgroundColor);
+            if (c.length < 4 || c[3] === 1) return c.slice(0, 3);
+        }
+        return [255, 255, 255];
+    };
+    const own = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim());
+    document.querySelectorAll('details').forEach((d) => { d.open = true; });
+    document.querySelectorAll('section').forEach((s) => { s.style.contentVisibility = 'visible'; });
+    const texts = [...document.body.querySelectorAll('*')].filter((e) =>
+        own(e) && !e.closest('script, title, desc') && e.getClientRects().length);
+    return {texts: texts.length, faint: texts.filter((e) => {
+        const style = getComputedStyle(e), inSvg = e.namespaceURI.endsWith('svg');
+        const [a, b] = [colour(inSvg ? style.fill : style.color).slice(0, 3), behind(e)].map(luminance);
+        const size = parseFloat(style.fontSize);
+        const least = size >= 24 || (size >= 18.66 && style.fontWeight >= 700) ? 3 : 4.5;
+        return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < least;
+    }).map((e) => e.textContent)};";
+
+#[test]
+fn every_text_stands_out_from_its_background() {
+    let Some(browser) = browser() else { return };
+    for screen in [Screen::DESK, Screen::DESK.dark()] {
+        let page = open(&browser, screen);
+        let answer = page.ask(FAINT);
+        assert!(answer["texts"].as_u64().unwrap() > 500, "{answer}");
+        assert_eq!(answer["faint"], json!([]), "{screen:?}");
+        // It can fail.
+        page.ask(
+            "document.querySelector('h1').style.color = 'gray'; document.querySelector('.brand').style.color = 'gray'",
+        );
+        assert_eq!(
+            page.ask(FAINT)["faint"].as_array().unwrap().len(),
+            1,
+            "the large one has 3.9 to 1, which is enough"
+        );
+    }
+}
+
 /// Pages of a PDF file, whose page objects are not packed.
 fn pages(pdf: &[u8]) -> usize {
     let text = String::from_utf8_lossy(pdf);

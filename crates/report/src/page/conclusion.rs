@@ -56,6 +56,7 @@ pub(super) fn write_before_use(
 /// The text of a concern, what to do about it, and the stage that says it.
 pub(super) fn item(concern: &ConcernV1, phrases: &ConclusionTexts) -> String {
     let remedy = concern.remedy.as_deref().map(|remedy| fill(phrases.what_to_do, &[("remedy", remedy)]));
-    let remedy = remedy.map_or_else(String::new, |remedy| format!(" {}", html(&remedy)));
+    let stop = if concern.text.ends_with(['.', '?', '!']) { "" } else { "." };
+    let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {}", html(&remedy)));
     format!("{}{remedy} <span class=\"stage\">{}</span>", html(&concern.text), html(&concern.stage))
 }

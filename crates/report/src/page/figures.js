@@ -34,7 +34,7 @@
     value(share, [low, high], log) {
       return log ? low * Math.pow(high / low, share) : low + share * (high - low);
     }
-    /** The curve of a place in the legend, in the units of the axes; empty without one. It is read when first asked for. */
+    /** The curve of a place in the legend, in the units of the axes; empty without one. Read when first asked for. */
     curve(entry) {
       const known = this.read.get(entry);
       if (known) return known;
