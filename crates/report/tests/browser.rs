@@ -101,12 +101,21 @@ fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves()
     assert!((number(&first[3]) + 0.873 * 9.80665 * number(&first[0])).abs() < 0.5, "{first}");
     // Three panels of the curves and two of the residual.
     assert_eq!(page.ask("return document.querySelectorAll('.cursor-marks path').length"), 5);
+    // The outlines of the masses are at rest on the picture until the cursor moves.
+    let pictures = || {
+        page.ask(
+            "return [...document.querySelectorAll('.model-picture .moved')].map((r) => Number(r.getAttribute('x')))",
+        )
+    };
+    assert_eq!(pictures(), json!([]));
     let marks = || page.ask("return [...document.querySelectorAll('.cursor-marks path')].map((p) => p.outerHTML)");
     // The keys of a figure in another section, and of the slider.
     page.ask("document.querySelector('#residual .panels').focus()");
     let (mut seen, mut drawn) = (vec![first], vec![marks()]);
+    let mut outlines = Vec::new();
     for key in ["End", "Home", "ArrowRight"] {
         page.press(key);
+        outlines.push(pictures());
         seen.push(values());
         drawn.push(marks());
     }
@@ -119,6 +128,8 @@ fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves()
     page.point_at(x, y);
     seen.push(values());
     drawn.push(marks());
+    // At the end the model has come nearer to the barrier than at its first contact.
+    assert!(outlines[0][0].as_f64() > outlines[1][0].as_f64(), "{outlines:?}");
     for pair in seen.windows(2).chain(drawn.windows(2)) {
         assert_ne!(pair[0], pair[1]);
     }

@@ -48,12 +48,6 @@ fn a_run_predicts_the_speeds_of_its_pipeline_and_more_when_asked() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let own = summary(folder.path());
     assert_eq!(asked(&own).iter().map(|(speed, ..)| *speed).collect::<Vec<_>>(), [35.0, 40.0, 48.0, 56.0, 64.0]);
-    let marked = |p: &&serde_json::Value| p["asked"] == true;
-    let of_own = own["predictions"].as_array().unwrap();
-    let speeds: Vec<f64> = of_own.iter().filter(marked).map(|p| number(p, &["impact_speed_m_per_s"]) * 3.6).collect();
-    assert!(speeds.len() == 1 && (speeds[0] - 35.0).abs() < 1e-9, "{speeds:?}");
-    let of_run = of_run["predictions"].as_array().unwrap();
-    assert!(of_run.iter().all(|p| p.get("asked").is_none()), "what a pipeline has stands as before");
     let report = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert_eq!(report.matches("<strong>asked for</strong>").count(), 1);
     assert!(report.contains("35.0\u{a0}km/h it predicts a crush of"), "the verdict answers what was asked");

@@ -106,11 +106,11 @@ impl Stage for Predict {
                     }
                 };
                 let mut record = record(candidate, &name.names, *scenario, &prediction, partner);
-                record.asked = settings.asks_for(scenario.speed_m_per_s);
                 record.against = other.map(|other| other.beside(&prediction));
                 let n = rows.len() + 1;
                 out.put(&format!("/prediction/{n}"), &record)?;
-                out.summary(line(&record, marks));
+                let asked = marks.then(|| settings.asks_for(scenario.speed_m_per_s));
+                out.summary(line(&record, asked));
                 partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
                 record.against.iter().for_each(|against| out.summary(against::words(against)));
                 write_waves(n, prediction.wave, out)?;

@@ -36,7 +36,6 @@ pub fn record(
         recommended: names.contains(&"recommended"),
         names: names.iter().map(|name| (*name).to_owned()).collect(),
         impact_speed_m_per_s: scenario.speed_m_per_s,
-        asked: false,
         mass_kg: prediction.mass_kg,
         partner: partner.words.clone(),
         dynamic_crush_m: number(Quantity::DynamicCrush),

@@ -31,18 +31,18 @@ pub fn header(marks: bool) -> String {
     )
 }
 
-/// One prediction; `marks` as in [`header`].
-pub fn line(record: &PredictionV1, marks: bool) -> String {
+/// One prediction. `asked`: whether its speed was asked for, where the header has marks.
+pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
     let number = |value: Option<f64>, factor: f64, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", factor * value))
     };
     let interval = record.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
     let interval = interval.map_or_else(|| "-".to_owned(), |i| format!("{:.1}..{:.1}", 1e3 * i.low, 1e3 * i.high));
     let names = if record.names.is_empty() { String::new() } else { format!(" ({})", record.names.join(", ")) };
-    let mark = match (marks, record.asked) {
-        (false, _) => "",
-        (true, true) => ASKED,
-        (true, false) => "  ",
+    let mark = match asked {
+        None => "",
+        Some(true) => ASKED,
+        Some(false) => "  ",
     };
     format!(
         "{mark}{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
@@ -154,12 +154,10 @@ mod tests {
     fn what_is_not_reached_is_a_stroke() {
         let mut never = row(10.0, 1000.0, 0.4).record;
         never.dynamic_crush_m = None;
-        let plain = line(&never, false);
+        let plain = line(&never, None);
         assert!(plain.starts_with("  36.0  1000.0        -               -"), "{plain}");
-        never.asked = true;
-        assert_eq!(line(&never, true), format!("> {plain}"));
-        never.asked = false;
-        assert_eq!(line(&never, true), format!("  {plain}"));
+        assert_eq!(line(&never, Some(true)), format!("> {plain}"));
+        assert_eq!(line(&never, Some(false)), format!("  {plain}"));
         // Figures stand below their titles, marked or not.
         let ends = |text: &str| text.find("crush mm").map(|at| at + 8);
         assert_eq!(ends(&header(true)), ends(&header(false)).map(|end| end + 2));

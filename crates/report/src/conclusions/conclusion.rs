@@ -379,7 +379,7 @@ impl<'a> Text<'a> {
         }
         let found = of_best().filter(|(_, p)| p.partner.is_none() && !p.extrapolates).filter_map(crush);
         let found = found.min_by(|(_, a, _), (_, b, _)| {
-            b.asked.cmp(&a.asked).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
+            run.asks_for(b).cmp(&run.asks_for(a)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
         })?;
         let (crush, interval) = of_crush(self, found);
         let at = format!("/predictions/{}/impact_speed_m_per_s", found.0);

@@ -134,6 +134,29 @@
   const slider = make("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": words.time_of_cursor });
   const output = make("output", { class: "time" });
 
+  /** The pictures of models: outlines of their masses where they are at the cursor's time. */
+  const pictures = Array.from(document.querySelectorAll(".model-picture[data-until]"), (svg) => {
+    const masses = Array.from(svg.querySelectorAll("rect[data-places]"), (mass) => {
+      const outline = mass.cloneNode();
+      outline.setAttribute("class", "moved");
+      outline.removeAttribute("data-places");
+      return { places: numbers(mass.dataset.places), first: Number(mass.getAttribute("x")), outline };
+    });
+    const { width, height } = svg.viewBox.baseVal;
+    const now = make("text", { class: "now", x: width / 2, y: height - 7, "text-anchor": "middle" }, "", SVG);
+    return { svg, masses, now, until: Number(svg.dataset.until) };
+  });
+  function drawPictures() {
+    for (const { svg, masses, now, until } of pictures) {
+      if (!now.parentNode) svg.append(...masses.map((mass) => mass.outline), now);
+      for (const { places, first, outline } of masses) {
+        const step = Math.round(Math.min(Math.max(time / until, 0), 1) * 60);
+        outline.setAttribute("x", first + places[Math.min(step, places.length - 1)]);
+      }
+      now.textContent = output.textContent;
+    }
+  }
+
   /** What is enough of a name beside its value: `recommended`, `Kelvin, direct fit 1`. */
   const brief = (name) => (/^[\p{Ll} ]+: \p{Lu}/u.test(name) ? name.split(":")[0] : name.replace(/ \(.*\)$/, ""));
 
@@ -208,8 +231,11 @@
 
   function moveTo(t) {
     const view = shown || whole;
+    // At first the pictures are as they are on paper.
+    const isMoved = time !== null;
     time = Math.min(Math.max(t, view[0]), view[1]);
     draw();
+    if (isMoved) drawPictures();
   }
 
   function zoomTo(view) {

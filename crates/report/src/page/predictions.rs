@@ -28,12 +28,13 @@ pub(super) fn write(out: &mut String, run: &Run) {
     ];
     out.push_str(&format!("<section>\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
     for prediction in &run.predictions {
-        row(out, run.language, prediction);
+        row(out, run, prediction);
     }
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, language: Language, prediction: &PredictionV1) {
+fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
+    let language = run.language;
     let texts = &language.phrases().predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
@@ -55,7 +56,7 @@ fn row(out: &mut String, language: Language, prediction: &PredictionV1) {
     };
     let names: Vec<String> = prediction.names.iter().map(role).collect();
     let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
-    let asked = if prediction.asked { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
+    let asked = if run.asks_for(prediction) { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
     out.push_str(&format!(
         "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}<td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },

@@ -14,6 +14,7 @@ use crumple_report::{
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
+use serde_json::Value;
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -46,6 +47,7 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
     run.candidates = candidates(inputs, &simulations, time_zero_s)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
+    run.asked_speeds_m_per_s = asked_speeds(&run.provenance);
     collect_notes(inputs, &mut run)?;
     run.concerns = concerns(inputs)?;
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
@@ -72,6 +74,14 @@ fn predictions(inputs: &Inputs) -> anyhow::Result<Vec<PredictionV1>> {
     let mut numbered = inputs.records::<PredictionV1>("/prediction/")?;
     numbered.sort_by_key(|(n, _)| (n.parse::<u64>().unwrap_or(u64::MAX), n.clone()));
     Ok(numbered.into_iter().map(|(_, prediction)| prediction).collect())
+}
+
+/// Speeds that were asked for beside those of the pipeline, as the settings of the predictions have them.
+fn asked_speeds(provenance: &[StageRecord]) -> Vec<f64> {
+    let of_predictions = provenance.iter().find(|record| record.stage == "predict");
+    let settings = of_predictions.and_then(|record| serde_json::from_str::<Value>(&record.settings).ok());
+    let speeds = settings.as_ref().and_then(|settings| settings.get("asked_speeds_m_per_s")?.as_array());
+    speeds.map_or_else(Vec::new, |speeds| speeds.iter().filter_map(Value::as_f64).collect())
 }
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where

@@ -15,9 +15,6 @@ pub struct PredictionV1 {
     pub names: Vec<String>,
     /// Impact speed over ground, m/s.
     pub impact_speed_m_per_s: f64,
-    /// Whether this speed was asked for beside the standing ones of the pipeline; absent where it was not.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub asked: bool,
     /// Mass of the vehicle, kg.
     pub mass_kg: f64,
     /// What it meets; `null`: the rigid wall of the test.

@@ -1,14 +1,18 @@
 //! A model as a picture: barrier, masses, springs, dampers and curves, each with its value and interval.
-//! Uses results and text.
+//! Uses figures, results and text.
 
 mod layout;
+mod motion;
 mod parts;
 mod svg;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use layout::layout;
+use motion::motion;
 use parts::{ElementPart, Glyph, parts};
 
+use crate::figures::crash::curves::view_ms;
 use crate::page::how_well::grade;
 use crate::text::language::fill;
 use crate::text::names::candidate_name;
@@ -59,7 +63,9 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
         Some(parts) => {
             let speed = run.test.impact_speed_m_per_s.filter(|_| run.joint.is_none());
             let speed = speed.map(|v| format!("{} km/h", language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));
-            out.push_str(&svg::drawing(language, number, &name, &parts, speed.as_deref()));
+            let layout = layout(&parts);
+            let motion = view_ms(run).and_then(|[_, until_ms]| motion(candidate, &layout, until_ms));
+            out.push_str(&svg::drawing(language, number, &name, &parts, &layout, motion.as_ref(), speed.as_deref()));
         }
         None => out.push_str(&format!("<p>{}</p>\n", texts.no_structure)),
     }
