@@ -23,10 +23,8 @@ macro_rules! texts {
 mod candidates;
 mod conclusion;
 mod figures;
-mod fleet;
 mod how_well;
 mod identification;
-mod joint;
 mod metrics;
 mod model_picture;
 mod numbers;
@@ -39,17 +37,15 @@ mod scripts;
 pub use candidates::CandidateTexts;
 pub use conclusion::ConclusionTexts;
 pub use figures::FigureTexts;
-pub use fleet::FleetTexts;
 pub use how_well::HowWellTexts;
 pub use identification::IdentificationTexts;
-pub use joint::JointTexts;
 pub use metrics::{METRICS, TRADE_NAMES};
 pub use model_picture::ModelTexts;
 pub use numbers::NumberTexts;
 pub use page::PageTexts;
 pub use predictions::PredictionTexts;
 pub use remarks::RemarkTexts;
-pub use runs::RunTexts;
+pub use runs::{FleetTexts, JointTexts, RunTexts};
 pub use scripts::{CursorTexts, WhatIfTexts};
 
 /// The texts of one language, by what they are about.

@@ -8,8 +8,8 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use super::{
-    candidates, channels, conclusion as top, energy, figures, header, how_well, joint, key_numbers, model_picture,
-    models, numbers, predictions, ratings, remarks, what_if,
+    candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
+    numbers, predictions, ratings, remarks, what_if,
 };
 use crate::conclusions::concerns::first_is_decisive;
 use crate::conclusions::conclusion::conclusion;
@@ -45,7 +45,7 @@ impl Page {
             top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
         body.push_str("</div>\n</div>\n");
-        joint::write(&mut body, run);
+        predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {
             models::write(&mut body, run, &identification);

@@ -9,7 +9,6 @@ pub mod energy;
 pub mod figures;
 pub mod header;
 pub mod how_well;
-pub mod joint;
 pub mod key_numbers;
 pub mod model_picture;
 pub mod models;
