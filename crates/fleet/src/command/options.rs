@@ -53,8 +53,8 @@ pub struct Options {
     #[arg(long, conflicts_with = "batch")]
     pub(crate) tables_only: bool,
 
-    /// Language of fleet.html: en or de. What each run's own pages speak is the key `language` of [report] in a pipeline
-    /// [default: en].
+    /// Language of fleet.html: en or de. The pages of the runs speak that of the key `language` of [report] in a
+    /// pipeline [default: en].
     #[arg(long, value_name = "CODE", value_parser = language)]
     pub(crate) language: Option<Language>,
 

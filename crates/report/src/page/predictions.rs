@@ -59,7 +59,8 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
     let asked = if run.asks_for(prediction) { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
     out.push_str(&format!(
-        "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}<td>{}</td></tr>\n",
+        "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}\
+         <td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },
         language.decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
         language.decimals(prediction.mass_kg, 0),
