@@ -25,7 +25,7 @@ report := quote(bin / "crumple-report")
 
 # One model for several tests.
 together := quote(bin / "crumple-together") + " --project " + quote(justfile_directory()) + \
-    " --parameter-solve " + quote(parameter_solve) + " --predict " + quote(predict)
+    " --parameter-solve " + quote(parameter_solve) + " --predict " + quote(predict) + " --report " + quote(report)
 
 # Which program reads what and writes what.
 stages := "--optional predict " + \

@@ -17,7 +17,6 @@ mod text;
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
-pub use conclusions::concerns::SHOWN_FIRST;
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::overview;
@@ -32,6 +31,7 @@ pub use index::run_summary::{
     SummaryMetric, SummaryTest, model_year,
 };
 pub use page::document::Page;
+pub use results::joint::{JointTest, JointTests, LeftOut};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,

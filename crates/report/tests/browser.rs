@@ -101,12 +101,21 @@ fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves()
     assert!((number(&first[3]) + 0.873 * 9.80665 * number(&first[0])).abs() < 0.5, "{first}");
     // Three panels of the curves and two of the residual.
     assert_eq!(page.ask("return document.querySelectorAll('.cursor-marks path').length"), 5);
+    // The outlines of the masses are at rest on the picture until the cursor moves.
+    let pictures = || {
+        page.ask(
+            "return [...document.querySelectorAll('.model-picture .moved')].map((r) => Number(r.getAttribute('x')))",
+        )
+    };
+    assert_eq!(pictures(), json!([]));
     let marks = || page.ask("return [...document.querySelectorAll('.cursor-marks path')].map((p) => p.outerHTML)");
     // The keys of a figure in another section, and of the slider.
     page.ask("document.querySelector('#residual .panels').focus()");
     let (mut seen, mut drawn) = (vec![first], vec![marks()]);
+    let mut outlines = Vec::new();
     for key in ["End", "Home", "ArrowRight"] {
         page.press(key);
+        outlines.push(pictures());
         seen.push(values());
         drawn.push(marks());
     }
@@ -119,6 +128,8 @@ fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves()
     page.point_at(x, y);
     seen.push(values());
     drawn.push(marks());
+    // At the end the model has come nearer to the barrier than at its first contact.
+    assert!(outlines[0][0].as_f64() > outlines[1][0].as_f64(), "{outlines:?}");
     for pair in seen.windows(2).chain(drawn.windows(2)) {
         assert_ne!(pair[0], pair[1]);
     }
@@ -154,9 +165,50 @@ fn a_legend_shows_and_hides_without_the_script_and_a_zoom_is_shared() {
 }
 
 #[test]
+fn a_telephone_names_hidden_curves_on_demand_and_shows_every_value_at_the_cursor() {
+    let Some(browser) = browser() else { return };
+    for screen in [Screen::PHONE, Screen::PHONE.without_script()] {
+        let page = open(&browser, screen);
+        let names = || {
+            page.ask(
+                "return [...document.querySelectorAll('#curves .legend li:not(.all)')]
+                    .filter((l) => getComputedStyle(l).display !== 'none').length",
+            )
+        };
+        let first = names();
+        let (x, y) = middle(&page, "#curves .legend .all label");
+        page.click(x, y);
+        let all = names();
+        assert!(0 < first.as_u64().unwrap() && first.as_u64() < all.as_u64(), "{screen:?}: {first} {all}");
+    }
+    let page = open(&browser, Screen::PHONE);
+    let cut = page
+        .ask("return [...document.querySelectorAll('.cursor')].filter((c) => c.scrollWidth > c.clientWidth).length");
+    assert_eq!(cut, 0);
+    assert_eq!(page.ask("return document.querySelector('#curves .values').innerText.includes('kN')"), true);
+}
+
+#[test]
+fn a_definition_stands_at_the_foot_of_the_window() {
+    let Some(browser) = browser() else { return };
+    let page = open(&browser, Screen::DESK);
+    // Far down the page, in a section that is laid out when it comes near.
+    let place = page.ask(
+        "const word = [...document.querySelectorAll('main [title][tabindex]')].filter((e) => e.offsetParent).at(-1);
+         word.scrollIntoView({block: 'center'}); word.focus();
+         const style = getComputedStyle(word, '::after');
+         const held = (e) => e && (getComputedStyle(e).contentVisibility === 'auto' || held(e.parentElement));
+         return {position: style.position, bottom: style.bottom, held: Boolean(held(word))};",
+    );
+    assert_eq!(place, json!({"position": "fixed", "bottom": place["bottom"], "held": false}));
+}
+
+#[test]
 fn a_telephone_has_no_scrolling_sideways_and_type_that_can_be_read() {
     let Some(browser) = browser() else { return };
     let script = "
+        // What is beyond the window takes no room unless it is laid out.
+        document.querySelectorAll('section').forEach((s) => { s.style.contentVisibility = 'visible'; });
         const sizes = [...document.querySelectorAll('svg.plot text')].map((t) =>
             parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.getBoundingClientRect().width
             / t.ownerSVGElement.viewBox.baseVal.width);
@@ -176,7 +228,8 @@ fn every_control_and_definition_has_a_name_and_is_reached_by_the_tab_key() {
     let page = open(&browser, Screen::DESK);
     let script = "
         document.querySelectorAll('details').forEach((d) => { d.open = true; });
-        const controls = [...document.querySelectorAll('button, input, summary, [title], .panels[role]')];
+        const all = document.querySelectorAll('button, input, summary, [title], .panels[role]');
+        const controls = [...all].filter((c) => c instanceof SVGElement || c.offsetParent !== null);
         controls.forEach((c, k) => { c.dataset.control = k; });
         const nameless = controls.filter((c) =>
             !(c.getAttribute('aria-label') || c.textContent.trim() || (c.labels && c.labels[0].textContent.trim())));
@@ -207,6 +260,53 @@ fn every_control_and_definition_has_a_name_and_is_reached_by_the_tab_key() {
         .map(|k| page.ask(&format!("return document.querySelector('[data-control=\"{k}\"]').outerHTML")).to_string())
         .collect();
     assert_eq!(missed, Vec::<String>::new(), "{stops} stops");
+}
+
+/// Texts fainter on their background than WCAG 2.2 asks for at level AA: 4.5, of large type 3.
+const FAINT: &str = r"
+    const luminance = (c) => {
+        const [r, g, b] = c.map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const colour = (text) => text.match(/[\d.]+/g).map(Number);
+    const behind = (e) => {
+        for (; e; e = e.parentElement) {
+            const c = colour(getComputedStyle(e).backgroundColor);
+            if (c.length < 4 || c[3] === 1) return c.slice(0, 3);
+        }
+        return [255, 255, 255];
+    };
+    const own = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim());
+    document.querySelectorAll('details').forEach((d) => { d.open = true; });
+    document.querySelectorAll('section').forEach((s) => { s.style.contentVisibility = 'visible'; });
+    const texts = [...document.body.querySelectorAll('*')].filter((e) =>
+        own(e) && !e.closest('script, title, desc') && e.getClientRects().length);
+    return {texts: texts.length, faint: texts.filter((e) => {
+        const style = getComputedStyle(e), inSvg = e.namespaceURI.endsWith('svg');
+        const [a, b] = [colour(inSvg ? style.fill : style.color).slice(0, 3), behind(e)].map(luminance);
+        const size = parseFloat(style.fontSize);
+        const least = size >= 24 || (size >= 18.66 && style.fontWeight >= 700) ? 3 : 4.5;
+        return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < least;
+    }).map((e) => e.textContent)};";
+
+#[test]
+fn every_text_stands_out_from_its_background() {
+    let Some(browser) = browser() else { return };
+    for screen in [Screen::DESK, Screen::DESK.dark()] {
+        let page = open(&browser, screen);
+        let answer = page.ask(FAINT);
+        assert!(answer["texts"].as_u64().unwrap() > 500, "{answer}");
+        assert_eq!(answer["faint"], json!([]), "{screen:?}");
+        // It can fail.
+        page.ask(
+            "document.querySelector('h1').style.color = 'gray'; document.querySelector('.brand').style.color = 'gray'",
+        );
+        assert_eq!(
+            page.ask(FAINT)["faint"].as_array().unwrap().len(),
+            1,
+            "the large one has 3.9 to 1, which is enough"
+        );
+    }
 }
 
 /// Pages of a PDF file, whose page objects are not packed.

@@ -9,36 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crumple_browser::{Browser, Screen};
-
-/// Words that are the same in both languages: symbols with their units, names of standards and of programs' terms.
-const SAME: &[&str] = &[
-    "AICc",
-    "C",
-    "C, mm",
-    "CFC",
-    "CORA",
-    "CSV",
-    "ISO/TS 18571",
-    "M",
-    "OLC",
-    "OLC, g",
-    "olc",
-    "P",
-    "Parameter",
-    "Pipeline",
-    "RMSE, mm",
-    "SVG",
-    "Theil U1",
-    "e",
-    "k, kN/m",
-    "summary.json",
-    "tm, ms",
-    "ΔAICc",
-    "ΔC, mm",
-    "Δtm, ms",
-    "Δv, km/h",
-    "95 %",
-];
+use crumple_testkit::SAME_IN_GERMAN;
 
 /// Names of the sample: its title, stages, models, candidates, parameters, runs, quantities of a rating.
 fn is_name(text: &str) -> bool {
@@ -71,7 +42,7 @@ fn left_in_english(browser: &Browser, folder: &Path, inputs: &[PathBuf], kind: &
     let (english, german) = (labels("en"), labels("de"));
     assert!(english.len() > 10 && german.len() > 10, "{english:?}");
     let same = english.intersection(&german);
-    same.filter(|text| !SAME.contains(&text.as_str()) && !is_name(text)).cloned().collect()
+    same.filter(|text| !SAME_IN_GERMAN.contains(&text.as_str()) && !is_name(text)).cloned().collect()
 }
 
 #[test]

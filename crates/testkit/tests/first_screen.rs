@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crumple_browser::{Browser, Page, Screen};
+use crumple_testkit::SAME_IN_GERMAN;
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
 use crumple_testkit::pipeline::{ARTIFACTS, binary, run};
 use serde_json::Value;
@@ -177,6 +178,8 @@ fn check_warnings(page: &Page, summary: &Value) {
 fn check_screen(browser: &Browser, file: &Path, screen: Screen, sentences: &[String]) {
     let page = browser.open(file, "", screen);
     assert_eq!(texts(&page, "section.verdict p"), sentences, "{screen:?}");
+    // What is beyond the window takes no room unless it is laid out.
+    page.ask("document.querySelectorAll('section').forEach((s) => { s.style.contentVisibility = 'visible'; })");
     let wide = page.ask("return document.documentElement.scrollWidth").as_u64().unwrap();
     assert!(wide <= u64::from(screen.width), "{}: {wide} wide on {screen:?}", file.display());
     let colours = page.ask("const s = getComputedStyle(document.body); return [s.color, s.backgroundColor]");
@@ -190,37 +193,8 @@ fn check_screen(browser: &Browser, file: &Path, screen: Screen, sentences: &[Str
 /// What a German page may have in common with the English one: terms, symbols with units, names of standards, stages
 /// and models, and what the records themselves say.
 fn is_common(label: &str, names: &BTreeSet<String>) -> bool {
-    const TERMS: &[&str] = &[
-        "olc",
-        "hic15",
-        "hic36",
-        "AICc",
-        "C",
-        "CFC",
-        "CORA",
-        "CSV",
-        "HIC15",
-        "HIC36",
-        "ISO/TS 18571",
-        "M",
-        "OLC",
-        "OLC, g",
-        "P",
-        "Parameter",
-        "RMSE, mm",
-        "SVG",
-        "Theil U1",
-        "e",
-        "summary.json",
-        "tm, ms",
-        "ΔAICc",
-        "ΔC, mm",
-        "Δtm, ms",
-        "Δv, km/h",
-        "95 %",
-    ];
     let has_words = label.split(|c: char| !c.is_alphabetic()).any(|word| word.chars().count() > 2);
-    TERMS.contains(&label) || !has_words || names.iter().any(|name| label.starts_with(name.as_str()))
+    SAME_IN_GERMAN.contains(&label) || !has_words || names.iter().any(|name| label.starts_with(name.as_str()))
 }
 
 /// Where a page names what its records name: title, stages, candidates, parameters, prior knowledge, places of sensors.

@@ -75,6 +75,10 @@ fn check_intervals_hold_what_was_missed(summary: &Value) {
     }
 }
 
+fn page(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("joint/report.html")).unwrap()
+}
+
 /// Three exact records: what two of them say of the third is off by the knots, which stand at other places than those
 /// of the truth, and by the filter: 2 % of crush between 40 and 64 km/h.
 #[test]
@@ -112,6 +116,17 @@ fn every_test_is_predicted_from_the_others_and_the_rate_factor_is_found() {
     speeds.sort_unstable();
     speeds.dedup();
     assert_eq!(speeds, [30, 40, 48, 56, 64]);
+    let page = page(folder.path());
+    assert!(page.contains("One model was fitted to 3 tests at 40.0 to 64.0\u{a0}km/h: fast, usual, slow."), "verdict");
+    assert!(page.contains("id=\"crush-over-speed\"") && page.contains("<strong>asked for</strong>"));
+    // The errors of the table are those of the summary.
+    for row in rows {
+        let error = number(&row["predictions"][0], &["against", "dynamic_crush_error_percent"]);
+        let shown = format!("{}{:.1}", if error < 0.0 { "−" } else { "+" }, error.abs());
+        let of_test = page.split(&format!("<th scope=\"row\">{}</th>", row["test"].as_str().unwrap())).nth(1).unwrap();
+        let line = of_test.split("</tr>").next().unwrap();
+        assert!(line.contains(&format!("<td class=\"n\">{shown}</td>")), "{shown} in {line}");
+    }
     for name in ["fast", "usual", "slow"] {
         assert!(folder.path().join(format!("joint/without-{name}/7-predict.mcap")).is_file(), "{name}");
     }
@@ -141,6 +156,8 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
         all.filter(|p| p["recommended"] == true).map(|p| number(p, &["impact_speed_m_per_s"]) * 3.6).collect()
     };
     assert!(speeds(&asked).len() == speeds(&first).len() + 1 && speeds(&asked).iter().any(|v| (v - 30.0).abs() < 0.1));
+    let page = page(folder.path());
+    assert_eq!(page.matches("<strong>asked for</strong>").count(), 3, "of recommended, simplest and closest");
     asked["predictions"] = first["predictions"].clone();
     assert_eq!(asked, first);
     // The joint model as a partner: two equals are each as at the wall at the same speed. The model of one test has

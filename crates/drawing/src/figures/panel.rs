@@ -22,6 +22,8 @@ const BOTTOM: f64 = 50.0;
 /// Height of type in a narrow window and on paper, and the width of its characters, on average and with room.
 const TYPE: f64 = 18.0;
 const CHARACTER: f64 = 11.2;
+/// The same of the bold type of systems with wide letters: what stands at an edge is cut where it is wider.
+const WIDEST_CHARACTER: f64 = 1.15 * CHARACTER;
 
 /// A panel with its scales.
 pub struct Drawing<'a> {
@@ -404,7 +406,7 @@ fn rows_of_names(panel: &Panel, x: &Scale) -> Vec<usize> {
 
 /// The middle of a mark's name: at the mark, and not beyond the panel's edges.
 fn name_place(name: &str, at: f64) -> f64 {
-    let half = CHARACTER * name.chars().count() as f64 / 2.0;
+    let half = WIDEST_CHARACTER * name.chars().count() as f64 / 2.0;
     let (left, right) = (half - LEFT, WIDTH - LEFT - half);
     if left < right { at.clamp(left, right) } else { (left + right) / 2.0 }
 }

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use crumple_report::Language;
 use crumple_stage::Usage;
 
 use crate::command::sweep::Sweep;
@@ -52,6 +53,11 @@ pub struct Options {
     #[arg(long, conflicts_with = "batch")]
     pub(crate) tables_only: bool,
 
+    /// Language of fleet.html: en or de. The pages of the runs speak that of the key `language` of [report] in a
+    /// pipeline [default: en].
+    #[arg(long, value_name = "CODE", value_parser = language)]
+    pub(crate) language: Option<Language>,
+
     /// Compression of the artifacts: zstd makes them smaller and a run slower.
     #[arg(long, value_name = "KIND", value_parser = ["zstd"])]
     pub(crate) compress: Option<String>,
@@ -81,6 +87,11 @@ pub struct Options {
     /// Command that runs one record: `crumple-run` with the stages.
     #[arg(long, value_name = "COMMAND")]
     pub(crate) run: String,
+}
+
+/// The language of a code.
+fn language(code: &str) -> Result<Language, String> {
+    Language::of_code(code).ok_or_else(|| format!("the pages speak {}", Language::CODES.join(" or ")))
 }
 
 /// One part of a fleet that is run in several.

@@ -23,14 +23,15 @@ const TABLES: [(&str, &str); 4] = [
 ];
 
 /// Writes `fleet.html` in one piece.
-pub(crate) fn write_page(fleet: &Path, rows: &[Row]) -> anyhow::Result<()> {
+pub(crate) fn write_page(fleet: &Path, rows: &[Row], language: Language) -> anyhow::Result<()> {
     let path = fleet.join("fleet.html");
-    let page = page(fleet, rows);
+    let page = page(fleet, rows, language);
     write_atomically(&path, OutputKind::Report, |file| file.write_all(page.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn page(fleet: &Path, rows: &[Row]) -> String {
+fn page(fleet: &Path, rows: &[Row], language: Language) -> String {
+    let texts = &language.phrases().fleet;
     let name = fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let differ = |row: &Row| row.run.pipeline_name != rows[0].run.pipeline_name || !row.run.settings.is_empty();
     let several = rows.iter().any(differ);
@@ -39,18 +40,17 @@ fn page(fleet: &Path, rows: &[Row]) -> String {
     let scatters = [("stiffness", STIFFNESS), ("crush", CRUSH), ("olc", OLC)];
     let figures = vec![
         FiguresOfRuns {
-            heading: "Over mass, speed and model year",
-            text: "Mass, speed, year and class differ together in what was tested: a line here describes these runs, \
-                   it is no law.",
-            figures: scatters.into_iter().map(|(id, y)| scatter(rows, id, y, &over)).collect(),
+            heading: texts.over,
+            text: texts.over_text,
+            figures: scatters.into_iter().map(|(id, y)| scatter(rows, id, y, &over, language)).collect(),
         },
         FiguresOfRuns {
-            heading: "Distributions",
-            text: "How many runs have which value.",
-            figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION])],
+            heading: texts.distributions,
+            text: texts.distributions_text,
+            figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION], language)],
         },
     ];
-    RunIndex { language: Language::English, title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
+    RunIndex { language, title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
 }
 
 fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
@@ -149,7 +149,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let fleet = folder.path().join("made <fleet>");
         let rows = made(&fleet);
-        write_page(&fleet, &rows).unwrap();
+        write_page(&fleet, &rows, Language::English).unwrap();
         let html = fs::read_to_string(fleet.join("fleet.html")).unwrap();
         eprintln!("fleet.html of 500 runs: {} bytes", html.len());
         assert!(html.len() < 500_000, "{}", html.len());
@@ -158,15 +158,18 @@ mod tests {
         assert_eq!(html.matches("<svg class=\"plot\"").count(), 9 + 6);
         assert!(html.contains("href=\"runs/00005-56/default/report.html\"><circle class=\"link\""));
         assert!(html.contains("<summary>10 × refused: …, line #: &quot;…&quot; is no number</summary>"));
-        assert_eq!(html, page(&fleet, &rows));
+        assert_eq!(html, page(&fleet, &rows, Language::English));
+        let german = page(&fleet, &rows, Language::German);
+        assert!(german.contains("lang=\"de\"") && german.contains("Verteilungen</h2>") && german.contains("Ausreißer"));
+        assert!(!german.contains("Distributions") && !german.contains("least-squares") && !german.contains(">runs<"));
     }
 
     #[test]
     fn a_fleet_without_a_single_result_has_a_page() {
         let folder = tempfile::tempdir().unwrap();
         let found = RunSummary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
-        let html = page(folder.path(), &[row(49, &found)]);
+        let html = page(folder.path(), &[row(49, &found)], Language::English);
         assert!(html.contains("1 run, 0 with a recommended model, 1 without a result") && !html.contains("Distrib"));
-        assert!(page(folder.path(), &[]).contains("0 runs"));
+        assert!(page(folder.path(), &[], Language::English).contains("0 runs"));
     }
 }

@@ -3,7 +3,7 @@
 use crumple_drawing::Words;
 use crumple_drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 
-use crate::phrases::{ENGLISH, GERMAN, METRICS, Phrases};
+use crate::phrases::{ENGLISH, GERMAN, METRICS, Phrases, TRADE_NAMES};
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -108,10 +108,24 @@ impl Language {
         format!("{low} {} {high}", self.phrases().page.to)
     }
 
-    /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration".
+    /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration", `hic15` by its trade name
+    /// "HIC15".
     pub fn metric(self, name: &str) -> String {
-        let known = METRICS.iter().find(|(known, _)| *known == name && self == Self::German);
-        known.map_or_else(|| name.replace('_', " "), |(_, german)| (*german).to_owned())
+        let trade = TRADE_NAMES.iter().find(|(known, _)| *known == name).map(|(_, trade)| *trade);
+        let german = || METRICS.iter().find(|(known, _)| *known == name && self == Self::German);
+        match trade.or_else(|| german().map(|(_, german)| *german)) {
+            Some(word) => word.to_owned(),
+            None => name.replace('_', " "),
+        }
+    }
+
+    /// How an interval was found, as a record says it: `5-95 % of 400 replicates`.
+    pub fn interval_by(self, words: &str) -> String {
+        let replicates = words.strip_prefix("5-95 % of ").and_then(|rest| rest.strip_suffix(" replicates"));
+        match (self, replicates) {
+            (Self::German, Some(count)) => format!("5 bis 95 % von {count} Wiederholungen"),
+            _ => words.to_owned(),
+        }
     }
 
     /// What a drawing adds of its own.
@@ -173,6 +187,11 @@ mod tests {
         let name = |language: Language, name| language.metric(name);
         assert_eq!(name(Language::English, "delta_v"), "delta v");
         assert_eq!(name(Language::German, "delta_v"), "Geschwindigkeitsänderung");
+        assert_eq!(name(Language::English, "hic15"), "HIC15");
+        assert_eq!(name(Language::German, "olc"), "OLC");
+        let by = |language: Language| language.interval_by("5-95 % of 400 replicates");
+        assert_eq!(by(Language::English), "5-95 % of 400 replicates");
+        assert_eq!(by(Language::German), "5 bis 95 % von 400 Wiederholungen");
         assert_eq!(name(Language::German, "of_another_program"), "of another program");
     }
 

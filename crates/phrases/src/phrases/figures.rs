@@ -1,6 +1,7 @@
 //! Figures of the crash: titles, axes, legends, captions.
 
 texts! { FigureTexts
+    all_names: "names of the hidden curves", "Namen der verborgenen Kurven";
     curves_to_show: "Curves, to show or hide", "Kurven, zeigen oder ausblenden";
     over: "over", "über";
     lowest: "lowest", "kleinster Wert";

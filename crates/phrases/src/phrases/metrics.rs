@@ -1,7 +1,7 @@
 //! Names of metrics and of measured quantities. The English one is the name of the record with blanks.
 
 /// Name in a record, German name. What is not in it keeps its name.
-pub const METRICS: [(&str, &str); 59] = [
+pub const METRICS: [(&str, &str); 57] = [
     ("acceleration", "Beschleunigung"),
     ("acceleration_after_separation", "Beschleunigung nach der Trennung"),
     ("angle", "Winkel"),
@@ -59,6 +59,24 @@ pub const METRICS: [(&str, &str); 59] = [
     ("velocity", "Geschwindigkeit"),
     ("velocity_change", "Geschwindigkeitsänderung"),
     ("voltage", "Spannung"),
-    ("vpi", "Fahrzeugpuls-Index (VPI)"),
+];
+
+/// Name in a record, trade name, which is the same in every language.
+pub const TRADE_NAMES: [(&str, &str); 16] = [
+    ("asi", "ASI"),
+    ("cora", "CORA"),
+    ("gsi", "GSI"),
+    ("hic", "HIC"),
+    ("hic15", "HIC15"),
+    ("hic36", "HIC36"),
     ("hic_d", "HIC(d)"),
+    ("iso18571", "ISO/TS 18571"),
+    ("oiv_x", "OIV x"),
+    ("oiv_y", "OIV y"),
+    ("olc", "OLC"),
+    ("ora_x", "ORA x"),
+    ("ora_y", "ORA y"),
+    ("phd", "PHD"),
+    ("thiv", "THIV"),
+    ("vpi", "VPI"),
 ];

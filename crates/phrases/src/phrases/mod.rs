@@ -39,13 +39,13 @@ pub use conclusion::ConclusionTexts;
 pub use figures::FigureTexts;
 pub use how_well::HowWellTexts;
 pub use identification::IdentificationTexts;
-pub use metrics::METRICS;
+pub use metrics::{METRICS, TRADE_NAMES};
 pub use model_picture::ModelTexts;
 pub use numbers::NumberTexts;
 pub use page::PageTexts;
 pub use predictions::PredictionTexts;
 pub use remarks::RemarkTexts;
-pub use runs::RunTexts;
+pub use runs::{FleetTexts, JointTexts, RunTexts};
 pub use scripts::{CursorTexts, WhatIfTexts};
 
 /// The texts of one language, by what they are about.
@@ -61,6 +61,8 @@ pub struct Phrases {
     pub figures: FigureTexts,
     /// Identified models and their figures.
     pub identification: IdentificationTexts,
+    /// One model of several tests.
+    pub joint: JointTexts,
     /// Pictures of models.
     pub model: ModelTexts,
     /// Candidates and which to use.
@@ -73,6 +75,8 @@ pub struct Phrases {
     pub remarks: RemarkTexts,
     /// Several runs on one page.
     pub runs: RunTexts,
+    /// The page of a fleet.
+    pub fleet: FleetTexts,
     /// What the script of the figures says.
     pub cursor: CursorTexts,
     /// The sliders and what their script says.
@@ -88,12 +92,14 @@ macro_rules! phrases {
             numbers: NumberTexts::$language,
             figures: FigureTexts::$language,
             identification: IdentificationTexts::$language,
+            joint: JointTexts::$language,
             model: ModelTexts::$language,
             candidates: CandidateTexts::$language,
             how_well: HowWellTexts::$language,
             predictions: PredictionTexts::$language,
             remarks: RemarkTexts::$language,
             runs: RunTexts::$language,
+            fleet: FleetTexts::$language,
             cursor: CursorTexts::$language,
             what_if: WhatIfTexts::$language,
         }

@@ -17,6 +17,7 @@ texts! { ModelTexts
     off_the_test:
         "Crush {crush}, t<sub>m</sub> {time} off the test; displacement fit {fit}.",
         "Abweichung vom Versuch: Eindrückung {crush}, t<sub>m</sub> {time}; Anpassung des Wegs {fit}.";
+    follows: "Displacement fit {fit}.", "Anpassung des Wegs {fit}.";
     one_spring:
         "One spring with the energy and the crush of the test: k = {stiffness}.",
         "Eine Feder mit Energie und Eindrückung des Versuchs: k = {stiffness}.";

@@ -21,6 +21,7 @@ texts! { PredictionTexts
          angemessener Modelle, einem Geschwindigkeitseinfluss, den ein Versuch kaum zeigt, und der Kraft jenseits der \
          geprüften Eindrückung. Nicht darin: ein nicht erreichtes Bauteil, ein anderes Versagen, eine andere \
          Überdeckung. Hervorgehoben ist das empfohlene Modell.";
+    asked: "asked for", "angefragt";
     interval: "[{low} to {high}]", "[{low} bis {high}]";
     extrapolates: "extrapolates", "extrapoliert";
     remarks: "remarks", "Bemerkungen";

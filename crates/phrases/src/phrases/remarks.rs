@@ -53,6 +53,9 @@ texts! { RemarkTexts
         "die Aufzeichnung zeigt keine Eindrückung, die zu Ende kommt: Die Geschwindigkeit wird nie null";
     notes_title: "Warnings and notes", "Warnungen und Anmerkungen";
     one_warning: "1 warning", "1 Warnung";
+    of_other_candidates:
+        "{count} of them on candidates that are neither recommended nor simplest nor closest",
+        "{count} davon zu Kandidaten, die weder empfohlen noch einfachstes noch nächstes sind";
     warnings:
         "{count} warnings, those first that change most of what is shown",
         "{count} Warnungen, zuerst die, die am meisten am Gezeigten ändern";

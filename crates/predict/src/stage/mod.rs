@@ -90,7 +90,8 @@ impl Stage for Predict {
         }
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
         let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios, &surroundings);
-        out.summary(header());
+        let marks = !settings.asked_speeds_m_per_s.is_empty();
+        out.summary(header(marks));
         let mut rows = Vec::new();
         for (place, (scenario, of_named)) in scenarios.iter().zip(predictions).enumerate() {
             // The impact of the other test comes last.
@@ -109,7 +110,8 @@ impl Stage for Predict {
                 record.against = other.map(|other| other.beside(&prediction));
                 let n = rows.len() + 1;
                 out.put(&format!("/prediction/{n}"), &record)?;
-                out.summary(line(&record));
+                let asked = marks.then(|| settings.asks_for(scenario.speed_m_per_s));
+                out.summary(line(&record, asked));
                 partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
                 record.against.iter().for_each(|against| out.summary(against::words(against)));
                 write_waves(n, prediction.wave, out)?;

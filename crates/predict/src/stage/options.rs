@@ -89,6 +89,9 @@ pub struct Options {
 pub struct Settings {
     /// Rising; none: that of the test.
     pub speeds_m_per_s: Vec<f64>,
+    /// Those of them that were asked for beside the standing list.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub asked_speeds_m_per_s: Vec<f64>,
     /// As given; none: that of the test.
     pub masses_kg: Vec<f64>,
     pub candidates: Vec<String>,
@@ -127,8 +130,10 @@ impl Settings {
         let closing = read_speeds(&options.closing_speed)?;
         // Closing speeds stand in place of the standing list.
         let standing = if closing.0.is_empty() { &options.speeds[..] } else { &[] };
-        let asked: Vec<String> = standing.iter().chain(&options.speed).cloned().collect();
-        let all = read_speeds(&asked)?;
+        let both: Vec<String> = standing.iter().chain(&options.speed).cloned().collect();
+        let all = read_speeds(&both)?;
+        // Without a standing list nothing has to be told apart.
+        let asked = if standing.is_empty() { Vec::new() } else { read_speeds(&options.speed)?.0 };
         let masses_kg: Vec<f64> = options.mass.iter().map(|mass| mass.si()).collect();
         if let Some(mass) = masses_kg.iter().find(|mass| !(**mass > 0.0 && mass.is_finite())) {
             return Err(Usage::new(format!("mass is {mass} kg, expected a positive mass")).into());
@@ -141,6 +146,7 @@ impl Settings {
         let mass = options.mass_uncertainty.map_or(0.0, |mass| deviation(mass.size.si(), mass.distribution));
         Ok(Self {
             speeds_m_per_s: all.0,
+            asked_speeds_m_per_s: asked,
             closing_speeds_m_per_s: closing.0,
             taken_as_km_per_h: all.1 || closing.1,
             partner: partner(&options)?,
@@ -152,6 +158,11 @@ impl Settings {
             mass_deviation_kg: mass,
             left_out: options.left_out,
         })
+    }
+
+    /// Whether a speed was asked for beside the standing ones.
+    pub fn asks_for(&self, speed_m_per_s: f64) -> bool {
+        self.asked_speeds_m_per_s.iter().any(|asked| (asked - speed_m_per_s).abs() < SAME)
     }
 
     /// How uncertain the inputs are.
@@ -220,6 +231,8 @@ mod tests {
         let settings = Settings::new(options).unwrap();
         let km_per_h: Vec<f64> = settings.speeds_m_per_s.iter().map(|v| (v * 3.6).round()).collect();
         assert_eq!(km_per_h, [36.0, 38.0, 40.0, 56.0]);
+        let asked: Vec<bool> = settings.speeds_m_per_s.iter().map(|v| settings.asks_for(*v)).collect();
+        assert_eq!(asked, [true, true, true, false]);
         assert!((settings.inputs().speed_m_per_s - 0.1 / 3.6 / 3.0_f64.sqrt()).abs() < 1e-15);
         assert!(Settings::new(Options { mass: vec![Mass::from_si(0.0)], ..Options::default() }).is_err());
     }

@@ -11,24 +11,41 @@ pub struct Row {
     pub record: PredictionV1,
 }
 
-/// Titles of the columns of [`line`].
-pub fn header() -> String {
+/// What stands before a speed that was asked for.
+const ASKED: &str = "> ";
+
+/// Titles of the columns of [`line`]; `marks`: some speeds were asked for beside standing ones.
+pub fn header(marks: bool) -> String {
     format!(
-        "{:>6} {:>7} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  candidate",
-        "km/h", "kg", "crush mm", "90 %", "t_m ms", "dv km/h", "peak g", "e"
+        "{}{:>6} {:>7} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  candidate{}",
+        if marks { "  " } else { "" },
+        "km/h",
+        "kg",
+        "crush mm",
+        "90 %",
+        "t_m ms",
+        "dv km/h",
+        "peak g",
+        "e",
+        if marks { ", > asked for" } else { "" },
     )
 }
 
-/// One prediction.
-pub fn line(record: &PredictionV1) -> String {
+/// One prediction. `asked`: whether its speed was asked for, where the header has marks.
+pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
     let number = |value: Option<f64>, factor: f64, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", factor * value))
     };
     let interval = record.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
     let interval = interval.map_or_else(|| "-".to_owned(), |i| format!("{:.1}..{:.1}", 1e3 * i.low, 1e3 * i.high));
     let names = if record.names.is_empty() { String::new() } else { format!(" ({})", record.names.join(", ")) };
+    let mark = match asked {
+        None => "",
+        Some(true) => ASKED,
+        Some(false) => "  ",
+    };
     format!(
-        "{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
+        "{mark}{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
         3.6 * record.impact_speed_m_per_s,
         record.mass_kg,
         number(record.dynamic_crush_m, 1e3, 1),
@@ -137,6 +154,12 @@ mod tests {
     fn what_is_not_reached_is_a_stroke() {
         let mut never = row(10.0, 1000.0, 0.4).record;
         never.dynamic_crush_m = None;
-        assert!(line(&never).starts_with("  36.0  1000.0        -               -"), "{}", line(&never));
+        let plain = line(&never, None);
+        assert!(plain.starts_with("  36.0  1000.0        -               -"), "{plain}");
+        assert_eq!(line(&never, Some(true)), format!("> {plain}"));
+        assert_eq!(line(&never, Some(false)), format!("  {plain}"));
+        // Figures stand below their titles, marked or not.
+        let ends = |text: &str| text.find("crush mm").map(|at| at + 8);
+        assert_eq!(ends(&header(true)), ends(&header(false)).map(|end| end + 2));
     }
 }

@@ -9,7 +9,7 @@ use super::compared_run::ComparedRun;
 use super::figure::figure;
 use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings;
-use super::table::{Row, to_html, to_markdown};
+use super::table::{Row, to_html, to_lines, to_markdown};
 use crate::conclusions::conclusion::conclusion;
 use crate::frame::framed::{FIGURES, framed, words_of_figures};
 use crate::page::figures;
@@ -48,6 +48,19 @@ impl<'a> RunComparison<'a> {
     /// What differs, in two sentences.
     pub fn sentences(&self) -> &[String] {
         &self.sentences
+    }
+
+    /// The key numbers and what of the models and predictions differs, as lines of a terminal: a column a run.
+    pub fn lines(&self) -> Vec<String> {
+        let texts = &self.language.phrases().runs;
+        let is_number = |of: &str| of == texts.number;
+        let rows = self
+            .tables
+            .iter()
+            .filter(|(_, of, _)| *of != texts.setting)
+            .flat_map(|(_, of, rows)| rows.iter().filter(move |row| is_number(of) || row.differs()));
+        let shown: Vec<&Row> = rows.collect();
+        to_lines(&self.names, &shown)
     }
 
     /// The page.

@@ -8,7 +8,7 @@ use super::compared_run::ComparedRun;
 use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings::record_of;
 use super::table::to_markdown;
-use crate::conclusions::concerns::SHOWN_FIRST;
+use crate::conclusions::concerns::first_warnings;
 use crate::conclusions::conclusion::conclusion;
 use crate::conclusions::distinct_curves::distinct_curves;
 use crate::text::language::fill;
@@ -31,10 +31,11 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     let warnings: Vec<_> = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT).collect();
     if !warnings.is_empty() {
         text.push_str(&format!("\n### {}\n\n", phrases.conclusion.before_use));
-        for (number, concern) in warnings.iter().take(SHOWN_FIRST).enumerate() {
+        let (first, others) = first_warnings(&warnings, &run.run, &run.ranking);
+        for (number, concern) in first.iter().enumerate() {
             text.push_str(&format!("{}. {}\n", number + 1, markdown(&concern.text)));
         }
-        if let Some(others) = warnings.len().checked_sub(SHOWN_FIRST).filter(|others| *others > 0) {
+        if others > 0 {
             text.push_str(&format!("\n{}\n", fill(texts.more_in_report, &[("count", others.to_string())])));
         }
     }

@@ -68,6 +68,26 @@ pub fn to_html(language: Language, of: &str, runs: &[String], rows: &[Row]) -> S
     )
 }
 
+/// As aligned lines of a terminal, what differs marked; without the intervals that stand beside the values.
+pub fn to_lines(runs: &[String], rows: &[&Row]) -> Vec<String> {
+    let cell = |cell: &Cell| format!("{}{}", if cell.differs { "≠ " } else { "" }, plain(&cell.text));
+    let mut lines: Vec<Vec<String>> = vec![[String::new()].into_iter().chain(runs.iter().cloned()).collect()];
+    lines.extend(rows.iter().map(|row| [plain(&row.name)].into_iter().chain(row.cells.iter().map(cell)).collect()));
+    let length = |text: &String| text.chars().count();
+    let widths: Vec<usize> =
+        (0..=runs.len()).map(|k| lines.iter().filter_map(|line| line.get(k)).map(length).max().unwrap_or(0)).collect();
+    let padded = |line: &Vec<String>| {
+        let cells = line.iter().zip(&widths).map(|(text, width)| format!("{text:<width$}"));
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    if rows.is_empty() { Vec::new() } else { lines.iter().map(padded).collect() }
+}
+
+/// A name without the marks of a page.
+fn plain(text: &str) -> String {
+    text.replace("<sub>", "").replace("</sub>", "").replace('\u{ad}', "")
+}
+
 /// As Markdown.
 pub fn to_markdown(of: &str, runs: &[String], rows: &[Row]) -> String {
     let cell = |cell: &Cell| {

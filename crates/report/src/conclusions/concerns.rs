@@ -6,13 +6,14 @@ use crumple_signal::{About, Severity, Weight};
 
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::Kind;
+use crate::conclusions::several_tests::missed;
 use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::symbols;
 use crate::{Ranking, Run};
 
 /// Warnings that stand on the first screen.
-pub const SHOWN_FIRST: usize = 3;
+pub(crate) const SHOWN_FIRST: usize = 3;
 
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
@@ -85,6 +86,30 @@ fn concern(
     }
 }
 
+/// Of warnings in their order those for the first screen: at most [`SHOWN_FIRST`], none of a candidate that nobody
+/// recommends while there is any other; and how many are left.
+pub(crate) fn first_warnings<'a>(
+    warnings: &[&'a ConcernV1],
+    run: &Run,
+    ranking: &Ranking,
+) -> (Vec<&'a ConcernV1>, usize) {
+    let prominent = warnings.iter().filter(|concern| !is_of_another_candidate(concern, run, ranking));
+    let mut first: Vec<&ConcernV1> = prominent.take(SHOWN_FIRST).copied().collect();
+    if first.is_empty() {
+        first.extend(warnings.iter().take(1));
+    }
+    let others = warnings.len() - first.len();
+    (first, others)
+}
+
+/// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.
+pub(crate) fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
+    match concern.about.parse() {
+        Ok(About::Model(name)) => prominence_of_model(&name, run, ranking) == 1,
+        _ => false,
+    }
+}
+
 /// How prominently the page shows what a concern is about: 3 on the first screen, 2 in a section of its own, 1 on
 /// demand.
 fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
@@ -124,6 +149,10 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         let mm = |m: f64| language.quantity(MILLI * m, 1, "mm");
         let text = fill(phrases.sensors_differ, &[("low", &mm(spread.low)), ("high", &mm(spread.high))]);
         found.push((About::Motion, Weight::Marked, text));
+    }
+    if let Some(tests) = run.joint.as_ref().and_then(|joint| missed(joint, language)) {
+        let text = fill(language.phrases().joint.warn_missed, &[("tests", tests)]);
+        found.push((About::Predictions, Weight::Decisive, text));
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let model = candidate_name(&best.id);

@@ -8,7 +8,8 @@ use serde::Serialize;
 
 use crate::conclusions::concerns::{concerns, first_is_decisive};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
-use crate::conclusions::kind::{Kind, RECORDED, kind_of};
+use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
+use crate::conclusions::several_tests::{missed, several_tests};
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 use crate::text::parameters::{DEFLECTION, deflection_of_knot, symbols};
@@ -117,15 +118,22 @@ impl<'a> Text<'a> {
             Kind::Barrier => (self.crushed(), self.use_model(concerns)),
             Kind::NoStop => (self.no_stop(), self.use_model(concerns)),
             Kind::TwoVehicles => (self.two_vehicles(), self.use_model(concerns)),
+            Kind::SeveralTests => (
+                self.run.joint.as_ref().map_or_else(String::new, |joint| several_tests(joint, self.language)),
+                self.use_model(concerns),
+            ),
             Kind::Occupant => (self.occupant(), self.occupant_use(concerns)),
             Kind::Recorder => (self.recorded(), self.recorder_use()),
             Kind::InputOutput => (self.identified(phrases.identified), Some(phrases.identified_use.to_owned())),
-            Kind::LinearModel => (self.not_stated(), Some(self.identified(phrases.not_stated_use))),
+            Kind::LinearModel => (not_stated(self.run).to_owned(), Some(self.identified(phrases.not_stated_use))),
             Kind::NoModel => {
                 let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
                 let reason = diagnosis.map_or("", |concern| concern.text.as_str());
                 let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
                 (fill(phrases.no_model, &[("reason", reason)]), Some(fill(phrases.what_to_do, &[("remedy", remedy)])))
+            }
+            Kind::MeasuredOnly if lacks_mass_or_speed(self.run) => {
+                (not_stated(self.run).to_owned(), self.use_model(concerns))
             }
             Kind::MeasuredOnly => (phrases.measured_only.to_owned(), self.use_model(concerns)),
         };
@@ -274,17 +282,6 @@ impl<'a> Text<'a> {
         Some(fill(phrases.recorder_use, &[("crush", &crush.unwrap_or_default())]))
     }
 
-    fn not_stated(&self) -> String {
-        let phrases = &self.language.phrases().conclusion;
-        let test = &self.run.test;
-        let which = match (test.mass_kg, test.impact_speed_m_per_s) {
-            (None, None) => phrases.not_stated_both,
-            (None, Some(_)) => phrases.not_stated_mass,
-            _ => phrases.not_stated_speed,
-        };
-        which.to_owned()
-    }
-
     /// The identified model that follows the record closest.
     fn identified(&mut self, template: &str) -> String {
         let phrases = &self.language.phrases().conclusion;
@@ -356,7 +353,8 @@ impl<'a> Text<'a> {
     }
 
     /// What it predicts: against a partner where one was asked for, else the slowest impact on the wall that does not
-    /// go beyond the test, where the model may be used unless all of it is doubtful.
+    /// go beyond the test, one of the speeds that were asked for before others; there the model may be used unless all
+    /// of it is doubtful.
     fn predicts(&mut self, best: &CandidateResult, doubtful: bool) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
         let run = self.run;
@@ -380,7 +378,9 @@ impl<'a> Text<'a> {
             return Some(fill(phrases.predicts_collision, &texts));
         }
         let found = of_best().filter(|(_, p)| p.partner.is_none() && !p.extrapolates).filter_map(crush);
-        let found = found.min_by(|a, b| a.1.impact_speed_m_per_s.total_cmp(&b.1.impact_speed_m_per_s))?;
+        let found = found.min_by(|(_, a, _), (_, b, _)| {
+            run.asks_for(b).cmp(&run.asks_for(a)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
+        })?;
         let (crush, interval) = of_crush(self, found);
         let at = format!("/predictions/{}/impact_speed_m_per_s", found.0);
         let speed = self.number(&at, found.1.impact_speed_m_per_s, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
@@ -393,6 +393,9 @@ impl<'a> Text<'a> {
         let phrases = &self.language.phrases().conclusion;
         if first_is_decisive(concerns) {
             return Some(phrases.decisive.to_owned());
+        }
+        if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint, self.language)) {
+            return Some(fill(self.language.phrases().joint.distrust, &[("tests", tests)]));
         }
         if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {
             return Some(open);

@@ -16,6 +16,8 @@ pub enum Kind {
     NoStop,
     /// A vehicle that met another one.
     TwoVehicles,
+    /// One model of several tests.
+    SeveralTests,
     /// A sensor in an occupant.
     Occupant,
     /// The table of an event data recorder.
@@ -35,6 +37,9 @@ pub fn kind_of(run: &Run) -> Kind {
     if run.is_generic() {
         return Kind::InputOutput;
     }
+    if run.joint.is_some() {
+        return if run.without_result() { Kind::NoModel } else { Kind::SeveralTests };
+    }
     if run.metrics.iter().any(|metric| metric.name == RECORDED && metric.value.is_some()) {
         return Kind::Recorder;
     }
@@ -52,6 +57,21 @@ pub fn kind_of(run: &Run) -> Kind {
         Some(events) if events.dynamic_crush_m.is_some() => Kind::Barrier,
         Some(_) => Kind::NoStop,
         None => Kind::MeasuredOnly,
+    }
+}
+
+/// Whether there is a pulse without what a crush is computed from.
+pub(crate) fn lacks_mass_or_speed(run: &Run) -> bool {
+    run.acceleration().is_some() && (run.test.mass_kg.is_none() || run.test.impact_speed_m_per_s.is_none())
+}
+
+/// Which of mass and impact speed is not stated, and what there is not for want of it.
+pub(crate) fn not_stated(run: &Run) -> &'static str {
+    let phrases = &run.language.phrases().conclusion;
+    match (run.test.mass_kg, run.test.impact_speed_m_per_s) {
+        (None, None) => phrases.not_stated_both,
+        (None, Some(_)) => phrases.not_stated_mass,
+        _ => phrases.not_stated_speed,
     }
 }
 

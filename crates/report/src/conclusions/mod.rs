@@ -7,4 +7,5 @@ pub mod distinct_curves;
 pub mod key_numbers;
 pub mod kind;
 pub mod overview;
+pub mod several_tests;
 pub mod summary;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
 
-use crate::conclusions::concerns::SHOWN_FIRST;
+use crate::conclusions::concerns::first_warnings;
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::kind::Kind;
 use crate::text::language::fill;
@@ -66,11 +66,11 @@ pub fn overview(
         lines.push((phrases.model_label.to_owned(), parameters(run, best)));
     }
     let warnings: Vec<&ConcernV1> = concerns.iter().filter(|c| c.severity != ConcernV1::NO_RESULT).collect();
-    for (number, concern) in warnings.iter().take(SHOWN_FIRST).enumerate() {
+    let (first, others) = first_warnings(&warnings, run, ranking);
+    for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
         lines.push((label.to_owned(), format!("{}. {}", number + 1, concern.text)));
     }
-    let others = warnings.len().saturating_sub(SHOWN_FIRST);
     if others > 0 {
         let count = match others {
             1 => phrases.one_more.to_owned(),

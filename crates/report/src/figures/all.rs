@@ -2,7 +2,7 @@
 
 use crumple_drawing::Figure;
 
-use super::crash::{curves, elements, mass_split, residual, sensors};
+use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};
 use crate::text::language::Language;
 use crate::{Ranking, Run};
@@ -17,6 +17,7 @@ pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
 /// Those of the crash.
 pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
     let figures = [
+        crush_over_speed::figure(run, ranking),
         curves::figure(run, ranking),
         residual::figure(run, ranking),
         sensors::figure(run, ranking),

@@ -3,10 +3,11 @@
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
 
-use crate::conclusions::concerns::SHOWN_FIRST;
+use crate::conclusions::concerns::first_warnings;
 use crate::conclusions::conclusion::{Conclusion, Standing};
 use crate::text::language::fill;
 use crate::text::phrases::ConclusionTexts;
+use crate::{Ranking, Run};
 
 /// The two sentences; without a result a bar that says what to do.
 pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &ConclusionTexts) {
@@ -25,10 +26,12 @@ pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &Conclusion
 /// At most three warnings; the others are counted and linked.
 pub(super) fn write_before_use(
     out: &mut String,
+    run: &Run,
+    ranking: &Ranking,
     verdict: &Conclusion,
     concerns: &[ConcernV1],
-    phrases: &ConclusionTexts,
 ) {
+    let phrases = &run.language.phrases().conclusion;
     // The red bar has said why there is no result.
     let said =
         |concern: &&ConcernV1| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
@@ -36,9 +39,9 @@ pub(super) fn write_before_use(
     if warnings.is_empty() {
         return;
     }
-    let (first, others) = warnings.split_at(SHOWN_FIRST.min(warnings.len()));
+    let (first, others) = first_warnings(&warnings, run, ranking);
     let items: String = first.iter().map(|concern| format!("<li>{}</li>\n", item(concern, phrases))).collect();
-    let more = match others.len() {
+    let more = match others {
         0 => String::new(),
         1 => format!("<p><a href=\"#notes\">{}</a></p>\n", phrases.one_more),
         n => format!("<p><a href=\"#notes\">{}</a></p>\n", fill(phrases.more, &[("count", &n.to_string())])),
@@ -53,6 +56,7 @@ pub(super) fn write_before_use(
 /// The text of a concern, what to do about it, and the stage that says it.
 pub(super) fn item(concern: &ConcernV1, phrases: &ConclusionTexts) -> String {
     let remedy = concern.remedy.as_deref().map(|remedy| fill(phrases.what_to_do, &[("remedy", remedy)]));
-    let remedy = remedy.map_or_else(String::new, |remedy| format!(" {}", html(&remedy)));
+    let stop = if concern.text.ends_with(['.', '?', '!']) { "" } else { "." };
+    let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {}", html(&remedy)));
     format!("{}{remedy} <span class=\"stage\">{}</span>", html(&concern.text), html(&concern.stage))
 }

@@ -30,19 +30,22 @@ impl Page {
         let mut body = String::with_capacity(1 << 20);
         header::write(&mut body, run, |body| top::write(body, &said, phrases));
         body.push_str("<main>\n");
+        body.push_str("<div class=\"answer\">\n");
         // What makes all that follows doubtful stands before it.
         let warnings_first = first_is_decisive(&concerns);
         if warnings_first {
-            top::write_before_use(&mut body, &said, &concerns, phrases);
+            top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
-        body.push_str("<div class=\"answer\">\n");
         model_picture::write(&mut body, run, ranking);
         body.push_str("<div class=\"known\">\n");
-        key_numbers::write(&mut body, run);
+        if run.joint.is_none() {
+            key_numbers::write(&mut body, run);
+        }
         if !warnings_first {
-            top::write_before_use(&mut body, &said, &concerns, phrases);
+            top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
         body.push_str("</div>\n</div>\n");
+        predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {
             models::write(&mut body, run, &identification);
@@ -56,20 +59,24 @@ impl Page {
         if !run.is_generic() {
             models::write(&mut body, run, &identification);
         }
-        numbers::write(&mut body, run);
-        channels::write(&mut body, run);
+        // Of several tests each has its own report with them.
+        if run.joint.is_none() {
+            numbers::write(&mut body, run);
+            channels::write(&mut body, run);
+        }
         remarks::write_missing(&mut body, run);
-        remarks::write_notes(&mut body, run, &concerns);
+        remarks::write_notes(&mut body, run, ranking, &concerns);
         remarks::write_limits(&mut body, run, ranking);
         remarks::write_provenance(&mut body, run);
-        if let Ok(packed) = packed_summary(run, ranking) {
+        // The summary of several tests is another one: it lies beside the page.
+        if let (None, Ok(packed)) = (&run.joint, packed_summary(run, ranking)) {
             body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
         body.push_str(&words_of_figures(run.language));
         body.push_str("</main>\n");
         let toggles = figures::toggle_rules(crash.iter().chain(&identification));
         let style = [model_picture::STYLE, candidates::STYLE, what_if::STYLE, &toggles].concat();
-        Self(framed(run.language, &run.test.title, &style, &body, FIGURES))
+        Self(framed(run.language, &header::title(run), &style, &body, FIGURES))
     }
 
     /// Writes it.

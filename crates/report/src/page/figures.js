@@ -11,7 +11,7 @@
   };
   const words = JSON.parse(document.getElementById("figure-words").textContent);
   const numbers = (text) => text.split(" ").map(Number);
-  const written = (text) => text.replace("-", "−").replace(".", words.decimal_mark);
+  const written = (text) => text.replace(/^-(?=[0.]*$)/, "").replace("-", "−").replace(".", words.decimal_mark);
 
   class Plot {
     constructor(svg) {
@@ -29,20 +29,17 @@
       const titles = svg.querySelectorAll(":scope > text.t:not(.halo)");
       // The power of ten belongs to the axis' numbers; values are told in full.
       [this.yTitle, this.xTitle] = [0, 1].map((k) => titles[k].textContent.replace(/ × 10\S+$/, ""));
-      this.firstTicks = svg.querySelector("g.xs").innerHTML;
+      this.read = new Map();
     }
     value(share, [low, high], log) {
       return log ? low * Math.pow(high / low, share) : low + share * (high - low);
     }
-    /** Curves by their place in the legend, in the units of the axes. */
-    get curves() {
-      if (this.read) return this.read;
-      this.read = new Map();
-      for (const path of this.inside.querySelectorAll("path.l:not(.p)")) {
-        const named = path.getAttribute("class").match(/ e(\d+)/);
-        if (!named) continue;
-        const entry = Number(named[1]);
-        const points = this.read.get(entry) || [];
+    /** The curve of a place in the legend, in the units of the axes; empty without one. Read when first asked for. */
+    curve(entry) {
+      const known = this.read.get(entry);
+      if (known) return known;
+      const points = [];
+      for (const path of this.inside.querySelectorAll(`path.l.e${entry}:not(.p)`)) {
         for (const stretch of path.getAttribute("d").split("M").slice(1)) {
           const steps = (stretch.match(/-?(?:\d+\.?\d*|\.\d+)/g) || []).map(Number);
           let [x, y] = [0, 0];
@@ -56,14 +53,14 @@
             ]);
           }
         }
-        this.read.set(entry, points);
       }
-      return this.read;
+      this.read.set(entry, points);
+      return points;
     }
     /** The curve of that entry at x. */
     at(entry, x) {
-      const points = this.curves.get(entry);
-      if (!points) return null;
+      const points = this.curve(entry);
+      if (points.length === 0) return null;
       let [low, high] = [0, points.length - 1];
       if (!(x >= points[0][0] && x <= points[high][0])) return null;
       while (high - low > 1) {
@@ -100,8 +97,9 @@
         named.style.display = at < this.view[0] || at > this.view[1] ? "none" : "";
       }
       const ticks = this.svg.querySelector("g.xs");
+      if (!this.firstTicks) this.firstTicks = Array.from(ticks.childNodes);
       if (!view) {
-        ticks.innerHTML = this.firstTicks;
+        ticks.replaceChildren(...this.firstTicks);
         return;
       }
       ticks.textContent = "";
@@ -122,8 +120,8 @@
   const figures = Array.from(document.querySelectorAll(".figure")).map((element) => ({
     element,
     plots: Array.from(element.querySelectorAll("svg.plot"), (svg) => new Plot(svg)),
-    boxes: Array.from(element.querySelectorAll(".legend input")),
-    names: Array.from(element.querySelectorAll(".legend label"), (label) => label.textContent.trim()),
+    boxes: Array.from(element.querySelectorAll(".legend li:not(.all) input")),
+    names: Array.from(element.querySelectorAll(".legend li:not(.all) label"), (label) => label.textContent.trim()),
   }));
   const overTime = figures.filter((figure) => figure.plots.some((plot) => plot.isTime));
   const timePlots = overTime.flatMap((figure) => figure.plots.filter((plot) => plot.isTime));
@@ -136,8 +134,40 @@
   const slider = make("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": words.time_of_cursor });
   const output = make("output", { class: "time" });
 
+  /** The pictures of models: outlines of their masses where they are at the cursor's time. */
+  const pictures = Array.from(document.querySelectorAll(".model-picture[data-until]"), (svg) => {
+    const masses = Array.from(svg.querySelectorAll("rect[data-places]"), (mass) => {
+      const outline = mass.cloneNode();
+      outline.setAttribute("class", "moved");
+      outline.removeAttribute("data-places");
+      return { places: numbers(mass.dataset.places), first: Number(mass.getAttribute("x")), outline };
+    });
+    const { width, height } = svg.viewBox.baseVal;
+    const now = make("text", { class: "now", x: width / 2, y: height - 7, "text-anchor": "middle" }, "", SVG);
+    return { svg, masses, now, until: Number(svg.dataset.until) };
+  });
+  function drawPictures() {
+    for (const { svg, masses, now, until } of pictures) {
+      if (!now.parentNode) svg.append(...masses.map((mass) => mass.outline), now);
+      for (const { places, first, outline } of masses) {
+        const step = Math.round(Math.min(Math.max(time / until, 0), 1) * 60);
+        outline.setAttribute("x", first + places[Math.min(step, places.length - 1)]);
+      }
+      now.textContent = output.textContent;
+    }
+  }
+
   /** What is enough of a name beside its value: `recommended`, `Kelvin, direct fit 1`. */
   const brief = (name) => (/^[\p{Ll} ]+: \p{Lu}/u.test(name) ? name.split(":")[0] : name.replace(/ \(.*\)$/, ""));
+
+  /** Head of a column: a quantity and its unit, which alone is enough where there is little room. */
+  function titled(title) {
+    const cell = make("th", { scope: "col", class: "n", abbr: title });
+    const at = title.lastIndexOf(", ") + 2;
+    if (at > 1) cell.append(make("span", {}, title.slice(0, at)));
+    cell.append(title.slice(at > 1 ? at : 0));
+    return cell;
+  }
 
   /** The values of a figure at the cursor: for each curve that is shown one of each panel. */
   function values(figure) {
@@ -168,7 +198,7 @@
         .filter((k) => figure.plots[k].isTime || figure.plots[k].follows !== null);
       if (!head.firstChild) {
         head.append(make("th", { scope: "col" }, words.at_the_cursor));
-        for (const k of columns) head.append(make("th", { scope: "col", class: "n" }, figure.plots[k].yTitle));
+        for (const k of columns) head.append(titled(figure.plots[k].yTitle));
       }
       const body = figure.table.querySelector("tbody");
       body.textContent = "";
@@ -201,8 +231,11 @@
 
   function moveTo(t) {
     const view = shown || whole;
+    // At first the pictures are as they are on paper.
+    const isMoved = time !== null;
     time = Math.min(Math.max(t, view[0]), view[1]);
     draw();
+    if (isMoved) drawPictures();
   }
 
   function zoomTo(view) {
@@ -276,12 +309,12 @@
   function csv(figure) {
     const lines = ["curve,along,upward,x,y"];
     for (const plot of figure.plots) {
-      for (const [entry, points] of plot.curves) {
-        const start = [figure.names[entry], plot.xTitle, plot.yTitle].map(quoted).join(",");
-        for (const [x, y] of points) {
+      figure.names.forEach((name, entry) => {
+        const start = [name, plot.xTitle, plot.yTitle].map(quoted).join(",");
+        for (const [x, y] of plot.curve(entry)) {
           if (Number.isFinite(x)) lines.push(`${start},${Number(x.toPrecision(7))},${Number(y.toPrecision(7))}`);
         }
-      }
+      });
     }
     return lines.join("\n") + "\n";
   }

@@ -37,6 +37,13 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str, language: Lang
             html(&entry.name)
         ));
     }
+    if figure.legend.iter().any(|entry| !entry.shown) {
+        // On a narrow screen the names of curves that wait are shown on demand, by style alone.
+        let all = language.phrases().figures.all_names;
+        out.push_str(&format!(
+            "<li class=\"all\"><label><input type=\"checkbox\" autocomplete=\"off\">{all}</label></li>\n"
+        ));
+    }
     out.push_str("</ul>\n<div class=\"panels\">\n");
     for (place, panel) in figure.panels.iter().enumerate() {
         out.push_str(&Drawing::new(figure, panel).svg(&format!("{id}-{place}"), true));

@@ -9,13 +9,18 @@ use crate::text::language::fill;
 pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut String)) {
     let test = &run.test;
     let (language, texts) = (run.language, &run.language.phrases().page);
-    let title = if test.title.is_empty() { texts.untitled } else { &test.title };
-    out.push_str(&format!(
-        "<header>\n<p class=\"brand\">{}</p>\n<h1>{}</h1>\n",
-        if run.is_generic() { texts.brand_generic } else { texts.brand },
-        html(title)
-    ));
+    let brand = match (&run.joint, run.is_generic()) {
+        (Some(_), _) => run.language.phrases().joint.brand,
+        (None, true) => texts.brand_generic,
+        (None, false) => texts.brand,
+    };
+    out.push_str(&format!("<header>\n<p class=\"brand\">{brand}</p>\n<h1>{}</h1>\n", html(&title(run))));
     verdict(out);
+    if run.joint.is_some() {
+        // A table has what was tested.
+        out.push_str("</header>\n");
+        return;
+    }
     out.push_str("<dl>\n");
     let mut fact = |name: &str, value: Option<String>| {
         // Of a record that is no crash nobody asks for a barrier.
@@ -41,6 +46,15 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut Strin
     });
     fact(texts.sampling, sampling);
     out.push_str("</dl>\n</header>\n");
+}
+
+/// What the page is called.
+pub(super) fn title(run: &Run) -> String {
+    match &run.joint {
+        Some(joint) => joint.names(),
+        None if run.test.title.is_empty() => run.language.phrases().page.untitled.to_owned(),
+        None => run.test.title.clone(),
+    }
 }
 
 fn channel_words(run: &Run, id: &str) -> String {

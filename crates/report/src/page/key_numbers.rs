@@ -138,7 +138,7 @@ fn caption(out: &mut String, language: Language, numbers: &[KeyNumber]) {
     let mut sentences: Vec<String> = Vec::new();
     let by = |start: &str| numbers.iter().filter_map(|n| n.interval_by.as_deref()).find(|by| by.starts_with(start));
     for (start, template) in [("5-95 %", texts.inputs_caption), ("resolution", texts.resolution_caption)] {
-        sentences.extend(by(start).map(|by| fill(template, &[("by", html(by))])));
+        sentences.extend(by(start).map(|by| fill(template, &[("by", html(&language.interval_by(by)))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.replace('+', ", "));

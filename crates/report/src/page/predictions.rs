@@ -1,4 +1,4 @@
-//! Impacts that were not made, as the models of the test predict them.
+//! Impacts that were not made, as the models of the test predict them; tests that were, as the others predict them.
 
 use crumple_artifact::records::PredictionV1;
 use crumple_drawing::escape::html;
@@ -6,6 +6,7 @@ use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MIL
 
 use crate::Run;
 use crate::frame::heads::{Column, table};
+use crate::results::joint::{JointTest, LeftOut};
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 
@@ -28,12 +29,13 @@ pub(super) fn write(out: &mut String, run: &Run) {
     ];
     out.push_str(&format!("<section>\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
     for prediction in &run.predictions {
-        row(out, run.language, prediction);
+        row(out, run, prediction);
     }
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, language: Language, prediction: &PredictionV1) {
+fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
+    let language = run.language;
     let texts = &language.phrases().predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
@@ -55,8 +57,10 @@ fn row(out: &mut String, language: Language, prediction: &PredictionV1) {
     };
     let names: Vec<String> = prediction.names.iter().map(role).collect();
     let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+    let asked = if run.asks_for(prediction) { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
     out.push_str(&format!(
-        "<tr{}><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}<td>{}</td></tr>\n",
+        "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}\
+         <td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },
         language.decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
         language.decimals(prediction.mass_kg, 0),
@@ -109,4 +113,58 @@ fn partner(language: Language, prediction: &PredictionV1) -> String {
         lines.push(fill(texts.occupant, &filled));
     }
     lines.iter().map(|line| format!("<br><small>{line}</small>")).collect()
+}
+
+/// The tests of a joint model as measured, and what the others say of each.
+pub(super) fn write_left_out(out: &mut String, run: &Run) {
+    let Some(joint) = &run.joint else { return };
+    let texts = &run.language.phrases().joint;
+    let columns = [
+        Column::text(texts.test),
+        Column::number(texts.mass),
+        Column::number(texts.speed),
+        Column::number(texts.crush),
+        Column::number(texts.time),
+        Column::number(texts.restitution),
+        Column::number(texts.crush_error),
+        Column::number(texts.time_error),
+        Column::number(texts.peak_error),
+        Column::number(texts.rating),
+        Column::text(texts.held),
+        Column::text(texts.by),
+    ];
+    out.push_str(&format!("<section id=\"tests\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
+    joint.tests.iter().for_each(|test| test_row(out, run.language, test));
+    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
+}
+
+fn test_row(out: &mut String, language: Language, joint: &JointTest) {
+    let (texts, page) = (&language.phrases().joint, &language.phrases().page);
+    let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
+        format!("<td class=\"n\">{}</td>", value.map_or_else(|| ABSENT.to_owned(), text))
+    };
+    let JointTest { test, left_out } = joint;
+    out.push_str(&format!("<tr><th scope=\"row\">{}</th>", html(&test.name)));
+    out.push_str(&number(Some(test.mass_kg), &|v| language.decimals(v, 0)));
+    out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));
+    out.push_str(&number(test.dynamic_crush_m, &|v| language.decimals(MILLI * v, 1)));
+    out.push_str(&number(test.time_of_dynamic_crush_s, &|v| language.decimals(MILLI * v, 1)));
+    out.push_str(&number(test.coefficient_of_restitution, &|v| language.decimals(v, 3)));
+    match (left_out, joint.against()) {
+        (LeftOut::Predicted(prediction), Some(against)) => {
+            let percent = |v: f64| language.signed(v, 1);
+            out.push_str(&number(against.dynamic_crush_error_percent, &percent));
+            out.push_str(&number(against.time_of_dynamic_crush_error_percent, &percent));
+            out.push_str(&number(against.peak_acceleration_error_percent, &percent));
+            out.push_str(&number(against.iso18571_score, &|v| language.decimals(v, 2)));
+            let held = if against.held.iter().any(|name| name == "dynamic_crush_m") { page.yes } else { page.no };
+            let class = if against.missed_crush_percent().is_some() { " class=\"no\"" } else { "" };
+            out.push_str(&format!("<td{class}>{held}</td><td>{}</td>", html(&candidate_name(&prediction.candidate))));
+        }
+        (LeftOut::NotPredicted(why), _) => {
+            out.push_str(&format!("<td colspan=\"6\">{}</td>", fill(texts.not_predicted, &[("why", html(why))])));
+        }
+        _ => out.push_str(&format!("<td colspan=\"6\">{ABSENT}</td>")),
+    }
+    out.push_str("</tr>\n");
 }

@@ -4,6 +4,7 @@ use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
 use crumple_signal::Severity;
 
+use crate::conclusions::concerns::is_of_another_candidate;
 use crate::frame::heads::{Column, table};
 use crate::page::conclusion;
 use crate::results::ranking::AS_GOOD_PERCENT;
@@ -29,7 +30,7 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
 }
 
 /// All concerns by their weight, then what is good to know by stage.
-pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[ConcernV1]) {
+pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concerns: &[ConcernV1]) {
     if run.notes.is_empty() && concerns.is_empty() {
         return;
     }
@@ -37,15 +38,21 @@ pub(super) fn write_notes(out: &mut String, run: &Run, concerns: &[ConcernV1]) {
     out.push_str(&format!("<section id=\"notes\">\n<h2>{}</h2>\n", texts.notes_title));
     if !concerns.is_empty() {
         let phrases = &run.language.phrases().conclusion;
-        let items: String = concerns
-            .iter()
-            .map(|concern| format!("<li class=\"warning\">{}</li>\n", conclusion::item(concern, phrases)))
-            .collect();
+        let list = |concerns: &[&ConcernV1]| {
+            let item = |c: &&ConcernV1| format!("<li class=\"warning\">{}</li>\n", conclusion::item(c, phrases));
+            format!("<ul class=\"notes\">\n{}</ul>\n", concerns.iter().map(item).collect::<String>())
+        };
         let count = match concerns.len() {
             1 => texts.one_warning.to_owned(),
             n => fill(texts.warnings, &[("count", n.to_string())]),
         };
-        out.push_str(&format!("<h3>{count}</h3>\n<ul class=\"notes\">\n{items}</ul>\n"));
+        let (others, first): (Vec<&ConcernV1>, Vec<&ConcernV1>) =
+            concerns.iter().partition(|concern| is_of_another_candidate(concern, run, ranking));
+        out.push_str(&format!("<h3>{count}</h3>\n{}", list(&first)));
+        if !others.is_empty() {
+            let of_others = fill(texts.of_other_candidates, &[("count", others.len().to_string())]);
+            out.push_str(&format!("<details><summary>{of_others}</summary>\n{}</details>\n", list(&others)));
+        }
     }
     let infos: Vec<&StageNote> = run.notes.iter().filter(|n| n.note.severity == Severity::Info).collect();
     for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
@@ -88,7 +95,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     let others: std::collections::BTreeSet<&str> =
         run.candidates.iter().flat_map(CandidateResult::other_channels).map(|(channel, _)| channel).collect();
-    if !run.is_generic() {
+    if !run.is_generic() && run.joint.is_none() {
         let template = match others.len() {
             0 => texts.read_from_one,
             1 => texts.read_from_one_fitted_to_channel,
@@ -159,7 +166,7 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
     let texts = &run.language.phrases().remarks;
     out.push_str(&format!("<section class=\"provenance\">\n<h2>{}</h2>\n", texts.provenance));
     let source = &run.test.source;
-    if !source.name.is_empty() {
+    if !source.name.is_empty() && run.joint.is_none() {
         let digest = format!("<code title=\"{}\">{}</code>", html(&source.digest), html(short(&source.digest)));
         let filled = [
             ("name", html(&source.name)),

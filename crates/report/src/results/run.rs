@@ -9,6 +9,7 @@ use crumple_signal::{Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::results::joint::JointTests;
 use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 
@@ -21,6 +22,8 @@ pub struct Run {
     pub pipeline: Option<String>,
     /// The test.
     pub test: TestDescription,
+    /// The tests, where the models are of several.
+    pub joint: Option<JointTests>,
     /// The waves of the channel the crash was read from.
     pub measured: MeasuredWaves,
     /// Other sensors whose motion is at hand, in the order of their ids.
@@ -41,6 +44,8 @@ pub struct Run {
     pub recommendation: Option<RecommendationV1>,
     /// Impacts that were predicted, in their order.
     pub predictions: Vec<PredictionV1>,
+    /// Speeds that were asked for beside the standing ones of the pipeline, m/s.
+    pub asked_speeds_m_per_s: Vec<f64>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<CandidateResult>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
@@ -310,6 +315,12 @@ impl Run {
     /// Whether the models are of inputs and outputs and nothing speaks of a crash.
     pub fn is_generic(&self) -> bool {
         self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
+    }
+
+    /// Whether the speed of a prediction was asked for beside the standing ones of the pipeline.
+    pub fn asks_for(&self, prediction: &PredictionV1) -> bool {
+        // Settings hold the speeds of the predictions in full.
+        self.asked_speeds_m_per_s.iter().any(|speed| (speed - prediction.impact_speed_m_per_s).abs() < 1e-9)
     }
 
     /// The candidate of this id.

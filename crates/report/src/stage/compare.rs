@@ -46,6 +46,7 @@ pub fn compare(
     if !quiet {
         let columns = columns();
         comparison.sentences().iter().flat_map(|text| wrapped(text, columns)).for_each(say);
+        comparison.lines().iter().for_each(say);
         say(page.display());
     }
     Ok(ExitStatus::Done)

@@ -5,14 +5,16 @@ use std::collections::BTreeMap;
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
-    NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1,
+    NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1,
+    TransferFunctionV1,
 };
 use crumple_report::{
-    CandidateResult, Element, Language, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
-    fill,
+    CandidateResult, Element, JointTests, Language, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
+    compare_ids, fill,
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
+use serde_json::Value;
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -24,6 +26,7 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
         Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
         None => run.missing.push(texts.no_description.to_owned()),
     }
+    run.joint = inputs.record_if::<TestsV1>("/tests")?.map(JointTests::new);
     run.events = inputs.record_if("/events")?;
     // The page counts every time from time zero; the artifacts keep the record's own axis.
     let time_zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
@@ -44,6 +47,7 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
     run.candidates = candidates(inputs, &simulations, time_zero_s)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
+    run.asked_speeds_m_per_s = asked_speeds(&run.provenance);
     collect_notes(inputs, &mut run)?;
     run.concerns = concerns(inputs)?;
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
@@ -70,6 +74,14 @@ fn predictions(inputs: &Inputs) -> anyhow::Result<Vec<PredictionV1>> {
     let mut numbered = inputs.records::<PredictionV1>("/prediction/")?;
     numbered.sort_by_key(|(n, _)| (n.parse::<u64>().unwrap_or(u64::MAX), n.clone()));
     Ok(numbered.into_iter().map(|(_, prediction)| prediction).collect())
+}
+
+/// Speeds that were asked for beside those of the pipeline, as the settings of the predictions have them.
+fn asked_speeds(provenance: &[StageRecord]) -> Vec<f64> {
+    let of_predictions = provenance.iter().find(|record| record.stage == "predict");
+    let settings = of_predictions.and_then(|record| serde_json::from_str::<Value>(&record.settings).ok());
+    let speeds = settings.as_ref().and_then(|settings| settings.get("asked_speeds_m_per_s")?.as_array());
+    speeds.map_or_else(Vec::new, |speeds| speeds.iter().filter_map(Value::as_f64).collect())
 }
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
@@ -294,6 +306,11 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     let mut missing = std::mem::take(&mut run.missing);
     if run.is_generic() {
         missing.push(texts.no_crash.to_owned());
+        run.missing = missing;
+        return;
+    }
+    // Waves and events of several tests are in the reports of each.
+    if run.joint.is_some() {
         run.missing = missing;
         return;
     }

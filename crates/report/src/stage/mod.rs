@@ -7,6 +7,7 @@ mod gather;
 mod index;
 mod pictures;
 mod run_folders;
+mod together;
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -33,13 +34,13 @@ use pictures::{Fonts, write_figures};
 )]
 pub struct Cli {
     /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders,
-    /// with --index run folders or lists of them (@list.txt).
+    /// with --index run folders or lists of them (@list.txt), with --together one folder.
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
     /// Page to write (one HTML file that needs no network) [default with --compare: compare.html, with --index:
-    /// index.html].
-    #[arg(short, long, value_name = "PAGE", required_unless_present_any = ["compare", "index"])]
+    /// index.html, with --together: report.html in the folder].
+    #[arg(short, long, value_name = "PAGE", required_unless_present_any = ["compare", "index", "together"])]
     pub output: Option<PathBuf>,
 
     /// Compare run folders: curves over each other, numbers and settings side by side, differences marked.
@@ -50,6 +51,11 @@ pub struct Cli {
     #[arg(long, conflicts_with_all = ["compare", "summary", "svg", "png", "markdown"])]
     #[arg(conflicts_with_all = ["pipeline", "pipeline_name", "json"])]
     pub index: bool,
+
+    /// One model for several tests: the page of a folder that `just together` made, with each test predicted from the
+    /// others.
+    #[arg(long, conflicts_with_all = ["compare", "index", "summary", "svg", "png", "markdown", "json"])]
+    pub together: bool,
 
     /// Markdown to write too, for a merge request: what the page says first.
     #[arg(long, value_name = "FILE")]
@@ -122,7 +128,13 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));
         return index::index(&cli.inputs, page, asked.unwrap_or_default(), cli.quiet);
     }
-    let Some(output) = &cli.output else { return Err(Usage::new("no report to write is named").hint("add -o").into()) };
+    let of_folder = cli.together.then(|| cli.inputs.first().map(|folder| folder.join("report.html"))).flatten();
+    if cli.together && cli.inputs.len() != 1 {
+        return Err(Usage::new("one page is of one folder").hint("name the folder that just together made").into());
+    }
+    let Some(output) = cli.output.as_ref().or(of_folder.as_ref()) else {
+        return Err(Usage::new("no report to write is named").hint("add -o").into());
+    };
     let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
     let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
     let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
@@ -134,6 +146,9 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     if cli.check_options {
         return Ok(ExitStatus::Done);
+    }
+    if let (true, [folder]) = (cli.together, &cli.inputs[..]) {
+        return together::together(folder, output, pipeline, language.unwrap_or_default(), cli.quiet);
     }
     let summary_path = cli.summary.clone().unwrap_or_else(|| output.with_file_name("summary.json"));
     if summary_path == *output {

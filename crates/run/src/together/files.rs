@@ -8,3 +8,5 @@ pub(crate) const SOLVED: &str = "5-parameter-solve.mcap";
 pub(crate) const PREDICTED: &str = "7-predict.mcap";
 /// All of it for scripts.
 pub(crate) const SUMMARY: &str = "summary.json";
+/// What a person looks at.
+pub(crate) const REPORT: &str = "report.html";

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use crumple_stage::{ExitStatus, say};
 
 use crate::command::pipeline::Pipeline;
@@ -13,7 +13,7 @@ use crate::folder::pipeline_of_run::PipelineOfRun;
 use crate::steps::ending::Ending;
 use crate::steps::start::run_in_shell;
 use crate::together::each_run::{TestRun, run_each, test_runs};
-use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
+use crate::together::files::{PREDICTED, REPORT, SOLVED, SUMMARY};
 use crate::together::leave_one_out::{Left, folder_without, left_out_of, ratio_of, remove_of_others};
 use crate::together::options::{Asked, TogetherOptions};
 use crate::together::summary::write_summary;
@@ -42,6 +42,9 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let (composed, given) = handed_on(&pipeline, &options, folder.path())?;
     let joint = JointRun { options: &options, pipeline: given.path(), folder: folder.path() };
     let status = joint.model(&runs, folder.path(), Vec::new())?;
+    if status == ExitStatus::NoAcceptableResult {
+        joint.page()?;
+    }
     if status != ExitStatus::Done {
         return Ok(status);
     }
@@ -71,6 +74,7 @@ pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let status = joint.joint_prediction(&left_out, &asked.flags)?;
     if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
         write_summary(folder.path(), &pipeline.name, &left_out)?;
+        joint.page()?;
         given.keep(folder.path(), &composed)?;
     }
     Ok(status)
@@ -98,6 +102,7 @@ fn predict_again(made: &Path, options: &TogetherOptions) -> anyhow::Result<ExitS
     let status = joint.joint_prediction(&left_out, &options.rest)?;
     if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
         write_summary(folder.path(), &pipeline.name, &left_out)?;
+        joint.page()?;
         given.keep(folder.path(), &composed)?;
     }
     Ok(status)
@@ -120,7 +125,7 @@ impl JointRun<'_> {
     /// Fits one model to these tests, into `own`.
     fn model(&self, runs: &[TestRun], own: &Path, flags: Vec<OsString>) -> anyhow::Result<ExitStatus> {
         let mut arguments: Vec<OsString> = runs.iter().flat_map(TestRun::named_artifacts).map(OsString::from).collect();
-        let made_from_it = [self.folder.join(SUMMARY), own.join(PREDICTED)];
+        let made_from_it = [self.folder.join(SUMMARY), self.folder.join(REPORT), own.join(PREDICTED)];
         arguments.extend(self.ending(&own.join(SOLVED), &made_from_it));
         arguments.extend(flags);
         self.step(&self.options.parameter_solve, &arguments)
@@ -144,10 +149,21 @@ impl JointRun<'_> {
         flags: &[OsString],
     ) -> anyhow::Result<ExitStatus> {
         let mut arguments: Vec<OsString> = inputs.iter().map(OsString::from).collect();
-        arguments.extend(self.ending(&own.join(PREDICTED), &[self.folder.join(SUMMARY)]));
+        arguments.extend(self.ending(&own.join(PREDICTED), &[self.folder.join(SUMMARY), self.folder.join(REPORT)]));
         arguments.extend(against.into_iter().flat_map(|folder| ["--against".into(), folder.as_os_str().to_owned()]));
         arguments.extend_from_slice(flags);
         self.step(&self.options.predict, &arguments)
+    }
+
+    /// Writes the page of the folder, where a program for it was named.
+    fn page(&self) -> anyhow::Result<()> {
+        let Some(report) = &self.options.report else { return Ok(()) };
+        let mut arguments: Vec<OsString> = vec!["--together".into(), self.folder.into(), "--pipeline".into()];
+        arguments.extend([self.pipeline.into(), "-o".into(), self.folder.join(REPORT).into()]);
+        match self.step(report, &arguments)? {
+            ExitStatus::Done => Ok(()),
+            other => bail!("{report} did not write {}: exit code {}", self.folder.join(REPORT).display(), other as u8),
+        }
     }
 
     /// Pipeline, output, and what is made from it.

@@ -29,6 +29,10 @@ pub struct TogetherOptions {
     #[arg(long, value_name = "COMMAND")]
     pub(crate) predict: String,
 
+    /// Command of report, for the page of the joint result [default: no page].
+    #[arg(long, value_name = "COMMAND")]
+    pub(crate) report: Option<String>,
+
     /// Folder with `pipelines/` and `runs/`.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pub(crate) project: PathBuf,

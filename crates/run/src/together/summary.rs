@@ -11,9 +11,6 @@ use serde_json::{Map, Value, json};
 use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
 use crate::together::leave_one_out::Left;
 
-/// An error of the crush that an engineer calls none, percent: that of two sensors in one car.
-const ALIKE: f64 = 3.0;
-
 /// Writes `summary.json` in one piece, and says the table.
 pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) -> anyhow::Result<()> {
     let joint = load_artifacts(&[folder.join(SOLVED)])?.input;
@@ -68,13 +65,11 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) ->
     Ok(())
 }
 
-/// `ka (-23.3 %)` where the others predict another crush than this test has, beyond interval and [`ALIKE`]: by the
-/// prediction that stands in the table.
+/// `ka (-23.3 %)` where the others predict another crush than this test has, by the prediction that stands in the
+/// table.
 fn missed_crush(test: &str, predictions: &[PredictionV1]) -> Option<String> {
     let against = predictions.iter().find_map(|prediction| prediction.against.as_ref())?;
-    let error = against.dynamic_crush_error_percent?;
-    let is_held = against.held.iter().any(|name| name == "dynamic_crush_m");
-    (!is_held && error.abs() > ALIKE).then(|| format!("{test} ({error:+.1} %)"))
+    Some(format!("{test} ({:+.1} %)", against.missed_crush_percent()?))
 }
 
 fn with_id(id: &str, candidate: &CandidateV1) -> Result<Value, serde_json::Error> {

@@ -144,6 +144,18 @@ pub struct PredictedIntervalV1 {
     pub interval_by: String,
 }
 
+/// An error of the crush that an engineer calls none, percent: that of two sensors in one car.
+const ALIKE_PERCENT: f64 = 3.0;
+
+impl AgainstTestV1 {
+    /// The error of the crush, percent, where the measured one is outside of its interval and further off than two
+    /// sensors in one car are.
+    pub fn missed_crush_percent(&self) -> Option<f64> {
+        let is_held = self.held.iter().any(|name| name == "dynamic_crush_m");
+        self.dynamic_crush_error_percent.filter(|error| !is_held && error.abs() > ALIKE_PERCENT)
+    }
+}
+
 /// A prediction beside a test that was made.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AgainstTestV1 {

@@ -30,11 +30,13 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if has_evidence {
         columns.push(Column::number(texts.evidence_against).means(texts.evidence_definition));
     }
-    columns.extend([
-        Column::number(texts.crush_error).means(texts.crush_error_definition),
-        Column::number(texts.time_error).means(texts.time_error_definition),
-        Column::number(texts.fit).means(texts.fit_as_measured_definition),
-    ]);
+    if is_simulated(run) {
+        columns.extend([
+            Column::number(texts.crush_error).means(texts.crush_error_definition),
+            Column::number(texts.time_error).means(texts.time_error_definition),
+            Column::number(texts.fit).means(texts.fit_as_measured_definition),
+        ]);
+    }
     columns.extend(at_speeds.iter().map(|name| Column::number(name).means(texts.crush_at_definition)));
     out.push_str(&table("candidates curves", &columns));
     for curve in &curves {
@@ -54,6 +56,11 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         String::new()
     };
     out.push_str(&format!("<p class=\"caption\">{together}{}</p>\n", texts.bars_caption));
+}
+
+/// Whether the candidates were compared with one test.
+fn is_simulated(run: &Run) -> bool {
+    run.candidates.iter().any(|candidate| candidate.simulation.is_some())
 }
 
 /// The lowest and the highest speed at which this vehicle was predicted against the wall of the test, m/s.
@@ -91,10 +98,18 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
     } else {
         String::new()
     };
+    let errors: String = [
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 1)),
+        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 1)),
+        number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
+    ]
+    .iter()
+    .filter(|_| is_simulated(run))
+    .map(|text| format!("<td class=\"n\">{text}</td>"))
+    .collect();
     let predicted: String = speeds.iter().map(|speed| predicted_crush(run, curve, *speed)).collect();
     out.push_str(&format!(
-        "<tr{}><td>{}{}</td><td class=\"n\">{determined}</td>{evidence}<td class=\"n\">{}</td><td class=\"n\">{}</td>\
-         <td class=\"n\">{}</td>{predicted}</tr>\n",
+        "<tr{}><td>{}{}</td><td class=\"n\">{determined}</td>{evidence}{errors}{predicted}</tr>\n",
         if best { " class=\"best\"" } else { "" },
         about(run, curve, candidate, rated),
         format_args!(
@@ -102,9 +117,6 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
             texts.parameters_of_row,
             bars::table(language, candidate)
         ),
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 1)),
-        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 1)),
-        number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
     ));
 }
 

@@ -138,9 +138,10 @@ pub fn layout(parts: &Parts) -> Layout {
     let ground = bottom + 8.0;
     let mut height = ground + 22.0;
     if crowded {
-        let of_masses = parts.masses.iter().map(|mass| format!("{} = {}", mass.symbol, mass.lines.join(", ")));
+        // Masses beside each other, a row an element.
+        let masses = parts.masses.iter().map(|mass| format!("{} = {}", mass.symbol, mass.lines.join(", ")));
         let of_elements = parts.elements.iter().map(|element| element.lines.join(", "));
-        for row in of_masses.chain(of_elements) {
+        for row in std::iter::once(masses.collect::<Vec<_>>().join("; ")).chain(of_elements) {
             for (text, first) in broken(&[row], WIDTH - 8.0) {
                 let place = Box { x: 4.0, y: height, width: WIDTH - 8.0, height: LINE };
                 words.push(Words { text, place, first, centred: false });

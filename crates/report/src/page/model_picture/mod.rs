@@ -1,14 +1,18 @@
 //! A model as a picture: barrier, masses, springs, dampers and curves, each with its value and interval.
-//! Uses results and text.
+//! Uses figures, results and text.
 
 mod layout;
+mod motion;
 mod parts;
 mod svg;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use layout::layout;
+use motion::motion;
 use parts::{ElementPart, Glyph, parts};
 
+use crate::figures::crash::curves::view_ms;
 use crate::page::how_well::grade;
 use crate::text::language::fill;
 use crate::text::names::candidate_name;
@@ -57,9 +61,11 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
     out.push_str(&format!("<figure class=\"model\">\n<h3>{}: {}</h3>\n", html(role), html(&name)));
     match parts(language, candidate) {
         Some(parts) => {
-            let speed = run.test.impact_speed_m_per_s;
+            let speed = run.test.impact_speed_m_per_s.filter(|_| run.joint.is_none());
             let speed = speed.map(|v| format!("{} km/h", language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));
-            out.push_str(&svg::drawing(language, number, &name, &parts, speed.as_deref()));
+            let layout = layout(&parts);
+            let motion = view_ms(run).and_then(|[_, until_ms]| motion(candidate, &layout, until_ms));
+            out.push_str(&svg::drawing(language, number, &name, &parts, &layout, motion.as_ref(), speed.as_deref()));
         }
         None => out.push_str(&format!("<p>{}</p>\n", texts.no_structure)),
     }
@@ -79,7 +85,9 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
             ("time", format!("{}{NBSP}ms", error(simulation.time_of_dynamic_crush_error_s))),
             ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| language.decimals(fit, 2))))),
         ];
-        sentences.push(fill(texts.off_the_test, &filled));
+        // Of a record without a crush there is none to be off.
+        let has_crush = simulation.dynamic_crush_error_m.or(simulation.time_of_dynamic_crush_error_s).is_some();
+        sentences.push(fill(if has_crush { texts.off_the_test } else { texts.follows }, &filled));
         let rating = simulation.ratings.iter().find(|r| r.definition_id == "iso18571" && r.quantity == "acceleration");
         if let Some((rating, value)) = rating.and_then(|rating| Some((rating, rating.value?))) {
             let grade = rating.note.as_deref().map(|note| format!(" ({})", html(grade(language, note))));

@@ -4,29 +4,42 @@ use std::fmt::Write;
 
 use crumple_drawing::escape::html;
 
-use super::layout::{LINE, Lane, Layout, WIDTH, layout};
+use super::layout::{LINE, Lane, Layout, WIDTH};
+use super::motion::Motion;
 use super::parts::{ElementPart, Glyph, Parts};
 use crate::text::language::{Language, fill};
 
-/// The picture of a model. `number` makes its ids those of one picture of the page.
-pub fn drawing(language: Language, number: usize, name: &str, parts: &Parts, speed: Option<&str>) -> String {
-    let layout = layout(parts);
+/// The picture of a model. `number` makes its ids those of one picture of the page; `motion` is for the page's cursor.
+pub fn drawing(
+    language: Language,
+    number: usize,
+    name: &str,
+    parts: &Parts,
+    layout: &Layout,
+    motion: Option<&Motion>,
+    speed: Option<&str>,
+) -> String {
+    let until = motion.map_or_else(String::new, |motion| format!(" data-until=\"{:.1}\"", motion.until_ms));
     let mut out = format!(
-        "<svg class=\"model-picture\" viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" aria-labelledby=\"model-{number}-name \
-         model-{number}-words\">\n<title id=\"model-{number}-name\">{}</title>\n<desc id=\"model-{number}-words\">{}\
+        "<svg class=\"model-picture\"{until} viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" \
+         aria-labelledby=\"model-{number}-name model-{number}-words\">\n<title id=\"model-{number}-name\">{}</title>\n<desc id=\"model-{number}-words\">{}\
          </desc>\n",
         layout.height,
         html(name),
         html(&in_words(language, parts))
     );
-    frame(&mut out, &layout, speed, language.phrases().model.barrier);
+    frame(&mut out, layout, speed, language.phrases().model.barrier);
     for (element, lane) in parts.elements.iter().zip(&layout.lanes) {
         draw_element(&mut out, element, lane);
     }
-    for (mass, place) in parts.masses.iter().zip(&layout.masses) {
+    for (k, (mass, place)) in parts.masses.iter().zip(&layout.masses).enumerate() {
+        let places = motion.map_or_else(String::new, |motion| {
+            let places: Vec<String> = motion.places[k].iter().map(|x| format!("{x:.0}")).collect();
+            format!(" data-places=\"{}\"", places.join(" "))
+        });
         let _ = writeln!(
             out,
-            "<rect class=\"mass{}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"5\"/>",
+            "<rect class=\"mass{}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"5\"{places}/>",
             if mass.open { " open" } else { "" },
             place.x,
             place.y,

@@ -61,19 +61,17 @@
     for (let i = 0; i < n; i += 1) { y[n + i] = change.speed; }
     const force = new Float64Array(n);
 
-    function felt(e, y) {
-      const x = e.front < 0 ? 0 : y[e.front], v = e.front < 0 ? 0 : y[n + e.front];
-      return [y[e.rear] - x, y[n + e.rear] - v];
-    }
+    // How far and how fast the ends of an element come together.
+    function way(e, y) { return y[e.rear] - (e.front < 0 ? 0 : y[e.front]); }
+    function pace(e, y) { return y[n + e.rear] - (e.front < 0 ? 0 : y[n + e.front]); }
     function force_of(e, y, j) {
-      const u = felt(e, y);
       switch (e.kind) {
-        case "spring": return along(e.points, Math.abs(u[0])) * u[0];
-        case "damper": return along(e.points, Math.abs(u[1])) * u[1];
+        case "spring": { const u = way(e, y); return along(e.points, Math.abs(u)) * u; }
+        case "damper": { const w = pace(e, y); return along(e.points, Math.abs(w)) * w; }
         case "series": return e.k * y[2 * n + j];
         default: {
-          const d = u[0] - e.gap;
-          if (e.loading) { return loading_force(e, d, u[1]); }
+          const d = way(e, y) - e.gap;
+          if (e.loading) { return loading_force(e, d, pace(e, y)); }
           const elastic = e.unloading * (d - e.set);
           return e.pulls ? elastic : Math.max(0, elastic);
         }
@@ -85,7 +83,7 @@
         const e = elements[j], f = force_of(e, y, j);
         force[e.rear] -= f;
         if (e.front >= 0) { force[e.front] += f; }
-        out[2 * n + j] = e.kind === "series" ? felt(e, y)[1] - f / e.c : 0;
+        out[2 * n + j] = e.kind === "series" ? pace(e, y) - f / e.c : 0;
       }
       for (let i = 0; i < n; i += 1) {
         out[i] = y[n + i];
@@ -95,11 +93,11 @@
     function settle(y) {
       elements.forEach(function (e) {
         if (e.kind !== "curve") { return; }
-        const u = felt(e, y), d = u[0] - e.gap;
-        if (e.loading && u[1] < 0 && d > 0) {
+        const w = pace(e, y), d = way(e, y) - e.gap;
+        if (e.loading && w < 0 && d > 0) {
           e.loading = false;
           e.set = d - static_force(e, d) / e.unloading;
-        } else if (!e.loading && u[1] > 0 && d > e.set && e.unloading * (d - e.set) >= loading_force(e, d, u[1])) {
+        } else if (!e.loading && w > 0 && d > e.set && e.unloading * (d - e.set) >= loading_force(e, d, w)) {
           e.loading = true;
         }
       });
@@ -272,15 +270,15 @@
     return (p < 0 ? "\u2212" : "+") + number(Math.abs(p), 1) + " %";
   };
   function update(keep) {
-    const change = {};
-    Object.assign(change, identified);
+    const change = Object.assign({}, identified);
+    let is_changed = false;
     sliders.forEach(function (s) {
       const shown = Number(s.input.value);
       s.output.textContent = String(shown).replace(".", words.decimal_mark) + " " + s.unit;
       s.input.setAttribute("aria-valuetext", s.output.textContent);
-      if (shown !== s.start) { change[s.of] = shown * s.per; }
+      if (shown !== s.start) { change[s.of] = shown * s.per; is_changed = true; }
     });
-    const result = integrate(change);
+    const result = is_changed ? integrate(change) : original;
     const stops = result !== null && result.time !== null;
     let answer = words.does_not_stop;
     if (stops) {

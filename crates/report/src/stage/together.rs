@@ -1,0 +1,67 @@
+//! `--together`: the page of one model for several tests.
+
+use std::path::{Path, PathBuf};
+
+use crumple_artifact::OutputKind;
+use crumple_artifact::records::{DiagnosisV1, PredictionV1};
+use crumple_report::{Language, LeftOut, Page, Ranking};
+use crumple_stage::{ExitStatus, Refused, keep_budget, load_artifacts, refuse_to_overwrite, say};
+
+use super::compare::write;
+use super::gather::gather;
+
+/// Joint candidates.
+const SOLVED: &str = "5-parameter-solve.mcap";
+/// Predictions.
+const PREDICTED: &str = "7-predict.mcap";
+
+/// Reads the folder of a joint result, as `crumple-together` makes it, and writes its page.
+pub fn together(
+    folder: &Path,
+    page: &Path,
+    pipeline: Option<String>,
+    language: Language,
+    quiet: bool,
+) -> anyhow::Result<ExitStatus> {
+    let artifacts: Vec<PathBuf> =
+        [SOLVED, PREDICTED].map(|name| folder.join(name)).into_iter().filter(|path| path.is_file()).collect();
+    refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
+    keep_budget(&artifacts, ExitStatus::Refused);
+    let no_model = || {
+        Refused::new(format!("{} holds no model of several tests", folder.display()))
+            .hint("just together A.EV5 B.EV5 ... makes one, and says where it is")
+    };
+    if artifacts.is_empty() {
+        return Err(no_model().into());
+    }
+    let mut run = gather(&load_artifacts(&artifacts)?.input, language)?;
+    let joint = run.joint.as_mut().ok_or_else(no_model)?;
+    for test in &mut joint.tests {
+        test.left_out = left_out(&folder.join(format!("without-{}", test.test.name)))?;
+    }
+    run.pipeline = pipeline;
+    let ranking = Ranking::of_run(&run);
+    let mut html = Vec::new();
+    Page::new(&run, &ranking).write_to(&mut html)?;
+    write(page, OutputKind::Report, &String::from_utf8_lossy(&html))?;
+    if !quiet {
+        say(page.display());
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// What the others say of a test: in the folder in which it was left out.
+fn left_out(folder: &Path) -> anyhow::Result<LeftOut> {
+    let Some(path) = [PREDICTED, SOLVED].map(|name| folder.join(name)).into_iter().find(|path| path.is_file()) else {
+        return Ok(LeftOut::NotTried);
+    };
+    let input = load_artifacts(&[path])?.input;
+    if let Some(diagnosis) = input.record_if::<DiagnosisV1>("/diagnosis")? {
+        return Ok(LeftOut::NotPredicted(diagnosis.reason));
+    }
+    let all = input.records::<PredictionV1>("/prediction/")?;
+    let of_the_test = all.into_iter().map(|(_, prediction)| prediction).filter(|p| p.against.is_some());
+    Ok(of_the_test
+        .min_by_key(|prediction| !prediction.recommended)
+        .map_or(LeftOut::NotTried, |prediction| LeftOut::Predicted(Box::new(prediction))))
+}
