@@ -27,11 +27,11 @@ const STAGE: usize = 64;
 pub(crate) fn events(system: &LinearSystem, v0: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
     let start = &Start::Impact(v0);
     match system.states {
-        2 => LinearMotion::new(Const::<2>, system, &[], start).events(horizon_s),
-        3 => LinearMotion::new(Const::<3>, system, &[], start).events(horizon_s),
-        4 => LinearMotion::new(Const::<4>, system, &[], start).events(horizon_s),
-        6 => LinearMotion::new(Const::<6>, system, &[], start).events(horizon_s),
-        n => LinearMotion::new(Dyn(n), system, &[], start).events(horizon_s),
+        2 => LinearMotion::new(Const::<2>, system, start).events(horizon_s),
+        3 => LinearMotion::new(Const::<3>, system, start).events(horizon_s),
+        4 => LinearMotion::new(Const::<4>, system, start).events(horizon_s),
+        6 => LinearMotion::new(Const::<6>, system, start).events(horizon_s),
+        n => LinearMotion::new(Dyn(n), system, start).events(horizon_s),
     }
 }
 
@@ -97,7 +97,7 @@ where
         while t < horizon && steps < MAX_STEPS {
             let alive = moving().filter(|p| lifetime(p) > t).map(|p| p.norm()).fold(0.0, f64::max);
             let h = 1.0 / (16.0 * alive);
-            let (phi, _) = self.exponential(h);
+            let phi = self.exponential(h);
             for _ in 0..STAGE {
                 let next = &phi * &z;
                 let f = value(&next);
@@ -133,7 +133,7 @@ where
     /// Zero of `row·exp(A τ) z` in `(0, h]`, by Newton's method kept inside the bracket.
     fn refine(&self, row: &OMatrix<f64, U1, D>, z: &OVector<f64, D>, h: f64, sign: f64) -> (f64, OVector<f64, D>) {
         let rate = row * &self.a;
-        let at = |tau: f64| self.exponential(tau).0 * z;
+        let at = |tau: f64| self.exponential(tau) * z;
         let tau = falling_zero(0.0, h, |tau| {
             let z = at(tau);
             (sign.signum() * (row * &z)[0], sign.signum() * (&rate * &z)[0] / self.tau_s)

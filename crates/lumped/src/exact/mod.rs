@@ -2,6 +2,7 @@
 //! May use `structure`, `motion` and `kind`.
 
 pub mod crossing;
+pub mod derivatives;
 pub mod driven;
 pub mod falling_zero;
 pub mod linear_motion;

@@ -43,7 +43,7 @@ impl Structure {
         positive("dt_s", at.dt_s)?;
         self.check_places(places)?;
         let sensitivity = match LinearSystem::new(self).filter(|_| self.is_smooth_in(places)) {
-            Some(system) => linear_motion::sensitivity(&system, &start, at, places),
+            Some(system) => linear_motion::sensitivity(&system, &start, at, waves, places),
             None => self.by_series(waves, start, at, places)?,
         };
         let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());

@@ -154,7 +154,7 @@ impl Structure {
     }
 
     /// Whether every force is linear, for good.
-    pub(crate) fn is_linear(&self) -> bool {
+    pub fn is_linear(&self) -> bool {
         self.connections.iter().all(|connection| connection.element.law().is_linear())
     }
 

@@ -16,6 +16,9 @@ use crate::{Fit, SolveError};
 /// Places of the middle knot of the spring that are tried, shares of the crush.
 const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97];
 
+/// Steps that sort the starts into hopeful and hopeless.
+const SORTING_STEPS: u32 = 10;
+
 /// Searches for the ten parameters of the second nonlinear model on the motion itself.
 ///
 /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
@@ -65,7 +68,7 @@ pub fn search_nonlinear2(
     let coordinates = shares(options);
     let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
     let points = starts.iter().map(to_theta).collect();
-    let (mut ends, mut evaluations) = all(&problem, points, &bounds(&coordinates, 12, 1e-4));
+    let (mut ends, mut evaluations) = all(&problem, points, &bounds(&coordinates, SORTING_STEPS, 1e-4));
     ends.truncate(FOLLOWED);
     let ends = ends.into_iter().map(|m| m.theta).collect();
     let follow = Bounds { slow: SLOW, ..bounds(&coordinates, 120, 1e-9) };

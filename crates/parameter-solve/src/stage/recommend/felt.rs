@@ -37,6 +37,10 @@ pub fn is_felt(record: &CandidateV1, name: &str, tested_m_per_s: &[f64]) -> bool
         let tested = crush(&structure, speed)?;
         asked.iter().map(|speed| Some(crush(&structure, *speed)? / tested)).collect()
     };
+    let Ok(structure) = structure_of(&record.model, &record.parameters) else { return true };
+    if structure.is_linear() {
+        return crush(&structure, speed).is_none();
+    }
     let Some(own) = shares(1.0) else { return true };
     FACTORS.iter().any(|factor| {
         let changed = shares(*factor);
