@@ -22,7 +22,8 @@ pub fn drawing(
     let until = motion.map_or_else(String::new, |motion| format!(" data-until=\"{:.1}\"", motion.until_ms));
     let mut out = format!(
         "<svg class=\"model-picture\"{until} viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" \
-         aria-labelledby=\"model-{number}-name model-{number}-words\">\n<title id=\"model-{number}-name\">{}</title>\n<desc id=\"model-{number}-words\">{}\
+         aria-labelledby=\"model-{number}-name model-{number}-words\">\n\
+         <title id=\"model-{number}-name\">{}</title>\n<desc id=\"model-{number}-words\">{}\
          </desc>\n",
         layout.height,
         html(name),
