@@ -45,7 +45,7 @@ pub use numbers::NumberTexts;
 pub use page::PageTexts;
 pub use predictions::PredictionTexts;
 pub use remarks::RemarkTexts;
-pub use runs::RunTexts;
+pub use runs::{FleetTexts, RunTexts};
 pub use scripts::{CursorTexts, WhatIfTexts};
 
 /// The texts of one language, by what they are about.
@@ -73,6 +73,8 @@ pub struct Phrases {
     pub remarks: RemarkTexts,
     /// Several runs on one page.
     pub runs: RunTexts,
+    /// The page of a fleet, and what its pages share.
+    pub fleet: FleetTexts,
     /// What the script of the figures says.
     pub cursor: CursorTexts,
     /// The sliders and what their script says.
@@ -94,6 +96,7 @@ macro_rules! phrases {
             predictions: PredictionTexts::$language,
             remarks: RemarkTexts::$language,
             runs: RunTexts::$language,
+            fleet: FleetTexts::$language,
             cursor: CursorTexts::$language,
             what_if: WhatIfTexts::$language,
         }

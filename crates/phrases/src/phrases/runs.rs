@@ -1,4 +1,4 @@
-//! Several runs on one page: comparison, Markdown of a run, index.
+//! Several runs on one page: comparison, Markdown of a run, index; what the page of a fleet says beside it.
 
 texts! { RunTexts
     key_numbers: "Key numbers", "Kennwerte";
@@ -121,4 +121,33 @@ texts! { RunTexts
     restitution: "e", "e";
     stiffness_name: "Kelvin stiffness", "Kelvin-Steifigkeit";
     stiffness: "k", "k";
+}
+
+texts! { FleetTexts
+    over: "Over mass, speed and model year", "Über Masse, Geschwindigkeit und Modelljahr";
+    no_law:
+        "Mass, speed, year and class differ together in what was tested: a line here describes these runs, it is no \
+         law.",
+        "Masse, Geschwindigkeit, Jahr und Klasse gehen in dem, was geprüft wurde, miteinander: eine Gerade beschreibt \
+         hier diese Läufe, sie ist kein Gesetz.";
+    distributions: "Distributions", "Verteilungen";
+    how_many: "How many runs have which value.", "Wie viele Läufe welchen Wert haben.";
+    runs_by_value: "Runs by value", "Läufe nach ihrem Wert";
+    runs: "runs", "Läufe";
+    a_run: "a run", "ein Lauf";
+    line:
+        "least-squares line of the runs that are no outliers",
+        "Ausgleichsgerade der Läufe, die keine Ausreißer sind";
+    outlier:
+        "outlier: more than four robust standard deviations off the line; leads to its report",
+        "Ausreißer: mehr als vier robuste Standardabweichungen neben der Geraden; führt zu seinem Bericht";
+    tests: "tests", "Versuche";
+    candidates: "candidates", "Kandidaten";
+    metrics: "metrics", "Kennwerte";
+    predictions: "predictions", "Vorhersagen";
+    without_files:
+        "The style and the scripts of this page lie in {folder}, with those of all runs of the fleet, and were not \
+         found there. A page that needs no other file: crumple-report *.mcap -o report.html in the folder of the run.",
+        "Stil und Skripte dieser Seite liegen in {folder}, mit denen aller Läufe der Flotte, und fehlen dort. Eine \
+         Seite, die keine andere Datei braucht: crumple-report *.mcap -o report.html im Ordner des Laufs.";
 }
