@@ -78,7 +78,7 @@ together *args: build
         -- "$@"
 
 # A run that is up to date is left alone, a record that fails is a row with its error; tables and fleet.html in runs/fleet/NAME (docs/fleet.md).
-# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME]`.
+# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME] [--language de]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
@@ -190,7 +190,7 @@ lint:
 rooms:
     CRUMPLE_WRITE_ROOMS=1 cargo test --quiet --workspace --test architecture the_page_names_every_room
 
-# Writes docs/schemas/, the JSON Schemas of all records and of summary.json.
+# Writes docs/schemas/, the JSON Schemas of all records and of summary.json. They are built into the programs: for a record type that is new, make an empty file first.
 [group('development')]
 schemas:
     CRUMPLE_WRITE_SCHEMAS=1 cargo test --quiet --workspace --test schemas the_schemas_in_the_docs

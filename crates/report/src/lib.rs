@@ -30,7 +30,7 @@ pub use index::run_summary::{
     MetricOfChannel, ParameterIntervals, RunSummary, SummaryCandidate, SummaryConcern, SummaryConclusion,
     SummaryMetric, SummaryTest, model_year,
 };
-pub use page::document::Page;
+pub use page::document::{Page, write_shared_files};
 pub use results::joint::{JointTest, JointTests, LeftOut};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{

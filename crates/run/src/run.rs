@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, Usage, memory_limit_flag, say};
+use crumple_stage::{ExitStatus, Usage, memory_limit_flag, request_for_information, say, shell_words};
 
 use crate::command::options::Options;
 use crate::command::pipeline::{PIPELINE_OF_A_RUN, Pipeline};
 use crate::command::program::{Program, own_program};
 use crate::command::stages::{Stage, Stages};
-use crate::command::words::{request_for_information, words};
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::ours::refuse_files_of_others;
 use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before};
@@ -34,6 +33,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         options.flags = format!("{} {limit}", options.flags).trim_start().to_owned();
     }
     options.take_set()?;
+    options.take_flags_of_last();
     let Some(first) = options.stages.0.first() else { return Err(Usage::new("a stage is needed").into()) };
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
@@ -149,7 +149,7 @@ fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages:
     let mut behind = Some(options.flags_of_the_first());
     for (stage, program) in stages.iter().zip(programs) {
         let behind = behind.take().unwrap_or_default().iter().map(|word| word.to_string_lossy().into_owned());
-        let typed = words(&stage.command).collect::<Vec<_>>().into_iter();
+        let typed = shell_words(&stage.command).collect::<Vec<_>>().into_iter();
         if is_own(stage, program) {
             note("flags", stage.name(), &mut typed.skip(1).chain(behind));
         } else {
@@ -157,7 +157,7 @@ fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages:
             note("flags", stage.name(), &mut { behind });
         }
     }
-    note("flags", "every stage", &mut words(&options.flags));
+    note("flags", "every stage", &mut shell_words(&options.flags));
 }
 
 /// The folder of a run that was made.
@@ -233,7 +233,7 @@ impl Run<'_> {
     /// is up to date. Others are always run.
     fn state(&self, programs: &[Program]) -> Option<String> {
         let stages = &self.stages.0;
-        let is_asked = |text: &str| words(text).any(|word| matches!(word.as_str(), "--force" | "--json"));
+        let is_asked = |text: &str| shell_words(text).any(|word| matches!(word.as_str(), "--force" | "--json"));
         let always = is_asked(&self.options.flags) || stages.iter().any(|stage| is_asked(&stage.command));
         if always || self.options.again.is_some() || !stages.iter().zip(programs).all(|(s, p)| is_own(s, p)) {
             return None;
@@ -322,7 +322,8 @@ impl Run<'_> {
 
     /// Whether a flag makes stages compute what is up to date.
     fn is_forced(&self) -> bool {
-        words(&self.options.flags).any(|word| word == "--force") || self.options.record.iter().any(|w| w == "--force")
+        shell_words(&self.options.flags).any(|word| word == "--force")
+            || self.options.record.iter().any(|w| w == "--force")
     }
 
     /// Whether the last stage is one that sums the run up.
@@ -367,8 +368,8 @@ fn program_of(stage: &Stage, flags: &str) -> anyhow::Result<Program> {
     }
     if is_own(stage, &program) {
         for (place, arguments) in [
-            (format!("the command of the stage {name}"), words(&stage.command).skip(1).collect::<Vec<_>>()),
-            ("flags".to_owned(), words(flags).collect::<Vec<_>>()),
+            (format!("the command of the stage {name}"), shell_words(&stage.command).skip(1).collect::<Vec<_>>()),
+            ("flags".to_owned(), shell_words(flags).collect::<Vec<_>>()),
         ] {
             if let Some(flag) = request_for_information(arguments.into_iter()) {
                 let problem =

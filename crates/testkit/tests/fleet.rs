@@ -94,4 +94,7 @@ fn a_fleet_killed_in_mid_run_goes_on_and_ends_as_if_nothing_had_been() {
     let [runs_of_killed, runs] = [&killed, &undisturbed].map(|fleet| ended_runs(&fleet.join("journal/all.jsonl")));
     assert_eq!(runs_of_killed.len(), runs.len(), "what was finished is not run again");
     assert_eq!(different_files(&killed, &undisturbed), Vec::<PathBuf>::new());
+    let page = std::fs::read_to_string(killed.join("runs/00000-40/default/report.html")).unwrap();
+    assert!(page.contains("<link rel=\"stylesheet\" href=\"../../../page/report-"), "pages share their style");
+    assert_eq!(std::fs::read_dir(killed.join("page")).unwrap().count(), 3);
 }

@@ -1,6 +1,7 @@
 //! Records known by name only: by their schema name, as met in a file or on a line of text.
 
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::layout::names::same_type;
 use crate::layout::record::{Record, SCHEMAS, TypeVisitor, with_type};
@@ -49,17 +50,32 @@ impl Artifact {
 }
 
 /// JSON Schema of the record type of this name, as it stands in artifacts; `None` if it is not in [`SCHEMAS`].
-pub fn schema_json(schema: &str) -> Option<Vec<u8>> {
+pub fn schema_json(schema: &str) -> Option<&'static [u8]> {
     with_type(schema, SchemaJson)
+}
+
+/// The same made of the type: what `just schemas` writes to `docs/schemas/`.
+pub fn schema_of_type(schema: &str) -> Option<Value> {
+    with_type(schema, SchemaOfType)
 }
 
 struct SchemaJson;
 
 impl TypeVisitor for SchemaJson {
-    type Output = Vec<u8>;
+    type Output = &'static [u8];
 
     fn visit<R: Record>(self) -> Self::Output {
         R::schema_json()
+    }
+}
+
+struct SchemaOfType;
+
+impl TypeVisitor for SchemaOfType {
+    type Output = Value;
+
+    fn visit<R: Record>(self) -> Self::Output {
+        R::schema_of_type()
     }
 }
 
@@ -85,12 +101,7 @@ impl TypeVisitor for ToJson<'_> {
 /// Adds a record given as JSON to an artifact, checked against the type that the schema names.
 ///
 /// Errors: the schema is not one of [`SCHEMAS`]; the value does not decode; and those of [`ArtifactBuilder::put`].
-pub fn put_json(
-    builder: &mut ArtifactBuilder,
-    topic: &str,
-    schema: &str,
-    data: serde_json::Value,
-) -> Result<(), WriteError> {
+pub fn put_json(builder: &mut ArtifactBuilder, topic: &str, schema: &str, data: Value) -> Result<(), WriteError> {
     let unknown = || WriteError::Encode {
         topic: topic.to_owned(),
         problem: format!("schema {schema:?} is unknown, expected one of {}", SCHEMAS.join(", ")),
@@ -101,7 +112,7 @@ pub fn put_json(
 struct FromJson<'a> {
     builder: &'a mut ArtifactBuilder,
     topic: &'a str,
-    data: serde_json::Value,
+    data: Value,
 }
 
 impl TypeVisitor for FromJson<'_> {
@@ -146,7 +157,7 @@ mod tests {
     #[test]
     fn unknown_schemas_and_wrong_values_are_refused() {
         let mut builder = ArtifactBuilder::new();
-        let error = put_json(&mut builder, "/x", "crumple.Nonsense.v1", serde_json::Value::Null).unwrap_err();
+        let error = put_json(&mut builder, "/x", "crumple.Nonsense.v1", Value::Null).unwrap_err();
         assert!(error.to_string().starts_with("record /x: schema \"crumple.Nonsense.v1\" is unknown"), "{error}");
         let error = put_json(&mut builder, "/notes", "crumple.Notes.v1", serde_json::json!({"stage": 1})).unwrap_err();
         assert!(error.to_string().starts_with("record /notes: not a crumple.Notes.v1: invalid type"), "{error}");

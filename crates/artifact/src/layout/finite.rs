@@ -14,7 +14,29 @@ pub(crate) fn first_non_finite<T: Serialize + ?Sized>(value: &T) -> Option<(Stri
 }
 
 struct Walk {
-    path: Vec<String>,
+    path: Vec<Step>,
+}
+
+/// From a container to a value in it. Most walks find nothing, so that steps become text at the end.
+enum Step {
+    Element(usize),
+    Field(&'static str),
+    Key(String),
+}
+
+impl Walk {
+    fn place(&self) -> String {
+        let mut place = String::new();
+        for step in &self.path {
+            let point = if place.is_empty() { "" } else { "." };
+            match step {
+                Step::Element(index) => place.push_str(&format!("[{index}]")),
+                Step::Field(name) => place.push_str(&format!("{point}{name}")),
+                Step::Key(name) => place.push_str(&format!("{point}{name}")),
+            }
+        }
+        place
+    }
 }
 
 #[derive(Debug)]
@@ -46,7 +68,7 @@ struct Inside<'a> {
 }
 
 impl Inside<'_> {
-    fn visit<T: Serialize + ?Sized>(&mut self, step: String, value: &T) -> Result<(), Stop> {
+    fn visit<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> Result<(), Stop> {
         self.walk.path.push(step);
         value.serialize(&mut *self.walk)?;
         self.walk.path.pop();
@@ -54,9 +76,8 @@ impl Inside<'_> {
     }
 
     fn element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
-        let step = format!("[{}]", self.index);
         self.index += 1;
-        self.visit(step, value)
+        self.visit(Step::Element(self.index - 1), value)
     }
 }
 
@@ -89,7 +110,7 @@ impl<'a> ser::Serializer for &'a mut Walk {
     }
 
     fn serialize_f64(self, value: f64) -> Result<(), Stop> {
-        if value.is_finite() { Ok(()) } else { Err(Stop::Found(self.path.join(".").replace(".[", "["), value)) }
+        if value.is_finite() { Ok(()) } else { Err(Stop::Found(self.place(), value)) }
     }
 
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<(), Stop> {
@@ -167,7 +188,7 @@ macro_rules! fields {
             type Ok = ();
             type Error = Stop;
             fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Stop> {
-                self.visit(key.to_owned(), value)
+                self.visit(Step::Field(key), value)
             }
             fn end(self) -> Result<(), Stop> { Ok(()) }
         }
@@ -187,7 +208,7 @@ impl ser::SerializeMap for Inside<'_> {
 
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
         let key = std::mem::take(&mut self.key);
-        self.visit(key, value)
+        self.visit(Step::Key(key), value)
     }
 
     fn end(self) -> Result<(), Stop> {

@@ -2,13 +2,16 @@
 //!
 //! The way is written out for each type here, so that it is compiled once and not again in every program that uses it.
 
+use std::sync::OnceLock;
+
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
+use serde_json::Value;
 
 use crate::layout::codec::Codec;
 use crate::layout::finite::first_non_finite;
 use crate::layout::json_text::to_json;
-use crate::layout::schema::viewer_safe_schema;
+use crate::layout::schema::{viewer_safe_schema, without_blanks};
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
     ExponentialSumV1, IdentificationV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1, PredictionV1,
@@ -21,8 +24,12 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
     /// Schema name and version, e.g. `crumple.Events.v1`.
     const SCHEMA: &'static str;
 
-    /// Its JSON Schema as text: complete for validators, safe for viewers.
-    fn schema_json() -> Vec<u8>;
+    /// Its JSON Schema as text: complete for validators, safe for viewers. It is that of `docs/schemas/`, built in: to
+    /// make it of the type takes a process longer than to write a small artifact.
+    fn schema_json() -> &'static [u8];
+
+    /// The same made of the type, which tests hold `docs/schemas/` against, and `just schemas` writes there.
+    fn schema_of_type() -> Value;
 
     /// The record as a message. Errors say what in it cannot be encoded.
     fn encode(&self, codec: Codec) -> Result<Vec<u8>, String>;
@@ -56,8 +63,15 @@ macro_rules! record {
         $(impl Record for $type {
             const SCHEMA: &'static str = $schema;
 
-            fn schema_json() -> Vec<u8> {
-                viewer_safe_schema(schemars::schema_for!($type).to_value(), $schema).to_string().into_bytes()
+            fn schema_json() -> &'static [u8] {
+                static TEXT: OnceLock<Vec<u8>> = OnceLock::new();
+                TEXT.get_or_init(|| {
+                    without_blanks(include_str!(concat!("../../../../docs/schemas/", $schema, ".json")))
+                })
+            }
+
+            fn schema_of_type() -> Value {
+                viewer_safe_schema(schemars::schema_for!($type).to_value(), $schema)
             }
 
             fn encode(&self, codec: Codec) -> Result<Vec<u8>, String> {

@@ -39,6 +39,22 @@ pub(crate) fn viewer_safe_schema(mut full: Value, schema: &str) -> Value {
     root
 }
 
+/// JSON without the blanks and ends of lines between its words.
+pub(crate) fn without_blanks(text: &str) -> Vec<u8> {
+    let mut out = Vec::with_capacity(text.len());
+    let (mut is_text, mut is_escaped) = (false, false);
+    for byte in text.bytes() {
+        if is_text || !byte.is_ascii_whitespace() {
+            out.push(byte);
+        }
+        if byte == b'"' && !is_escaped {
+            is_text = !is_text;
+        }
+        is_escaped = is_text && byte == b'\\' && !is_escaped;
+    }
+    out
+}
+
 /// The part of an object's properties that viewers understand.
 fn viewer_properties(schema: &Value, definitions: &Map<String, Value>, depth: usize) -> Map<String, Value> {
     let Some(properties) = schema.get("properties").and_then(Value::as_object) else { return Map::new() };
@@ -103,7 +119,20 @@ mod tests {
     use crate::records::{CandidateV1, ModesV1, StateSpaceV1, TestV1};
 
     fn schema_of<R: Record>() -> Value {
-        serde_json::from_slice(&R::schema_json()).unwrap()
+        R::schema_of_type()
+    }
+
+    #[test]
+    fn the_text_in_a_file_is_the_schema_of_the_type_as_it_is_written_without_blanks() {
+        assert_eq!(
+            without_blanks("{\n  \"a b\": \"c \\\" \\\\\", \"d\": [1, 2]\n}\n"),
+            b"{\"a b\":\"c \\\" \\\\\",\"d\":[1,2]}"
+        );
+        for (text, schema) in
+            [(TestV1::schema_json(), schema_of::<TestV1>()), (CandidateV1::schema_json(), schema_of::<CandidateV1>())]
+        {
+            assert_eq!(std::str::from_utf8(text).unwrap(), schema.to_string());
+        }
     }
 
     /// The subset that a viewer's parser takes: object at the root; below it scalars, objects and arrays of those.

@@ -32,7 +32,7 @@ pub enum Compression {
 struct Small {
     topic: String,
     schema: &'static str,
-    schema_json: Vec<u8>,
+    schema_json: &'static [u8],
     payload: Vec<u8>,
 }
 
@@ -169,7 +169,7 @@ impl ArtifactBuilder {
         let mut digest = ContentDigest::default();
 
         for record in &self.records {
-            let schema = writer.add_schema(record.schema, "jsonschema", &record.schema_json)?;
+            let schema = writer.add_schema(record.schema, "jsonschema", record.schema_json)?;
             let channel = writer.add_channel(schema, &record.topic, Codec::Json.name(), &BTreeMap::new())?;
             let header = MessageHeader { channel_id: channel, sequence: 0, log_time: start, publish_time: start };
             writer.write_to_known_channel(&header, &record.payload)?;
@@ -180,7 +180,7 @@ impl ArtifactBuilder {
         let schema_json = WaveBlockV1::schema_json();
         let mut blocks = Vec::new();
         for (id, wave) in &self.waves {
-            let schema = writer.add_schema(WaveBlockV1::SCHEMA, "jsonschema", &schema_json)?;
+            let schema = writer.add_schema(WaveBlockV1::SCHEMA, "jsonschema", schema_json)?;
             let topic = format!("{WAVE_PREFIX}{id}");
             let channel = writer.add_channel(schema, &topic, Codec::Bincode.name(), &wave.channel_metadata())?;
             let count = wave.sampled.len().div_ceil(BLOCK_SAMPLES).max(1);

@@ -24,6 +24,8 @@ pub enum OutputKind {
     Table,
     /// Lines of JSON, as of an artifact that was unpacked.
     Lines,
+    /// Style or script that pages share: begins with a comment that names its program.
+    PageFile,
     /// Bare numbers, as of a waveform that was unpacked; such files are known by the name `*.f64` alone.
     Numbers,
 }
@@ -55,6 +57,7 @@ impl OutputKind {
             Self::Summary => (starts_as_json(&start) && names_a_type(), "exists and is no summary of a run"),
             Self::Figure => (start.starts_with(b"<svg") || start.starts_with(b"\x89PNG"), "exists and is no figure"),
             Self::Markdown => (start.starts_with(b"<!-- crumple-"), "exists and is no Markdown of a report"),
+            Self::PageFile => (start.starts_with(b"/* crumple-"), "exists and is no style or script of reports"),
             Self::Table => (
                 start.starts_with(b"PAR1") || start.starts_with(b"record,record_digest,"),
                 "exists and is no table of a fleet",
@@ -104,6 +107,8 @@ mod tests {
         assert!(
             is_it(b"record,record_digest,", OutputKind::Table, "t.csv") && !is_it(b"t,a\n", OutputKind::Table, "t.csv")
         );
+        let is_of_pages = |text: &[u8]| is_it(text, OutputKind::PageFile, "p.css");
+        assert!(is_of_pages(b"/* crumple-report 0.1.0 */\na{}") && !is_of_pages(b"a { color: red }\n"));
         assert!(is_it(b"<!-- crumple-report 0.1.0 -->", OutputKind::Markdown, "r.md"));
         assert!(!is_it(b"# Read me\n", OutputKind::Markdown, "r.md"));
         assert!(is_it(b"{\n \"schema\": \"crumple.summary.v1\"}", Summary, "s.json"));

@@ -1,7 +1,5 @@
 //! A line through points as the text of a path, in as few characters as its resolution takes.
 
-use std::fmt::Write;
-
 /// Appends a start and the steps from each point to the next, in multiples of so many hundredths of a unit.
 pub fn polyline(out: &mut String, points: &[[f64; 2]], hundredths_a_step: i64) {
     let rounded = |x: f64| (100.0 * x / hundredths_a_step as f64).round() as i64 * hundredths_a_step;
@@ -31,11 +29,28 @@ fn hundredths(out: &mut String, value: i64, previous: Option<i64>) {
         out.push(' ');
     }
     if whole > 0 || part == 0 {
-        let _ = write!(out, "{whole}");
+        digits(out, whole);
     }
     if part > 0 {
-        let _ = if part % 10 == 0 { write!(out, ".{}", part / 10) } else { write!(out, ".{part:02}") };
+        out.push('.');
+        out.push(digit(part / 10));
+        if part % 10 > 0 {
+            out.push(digit(part % 10));
+        }
     }
+}
+
+/// A whole number: pages are mostly these, and formatting takes ten times as long.
+fn digits(out: &mut String, number: u64) {
+    if number >= 10 {
+        digits(out, number / 10);
+    }
+    out.push(digit(number % 10));
+}
+
+/// The digit of a number below 10.
+fn digit(number: u64) -> char {
+    char::from(b'0' + number as u8)
 }
 
 #[cfg(test)]
@@ -51,6 +66,7 @@ mod tests {
         };
         let after_3 = [300, -25, 0, 25].map(|value| text(value, Some(300)));
         assert_eq!(after_3, [" 3", "-.25", " 0", " .25"]);
+        assert_eq!([1_205, -98_060].map(|value| text(value, None)), ["12.05", "-980.6"]);
         assert_eq!([text(150, None), text(25, Some(-150)), text(125, Some(150))], ["1.5", ".25", " 1.25"]);
     }
 

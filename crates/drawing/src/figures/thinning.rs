@@ -14,7 +14,7 @@ pub fn thinned(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
 
 fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept = Vec::new();
-    for column in points.chunk_by(|a, b| (a[0] * COLUMNS).floor() == (b[0] * COLUMNS).floor()) {
+    for column in points.chunk_by(|a, b| column_of(a[0]) == column_of(b[0])) {
         let extreme = |better: fn(f64, f64) -> bool| {
             (0..column.len()).fold(0, |best, k| if better(column[k][1], column[best][1]) { k } else { best })
         };
@@ -27,6 +27,13 @@ fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     kept
 }
 
+/// Number of the column of a place: the largest whole number below, without a call of the library.
+fn column_of(x: f64) -> i64 {
+    let x = x * COLUMNS;
+    let towards_zero = x as i64;
+    towards_zero - i64::from(towards_zero as f64 > x)
+}
+
 /// Ramer (1972), Douglas & Peucker (1973), without recursion.
 fn straightened(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
     if points.len() < 3 {
@@ -37,10 +44,21 @@ fn straightened(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
     needed[points.len() - 1] = true;
     let mut stretches = vec![(0, points.len() - 1)];
     while let Some((from, to)) = stretches.pop() {
-        let far = (from + 1..to)
-            .map(|k| (distance(points[k], points[from], points[to]), k))
-            .fold((near, None), |(most, at), (d, k)| if d > most { (d, Some(k)) } else { (most, at) });
-        if let (_, Some(k)) = far {
+        let offset_of = |k: usize| offset(points[k], points[from], points[to]);
+        let distance = |[x, y]: [f64; 2]| x.hypot(y);
+        let (mut most, mut farthest) = (near * near, None);
+        for k in from + 1..to {
+            let here = offset_of(k);
+            let square = here[0] * here[0] + here[1] * here[1];
+            // The root of the library is exact to the last bit, and slow: it is taken where it decides.
+            let is_farther = square > most * (1.0 - ROUNDING)
+                && (square > most * (1.0 + ROUNDING)
+                    || distance(here) > farthest.map_or(near, |k| distance(offset_of(k))));
+            if is_farther {
+                (most, farthest) = (square, Some(k));
+            }
+        }
+        if let Some(k) = farthest {
             needed[k] = true;
             stretches.extend([(from, k), (k, to)]);
         }
@@ -48,12 +66,16 @@ fn straightened(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
     points.iter().zip(needed).filter_map(|(point, needed)| needed.then_some(*point)).collect()
 }
 
-/// Distance of a point from a stretch of line.
-fn distance([x, y]: [f64; 2], [x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> f64 {
+/// Sums of squares that differ by more than this share are of distances in the same order: both are rounded by less
+/// than 1e-15.
+const ROUNDING: f64 = 1e-14;
+
+/// From the nearest place of a stretch of line to a point.
+fn offset([x, y]: [f64; 2], [x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> [f64; 2] {
     let (along, up) = (x1 - x0, y1 - y0);
     let length = along * along + up * up;
     let share = if length > 0.0 { (((x - x0) * along + (y - y0) * up) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (x - x0 - share * along).hypot(y - y0 - share * up)
+    [x - x0 - share * along, y - y0 - share * up]
 }
 
 #[cfg(test)]

@@ -53,14 +53,18 @@ pub struct Options {
     #[arg(long, conflicts_with = "batch")]
     pub(crate) tables_only: bool,
 
-    /// Language of fleet.html: en or de. The pages of the runs speak that of the key `language` of [report] in a
-    /// pipeline [default: en].
-    #[arg(long, value_name = "CODE", value_parser = language)]
-    pub(crate) language: Option<Language>,
-
     /// Compression of the artifacts: zstd makes them smaller and a run slower.
     #[arg(long, value_name = "KIND", value_parser = ["zstd"])]
     pub(crate) compress: Option<String>,
+
+    /// Language of the pages, of the fleet and of its runs: en or de.
+    #[arg(long, value_name = "CODE", value_parser = language, default_value = "en")]
+    pub(crate) language: Language,
+
+    /// Style and scripts in the page of every run, so that each can be mailed alone, in place of files in `page/` that
+    /// all share.
+    #[arg(long)]
+    pub(crate) whole_pages: bool,
 
     /// No line about the runs on stderr.
     #[arg(short, long)]
@@ -89,9 +93,11 @@ pub struct Options {
     pub(crate) run: String,
 }
 
-/// The language of a code.
+/// Folder of a fleet with the style and the scripts of its pages.
+pub(crate) const PAGE_FILES: &str = "page";
+
 fn language(code: &str) -> Result<Language, String> {
-    Language::of_code(code).ok_or_else(|| format!("the pages speak {}", Language::CODES.join(" or ")))
+    Language::of_code(code).ok_or_else(|| format!("languages are {}", Language::CODES.join(", ")))
 }
 
 /// One part of a fleet that is run in several.
@@ -129,6 +135,17 @@ impl Options {
     pub(crate) fn flags(&self) -> String {
         let compress = self.compress.as_ref().map_or_else(String::new, |kind| format!(" --compress {kind}"));
         format!("{}{compress}", self.flags)
+    }
+
+    /// Flags of the report of a run in this folder below that of the fleet.
+    pub(crate) fn report_flags(&self, folder: &str) -> String {
+        let up = "../".repeat(Path::new(folder).components().count());
+        let shared = if self.whole_pages { String::new() } else { format!("--shared {up}{PAGE_FILES}") };
+        let language = match self.language {
+            Language::English => String::new(),
+            other => format!("--language {}", other.code()),
+        };
+        format!("{shared} {language}").trim().to_owned()
     }
 
     /// The pipelines, as they are typed.
@@ -188,6 +205,14 @@ mod tests {
         assert_eq!(folder(&["a", "b", "--name", "both"]).unwrap(), "/p/runs/fleet/both");
         assert_eq!(folder(&["a", "--out", "/x"]).unwrap(), "/x");
         assert!(folder(&["a", "--name", "b/c"]).is_err());
+    }
+
+    #[test]
+    fn reports_know_the_way_to_the_files_they_share_and_their_language() {
+        let flags = |words: &[&str]| options(words).report_flags("runs/a/papers/civic");
+        assert_eq!(flags(&["a"]), "--shared ../../../../page");
+        assert_eq!(flags(&["a", "--whole-pages", "--language", "de"]), "--language de");
+        assert!(Options::try_parse_from(["fleet", "--run", "r", "a", "--language", "fr"]).is_err());
     }
 
     #[test]

@@ -76,7 +76,7 @@ pub(crate) fn make(options: &Options) -> anyhow::Result<Fleet> {
     }
     let rows = rows(&folder, ended).context("a result is gone: run the fleet again")?;
     write_tables(&folder, &tables(&rows))?;
-    write_page(&folder, &rows, options.language.unwrap_or_default())?;
+    write_page(&folder, &rows, options)?;
     tell(format!("fleet: {}", folder.join("fleet.html").display()));
     Ok(Fleet { folder, rows })
 }

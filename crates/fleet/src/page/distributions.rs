@@ -13,7 +13,7 @@ const HEIGHT: f64 = 210.0;
 /// Numbers of runs by value, a panel a quantity; those that fewer than two runs have are left out.
 pub(crate) fn distributions(rows: &[Row], quantities: &[Quantity], language: Language) -> Figure {
     let texts = &language.phrases().fleet;
-    let mut figure = Figure::new("distributions", texts.by_value);
+    let mut figure = Figure::new("distributions", texts.runs_by_value);
     figure.words = language.words_of_drawings();
     let entry = figure.entry(texts.runs, Look::line(Colour::Series(0), Dash::Solid), true);
     for quantity in quantities {

@@ -6,26 +6,23 @@ use std::path::Path;
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
-use crumple_report::{FiguresOfRuns, IndexedRun, Language, RunIndex};
+use crumple_report::{FiguresOfRuns, IndexedRun, Language, RunIndex, write_shared_files};
 use rayon::prelude::*;
 
+use crate::command::options::{Options, PAGE_FILES};
 use crate::page::distributions::distributions;
 use crate::page::pulse::pulse;
 use crate::page::scatter::scatter;
 use crate::tables::rows::Row;
 
-/// Tables beside the page.
-const TABLES: [(&str, &str); 4] = [
-    ("tests", "tests.csv"),
-    ("candidates", "candidates.csv"),
-    ("metrics", "metrics.csv"),
-    ("predictions", "predictions.csv"),
-];
-
-/// Writes `fleet.html` in one piece.
-pub(crate) fn write_page(fleet: &Path, rows: &[Row], language: Language) -> anyhow::Result<()> {
+/// Writes `fleet.html` in one piece, and what the pages of runs share where it is gone.
+pub(crate) fn write_page(fleet: &Path, rows: &[Row], options: &Options) -> anyhow::Result<()> {
+    if !options.whole_pages {
+        let folder = fleet.join(PAGE_FILES);
+        write_shared_files(&folder).with_context(|| format!("cannot write into {}", folder.display()))?;
+    }
     let path = fleet.join("fleet.html");
-    let page = page(fleet, rows, language);
+    let page = page(fleet, rows, options.language);
     write_atomically(&path, OutputKind::Report, |file| file.write_all(page.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))
 }
@@ -41,16 +38,22 @@ fn page(fleet: &Path, rows: &[Row], language: Language) -> String {
     let figures = vec![
         FiguresOfRuns {
             heading: texts.over,
-            text: texts.over_text,
-            figures: scatters.into_iter().map(|(id, y)| scatter(rows, id, y, &over, language)).collect(),
+            text: texts.no_law,
+            figures: scatters.into_iter().map(|(id, y)| scatter(rows, (id, y), &over, language)).collect(),
         },
         FiguresOfRuns {
             heading: texts.distributions,
-            text: texts.distributions_text,
+            text: texts.how_many,
             figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION], language)],
         },
     ];
-    RunIndex { language, title: &name, tables: &TABLES, runs: &runs, figures }.to_html()
+    let tables = [
+        (texts.tests, "tests.csv"),
+        (texts.candidates, "candidates.csv"),
+        (texts.metrics, "metrics.csv"),
+        (texts.predictions, "predictions.csv"),
+    ];
+    RunIndex { language, title: &name, tables: &tables, runs: &runs, figures }.to_html()
 }
 
 fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
@@ -71,6 +74,8 @@ mod tests {
     use std::fs;
     use std::os::unix::fs::symlink;
     use std::path::PathBuf;
+
+    use clap::Parser;
 
     use crumple_report::RunSummary;
 
@@ -149,7 +154,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let fleet = folder.path().join("made <fleet>");
         let rows = made(&fleet);
-        write_page(&fleet, &rows, Language::English).unwrap();
+        let options = Options::parse_from(["fleet", "--run", "r", "records"]);
+        write_page(&fleet, &rows, &options).unwrap();
         let html = fs::read_to_string(fleet.join("fleet.html")).unwrap();
         eprintln!("fleet.html of 500 runs: {} bytes", html.len());
         assert!(html.len() < 500_000, "{}", html.len());
@@ -159,9 +165,28 @@ mod tests {
         assert!(html.contains("href=\"runs/00005-56/default/report.html\"><circle class=\"link\""));
         assert!(html.contains("<summary>10 × refused: …, line #: &quot;…&quot; is no number</summary>"));
         assert_eq!(html, page(&fleet, &rows, Language::English));
-        let german = page(&fleet, &rows, Language::German);
-        assert!(german.contains("lang=\"de\"") && german.contains("Verteilungen</h2>") && german.contains("Ausreißer"));
-        assert!(!german.contains("Distributions") && !german.contains("least-squares") && !german.contains(">runs<"));
+        assert_eq!(fs::read_dir(fleet.join(PAGE_FILES)).unwrap().count(), 3, "style and two scripts");
+    }
+
+    #[test]
+    fn a_german_page_has_its_own_words_and_numbers() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = made(folder.path());
+        let [english, german] =
+            [Language::English, Language::German].map(|language| page(folder.path(), &rows, language));
+        for heading in ["<h2>Verteilungen</h2>", "Über Masse, Geschwindigkeit und Modelljahr", "html lang=\"de\""] {
+            assert!(german.contains(heading) && !english.contains(heading), "{heading}");
+        }
+        // Names of records and what stages said stay as they are; the table is that of every index.
+        let texts = |html: &str| -> std::collections::BTreeSet<String> {
+            let part = html.split_once("<main>").unwrap().1.split_once("id=\"runs\"").unwrap().0;
+            let after_tags = part.split('>').filter_map(|text| text.split('<').next().map(str::trim));
+            after_tags.filter(|text| text.contains(' ') && !text.contains(".csv")).map(str::to_owned).collect()
+        };
+        let (of_english, of_german) = (texts(&english), texts(&german));
+        assert!(of_english.len() > 20, "{of_english:?}");
+        let same: Vec<&String> = of_english.intersection(&of_german).collect();
+        assert!(same.is_empty(), "{same:?}");
     }
 
     #[test]

@@ -12,7 +12,12 @@ const LINKS: usize = 20;
 const HEIGHT: f64 = 300.0;
 
 /// `y` over each of several quantities, a panel each; those that fewer than two runs have are left out.
-pub(crate) fn scatter(rows: &[Row], id: &'static str, y: Quantity, over: &[Quantity], language: Language) -> Figure {
+pub(crate) fn scatter(
+    rows: &[Row],
+    (id, y): (&'static str, Quantity),
+    over: &[Quantity],
+    language: Language,
+) -> Figure {
     let texts = &language.phrases().fleet;
     let mut figure = Figure::new(id, capitalised(y.name(language)));
     figure.words = language.words_of_drawings();
@@ -21,11 +26,11 @@ pub(crate) fn scatter(rows: &[Row], id: &'static str, y: Quantity, over: &[Quant
         figure.entry(texts.line, Look::line(Colour::Muted, Dash::Dashed), true),
         figure.entry(texts.outlier, Look::marks(Colour::Series(1), Symbol::Ring), true),
     ];
-    figure.panels = over.iter().filter_map(|x| panel(rows, entries, *x, y, language)).collect();
+    figure.panels = over.iter().filter_map(|x| panel(rows, entries, (*x, y), language)).collect();
     figure
 }
 
-fn panel(rows: &[Row], [runs, line, _]: [usize; 3], x: Quantity, y: Quantity, language: Language) -> Option<Panel> {
+fn panel(rows: &[Row], [runs, line, _]: [usize; 3], (x, y): (Quantity, Quantity), language: Language) -> Option<Panel> {
     let both = |row: &Row| row.summary.as_ref().and_then(|run| Some(((x.of)(run)?, (y.of)(run)?)));
     let of_rows: Vec<(&Row, (f64, f64))> = rows.iter().filter_map(|row| Some((row, both(row)?))).collect();
     if of_rows.len() < 2 {

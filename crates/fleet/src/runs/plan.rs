@@ -56,7 +56,7 @@ pub(crate) fn plan(records: &[Record], options: &Options) -> anyhow::Result<Vec<
                 .hint(format!("the pipelines are the files below {}", options.project.join("pipelines").display()))
         })?;
         for settings in &settings {
-            let (typed_settings, flags) = (settings.join("\n"), options.flags());
+            let (typed_settings, flags) = (settings.join("\n"), options.flags() + &options.report_flags(""));
             let setup = setup(&[&content, &default, typed_settings.as_bytes(), flags.as_bytes(), programs.as_bytes()]);
             let variant = [vec![pipeline.name.clone()], settings.clone()].concat().join(",");
             runs.extend(records.iter().map(|record| Run {

@@ -1,11 +1,13 @@
 //! One run, from its start to its end.
 
+use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Instant;
 
 use anyhow::Context;
+use crumple_stage::shell_command;
 
 use crate::command::options::Options;
 use crate::runs::journal::{Ended, digest_of_summary};
@@ -19,18 +21,26 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
     let folder = path_in(fleet, run);
     // What stands in the folder may be of other programs, which the stages do not look at.
     let force = if folder.exists() { " --force" } else { "" };
-    let line = format!("exec {} \"$@\"", options.run);
-    let mut command = Command::new("sh");
-    command.args(["-c", &line, "crumple-fleet", "--pipeline", &run.pipeline]);
-    command.arg("--out").arg(&folder).args(["--flags", &format!("{} -q{force}", options.flags())]);
-    run.settings.iter().for_each(|setting| _ = command.args(["--set", setting]));
-    command.arg("--").arg(&run.record.path);
+    let mut arguments: Vec<OsString> = vec!["--pipeline".into(), OsString::from(&run.pipeline)];
+    arguments.extend(["--out".into(), OsString::from(&folder)]);
+    arguments.extend(["--flags".into(), format!("{} -q{force}", options.flags()).into()]);
+    let of_report = options.report_flags(&run.folder);
+    if !of_report.is_empty() {
+        arguments.extend(["--flags-of-last".into(), of_report.into()]);
+    }
+    arguments.extend(run.settings.iter().flat_map(|setting| ["--set".into(), OsString::from(setting)]));
+    arguments.extend(["--".into(), OsString::from(&run.record.path)]);
+    let mut command = shell_command(&options.run, &arguments, "");
     // Runs side by side keep the cores busy; threads of one run would only be in each other's way.
     if options.jobs != Some(1) {
         command.env("RAYON_NUM_THREADS", "1");
     }
     let started = Instant::now();
-    let output = command.stdin(Stdio::null()).stdout(Stdio::null()).output().context("cannot start a shell")?;
+    let output = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .output()
+        .with_context(|| format!("cannot start {}", options.run))?;
     let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
     let said = String::from_utf8_lossy(&output.stderr);
     let mut ended = Ended {

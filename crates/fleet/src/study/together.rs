@@ -1,13 +1,15 @@
 //! One model for the tests of a vehicle, by `crumple-together`.
 
 use std::collections::HashMap;
+use std::ffi::OsString;
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use anyhow::Context;
 use crumple_report::SummaryCandidate;
+use crumple_stage::shell_command;
 use serde::Deserialize;
 
 use crate::runs::journal::{Ended, digest_of_summary};
@@ -73,13 +75,18 @@ impl<'a> JointFits<'a> {
     fn fit_anew(&self, vehicle: &Vehicle<'_>, key: String, folder: String) -> anyhow::Result<Ended> {
         let path = self.fleet.join(&folder);
         let force = if path.exists() { " --force" } else { "" };
-        let mut command = Command::new("sh");
-        command.args(["-c", &format!("exec {} \"$@\"", self.options.together), "crumple-study"]);
-        command.args(["--pipeline", &self.options.fleet.pipelines()[0], "--out"]).arg(&path);
-        command.args(["--flags", &format!("-q{force}"), "--"]);
-        command.args(vehicle.tests.iter().map(|row| self.fleet.join(&row.run.folder)));
+        let mut arguments: Vec<OsString> =
+            vec!["--pipeline".into(), OsString::from(&self.options.fleet.pipelines()[0])];
+        arguments.extend(["--out".into(), OsString::from(&path)]);
+        arguments.extend(["--flags".into(), format!("-q{force}").into(), "--".into()]);
+        arguments.extend(vehicle.tests.iter().map(|row| OsString::from(self.fleet.join(&row.run.folder))));
+        let mut command = shell_command(&self.options.together, &arguments, "");
         command.env("RAYON_NUM_THREADS", "1");
-        let output = command.stdin(Stdio::null()).stdout(Stdio::null()).output().context("cannot start a shell")?;
+        let output = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .output()
+            .with_context(|| format!("cannot start {}", self.options.together))?;
         let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
         let said = String::from_utf8_lossy(&output.stderr);
         let error = if exit_code == 0 { "" } else { said.lines().next().unwrap_or_default() };

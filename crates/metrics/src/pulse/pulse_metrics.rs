@@ -14,7 +14,7 @@ use crate::metric::definitions::{
 };
 use crate::metric::grid::same_grid;
 use crate::pulse::olc::olc;
-use crate::pulse::peak::peak;
+use crate::pulse::peak::{index_of_largest, peak};
 use crate::pulse::vpi::vpi;
 use crate::sums::sliding_mean::sliding_mean_of_velocity;
 use crate::{
@@ -60,6 +60,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
 
     let no_crush = match pulse.impact_speed_m_per_s {
+        _ if crush.is_some() && rebound.is_some() => String::new(),
         None => "the impact speed is not stated".to_owned(),
         Some(0.0) => "the motion starts from rest".to_owned(),
         Some(_) => format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s),
@@ -93,7 +94,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         Some((c, r)) => recovered.over(c.time_s, r.time_s),
         None => recovered,
     };
-    let delta_v = match largest_change(pulse.velocity, zero_s).filter(|_| v0 == 0.0) {
+    let delta_v = match (v0 == 0.0).then(|| largest_change(pulse.velocity, zero_s)).flatten() {
         Some(change) => delta_v_from_rest(change),
         None => bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower),
     };
@@ -160,7 +161,7 @@ fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64)) -> Metric {
 fn largest_change(velocity: &Signal<Velocity>, zero_s: f64) -> Option<(f64, f64)> {
     let (v, first) = (velocity.samples(), velocity.index_at_or_after(zero_s));
     v.get(first)?;
-    let largest = (first..v.len()).fold(first, |k, j| if v[j].abs() > v[k].abs() { j } else { k });
+    let largest = first + index_of_largest(&v[first..]);
     Some((v[largest], velocity.time_s(largest) - zero_s))
 }
 

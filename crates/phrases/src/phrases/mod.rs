@@ -75,7 +75,7 @@ pub struct Phrases {
     pub remarks: RemarkTexts,
     /// Several runs on one page.
     pub runs: RunTexts,
-    /// The page of a fleet.
+    /// The page of a fleet, and what its pages share.
     pub fleet: FleetTexts,
     /// What the script of the figures says.
     pub cursor: CursorTexts,

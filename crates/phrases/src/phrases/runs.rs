@@ -1,4 +1,4 @@
-//! Several runs on one page: comparison, Markdown of a run, index, fleet, one model for several tests.
+//! Several runs on one page: comparison, Markdown of a run, index, the page of a fleet, one model for several tests.
 
 texts! { RunTexts
     key_numbers: "Key numbers", "Kennwerte";
@@ -175,14 +175,14 @@ texts! { JointTexts
 
 texts! { FleetTexts
     over: "Over mass, speed and model year", "Über Masse, Geschwindigkeit und Modelljahr";
-    over_text:
+    no_law:
         "Mass, speed, year and class differ together in what was tested: a line here describes these runs, it is no \
          law.",
         "Masse, Geschwindigkeit, Jahr und Klasse unterscheiden sich im Geprüften gemeinsam: Eine Gerade hier \
          beschreibt diese Läufe, sie ist kein Gesetz.";
     distributions: "Distributions", "Verteilungen";
-    distributions_text: "How many runs have which value.", "Wie viele Läufe welchen Wert haben.";
-    by_value: "Runs by value", "Läufe nach Wert";
+    how_many: "How many runs have which value.", "Wie viele Läufe welchen Wert haben.";
+    runs_by_value: "Runs by value", "Läufe nach ihrem Wert";
     runs: "runs", "Läufe";
     a_run: "a run", "ein Lauf";
     line:
@@ -191,4 +191,13 @@ texts! { FleetTexts
     outlier:
         "outlier: more than four robust standard deviations off the line; leads to its report",
         "Ausreißer: mehr als vier robuste Standardabweichungen neben der Geraden; führt zu seinem Bericht";
+    tests: "tests", "Versuche";
+    candidates: "candidates", "Kandidaten";
+    metrics: "metrics", "Kennwerte";
+    predictions: "predictions", "Vorhersagen";
+    without_files:
+        "The style and the scripts of this page lie in {folder}, with those of all runs of the fleet, and were not \
+         found there. A page that needs no other file: crumple-report *.mcap -o report.html in the folder of the run.",
+        "Stil und Skripte dieser Seite liegen in {folder}, mit denen aller Läufe der Flotte, und fehlen dort. Eine \
+         Seite, die keine andere Datei braucht: crumple-report *.mcap -o report.html im Ordner des Laufs.";
 }

@@ -1,12 +1,12 @@
 //! What is around every page: head, style, script, and what the browser may load.
 
-use crumple_drawing::escape::{html, json_in_script};
-use crumple_drawing::{page_rules, palette};
+use crumple_drawing::escape::{address, html, json_in_script};
+use crumple_drawing::page_rules;
 use serde::Serialize;
 
-use crate::text::language::Language;
+use crate::frame::page_files::{PageFiles, Script, compact, style_of_all};
+use crate::text::language::{Language, fill};
 
-const STYLE: &str = include_str!("../page/style.css");
 /// Cursor, zoom and downloads of figures.
 pub(crate) const FIGURES: &str = include_str!("../page/figures.js");
 
@@ -15,23 +15,59 @@ pub(crate) const FIGURES: &str = include_str!("../page/figures.js");
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; \
                       font-src data:; base-uri 'none'; form-action 'none'";
 
+/// The same for a page whose style and scripts lie beside it.
+const POLICY_BESIDE: &str = "default-src 'none'; script-src 'unsafe-inline' 'self' file:; \
+                             style-src 'unsafe-inline' 'self' file:; img-src data: blob:; font-src data:; \
+                             base-uri 'none'; form-action 'none'";
+
 /// A page of this title. `style` is put after the style of all pages, `script` at the end.
 pub(crate) fn framed(language: Language, title: &str, style: &str, body: &str, script: &str) -> String {
+    let style = format!("<style>\n{}</style>\n", compact(&[&style_of_all(), style].concat()));
+    let script = format!("<script>\n{}</script>\n", compact(script));
+    head_and_body(language, title, (POLICY, &style), body, &script)
+}
+
+/// A page with what stands in its own style alone, `more`, and style and scripts of [`PageFiles`].
+pub(crate) fn framed_with(
+    files: &PageFiles,
+    (language, title): (Language, &str),
+    more: &str,
+    body: &str,
+    script: Script,
+) -> String {
+    match files.folder() {
+        None => framed(language, title, &[files.style, more].concat(), body, script.text),
+        Some(folder) => {
+            let own = files.style_file();
+            let style = format!(
+                "<link rel=\"stylesheet\" href=\"{}\">\n<style>\n{}</style>\n",
+                address(&format!("{folder}/{}", own.name)),
+                compact(more)
+            );
+            let missing = fill(language.phrases().fleet.without_files, &[("folder", html(folder))]);
+            let body = format!("<p class=\"beside\">{missing}</p>\n{body}");
+            head_and_body(language, title, (POLICY_BESIDE, &style), &body, &files.script(script))
+        }
+    }
+}
+
+fn head_and_body(language: Language, title: &str, head: (&str, &str), body: &str, script: &str) -> String {
+    let (policy, style) = head;
     let mut page = String::with_capacity(body.len() + 100_000);
     page.push_str(&format!(
         "<!DOCTYPE html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
-         <style>\n{}</style>\n<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
+         {style}<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
         language.code(),
         env!("CARGO_PKG_VERSION"),
         html(title),
-        compact(&[palette().as_str(), STYLE, style].concat()),
         page_rules()
     ));
     page.push_str(&reachable(body));
-    page.push_str(&format!("<script>\n{}</script>\n</body>\n</html>\n", compact(script)));
+    page.push_str(script);
+    page.push_str("</body>\n</html>\n");
     page
 }
 
@@ -45,14 +81,6 @@ pub(crate) fn json_element(id: &str, data: &impl Serialize) -> String {
     // Texts and numbers become JSON, whatever is in them.
     let json = serde_json::to_string(data).unwrap_or_default();
     format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", json_in_script(&json))
-}
-
-/// A script or a style without the indentation of its lines and the lines that are comments: a fleet has hundreds of
-/// pages.
-pub(crate) fn compact(text: &str) -> String {
-    let is_comment = |line: &str| line.starts_with("//") || (line.starts_with("/*") && line.ends_with("*/"));
-    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !is_comment(line));
-    lines.flat_map(|line| [line, "\n"]).collect()
 }
 
 /// Definitions that stand in `title` come by tap and key too: what has one can be focused, and the style shows it.
@@ -69,12 +97,5 @@ mod tests {
     fn the_script_is_small_and_cannot_end_its_element() {
         assert!(!FIGURES.contains("</script") && !FIGURES.contains("<!--"));
         assert!(FIGURES.len() < 20_000, "{}", FIGURES.len());
-    }
-
-    #[test]
-    fn a_script_and_a_style_lose_indentation_and_lines_of_comments_alone() {
-        assert_eq!(compact("/* All. */\na {\n  b: c; /* kept */\n}\n"), "a {\nb: c; /* kept */\n}\n");
-        let script = "// Sorts.\nif (a) {\n  // Not this.\n  b('// kept');\n\n}\n";
-        assert_eq!(compact(script), "if (a) {\nb('// kept');\n}\n");
     }
 }

@@ -3,3 +3,4 @@
 
 pub mod framed;
 pub mod heads;
+pub mod page_files;

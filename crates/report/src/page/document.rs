@@ -1,9 +1,11 @@
 //! `report.html`: one file that a browser shows without a network.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use crumple_artifact::{OutputKind, write_atomically};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
@@ -14,16 +16,51 @@ use super::{
 use crate::conclusions::concerns::first_is_decisive;
 use crate::conclusions::conclusion::conclusion;
 use crate::figures::all::{crash_figures, identification_figures};
-use crate::frame::framed::{FIGURES, framed, words_of_figures};
+use crate::frame::framed::{FIGURES, framed_with, words_of_figures};
+use crate::frame::page_files::{PageFiles, Script, script_file};
 use crate::{Ranking, Run, summary};
+
+/// Cursor, zoom and downloads.
+const SCRIPT: Script = Script { name: "figures", text: FIGURES };
+
+/// Style of reports beside that of all pages.
+fn style() -> String {
+    [model_picture::STYLE, candidates::STYLE, what_if::STYLE].concat()
+}
+
+/// Writes what the pages of [`Page::sharing`] have in common into a folder, each file in one piece, where it is not
+/// there yet. A name has a digest of the content: a file of this name is this file.
+pub fn write_shared_files(folder: &Path) -> io::Result<()> {
+    let style = style();
+    let style = PageFiles { style: &style, folder: None }.style_file();
+    for file in [style, script_file(SCRIPT), script_file(what_if::SCRIPT)] {
+        let path = folder.join(file.name);
+        if !path.exists() {
+            write_atomically(&path, OutputKind::PageFile, |out| out.write_all(file.content.as_bytes()))?;
+        }
+    }
+    Ok(())
+}
 
 /// A report, ready to be written.
 #[derive(Debug)]
 pub struct Page(String);
 
 impl Page {
-    /// Lays the report out. The same run gives the same bytes.
+    /// Lays the report out, everything in one file. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
+        Self::laid_out(run, ranking, None)
+    }
+
+    /// The same with style and scripts in a folder, at this address as the page sees it, that has the files of
+    /// [`write_shared_files`].
+    pub fn sharing(run: &Run, ranking: &Ranking, folder: &str) -> Self {
+        Self::laid_out(run, ranking, Some(folder))
+    }
+
+    fn laid_out(run: &Run, ranking: &Ranking, folder: Option<&str>) -> Self {
+        let style = style();
+        let files = PageFiles { style: &style, folder };
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
         let phrases = &run.language.phrases().conclusion;
@@ -50,7 +87,7 @@ impl Page {
         if run.is_generic() {
             models::write(&mut body, run, &identification);
         }
-        what_if::write(&mut body, run, ranking);
+        what_if::write(&mut body, run, ranking, &files);
         candidates::write(&mut body, run, ranking);
         how_well::write(&mut body, run, ranking);
         predictions::write(&mut body, run);
@@ -75,8 +112,8 @@ impl Page {
         body.push_str(&words_of_figures(run.language));
         body.push_str("</main>\n");
         let toggles = figures::toggle_rules(crash.iter().chain(&identification));
-        let style = [model_picture::STYLE, candidates::STYLE, what_if::STYLE, &toggles].concat();
-        Self(framed(run.language, &header::title(run), &style, &body, FIGURES))
+        let title = header::title(run);
+        Self(framed_with(&files, (run.language, &title), &toggles, &body, SCRIPT))
     }
 
     /// Writes it.

@@ -16,7 +16,9 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{ComparedRun, Kind, Language, Page, Ranking, all_figures, conclusion, first_screen, summary};
+use crumple_report::{
+    ComparedRun, Kind, Language, Page, Ranking, all_figures, conclusion, first_screen, summary, write_shared_files,
+};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
     unknown_name,
@@ -77,6 +79,11 @@ pub struct Cli {
     /// Folder to write each figure to, as a PNG file of its own; its text needs a font of the system.
     #[arg(long, value_name = "FOLDER")]
     pub png: Option<PathBuf>,
+
+    /// Folder with style and scripts that many pages share, as seen from the page; it has what is missing in it written
+    /// [default: they stand in the page, which can be mailed alone].
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["compare", "index"])]
+    pub shared: Option<String>,
 
     /// Pipeline file of the run; its name goes into the report and the summary.
     #[arg(short, long, value_name = "FILE")]
@@ -166,7 +173,16 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     let ranking = Ranking::of_run(&run);
     let (said, concerns) = conclusion(&run, &ranking);
     let json = summary(&run, &ranking).to_json()?;
-    write_both(output, &summary_path, &json, || Page::new(&run, &ranking))
+    if let Some(folder) = &cli.shared {
+        let folder = output.parent().unwrap_or(Path::new("")).join(folder);
+        write_shared_files(&folder)
+            .with_context(|| format!("cannot write the files that pages share into {}", folder.display()))?;
+    }
+    let page = || match &cli.shared {
+        Some(folder) => Page::sharing(&run, &ranking, folder),
+        None => Page::new(&run, &ranking),
+    };
+    write_both(output, &summary_path, &json, page)
         .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
     if let Some(folder) = &cli.svg {
         write_figures(folder, "svg", &all_figures(&run, &ranking), |figure| Ok(figure.to_svg().into_bytes()))?;

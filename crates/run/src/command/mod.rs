@@ -5,4 +5,3 @@ pub mod options;
 pub mod pipeline;
 pub mod program;
 pub mod stages;
-pub mod words;

@@ -4,11 +4,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_stage::Usage;
+use crumple_stage::{Usage, request_for_information, shell_words};
 
 use crate::command::pipeline::Pipeline;
 use crate::command::stages::Stages;
-use crate::command::words::{request_for_information, words};
 
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
 ///
@@ -55,6 +54,10 @@ pub struct Options {
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
 
+    /// Flags for the last stage alone.
+    #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
+    pub(crate) flags_of_last: String,
+
     /// One option of a stage, over the pipeline: `filter.cfc=180`, `identify.methods=era,arx`. Several; it may stand
     /// behind the record too.
     #[arg(long, value_name = "STAGE.OPTION=VALUE", conflicts_with = "again")]
@@ -85,9 +88,16 @@ impl Options {
         Ok(())
     }
 
+    /// Puts the flags of the last stage behind its command.
+    pub(crate) fn take_flags_of_last(&mut self) {
+        if let Some(last) = self.stages.0.last_mut().filter(|_| !self.flags_of_last.is_empty()) {
+            last.command = format!("{} {}", last.command, self.flags_of_last);
+        }
+    }
+
     /// Whether a flag for every stage keeps it quiet.
     pub(crate) fn is_quiet(&self) -> bool {
-        words(&self.flags).any(|word| matches!(word.as_str(), "-q" | "--quiet"))
+        shell_words(&self.flags).any(|word| matches!(word.as_str(), "-q" | "--quiet"))
     }
 
     /// The run folder: what `--out` says, else one below `runs/` by the names of record and pipeline.

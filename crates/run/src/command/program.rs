@@ -5,7 +5,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-use crate::command::words::only_program;
+use crumple_stage::only_program;
 
 /// Words that a shell runs itself or that belong to its language: what comes after them, only a shell can tell.
 const WORDS_OF_SHELLS: [&str; 34] = [

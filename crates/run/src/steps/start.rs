@@ -1,22 +1,26 @@
 //! Starting a stage.
 
+use std::env;
 use std::ffi::{OsStr, OsString};
-use std::io;
-use std::process::{Command, ExitStatus};
+use std::process::ExitStatus;
 
 use anyhow::Context;
+use crumple_stage::shell_command;
 
 use crate::command::stages::{RECORD, Stage};
 use crate::folder::lock::LockedFolder;
 
+/// Settings of the allocator of glibc: the heap grows by 8 MiB at a time, in pages of 2 MiB where the system has them.
+/// A page of 4 KiB is taken from the system at its first use, and a stage that writes a megabyte used some thousand.
+const ALLOCATOR: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1:glibc.malloc.top_pad=8388608");
+
 /// Runs a shell command with arguments behind it, and more flags as one would type them.
 pub(crate) fn run_in_shell(command: &str, arguments: &[OsString], flags: &str) -> anyhow::Result<ExitStatus> {
-    // A shell that has nothing else to do becomes the program: no process is between.
-    let line = format!("{command} \"$@\" {flags}");
-    let start = || -> io::Result<ExitStatus> {
-        Command::new("sh").args(["-c", line.trim_end(), "crumple-run"]).args(arguments).status()
-    };
-    start().with_context(|| format!("cannot start a shell for {command}"))
+    let mut process = shell_command(command, arguments, flags);
+    if env::var_os(ALLOCATOR.0).is_none() {
+        process.env(ALLOCATOR.0, ALLOCATOR.1);
+    }
+    process.status().with_context(|| format!("cannot start {command}"))
 }
 
 /// The arguments of a stage: its inputs, the pipeline file, its output.

@@ -9,7 +9,8 @@ use serde_json::json;
 
 use crumple_signal::Sampled;
 
-use crate::frame::framed::{compact, json_element};
+use crate::frame::framed::json_element;
+use crate::frame::page_files::{PageFiles, Script};
 use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::{CandidateResult, Ranking, Run};
@@ -18,7 +19,7 @@ use crate::{CandidateResult, Ranking, Run};
 pub(super) const STYLE: &str = include_str!("style.css");
 
 /// The script: integrates the model, keeps the state in the address, draws.
-const SCRIPT: &str = include_str!("what_if.js");
+pub(super) const SCRIPT: Script = Script { name: "what-if", text: include_str!("what_if.js") };
 
 /// A drawing that the script fills.
 fn panel(title: &str) -> String {
@@ -29,7 +30,7 @@ fn panel(title: &str) -> String {
 const POINTS: usize = 300;
 
 /// The section, hidden until its script has reproduced the stage's crush and time. Nothing without a model that stops.
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, files: &PageFiles) {
     let Some(candidate) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return };
     let Some(data) = data(run, candidate) else { return };
     let texts = &run.language.phrases().what_if;
@@ -38,12 +39,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">{}</h2>\n\
          <p>{}</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
          <div class=\"panels\">{panel}{panel}</div>\n<p class=\"caption state\"></p>\n</section>\n\
-         {}{}<script>\n{}</script>\n",
+         {}{}{}",
         texts.title,
         fill(texts.not_fitted, &[("model", html(&candidate_name(&candidate.id)))]),
         json_element("what-if-data", &data),
         json_element("what-if-words", texts),
-        compact(SCRIPT)
+        files.script(SCRIPT)
     ));
 }
 
