@@ -75,7 +75,11 @@ fn contact_ends_at_the_rebound_else_at_the_largest_change_of_velocity_else_with_
 
 #[test]
 fn a_test_description_is_read_back_and_refused_where_channels_contradict_themselves() {
-    let channel = |id: &str, quantity: &str, unit: &str| json!({"id": id, "location": "sill", "axis": "x", "quantity": quantity, "unit": unit, "status": "valid"});
+    let channel = |id: &str, quantity: &str, unit: &str| {
+        json!({
+            "id": id, "location": "sill", "axis": "x", "quantity": quantity, "unit": unit, "status": "valid",
+        })
+    };
     let described = |channels: Vec<Value>| -> Result<TestDescription, String> {
         let source = json!({"format": "csv", "name": "crash.csv", "digest": "blake3:00"});
         let test = json!({"title": "a test", "mass_kg": 900.0, "source": source, "channels": channels});
@@ -94,9 +98,8 @@ fn a_test_description_is_read_back_and_refused_where_channels_contradict_themsel
 #[test]
 fn lists_of_the_version_before_keep_their_entries() {
     let concerns = ConcernsV1(vec![ConcernV1 { text: "a".to_owned(), ..ConcernV1::default() }]);
-    let modes: ModesV1 =
-        serde_json::from_value(json!([{"re_per_s": -3.0, "im_rad_per_s": 4.0, "natural_frequency_rad_per_s": 5.0}]))
-            .unwrap();
+    let mode = json!({"re_per_s": -3.0, "im_rad_per_s": 4.0, "natural_frequency_rad_per_s": 5.0});
+    let modes: ModesV1 = serde_json::from_value(json!([mode])).unwrap();
     for codec in [Codec::Json, Codec::Bincode] {
         let read = ConcernsV2::decode_earlier(codec, &codec.encode(&concerns).unwrap()).unwrap();
         assert_eq!(read.concerns, concerns.0);

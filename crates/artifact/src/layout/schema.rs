@@ -153,7 +153,9 @@ mod tests {
                 "two_kinds": { "type": ["number", "string"] },
                 "number_or_null": { "type": ["number", "null"] },
                 "gaps": { "type": "array", "items": { "type": ["number", "null"] } },
-                "gaps_of_points": { "type": "array", "items": { "anyOf": [{ "$ref": "#/$defs/Point" }, { "type": "null" }] } },
+                "gaps_of_points": {
+                    "type": "array", "items": { "anyOf": [{ "$ref": "#/$defs/Point" }, { "type": "null" }] },
+                },
                 "numbers": { "type": "array", "items": number },
                 "matrix": { "type": "array", "items": { "type": "array", "items": number } },
                 "by_name": { "type": "object", "additionalProperties": number },
