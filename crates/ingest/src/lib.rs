@@ -19,6 +19,7 @@ mod recording;
 mod time;
 
 pub use error::{IngestError, Place};
+pub use files::digests::RecordDigests;
 pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
 pub use formats::registry::READERS;
 pub use ingest::{Ingested, ingest};

@@ -155,6 +155,15 @@ mod tests {
     }
 
     #[test]
+    fn every_type_known_by_name_has_its_schema() {
+        for name in SCHEMAS {
+            let schema: serde_json::Value = serde_json::from_slice(&schema_json(name).unwrap()).unwrap();
+            assert_eq!(schema["title"], *name);
+        }
+        assert_eq!(schema_json("sensor_msgs/Imu"), None);
+    }
+
+    #[test]
     fn unknown_schemas_and_wrong_values_are_refused() {
         let mut builder = ArtifactBuilder::new();
         let error = put_json(&mut builder, "/x", "crumple.Nonsense.v1", Value::Null).unwrap_err();

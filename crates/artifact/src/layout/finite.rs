@@ -237,4 +237,22 @@ mod tests {
         deep.rows[1][1] = f64::NAN;
         assert_eq!(first_non_finite(&deep).unwrap().0, "rows[1][1]");
     }
+
+    #[derive(serde::Serialize)]
+    struct Wrapped(f64);
+
+    #[derive(serde::Serialize)]
+    enum Kind {
+        Of(f64),
+        Two(f64, f64),
+    }
+
+    #[test]
+    fn a_nan_is_found_inside_every_kind_of_value() {
+        assert!(first_non_finite(&(f32::NAN, 1)).is_some_and(|(place, _)| place == "[0]"));
+        assert!(first_non_finite(&vec![Wrapped(1.0), Wrapped(f64::NAN)]).is_some_and(|(place, _)| place == "[1]"));
+        assert!(first_non_finite(&Kind::Of(f64::NAN)).is_some());
+        assert!(first_non_finite(&Kind::Two(0.0, f64::NAN)).is_some_and(|(place, _)| place == "[1]"));
+        assert!(first_non_finite(&(1.0_f32, Wrapped(1.0), Kind::Of(1.0))).is_none());
+    }
 }

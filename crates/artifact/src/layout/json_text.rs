@@ -51,6 +51,12 @@ mod tests {
     }
 
     #[derive(serde::Serialize)]
+    struct Inner {
+        speed: Option<f64>,
+        gear: u8,
+    }
+
+    #[derive(serde::Serialize)]
     struct Record {
         unknown_first: Option<f64>,
         name: &'static str,
@@ -58,6 +64,8 @@ mod tests {
         list: Vec<Option<i32>>,
         map: BTreeMap<String, Option<f64>>,
         kinds: (Kind, Kind, Kind),
+        inner: Option<Inner>,
+        inner_by_name: BTreeMap<String, Inner>,
         unknown_last: Option<u8>,
     }
 
@@ -70,17 +78,25 @@ mod tests {
             list: vec![Some(1), None],
             map: BTreeMap::from([("low".to_owned(), None), ("high".to_owned(), Some(1e300))]),
             kinds: (Kind::Plain, Kind::Of(-0.0), Kind::Between { low: None, high: 0.1 }),
+            inner: Some(Inner { speed: None, gear: 1 }),
+            inner_by_name: BTreeMap::from([("x".to_owned(), Inner { speed: None, gear: 2 })]),
             unknown_last: None,
         };
         let text = String::from_utf8(to_json(&record).unwrap()).unwrap();
         let whole = serde_json::to_string(&record).unwrap();
-        let without =
-            ["\"unknown_first\":null,", "\"unknown\":null,", "\"low\":null,\"high\":0.1", ",\"unknown_last\":null"];
+        let without = [
+            "\"unknown_first\":null,",
+            "\"unknown\":null,",
+            "\"low\":null,\"high\":0.1",
+            ",\"unknown_last\":null",
+            "\"speed\":null,",
+        ];
         let expected = whole
             .replace(without[0], "")
             .replace(without[1], "")
             .replace(without[2], "\"high\":0.1")
-            .replace(without[3], "");
+            .replace(without[3], "")
+            .replace(without[4], "");
         assert_eq!(text, expected);
         assert!(text.contains(r#""low":null"#), "an entry of a map stays: {text}");
     }

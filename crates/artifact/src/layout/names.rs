@@ -27,3 +27,24 @@ fn split_version(schema: &str) -> (&str, u32) {
         None => (schema, 0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_higher_version_of_the_same_type_is_later() {
+        for (found, is_later) in [
+            ("crumple.Events.v2", false),
+            ("crumple.Events.v3", true),
+            ("crumple.Events.v10", true),
+            ("crumple.Events.v1", false),
+            ("crumple.Metrics.v3", false),
+            ("crumple.Events", false),
+        ] {
+            assert_eq!(is_later_version(found, "crumple.Events.v2"), is_later, "{found}");
+        }
+        assert!(same_type("crumple.Events.v1", "crumple.Events.v2"));
+        assert!(!same_type("crumple.Events.v1", "crumple.Metrics.v1"));
+    }
+}

@@ -166,6 +166,51 @@ mod tests {
         assert!(model["$defs"]["StateSpace"]["properties"]["a"].is_object());
     }
 
+    /// What a viewer cannot show is left out, and only that.
+    #[test]
+    fn unions_maps_recursion_and_lists_with_gaps_are_left_to_validators() {
+        let number = json!({ "type": "number" });
+        let full = json!({
+            "type": "object",
+            "$defs": {
+                "Point": { "type": "object", "properties": { "x": number } },
+                "Tree": { "type": "object", "properties": { "x": number, "branch": { "$ref": "#/$defs/Tree" } } },
+            },
+            "properties": {
+                "number_or_text": { "anyOf": [number, { "type": "string" }] },
+                "point_or_null": { "anyOf": [{ "$ref": "#/$defs/Point" }, { "type": "null" }] },
+                "two_kinds": { "type": ["number", "string"] },
+                "number_or_null": { "type": ["number", "null"] },
+                "gaps": { "type": "array", "items": { "type": ["number", "null"] } },
+                "gaps_of_points": {
+                    "type": "array", "items": { "anyOf": [{ "$ref": "#/$defs/Point" }, { "type": "null" }] },
+                },
+                "numbers": { "type": "array", "items": number },
+                "matrix": { "type": "array", "items": { "type": "array", "items": number } },
+                "by_name": { "type": "object", "additionalProperties": number },
+                "tree": { "$ref": "#/$defs/Tree" },
+            },
+        });
+        let schema = viewer_safe_schema(full, "crumple.Made.v1");
+        let point = json!({ "type": "object", "properties": { "x": number } });
+        // A reference and the object it names are a level each, five in all.
+        let level = |inner: Option<&Value>| {
+            let mut tree = json!({ "type": "object", "properties": { "x": number } });
+            if let Some(inner) = inner {
+                tree["properties"]["branch"] = inner.clone();
+            }
+            tree
+        };
+        let expected = json!({
+            "number_or_null": number,
+            "numbers": { "type": "array", "items": number },
+            "point_or_null": point,
+            "tree": level(Some(&level(None))),
+        });
+        assert_eq!(schema["properties"], expected);
+        assert_eq!(schema["$defs"]["Made"]["properties"].as_object().unwrap().len(), 10);
+    }
+
     #[test]
     fn an_array_record_keeps_a_schema_that_validators_accept() {
         let schema = schema_of::<ModesV1>();

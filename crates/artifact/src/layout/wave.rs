@@ -103,6 +103,17 @@ mod tests {
     }
 
     #[test]
+    fn a_wave_is_a_signal_of_what_it_measures_alone() {
+        let sampled = Sampled::new(0.0, 1e-4, vec![1.0, 2.0]).unwrap();
+        let wave = Wave { quantity: QuantityKind::Velocity, sampled };
+        assert_eq!(wave.signal::<crumple_signal::Velocity>().unwrap().samples(), [1.0, 2.0]);
+        assert!(matches!(
+            wave.signal::<crumple_signal::Acceleration>(),
+            Err(SignalError::Quantity { found: QuantityKind::Velocity, needed: QuantityKind::Acceleration })
+        ));
+    }
+
+    #[test]
     fn a_missing_block_and_a_changed_grid_are_refused() {
         let mut wave = WaveAssembler::default();
         wave.push(block(0, 3)).unwrap();

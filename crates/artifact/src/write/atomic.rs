@@ -165,4 +165,26 @@ mod tests {
         assert!(!report.exists());
         assert_eq!(fs::read(&path).unwrap(), b"new");
     }
+
+    #[test]
+    fn only_what_is_missing_is_passed_over_where_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a");
+        fs::write(&file, b"x").unwrap();
+        remove_in_order(&[folder.path().join("missing"), file.clone()]).unwrap();
+        assert!(!file.exists());
+        assert!(remove_in_order(&[folder.path().to_owned()]).is_err(), "a folder is no file");
+    }
+
+    /// A result is readable like any other file, not private to the user as temporary files are.
+    #[cfg(unix)]
+    #[test]
+    fn a_result_has_the_permissions_of_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+        let (folder, path) = with_an_old_artifact();
+        let other = folder.path().join("other");
+        fs::write(&other, b"x").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(&path), mode(&other));
+    }
 }

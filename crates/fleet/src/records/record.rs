@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crumple_ingest::Bundle;
+use crumple_ingest::{Bundle, RecordDigests};
 use crumple_stage::Refused;
 use rayon::prelude::*;
 
@@ -61,10 +61,11 @@ pub(crate) fn records(words: &[String], batch: Option<Batch>) -> anyhow::Result<
     let names = names(&found.iter().map(|(_, identity)| identity.as_str()).collect::<Vec<_>>());
     let in_part = |((_, identity), _): &((PathBuf, String), String)| batch.is_none_or(|batch| batch.holds(identity));
     let records = found.into_par_iter().zip(names).filter(in_part).map(|((path, identity), name)| {
-        let digests = match Bundle::open(&path) {
-            Ok(bundle) => Some(digests(&bundle)),
+        let read = || Bundle::open(&path).ok().map(|bundle| bundle.digests());
+        let digests = match Bundle::digests_at(&path).or_else(read) {
+            Some(record) => Some(digests(record)),
             // It will be refused, and again as long as it is the same.
-            Err(_) => digest_of_file(&path).ok(),
+            None => digest_of_file(&path).ok(),
         };
         Record { path, identity, name, digests }
     });
@@ -76,11 +77,10 @@ fn digest_of_file(path: &Path) -> io::Result<Digests> {
     Ok(Digests { record: String::new(), input })
 }
 
-fn digests(bundle: &Bundle) -> Digests {
-    let record = bundle.digest();
+fn digests(RecordDigests { format, name, record, sidecar }: RecordDigests) -> Digests {
     let mut hasher = blake3::Hasher::new();
-    let sidecar = bundle.sidecar.as_ref().map_or_else(String::new, |s| blake3::hash(&s.bytes).to_hex().to_string());
-    for part in [bundle.reader.format(), &bundle.name, &record, &sidecar] {
+    let sidecar = sidecar.as_deref().and_then(|digest| digest.strip_prefix("blake3:")).unwrap_or_default();
+    for part in [format, &name, &record, sidecar] {
         hasher.update(part.as_bytes());
         hasher.update(&[0]);
     }

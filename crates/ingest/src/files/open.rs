@@ -36,8 +36,7 @@ impl Bundle {
 
     /// The same, showing how far it has come.
     pub fn open_with_progress(path: &Path, show: ShowProgress) -> Result<Self, IngestError> {
-        let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
-        let main_path = if metadata.is_dir() { main_file_of(path)? } else { path.to_owned() };
+        let (name, main_path) = name_and_main_file(path)?;
         let length = fs::metadata(&main_path).map_err(|error| unreadable(&main_path, &error))?.len();
         if length > STREAM_ABOVE
             && let Some(mut bundle) = Self::open_large(&main_path, length, show)?
@@ -46,7 +45,6 @@ impl Bundle {
             return Ok(bundle);
         }
         let bytes = read(&main_path, show)?;
-        let name = file_name(if metadata.is_dir() { path } else { &main_path });
         let mut bundle = if zip::is_zip(&bytes) {
             zip::open(&name, &bytes)?
         } else {
@@ -85,41 +83,56 @@ impl Bundle {
     }
 
     fn read_companions(&mut self, main_path: &Path, show: ShowProgress) -> Result<(), IngestError> {
-        let may_have =
-            |ending: &str| self.reader.companion(&self.main.name, &format!("{}.{ending}", stem(&self.main.name)));
-        if !["001", "tdx"].into_iter().any(may_have) {
-            return Ok(());
-        }
-        let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut folders = vec![folder.to_owned()];
-        if self.reader.spans_folders() {
-            folders.extend(channel_folder(folder)?);
-            folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
-        }
-        let mut files = BTreeMap::new();
-        let mut total = 0;
-        for folder in folders {
-            for path in entries(&folder)? {
-                let name = file_name(&path);
-                let known = name == self.main.name || files.contains_key(&name);
-                if self.reader.companion(&self.main.name, &name)
-                    && !known
-                    && let Ok(metadata) = fs::metadata(&path)
-                    && metadata.is_file()
-                {
-                    total += metadata.len();
-                    check_total(&self.name, total)?;
-                    files.insert(name, path);
-                }
-            }
-        }
-        let files: Vec<(String, PathBuf)> = files.into_iter().collect();
+        let (files, total) = companions_of(self.reader, &self.main.name, main_path)?;
+        check_total(&self.name, total)?;
         let contents: Vec<_> = files.par_iter().map(|(_, path)| read(path, show)).collect();
         for ((name, _), bytes) in files.into_iter().zip(contents) {
             self.companions.insert(name, bytes?);
         }
         check_total(&self.name, self.companions.values().map(|bytes| bytes.len() as u64).sum())
     }
+}
+
+/// The name of a record, and the file that stands for it.
+pub(crate) fn name_and_main_file(path: &Path) -> Result<(String, PathBuf), IngestError> {
+    let is_folder = fs::metadata(path).map_err(|error| unreadable(path, &error))?.is_dir();
+    let main_path = if is_folder { main_file_of(path)? } else { path.to_owned() };
+    Ok((file_name(if is_folder { path } else { &main_path }), main_path))
+}
+
+/// The files beside the main file that belong to its record, by name, and the bytes of all.
+pub(crate) fn companions_of(
+    reader: &dyn Reader,
+    main_name: &str,
+    main_path: &Path,
+) -> Result<(Vec<(String, PathBuf)>, u64), IngestError> {
+    let may_have = |ending: &str| reader.companion(main_name, &format!("{}.{ending}", stem(main_name)));
+    if !["001", "tdx"].into_iter().any(may_have) {
+        return Ok((Vec::new(), 0));
+    }
+    let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut folders = vec![folder.to_owned()];
+    if reader.spans_folders() {
+        folders.extend(channel_folder(folder)?);
+        folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
+    }
+    let mut files = BTreeMap::new();
+    let mut total = 0_u64;
+    for folder in folders {
+        for path in entries(&folder)? {
+            let name = file_name(&path);
+            let known = name == main_name || files.contains_key(&name);
+            if reader.companion(main_name, &name)
+                && !known
+                && let Ok(metadata) = fs::metadata(&path)
+                && metadata.is_file()
+            {
+                total = total.saturating_add(metadata.len());
+                files.insert(name, path);
+            }
+        }
+    }
+    Ok((files.into_iter().collect(), total))
 }
 
 /// A reader that tells how many bytes were read.
@@ -138,13 +151,13 @@ impl<R: Read> Read for Watched<R> {
 
 /// A file whose end is an error where it was written to since its stamp was taken: half of the old and half of the new
 /// is no record.
-struct Unchanging {
+pub(crate) struct Unchanging {
     file: fs::File,
-    stamp: Stamp,
+    pub(crate) stamp: Stamp,
 }
 
 impl Unchanging {
-    fn open(path: &Path) -> io::Result<Self> {
+    pub(crate) fn open(path: &Path) -> io::Result<Self> {
         let file = fs::File::open(path)?;
         let stamp = stamp_of(&file)?;
         Ok(Self { file, stamp })
@@ -173,7 +186,7 @@ fn open_from(path: &Path, offset: u64, stamp: Stamp) -> io::Result<Box<dyn Read>
     Ok(Box::new(Unchanging { file, stamp }))
 }
 
-fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     // `..` and `.` have no name of their own.
     let name = path
         .file_name()
@@ -271,14 +284,14 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     }
 }
 
-fn head(path: &Path, length: u64) -> Result<Vec<u8>, IngestError> {
+pub(crate) fn head(path: &Path, length: u64) -> Result<Vec<u8>, IngestError> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
     file.take(length).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
     Ok(bytes)
 }
 
-fn sidecar_of(main_path: &Path, show: ShowProgress) -> Result<Option<NamedBytes>, IngestError> {
+pub(crate) fn sidecar_of(main_path: &Path, show: ShowProgress) -> Result<Option<NamedBytes>, IngestError> {
     let mut name = main_path.as_os_str().to_owned();
     name.push(".toml");
     let path = PathBuf::from(name);

@@ -132,14 +132,17 @@ impl Bundle {
             let main = (self.main.name.as_str(), &self.main.bytes);
             let others = self.companions.iter().map(|(name, bytes)| (name.as_str(), bytes));
             for (name, bytes) in std::iter::once(main).chain(others) {
-                hasher.update(name.as_bytes());
-                hasher.update(&[0]);
-                hasher.update(&(bytes.len() as u64).to_le_bytes());
+                hasher.update(&framed(name, bytes.len() as u64));
                 hasher.update(bytes);
             }
         }
         format!("blake3:{}", hasher.finalize().to_hex())
     }
+}
+
+/// What stands before the bytes of each of several files in [`Bundle::digest`].
+pub(crate) fn framed(name: &str, length: u64) -> Vec<u8> {
+    [name.as_bytes(), &[0], &length.to_le_bytes()].concat()
 }
 
 /// Refuses more than [`TOTAL_LIMIT`].

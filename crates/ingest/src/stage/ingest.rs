@@ -6,7 +6,7 @@ use crumple_artifact::InputDigest;
 use crumple_artifact::records::{DamageV1, QualityV1, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Loaded, Outcome, Output, Stage, Usage};
 
-use crumple_ingest::{Bundle, Damage, IngestSettings, Ingested, Quality, TestVehicle, ingest};
+use crumple_ingest::{Bundle, Damage, IngestSettings, Ingested, Quality, RecordDigests, TestVehicle, ingest};
 
 use crate::stage::process::{refused, show_progress};
 
@@ -42,14 +42,13 @@ impl Stage for Ingest {
                 .into());
         };
         let bundle = Bundle::open_with_progress(path, show_progress).map_err(refused)?;
-        let digest = |kind: &str, digest: String| InputDigest { kind: kind.to_owned(), digest };
-        // The name goes into the test description, so a renamed copy is another input.
-        let kind = format!("{} {}", bundle.reader.format(), bundle.name);
-        let mut digests = vec![digest(&kind, bundle.digest())];
-        if let Some(sidecar) = &bundle.sidecar {
-            digests.push(digest("sidecar", format!("blake3:{}", blake3::hash(&sidecar.bytes).to_hex())));
-        }
+        let digests = input_digests(bundle.digests());
         Ok(Loaded::new(bundle, digests))
+    }
+
+    fn digests(paths: &[PathBuf]) -> Option<Vec<InputDigest>> {
+        let [path] = paths else { return None };
+        Bundle::digests_at(path).map(input_digests)
     }
 
     fn run(settings: &IngestSettings, bundle: &Bundle, out: &mut Output) -> anyhow::Result<Outcome> {
@@ -73,6 +72,12 @@ impl Stage for Ingest {
         out.notes().extend(ingested.notes);
         Ok(Outcome::Done)
     }
+}
+
+fn input_digests(record: RecordDigests) -> Vec<InputDigest> {
+    let sidecar = record.sidecar.map(|digest| InputDigest { kind: "sidecar".to_owned(), digest });
+    let kind = format!("{} {}", record.format, record.name);
+    std::iter::once(InputDigest { kind, digest: record.record }).chain(sidecar).collect()
 }
 
 fn damage_record(damage: &Damage) -> DamageV1 {

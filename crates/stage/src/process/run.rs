@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use anyhow::Context;
 use clap::CommandFactory;
 use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1};
-use crumple_artifact::{Artifact, OutputKind, Provenance, WriteError};
+use crumple_artifact::{Artifact, InputDigest, OutputKind, Provenance, WriteError};
 use crumple_signal::{About, Bearing, Note, Severity, Weight};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -58,6 +58,11 @@ pub trait Stage {
     fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
     /// Reads the inputs.
     fn load(paths: &[PathBuf], settings: &Self::Settings) -> anyhow::Result<Loaded<Self::Input>>;
+    /// The digests that [`load`](Self::load) would find, where they are to be had without holding the inputs: enough
+    /// where an earlier output is of the same. `None`: [`load`](Self::load) finds them.
+    fn digests(_paths: &[PathBuf]) -> Option<Vec<InputDigest>> {
+        None
+    }
     /// Computes.
     fn run(settings: &Self::Settings, input: &Self::Input, out: &mut Output) -> anyhow::Result<Outcome>;
 }
@@ -98,18 +103,15 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         return Ok(ExitStatus::Done);
     }
     refuse_to_overwrite(&common.output, OutputKind::Artifact, &common.inputs)?;
-    // The output of an earlier call is read beside the inputs.
-    let (loaded, existing) = std::thread::scope(|scope| {
-        let existing = (!common.force).then(|| scope.spawn(|| existing(&common.output)));
-        let loaded = S::load(&common.inputs, &settings);
-        (loaded, existing.and_then(|reading| reading.join().ok().flatten()))
-    });
-    let Loaded { input, digests, diagnosed } = loaded?;
-    let provenance =
-        Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), canonical_json(&settings)?, digests).with_build(S::BUILD);
-    if let Some(existing) = existing.filter(|artifact| artifact.provenance() == Some(&provenance)) {
-        return tell_again(S::NAME, common, sums_up, &existing);
-    }
+    let config = canonical_json(&settings)?;
+    let provenance_of = |digests: &[InputDigest]| {
+        Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), config.clone(), digests.to_vec()).with_build(S::BUILD)
+    };
+    let Loaded { input, digests, diagnosed } = match read::<S>(common, &settings, &provenance_of)? {
+        Read::New(loaded) => loaded,
+        Read::UpToDate(existing) => return tell_again(S::NAME, common, sums_up, &existing),
+    };
+    let provenance = provenance_of(&digests);
 
     let mut out = Output::new();
     let mut of_earlier_stages = Vec::new();
@@ -180,6 +182,42 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     })
 }
 
+/// What a stage finds on the disk.
+enum Read<I> {
+    /// Inputs to work on.
+    New(Loaded<I>),
+    /// The output of an earlier call, whole and of the same inputs.
+    UpToDate(Artifact),
+}
+
+/// Reads the inputs and, beside them, the output of an earlier call.
+fn read<S: Stage>(
+    common: &SharedFlags,
+    settings: &S::Settings,
+    provenance_of: &dyn Fn(&[InputDigest]) -> Provenance,
+) -> anyhow::Result<Read<S::Input>> {
+    let (digests, existing) = std::thread::scope(|scope| {
+        let existing = (!common.force && common.output.exists()).then(|| scope.spawn(|| open(&common.output).ok()));
+        let digests = existing.as_ref().and_then(|_| S::digests(&common.inputs));
+        let digests = digests.ok_or_else(|| S::load(&common.inputs, settings));
+        (digests, existing.and_then(|reading| reading.join().ok().flatten()))
+    });
+    let of_the_same = |digests: &[InputDigest]| {
+        let provenance = provenance_of(digests);
+        existing.filter(|existing| existing.provenance() == Some(&provenance))
+    };
+    Ok(match digests {
+        Ok(digests) => match of_the_same(&digests) {
+            Some(existing) => Read::UpToDate(existing),
+            None => Read::New(S::load(&common.inputs, settings)?),
+        },
+        Err(loaded) => {
+            let loaded = loaded?;
+            of_the_same(&loaded.digests).map_or(Read::New(loaded), Read::UpToDate)
+        }
+    })
+}
+
 /// Says of an output that is up to date what was said when it was written.
 fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artifact) -> anyhow::Result<ExitStatus> {
     if sums_up {
@@ -242,11 +280,6 @@ fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
     }
     let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
     error.context(format!("cannot work on {}", names.join(", ")))
-}
-
-/// The output of an earlier call, if it is whole.
-fn existing(output: &Path) -> Option<Artifact> {
-    if output.exists() { open(output).ok() } else { None }
 }
 
 /// What to do for a result, where there is none.
