@@ -6,6 +6,7 @@ pub mod assessment;
 pub mod block_bootstrap;
 pub mod closed_form_propagation;
 pub mod conditioned_propagation;
+mod curve_posterior;
 pub mod identifiability;
 pub mod mass_division;
 pub mod profile_likelihood;

@@ -14,9 +14,9 @@ use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
 use crate::record::observation::ObservedWave;
-use crate::uncertainty::assessment::{Assessment, Ends, Intervals};
+use crate::uncertainty::assessment::{Assessment, Intervals};
 use crate::uncertainty::mass_division::transfer_posterior;
-use crate::uncertainty::source_misfit::AtSource;
+use crate::uncertainty::source_misfit::{AtSource, Ends};
 
 /// Shares on each side of the assumed one at which the fit is repeated, each from the ones before.
 const STEPS: usize = 4;
