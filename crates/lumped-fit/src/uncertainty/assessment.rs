@@ -18,10 +18,10 @@ use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
-use crate::uncertainty::curve_posterior::curve_intervals;
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
-use crate::uncertainty::profile_likelihood::{Profile, Profiled};
-use crate::uncertainty::source_misfit::{AtSource, Ends};
+use crate::uncertainty::likelihood::curve_posterior::curve_intervals;
+use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled};
+use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

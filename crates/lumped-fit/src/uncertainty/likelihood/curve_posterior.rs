@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use crate::candidate::minimum::Minimum;
 use crate::free::coordinates::{Axis, Coordinates, FreeNumber, Map};
-use crate::uncertainty::source_misfit::{AtSource, Ends};
+use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
 
 /// Pieces between the nodes of a curve.
 const PIECES: usize = 32;
@@ -299,7 +299,7 @@ mod tests {
     use super::*;
     use crate::fit::as_measured::fit_as_measured;
     use crate::free_parameters;
-    use crate::uncertainty::source_misfit::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
+    use crate::uncertainty::likelihood::source_misfit::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
     use crate::{AssessmentOptions, assess};
 
     #[test]

@@ -15,7 +15,7 @@ use crate::free::coordinates::Coordinates;
 use crate::free::parametric::Parametric;
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor_noise::{SensorNoise, as_acceleration};
-use crate::uncertainty::profile_likelihood::{Profile, Profiled, RISE_95};
+use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled, RISE_95};
 
 /// Both ends of an interval; `None`: open.
 pub(crate) type Ends = (Option<f64>, Option<f64>);
