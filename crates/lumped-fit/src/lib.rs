@@ -104,8 +104,8 @@ pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, asse
 pub use uncertainty::block_bootstrap::BlockBootstrap;
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
+pub use uncertainty::likelihood::profile_likelihood::Profile;
 pub use uncertainty::mass_division::mixture::widen_by_mass_split;
-pub use uncertainty::profile_likelihood::Profile;
 pub use uncertainty::propagation::{
     InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, repeat, repetition,
 };

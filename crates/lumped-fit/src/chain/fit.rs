@@ -181,6 +181,14 @@ pub(crate) fn assess_at(
     let sensitivities = derivatives(problem, theta)? * problem.unit;
     let misfit = problem.misfit(theta)?;
     let (coordinates, observed) = (problem.coordinates, problem.observed);
-    let at = AtMinimum { coordinates, observed, theta, on_bound, misfit: &misfit, sensitivities: &sensitivities };
+    let at = AtMinimum {
+        coordinates,
+        observed,
+        theta,
+        on_bound,
+        misfit: &misfit,
+        sensitivities: &sensitivities,
+        of_curves: None,
+    };
     at.assess(None, options)
 }

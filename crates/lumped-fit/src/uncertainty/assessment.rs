@@ -19,8 +19,9 @@ use crate::record::observation::Observation;
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
-use crate::uncertainty::profile_likelihood::{Profile, Profiled};
-use crate::uncertainty::source_misfit::AtSource;
+use crate::uncertainty::likelihood::curve_posterior::curve_intervals;
+use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled};
+use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -31,8 +32,6 @@ pub struct AssessmentOptions {
     pub bootstrap: usize,
 }
 
-/// Both ends of an interval; `None`: open.
-pub(crate) type Ends = (Option<f64>, Option<f64>);
 /// A 95 % interval by parameter, in its unit; `None`: open on that side, the record does not bound it.
 pub type Intervals = BTreeMap<String, (Option<f64>, Option<f64>)>;
 
@@ -86,6 +85,7 @@ pub fn assess(minimum: &Minimum, given: Option<&Model>, options: AssessmentOptio
         on_bound: &minimum.on_bound,
         misfit: &minimum.misfit_m,
         sensitivities: &minimum.sensitivity_m,
+        of_curves: curve_intervals(minimum),
     };
     let mut assessment = at.assess(given.map(of_given).as_deref(), options)?;
     open_knots_beside_open_ones(minimum.model.kind(), &mut assessment.interval);
@@ -118,6 +118,8 @@ pub(crate) struct AtMinimum<'a, M> {
     pub misfit: &'a [f64],
     /// One column for each coordinate.
     pub sensitivities: &'a DMatrix<f64>,
+    /// Intervals of all free numbers, where they are known beside the minimum; they are extended to its values.
+    pub of_curves: Option<Intervals>,
 }
 
 impl<M: Parametric> AtMinimum<'_, M> {
@@ -151,7 +153,14 @@ impl<M: Parametric> AtMinimum<'_, M> {
             let curved = source.curved(&names, (theta, &kept), &covariance);
             interval.extend(curved.into_iter().map(|(i, ends)| (names[i].clone(), ends)));
         }
-        self.bound_knots(&kept, (&names, &value), &mut interval);
+        match &self.of_curves {
+            Some(of_curves) => interval.extend((0..names.len()).filter_map(|i| {
+                let (low, high) = of_curves.get(&names[i])?;
+                let ends = (low.map(|low| low.min(value(i))), high.map(|high| high.max(value(i))));
+                Some((names[i].clone(), ends))
+            })),
+            None => self.bound_knots(&kept, (&names, &value), &mut interval),
+        }
         // A mass that a bound holds leaves the rest of the total open too.
         let is_mass = |i: &usize| free[*i].kind == ParameterKind::Mass;
         let masses: Vec<usize> = (0..theta.len()).filter(is_mass).collect();

@@ -7,7 +7,6 @@ pub mod block_bootstrap;
 pub mod closed_form_propagation;
 pub mod conditioned_propagation;
 pub mod identifiability;
+pub mod likelihood;
 pub mod mass_division;
-pub mod profile_likelihood;
 pub mod propagation;
-pub(crate) mod source_misfit;

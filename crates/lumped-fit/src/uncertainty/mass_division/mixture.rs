@@ -14,9 +14,9 @@ use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::{FreeParameter, free_masses, masses_of};
 use crate::record::observation::ObservedWave;
-use crate::uncertainty::assessment::{Assessment, Ends, Intervals};
+use crate::uncertainty::assessment::{Assessment, Intervals};
+use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
 use crate::uncertainty::mass_division::transfer_posterior;
-use crate::uncertainty::source_misfit::AtSource;
 
 /// Shares on each side of the assumed one at which the fit is repeated, each from the ones before.
 const STEPS: usize = 4;
@@ -244,7 +244,7 @@ mod tests {
 
     use super::*;
     use crate::fit::as_measured::{fit_as_measured, is_own_dual};
-    use crate::uncertainty::source_misfit::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
+    use crate::uncertainty::likelihood::source_misfit::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
     use crate::{AssessmentOptions, assess, free_parameters};
 
     /// A car of 1500 kg, near its own dual, with this share of its mass in front.

@@ -20,8 +20,7 @@ use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
 use crate::fit::as_measured::is_own_dual;
 use crate::free::coordinates::Coordinates;
-use crate::uncertainty::assessment::Ends;
-use crate::uncertainty::source_misfit::AtSource;
+use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
 
 /// Draws of share and noise from which walkers start, and models among them below which none do.
 const DRAWS: usize = 2000;

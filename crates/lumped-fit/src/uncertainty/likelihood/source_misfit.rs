@@ -15,10 +15,10 @@ use crate::free::coordinates::Coordinates;
 use crate::free::parametric::Parametric;
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor_noise::{SensorNoise, as_acceleration};
-use crate::uncertainty::profile_likelihood::{Profile, Profiled, RISE_95};
+use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled, RISE_95};
 
 /// Both ends of an interval; `None`: open.
-type Ends = (Option<f64>, Option<f64>);
+pub(crate) type Ends = (Option<f64>, Option<f64>);
 
 /// Steps of the descent to the least misfit.
 const DESCENT: u32 = 200;
@@ -124,7 +124,12 @@ impl<'a, M: Parametric> AtSource<'a, M> {
 
     /// The misfit in units of the noise, and its derivatives by the coordinates.
     pub fn linear(&self, theta: &[f64]) -> Option<(Vec<f64>, DMatrix<f64>)> {
-        let misfit = self.misfit();
+        self.linear_of(self.coordinates, theta)
+    }
+
+    /// The same of another model in the same test.
+    pub fn linear_of<N: Parametric>(&self, of: &Coordinates<N>, theta: &[f64]) -> Option<(Vec<f64>, DMatrix<f64>)> {
+        let misfit = AccelerationMisfit { problem: near(of, &self.dense), noises: &self.noises };
         Some((misfit.at(theta)?, derivatives(&misfit, theta)?))
     }
 
