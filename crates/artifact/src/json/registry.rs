@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn every_type_known_by_name_has_its_schema() {
         for name in SCHEMAS {
-            let schema: serde_json::Value = serde_json::from_slice(&schema_json(name).unwrap()).unwrap();
+            let schema: Value = serde_json::from_slice(schema_json(name).unwrap()).unwrap();
             assert_eq!(schema["title"], *name);
         }
         assert_eq!(schema_json("sensor_msgs/Imu"), None);

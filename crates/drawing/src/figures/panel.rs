@@ -476,7 +476,7 @@ mod tests {
     fn names_of_near_marks_stand_in_rows_and_within_the_panel() {
         let mut figure = figure(vec![[0.0, 0.0], [100.0, 1.0]]);
         for (at, name) in
-            [(0.0, "time zero"), (50.0, "tₘ = 50.0 ms"), (52.0, "rebound, 52.0 ms"), (100.0, "end of the event")]
+            [(0.0, "time zero"), (45.0, "tₘ = 45.0 ms"), (47.0, "rebound, 47.0 ms"), (100.0, "end of the event")]
         {
             figure.panels[0].mark(at, name, Colour::Event, Dash::Dashed);
         }
@@ -484,7 +484,7 @@ mod tests {
         assert_eq!(drawing.rows, [0, 0, 1, 0]);
         assert_eq!(drawing.height(), TOP + 2.0 * ROW + 230.0 + BOTTOM);
         let last = name_place("end of the event", 480.0);
-        assert!(LEFT + last + CHARACTER * 8.0 <= WIDTH, "{last}");
+        assert!(LEFT + last + WIDEST_CHARACTER * 8.0 <= WIDTH, "{last}");
     }
 
     #[test]

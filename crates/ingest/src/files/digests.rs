@@ -38,8 +38,8 @@ impl Bundle {
         }
     }
 
-    /// [`Bundle::digests`] of the record at `path`, read piece by piece into the same memory. `None` of an archive, whose
-    /// files must be unpacked, and of what cannot be read: [`Bundle::open`] says why.
+    /// [`Bundle::digests`] of the record at `path`, read piece by piece into the same memory. `None` of an archive,
+    /// whose files must be unpacked, and of what cannot be read: [`Bundle::open`] says why.
     pub fn digests_at(path: &Path) -> Option<RecordDigests> {
         let (name, main_path) = name_and_main_file(path).ok()?;
         if !main_path.is_file() {

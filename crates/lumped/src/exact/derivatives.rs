@@ -3,12 +3,12 @@
 //! The exponential of a step and its derivatives come from one pass of scaling, Taylor series and squaring, each
 //! operation differentiated by the product rule: no finite differences, and no step error that depends on the sampling
 //! interval. The eight derivatives of an entry stand together, so that the processor's vectors are full however small
-//! the matrix is; every lane does the operations of a single derivative in the same order, hence the same bits for every
-//! vector width. Plain loops: closures would not be compiled for the vectors of the caller.
+//! the matrix is; every lane does the operations of a single derivative in the same order, hence the same bits for
+//! every vector width. Plain loops: closures would not be compiled for the vectors of the caller.
 
 use pulp::{Simd, WithSimd};
 
-use crate::exact::linear_motion::{TERMS, squarings_of};
+use crate::exact::scaling::{TERMS, squarings_of};
 use crate::motion::mass_motion::Waves;
 use crate::{Instants, Motion};
 
@@ -45,8 +45,8 @@ impl WithSimd for DerivativesAbreast<'_> {
 }
 
 impl DerivativesAbreast<'_> {
-    /// A sensitivity goes `s(t+dt) = phi s + dphi z`. The first instant is reached by one step of its own; accelerations
-    /// come from `A z` and `A s + dA z`, not from differences.
+    /// A sensitivity goes `s(t+dt) = phi s + dphi z`. The first instant is reached by one step of its own;
+    /// accelerations come from `A z` and `A s + dA z`, not from differences.
     #[inline(always)]
     fn march(&self) -> <Self as WithSimd>::Output {
         let (n, masses, at, per_tau) = (self.start.len(), self.masses, self.at, self.tau_s.recip());
@@ -146,17 +146,21 @@ fn scaled(lanes: &Lanes, factor: f64) -> Lanes {
 fn multiplied(n: usize, a: (&[f64], &[Lanes]), b: (&[f64], &[Lanes]), product: (&mut [f64], &mut [Lanes])) {
     for i in 0..n {
         for j in 0..n {
-            let (mut sum, mut dsum) = (0.0, [0.0; ABREAST]);
+            let (mut sum, mut by_left, mut by_right) = (0.0, [0.0; ABREAST], [0.0; ABREAST]);
             for k in 0..n {
                 let (left, right) = (a.0[i * n + k], b.0[k * n + j]);
                 let (dleft, dright) = (&a.1[i * n + k], &b.1[k * n + j]);
                 sum += left * right;
                 for lane in 0..ABREAST {
-                    dsum[lane] += dleft[lane] * right + left * dright[lane];
+                    by_left[lane] += dleft[lane] * right;
+                    by_right[lane] += left * dright[lane];
                 }
             }
+            for lane in 0..ABREAST {
+                by_left[lane] += by_right[lane];
+            }
             product.0[i * n + j] = sum;
-            product.1[i * n + j] = dsum;
+            product.1[i * n + j] = by_left;
         }
     }
 }
@@ -174,10 +178,14 @@ fn applied(
     for i in rows {
         let (mut sum, mut dsum) = (0.0, [0.0; ABREAST]);
         for j in 0..n {
-            let (entry, dentry, state) = (matrix[i * n + j], &by[i * n + j], z[j]);
-            sum += entry * state;
+            sum += matrix[i * n + j] * z[j];
             for lane in 0..ABREAST {
-                dsum[lane] += entry * s[j][lane] + dentry[lane] * state;
+                dsum[lane] += matrix[i * n + j] * s[j][lane];
+            }
+        }
+        for j in 0..n {
+            for lane in 0..ABREAST {
+                dsum[lane] += by[i * n + j][lane] * z[j];
             }
         }
         (next_z[i], next_s[i]) = (sum, dsum);

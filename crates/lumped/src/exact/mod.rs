@@ -7,4 +7,5 @@ pub mod driven;
 pub mod falling_zero;
 pub mod linear_motion;
 pub mod linear_system;
+pub mod scaling;
 pub mod second_order;
