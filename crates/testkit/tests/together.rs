@@ -122,7 +122,10 @@ fn every_test_is_predicted_from_the_others_and_the_rate_factor_is_found() {
     // The errors of the table are those of the summary.
     for row in rows {
         let error = number(&row["predictions"][0], &["against", "dynamic_crush_error_percent"]);
-        let shown = format!("{}{:.1}", if error < 0.0 { "−" } else { "+" }, error.abs());
+        let shown = match format!("{:.1}", error.abs()).as_str() {
+            "0.0" => "0.0".to_owned(),
+            rounded => format!("{}{rounded}", if error < 0.0 { "−" } else { "+" }),
+        };
         let of_test = page.split(&format!("<th scope=\"row\">{}</th>", row["test"].as_str().unwrap())).nth(1).unwrap();
         let line = of_test.split("</tr>").next().unwrap();
         assert!(line.contains(&format!("<td class=\"n\">{shown}</td>")), "{shown} in {line}");
@@ -157,7 +160,10 @@ fn of_two_tests_each_is_predicted_by_the_other_alone_and_the_same_again_is_the_s
     };
     assert!(speeds(&asked).len() == speeds(&first).len() + 1 && speeds(&asked).iter().any(|v| (v - 30.0).abs() < 0.1));
     let page = page(folder.path());
-    assert_eq!(page.matches("<strong>asked for</strong>").count(), 3, "of recommended, simplest and closest");
+    let predictions = asked["predictions"].as_array().unwrap().iter();
+    let of_asked = predictions.filter(|p| (number(p, &["impact_speed_m_per_s"]) * 3.6 - 30.0).abs() < 0.1).count();
+    assert!(of_asked > 0);
+    assert_eq!(page.matches("<strong>asked for</strong>").count(), of_asked, "of recommended, simplest and closest");
     asked["predictions"] = first["predictions"].clone();
     assert_eq!(asked, first);
     // The joint model as a partner: two equals are each as at the wall at the same speed. The model of one test has
