@@ -31,6 +31,8 @@ const SHARES: usize = 80;
 /// Index of the compartment in a double model, and its springs and dampers.
 const COMPARTMENT: usize = 1;
 const SPRINGS_AND_DAMPERS: usize = 4;
+/// Share in front, on each side, over which the mass is free for the derivatives by it.
+const LINEARISED: f64 = 0.01;
 /// Bisections of an end of the mixture.
 const BISECTIONS: usize = 60;
 
@@ -54,7 +56,7 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
     let Some((_, last)) = masses.last().filter(|_| masses.len() > 1) else { return };
     let front = 1.0 - last / total;
     let is_mass = |p: &FreeParameter| masses.iter().any(|(name, _)| *name == p.name);
-    if half_width <= 0.0 || minimum.free.iter().any(is_mass) {
+    if minimum.free.iter().any(is_mass) {
         return;
     }
     let values = minimum.model.parameters();
@@ -71,6 +73,9 @@ pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_
                 *ends = with_value(name, *of_name);
             }
         }
+        return;
+    }
+    if half_width <= 0.0 {
         return;
     }
     let (below, above) = rayon::join(
@@ -186,7 +191,8 @@ fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Optio
         return None;
     }
     let springs = minimum.free.iter().map(|p| p.described_at(p.value));
-    let free: Vec<FreeParameter> = springs.chain(free_masses(&minimum.model, shares)).collect();
+    let linearised_in = (shares.0.min(front - LINEARISED), shares.1.max(front + LINEARISED));
+    let free: Vec<FreeParameter> = springs.chain(free_masses(&minimum.model, linearised_in)).collect();
     let coordinates = Coordinates::near(minimum.model, &free);
     let kept: Vec<usize> = (0..free.len()).collect();
     let source = AtSource::of(&coordinates, &minimum.observed, &coordinates.start(), &kept);

@@ -44,6 +44,10 @@ const LARGEST_Y: f64 = 0.1;
 /// Step of the derivatives of the numbers by the coordinates.
 const STEP: f64 = 1e-6;
 
+/// Interval, s, and number of the instants at which motions of the front are compared: up to 100 ms.
+const COMPARED_DT_S: f64 = 2e-3;
+const COMPARED: usize = 51;
+
 /// `ln n0, ln d0, ln d3, ln d1`.
 type Numbers = Vector4<f64>;
 
@@ -217,15 +221,15 @@ fn of_values(values: &[f64]) -> Option<(Numbers, f64)> {
     numbers.iter().all(|x| x.is_finite()).then_some((numbers, y))
 }
 
-/// The 95 % intervals of `k1, k2, c1, c2` of a double model when its share in front lies anywhere in `shares`: from the
-/// 2.5th to the 97.5th percentile of what the record says.
+/// The 95 % intervals of `k1, k2, c1, c2` of a double model when its share in front lies anywhere in `shares`, or is
+/// known where these are one: from the 2.5th to the 97.5th percentile of what the record says.
 ///
 /// `source`: the misfit with these two springs, two dampers and the mass in front free. Beforehand no share, no
 /// logarithm of a spring and no damper, from zero on, is preferred. Draws of share and noise, solved for both duals,
 /// are weighted as in importance sampling; near its own dual, where few of them have a model, they are too coarse, so
 /// walkers start from them and move by the density itself (Goodman & Weare, Commun. Appl. Math. Comput. Sci. 5, 2010).
 /// The intervals are those of the walkers whose front moves more like that of `model` than like that of its dual, see
-/// [`front_by_compartment`]. Noise counts as in Student's distribution for the degrees of freedom of its level. The
+/// [`front_beside`]. Noise counts as in Student's distribution for the degrees of freedom of its level. The
 /// same bytes for any number of threads. Errors: the response is taken as straight in the numbers of the transfer
 /// function; 40,000 places of 200 walkers that hang together know an end to some hundredths of the width. `None` where
 /// too few draws have a model.
@@ -262,8 +266,9 @@ pub(crate) fn intervals(
         }
         likelihood.logarithm(masses(share), [k1.exp(), k2.exp(), c1, c2])
     };
-    let mut kept = walk(&mut walkers, &density, &mut random);
-    let moves_like_model = nearer_than_its_dual(model);
+    let dimensions = if shares.0 < shares.1 { 5 } else { 4 };
+    let mut kept = walk(&mut walkers, dimensions, &density, &mut random);
+    let moves_like_model = nearer_than_its_dual(model)?;
     kept.retain(|&[k1, k2, c1, c2, share]| moves_like_model(masses(share), [k1.exp(), k2.exp(), c1, c2]));
     if kept.len() < FEWEST * DISTANCE {
         return None;
@@ -276,30 +281,35 @@ pub(crate) fn intervals(
     Some(std::array::from_fn(percentiles))
 }
 
-/// Whether the front of a model moves more like that of `model` than like that of its dual; any does where `model` is
-/// its own dual, which stands for both.
-fn nearer_than_its_dual(model: &DoubleSpringMassDamper) -> impl Fn(Masses, Springs) -> bool {
+/// Whether the front of a model moves more like that of `model` than like that of its dual, up to 100 ms after contact;
+/// any does where `model` is its own dual, which stands for both. `None` for a model without motion.
+fn nearer_than_its_dual(model: &DoubleSpringMassDamper) -> Option<impl Fn(Masses, Springs) -> bool> {
     let springs = |m: &DoubleSpringMassDamper| [m.k1_n_per_m, m.k2_n_per_m, m.c1_n_s_per_m, m.c2_n_s_per_m];
     let masses = [model.m1_kg, model.m2_kg];
-    let (numbers, _) = numbers_of(masses, springs(model));
-    let circular_frequency = (0.5 * (numbers[1] - numbers[0])).exp();
-    let front = move |masses: Masses, springs: Springs| front_by_compartment(masses, springs, circular_frequency);
-    let of_model = front(masses, springs(model));
-    let of_dual = front(masses, springs(&model.dual()));
     let stands_for_both = is_own_dual(&Model::DoubleSpringMassDamper(*model));
-    let apart = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).hypot(b - d);
-    move |masses, springs| {
-        let here = front(masses, springs);
-        stands_for_both || apart(here, of_model) <= apart(here, of_dual)
-    }
+    // Motions are proportional to the impact speed.
+    let response = Model::DoubleSpringMassDamper(*model).respond(1.0, COMPARED_DT_S, COMPARED).ok()?;
+    let compartment = response.compartment().acceleration_m_per_s2.clone();
+    let front = |springs| front_beside(&compartment, masses, springs).collect::<Vec<f64>>();
+    let (of_model, of_dual) = (front(springs(model)), front(springs(&model.dual())));
+    Some(move |masses, springs| {
+        let nearer = |sum: f64, (here, (a, b)): (f64, (&f64, &f64))| sum + (here - b).powi(2) - (here - a).powi(2);
+        stands_for_both
+            || front_beside(&compartment, masses, springs).zip(of_model.iter().zip(&of_dual)).fold(0.0, nearer) >= 0.0
+    })
 }
 
-/// How far the front moves beside the compartment, `(X1 - X2)/(s² X2) = m2/(k2 + c2 s)`, real and imaginary part at a
-/// frequency. The compartment moves alike in all models that a record allows; so in this number they differ.
-fn front_by_compartment([_, m2]: Masses, [_, k2, _, c2]: Springs, circular_frequency: f64) -> [f64; 2] {
-    let damping = c2 * circular_frequency;
-    let square = k2 * k2 + damping * damping;
-    [m2 * k2 / square, -m2 * damping / square]
+/// How far the front is beside the compartment at each instant, m, from the acceleration of the compartment, which is
+/// alike in all models that a record allows: `k2 u + c2 u' = m2 a`, exact for an acceleration that is straight between
+/// instants.
+fn front_beside(compartment: &[f64], [_, m2]: Masses, [_, k2, _, c2]: Springs) -> impl Iterator<Item = f64> {
+    let (gain, decay) = (m2 / k2, k2 / c2 * COMPARED_DT_S);
+    let left = (-decay).exp();
+    let mean = (1.0 - left) / decay;
+    compartment.windows(2).scan(0.0, move |beside, pair| {
+        *beside = left * *beside + gain * (pair[1] - left * pair[0] - mean * (pair[1] - pair[0]));
+        Some(*beside)
+    })
 }
 
 /// As many points as walkers, drawn by their weights at equal distances of their sum; `None` for too few draws.
@@ -318,8 +328,14 @@ fn resampled(draws: &[(Point, f64)]) -> Option<Vec<Point>> {
     Some(points)
 }
 
-/// The places of walkers that move by the stretches of Goodman & Weare, every fifth sweep after the first hundred.
-fn walk(walkers: &mut [Point], density: &impl Fn(&Point) -> f64, random: &mut RandomNumbers) -> Vec<Point> {
+/// The places of walkers that move by the stretches of Goodman & Weare in so many dimensions, every fifth sweep after the
+/// first hundred.
+fn walk(
+    walkers: &mut [Point],
+    dimensions: u32,
+    density: &impl Fn(&Point) -> f64,
+    random: &mut RandomNumbers,
+) -> Vec<Point> {
     let mut densities: Vec<f64> = walkers.iter().map(density).collect();
     let mut kept = Vec::with_capacity(walkers.len() * (SWEEPS - FIRST_KEPT) / DISTANCE);
     for sweep in 0..SWEEPS {
@@ -329,7 +345,7 @@ fn walk(walkers: &mut [Point], density: &impl Fn(&Point) -> f64, random: &mut Ra
             let (from, to) = (walkers[other], walkers[k]);
             let moved: Point = std::array::from_fn(|i| from[i] + stretch * (to[i] - from[i]));
             let there = density(&moved);
-            if random.uniform().ln() < 4.0 * stretch.ln() + there - densities[k] {
+            if random.uniform().ln() < f64::from(dimensions - 1) * stretch.ln() + there - densities[k] {
                 (walkers[k], densities[k]) = (moved, there);
             }
         }
@@ -405,6 +421,30 @@ mod tests {
     }
 
     #[test]
+    fn the_front_follows_from_the_compartment() {
+        let masses = [375.0, 1125.0];
+        for c2_n_s_per_m in [0.0, 50.0, 9e3, 4e4] {
+            let springs = [9e5, 1e6, 6e3, c2_n_s_per_m];
+            let model = DoubleSpringMassDamper {
+                m1_kg: masses[0],
+                m2_kg: masses[1],
+                k1_n_per_m: springs[0],
+                k2_n_per_m: springs[1],
+                c1_n_s_per_m: springs[2],
+                c2_n_s_per_m,
+            };
+            let response = Model::DoubleSpringMassDamper(model).respond(1.0, COMPARED_DT_S, COMPARED).unwrap();
+            let [front, compartment] = &response.motions[..] else { panic!("two masses") };
+            let beside = front_beside(&compartment.acceleration_m_per_s2, masses, springs);
+            for ((here, x1), x2) in beside.zip(&front.displacement_m[1..]).zip(&compartment.displacement_m[1..]) {
+                // A parabola through 2 ms of an acceleration of up to 40 1/s (of 1 m/s) and 5e4 1/s³ misses a straight
+                // line by 5e4 h²/8, of a spring that gives 1.1e-3 m for each m/s².
+                assert!((here - (x1 - x2)).abs() < 1.1e-3 * 5e4 * 4e-6 / 8.0, "{here} {}", x1 - x2);
+            }
+        }
+    }
+
+    #[test]
     fn a_model_moves_like_itself_and_its_dual_does_not() {
         let model = DoubleSpringMassDamper {
             m1_kg: 375.0,
@@ -416,11 +456,11 @@ mod tests {
         };
         let (masses, dual) = ([375.0, 1125.0], model.dual());
         let springs_of_dual = [dual.k1_n_per_m, dual.k2_n_per_m, dual.c1_n_s_per_m, dual.c2_n_s_per_m];
-        let moves_like_model = nearer_than_its_dual(&model);
+        let moves_like_model = nearer_than_its_dual(&model).unwrap();
         assert!(moves_like_model(masses, [9e5, 1e6, 6e3, 9e3]) && !moves_like_model(masses, springs_of_dual));
         // One that is its own dual stands for both sides.
         let own_dual = DoubleSpringMassDamper { k2_n_per_m: 0.75 * 9e5, c2_n_s_per_m: 0.75 * 6e3, ..model };
-        let moves_like_it = nearer_than_its_dual(&own_dual);
+        let moves_like_it = nearer_than_its_dual(&own_dual).unwrap();
         assert!(moves_like_it(masses, [9e5, 1e6, 6e3, 9e3]) && moves_like_it(masses, springs_of_dual));
     }
 }

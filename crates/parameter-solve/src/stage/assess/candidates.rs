@@ -87,7 +87,7 @@ impl Assessor<'_> {
         let given = self.settings.solve.triple.is_some() && matches!(candidate.model, Model::TripleSpringMassDamper(_));
         let front_mass_uncertainty =
             if of_several && at_minimum && !given { asked.front_mass_uncertainty } else { 0.0 };
-        if front_mass_uncertainty > 0.0 {
+        if of_several && at_minimum {
             widen_by_mass_split(minimum, &mut assessment, front_mass_uncertainty);
         }
         let repeated = match candidate.method {
