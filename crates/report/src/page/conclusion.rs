@@ -2,12 +2,9 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
-
-use crate::conclusions::concerns::first_warnings;
-use crate::conclusions::conclusion::{Conclusion, Standing};
-use crate::text::language::fill;
-use crate::text::phrases::ConclusionTexts;
-use crate::{Ranking, Run};
+use crumple_findings::{Conclusion, Ranking, Run, Standing, first_warnings};
+use crumple_phrases::language::fill;
+use crumple_phrases::phrases::ConclusionTexts;
 
 /// The two sentences; without a result a bar that says what to do.
 pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &ConclusionTexts) {

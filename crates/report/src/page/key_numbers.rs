@@ -2,10 +2,8 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
-
-use crate::Run;
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
-use crate::text::language::{Language, fill};
+use crumple_findings::{KeyNumber, Run, key_numbers};
+use crumple_phrases::language::{Language, fill};
 
 pub(super) fn write(out: &mut String, run: &Run) {
     let numbers = key_numbers(run);

@@ -6,11 +6,11 @@ use crumple_artifact::records::{EvidenceV1, ModeV1};
 use crumple_drawing::Figure;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{Model, Run};
+use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
 use crate::page::figures;
-use crate::text::language::{Language, fill};
-use crate::{Model, Run};
 
 /// Pole rows of a model that are open to view; the rest is folded.
 const OPEN_ROWS: usize = 12;

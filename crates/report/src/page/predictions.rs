@@ -3,12 +3,10 @@
 use crumple_artifact::records::PredictionV1;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_findings::{LeftOut, Run, TestOfJointModel, names::candidate_name};
+use crumple_phrases::language::{Language, fill};
 
-use crate::Run;
 use crate::frame::heads::{Column, table};
-use crate::results::joint::{JointTest, LeftOut};
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     if run.predictions.is_empty() {
@@ -138,12 +136,12 @@ pub(super) fn write_left_out(out: &mut String, run: &Run) {
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn test_row(out: &mut String, language: Language, joint: &JointTest) {
+fn test_row(out: &mut String, language: Language, joint: &TestOfJointModel) {
     let (texts, page) = (&language.phrases().joint, &language.phrases().page);
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
         format!("<td class=\"n\">{}</td>", value.map_or_else(|| ABSENT.to_owned(), text))
     };
-    let JointTest { test, left_out } = joint;
+    let TestOfJointModel { test, left_out } = joint;
     out.push_str(&format!("<tr><th scope=\"row\">{}</th>", html(&test.name)));
     out.push_str(&number(Some(test.mass_kg), &|v| language.decimals(v, 0)));
     out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));

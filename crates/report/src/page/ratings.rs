@@ -3,13 +3,12 @@
 use crumple_artifact::records::{RatingV1, SimulationV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_phrases::language::{Language, fill};
+use crumple_phrases::phrases::HowWellTexts;
 
 use crate::frame::heads::{Column, heads};
 use crate::page::how_well::grade;
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
-use crate::text::phrases::HowWellTexts;
-use crate::{CandidateResult, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
 type Rated = (&'static str, &'static str, &'static str, &'static str);

@@ -2,16 +2,15 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
+use crumple_findings::{
+    CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, names::candidate_name, parameters::parameter,
+    ranking::AS_GOOD_PERCENT,
+};
+use crumple_phrases::language::fill;
 use crumple_signal::Severity;
 
-use crate::conclusions::concerns::is_of_another_candidate;
 use crate::frame::heads::{Column, table};
 use crate::page::conclusion;
-use crate::results::ranking::AS_GOOD_PERCENT;
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::text::parameters::parameter;
-use crate::{CandidateResult, Ranking, Run, StageNote};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;

@@ -3,12 +3,12 @@
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_findings::{
+    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, distinct_curves, names::candidate_name,
+};
+use crumple_phrases::language::fill;
 
-use crate::conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
 use crate::frame::heads::{Column, table};
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 use super::bars;
 

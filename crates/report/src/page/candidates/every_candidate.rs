@@ -3,12 +3,14 @@
 use crumple_artifact::records::Certainty;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
+use crumple_findings::{
+    CandidateResult, Ranking, Run,
+    names::candidate_name,
+    parameters::{parameter, parameter_order},
+};
+use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
-use crate::text::parameters::{parameter, parameter_order};
-use crate::{CandidateResult, Ranking, Run};
 
 use super::uncertainty;
 

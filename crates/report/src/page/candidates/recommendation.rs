@@ -3,11 +3,10 @@
 use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{CandidateResult, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 
 use crate::frame::heads::{self, Column};
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Run};
 
 /// The three roles, who has them and why.
 pub(super) fn write_roles(out: &mut String, run: &Run) {

@@ -8,15 +8,14 @@ mod svg;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
 
 use crate::figures::crash::curves::view_ms;
 use crate::page::how_well::grade;
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 /// What the pictures look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");

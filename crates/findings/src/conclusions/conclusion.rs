@@ -2,6 +2,7 @@
 
 use crumple_artifact::records::{ConcernV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,7 +11,6 @@ use crate::conclusions::concerns::{concerns, first_is_decisive};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
-use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 use crate::text::parameters::{DEFLECTION, deflection_of_knot, symbols};
 use crate::{CandidateResult, Certainties, Model, Ranking, Run};

@@ -2,24 +2,24 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_phrases::language::fill;
 use crumple_signal::{About, Severity, Weight};
 
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::Kind;
 use crate::conclusions::several_tests::missed;
-use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::symbols;
 use crate::{Ranking, Run};
 
 /// Warnings that stand on the first screen.
-pub(crate) const SHOWN_FIRST: usize = 3;
+pub const SHOWN_FIRST: usize = 3;
 
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
 
 /// Whether what the page shows first may be another thing than it is taken for, as a stage says.
-pub(crate) fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
+pub fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
     concerns.first().is_some_and(|first| first.weight == LARGEST_WEIGHT && first.stage != "report")
 }
 
@@ -88,11 +88,7 @@ fn concern(
 
 /// Of warnings in their order those for the first screen: at most [`SHOWN_FIRST`], none of a candidate that nobody
 /// recommends while there is any other; and how many are left.
-pub(crate) fn first_warnings<'a>(
-    warnings: &[&'a ConcernV1],
-    run: &Run,
-    ranking: &Ranking,
-) -> (Vec<&'a ConcernV1>, usize) {
+pub fn first_warnings<'a>(warnings: &[&'a ConcernV1], run: &Run, ranking: &Ranking) -> (Vec<&'a ConcernV1>, usize) {
     let prominent = warnings.iter().filter(|concern| !is_of_another_candidate(concern, run, ranking));
     let mut first: Vec<&ConcernV1> = prominent.take(SHOWN_FIRST).copied().collect();
     if first.is_empty() {
@@ -103,7 +99,7 @@ pub(crate) fn first_warnings<'a>(
 }
 
 /// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.
-pub(crate) fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
+pub fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
     match concern.about.parse() {
         Ok(About::Model(name)) => prominence_of_model(&name, run, ranking) == 1,
         _ => false,

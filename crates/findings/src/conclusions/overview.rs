@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
+use crumple_phrases::language::fill;
 
 use crate::conclusions::concerns::first_warnings;
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::kind::Kind;
-use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
