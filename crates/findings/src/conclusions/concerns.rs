@@ -87,15 +87,24 @@ fn concern(
 }
 
 /// Of warnings in their order those for the first screen: at most [`SHOWN_FIRST`], none of a candidate that nobody
-/// recommends while there is any other; and how many are left.
+/// recommends while there is any other, and none of what only a crash has where the record is of none; and how many are
+/// left.
 pub fn first_warnings<'a>(warnings: &[&'a ConcernV1], run: &Run, ranking: &Ranking) -> (Vec<&'a ConcernV1>, usize) {
-    let prominent = warnings.iter().filter(|concern| !is_of_another_candidate(concern, run, ranking));
-    let mut first: Vec<&ConcernV1> = prominent.take(SHOWN_FIRST).copied().collect();
-    if first.is_empty() {
+    let is_prominent = |concern: &&&ConcernV1| {
+        let of_no_crash = run.is_generic() && concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
+        !of_no_crash && !is_of_another_candidate(concern, run, ranking)
+    };
+    let mut first: Vec<&ConcernV1> = warnings.iter().filter(is_prominent).take(SHOWN_FIRST).copied().collect();
+    if first.is_empty() && !run.is_generic() {
         first.extend(warnings.iter().take(1));
     }
     let others = warnings.len() - first.len();
     (first, others)
+}
+
+/// What only a crash has: of another record nobody asks for it.
+fn is_of_a_crash(about: &About) -> bool {
+    matches!(about, About::Pulse | About::Mass | About::ImpactSpeed | About::Motion)
 }
 
 /// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.
@@ -110,6 +119,7 @@ pub fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking
 /// demand.
 fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
     match about {
+        _ if is_of_a_crash(about) && kind == Kind::InputOutput => 1,
         About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion => 3,
         About::Model(name) => prominence_of_model(name, run, ranking),
         About::Predictions | About::WallForce | About::Record => 2,

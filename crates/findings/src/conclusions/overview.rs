@@ -29,7 +29,8 @@ pub fn overview(
     let phrases = &language.phrases().conclusion;
     let mut lines: Vec<(String, String)> = Vec::new();
     let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
-    let (crush, time, change) = (phrases.crush_label, phrases.time_label, phrases.change_label);
+    let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
+    let (time, change) = (phrases.time_label, phrases.change_label);
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     for (label, field, value, shown) in [
@@ -178,7 +179,7 @@ fn knots(run: &Run, candidate: &CandidateResult) -> Vec<String> {
 /// the crush of the test.
 fn as_one_spring(run: &Run, candidate: &CandidateResult, knots: &[String]) -> Option<String> {
     let is_one_curve = !knots.is_empty() && candidate.record.parameters.contains_key("mass_kg");
-    let stiffness = run.metric("average_stiffness").filter(|_| is_one_curve)?.value?;
-    let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
+    let metric = run.metric("average_stiffness").filter(|_| is_one_curve)?;
+    let stiffness = with_interval(run, metric.value?, metric.low.zip(metric.high), (KILO, 0, "kN/m"));
     Some(fill(run.language.phrases().conclusion.as_one_spring, &[("stiffness", stiffness)]))
 }

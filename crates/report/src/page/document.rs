@@ -61,9 +61,8 @@ impl Page {
         let files = PageFiles { style: &style, folder };
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
-        let phrases = &run.language.phrases().conclusion;
         let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, run, |body| top::write(body, &said, phrases));
+        header::write(&mut body, run, |body| top::write(body, run, &said));
         body.push_str("<main>\n");
         body.push_str("<div class=\"answer\">\n");
         // What makes all that follows doubtful stands before it.

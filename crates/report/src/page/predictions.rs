@@ -7,6 +7,7 @@ use crumple_findings::{LeftOut, Run, TestOfJointModel, names::candidate_name};
 use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
+use crate::frame::stage_words::words_of_stage;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     if run.predictions.is_empty() {
@@ -44,7 +45,8 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
         });
         format!("<td class=\"n\">{}{}</td>", language.decimals(factor * value, digits), interval.unwrap_or_default())
     };
-    let remarks: String = prediction.notes.iter().map(|note| format!("<li>{}</li>", html(note))).collect();
+    let remarks: String =
+        prediction.notes.iter().map(|note| format!("<li>{}</li>", words_of_stage(run.language, note))).collect();
     let partner = partner(language, prediction);
     let roles = &language.phrases().candidates;
     let role = |name: &String| match name.as_str() {

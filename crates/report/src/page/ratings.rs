@@ -8,6 +8,7 @@ use crumple_phrases::language::{Language, fill};
 use crumple_phrases::phrases::HowWellTexts;
 
 use crate::frame::heads::{Column, heads};
+use crate::frame::stage_words::words_of_stage;
 use crate::page::how_well::grade;
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
@@ -130,7 +131,10 @@ fn caption(out: &mut String, language: Language, rows: &[(&CandidateResult, &Sim
     });
     let cora = rows.iter().find_map(|(_, simulation)| {
         let rating = simulation.ratings.iter().find(|rating| rating.definition_id == "cora")?;
-        Some(fill(texts.cora_has, &[("mark", html(&rating.mark)), ("note", html(rating.note.as_deref()?))]))
+        Some(fill(
+            texts.cora_has,
+            &[("mark", html(&rating.mark)), ("note", words_of_stage(language, rating.note.as_deref()?))],
+        ))
     });
     let filled = [("times", language.times(from_s, to_s)), ("cora", cora.unwrap_or_default())];
     out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.ratings_caption, &filled)));

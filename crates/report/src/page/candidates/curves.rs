@@ -9,6 +9,7 @@ use crumple_findings::{
 use crumple_phrases::language::fill;
 
 use crate::frame::heads::{Column, table};
+use crate::frame::stage_words::words_of_stage;
 
 use super::bars;
 
@@ -132,7 +133,7 @@ fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: O
     });
     about.extend(roles.map(|role| format!(" <span class=\"badge\">{role}</span>")));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
-        let why = fill(texts.not_adequate, &[("why", html(why))]);
+        let why = fill(texts.not_adequate, &[("why", words_of_stage(run.language, why))]);
         about.push_str(&format!("<br><span class=\"dual\">{why}</span>"));
     }
     if !candidate.record.physical {

@@ -111,8 +111,13 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     if drawn.masses.len() > 1 || !has_a_curve || has_a_stiffness {
         return None;
     }
-    let stiffness = run.metric("average_stiffness")?.value?;
-    let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
+    let metric = run.metric("average_stiffness")?;
+    let shown = |si: f64, unit: &str| run.language.quantity(KILO * si, 0, unit);
+    let interval = metric.low.zip(metric.high).map(|(low, high)| {
+        let ends = run.language.between(&shown(low, ""), &shown(high, "kN/m"));
+        format!(" ({ends})")
+    });
+    let stiffness = format!("{}{}", shown(metric.value?, "kN/m"), interval.unwrap_or_default());
     Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
 }
 
