@@ -1,26 +1,25 @@
 //! Writes `report.html` and `summary.json` from the artifacts of a run.
 //!
-//! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it,
-//! [`Page`] what a person looks at. Both are functions of the run alone. Units other than SI exist on the page only.
+//! A [`Run`] is what the artifacts say (`crumple-findings`), [`Page`] what a person looks at. It is a
+//! function of the run alone. Units other than SI exist on the page only.
 //!
-//! rooms: compare index | page | frame figures | conclusions | results | text
+//! rooms: compare index | page | frame figures
 
 mod compare;
-mod conclusions;
 mod figures;
 mod frame;
 mod index;
 mod page;
-mod results;
-mod text;
 
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
-pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
-pub use conclusions::kind::Kind;
-pub use conclusions::overview::overview;
-pub use conclusions::summary::{Summary, summary, summary_schema};
+pub use crumple_findings::{
+    CandidateResult, Certainties, Conclusion, Element, JointTests, Kind, LeftOut, MeasuredWaves, Model, Number,
+    Ranking, Run, SensorMotion, StageNote, StageRecord, Standing, Summary, TestOfJointModel, compare_ids, conclusion,
+    overview, summary, summary_schema,
+};
+pub use crumple_phrases::language::{Language, fill};
 pub use figures::all::all_figures;
 pub use index::document::{FiguresOfRuns, RunIndex};
 pub use index::indexed_run::{IndexedRun, status};
@@ -31,9 +30,3 @@ pub use index::run_summary::{
     SummaryMetric, SummaryTest, model_year,
 };
 pub use page::document::{Page, write_shared_files};
-pub use results::joint::{JointTest, JointTests, LeftOut};
-pub use results::ranking::{Ranking, compare_ids};
-pub use results::run::{
-    CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
-};
-pub use text::language::{Language, fill};

@@ -183,6 +183,24 @@ fn a_barrier_test_says_crush_model_prediction_and_what_to_distrust() {
 }
 
 #[test]
+fn a_speed_beyond_the_test_is_answered_as_one_and_so_is_one_that_was_asked_for() {
+    let mut run = car();
+    run.predictions.remove(1);
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    let answer = "; beyond what was tested, at 54.0\u{a0}km/h, it predicts a crush of 690.0\u{a0}mm (670.0 to";
+    assert!(said[1].contains(answer) && !said[1].contains("may be used"), "{said:?}");
+    // Asked for, it goes before one within what was tested.
+    let mut run = car();
+    run.asked_speeds_m_per_s = vec![15.0];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[1].contains(answer), "{said:?}");
+    // Where all of it is doubtful the number is there, with that.
+    run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    assert!(said[1].contains(answer) && said[1].ends_with("distrust all of it until the first warning is settled."));
+}
+
+#[test]
 fn a_crush_that_other_sensors_dispute_stands_beside_what_they_say() {
     let mut run = car();
     run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
@@ -233,7 +251,10 @@ fn a_vehicle_that_does_not_stop_has_a_change_of_velocity_and_no_model() {
     run.recommendation.as_mut().unwrap().recommended = None;
     let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
     assert!(said[0].contains("did not stop within the record: it lost 63.1\u{a0}km/h in 144.0\u{a0}ms"), "{said:?}");
-    assert!(said[1].starts_with("No model is recommended: springs that stop a mass"), "{said:?}");
+    assert!(
+        said[1].starts_with("No model is recommended, use none at another speed: springs that stop a mass"),
+        "{said:?}"
+    );
     assert!(said[1].contains("the closest, Kelvin, direct fit 1, follows the displacement to 99.9\u{a0}%"), "{said:?}");
     assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.standing, Standing::NoneRecommended);
 }
@@ -244,8 +265,11 @@ fn of_two_vehicles_the_way_over_ground_is_no_crush() {
     run.test.barrier = Some(ANOTHER_VEHICLE.to_owned());
     let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
     assert!(said[0].starts_with("Two vehicles collided: this one lost 63.1\u{a0}km/h"), "{said:?}");
+    assert!(said[1].contains("and predicts a crush of 368.3") && !said[1].contains("may be used"), "{said:?}");
+    assert!(said[1].ends_with("distrust it against anything but this other vehicle, which it takes for a rigid wall."));
     let (_, concerns) = conclusion(&run, &Ranking::of_run(&run));
     assert!(concerns[0].about == "motion" && concerns[0].weight == 9, "{concerns:?}");
+    assert!(page_of(&run).contains("<dt>Motion over ground</dt>") && !page_of(&run).contains("<dt>Dynamic crush"));
 
     // A partner that was asked for stands in the place of the wall.
     let mut run = car();
@@ -305,7 +329,7 @@ fn identified() -> Vec<Model> {
 
 #[test]
 fn inputs_and_outputs_have_the_closest_identified_model() {
-    let run = Run { models: identified(), ..Run::default() };
+    let mut run = Run { models: identified(), ..Run::default() };
     let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
     assert!(
         said[0].starts_with(
@@ -314,6 +338,14 @@ fn inputs_and_outputs_have_the_closest_identified_model() {
         ),
         "{said:?}"
     );
+    // Nobody asks for the mass of a hair dryer.
+    run.concerns =
+        vec![concern("ingest", "mass", 3, "no mass is stated"), concern("identify", "identified-models", 1, "b")];
+    let page = page_of(&run);
+    let first = &page[page.find("before-use").unwrap()..page.find("<h2>Identification").unwrap()];
+    assert!(!first.contains("no mass") && first.contains("<li>b ") && first.contains("1 more warning"), "{first}");
+    run.concerns.pop();
+    assert!(!page_of(&run).contains("before-use\""), "nothing is said of a mass alone");
 }
 
 /// A run that ended without an acceptable model.
@@ -416,4 +448,12 @@ fn german_has_its_own_sentences_and_a_comma() {
     );
     assert!(page_of(&run).contains("<h2 id=\"before-use-title\">Vor dem Gebrauch</h2>"));
     assert_eq!(summary_of(&run)["verdict"]["language"], "de");
+    // What a stage wrote is quoted, what the report says is not.
+    let mut run = without_result();
+    run.language = Language::German;
+    run.concerns.push(concern("ingest", "mass", 3, "a < b"));
+    let page = page_of(&run);
+    assert!(page.contains("<q lang=\"en\">a &lt; b</q> <span class=\"stage\">ingest</span>"));
+    let reason = run.concerns[1].text.clone();
+    assert!(page.contains(&format!("Es gibt kein Modell: <q lang=\"en\">{reason}</q>.")), "{reason}");
 }

@@ -159,6 +159,13 @@ fn check_models(page: &Page, summary: &Value) {
             (&candidate["certainties"]["parameters"], &candidate["certainties"]["determined"]);
         let words = format!("{determined} of {parameters} numbers determined");
         assert!(*parameters == 0 || caption.starts_with(&words), "{caption}: {words}");
+        if let Some((_, spring)) = caption.split_once("k = ") {
+            let stiffness = &summary["metrics"]["average_stiffness"];
+            let shown = numbers(spring);
+            assert!(shown[0].is(&stiffness["value"]), "{caption}: {stiffness}");
+            let ends = ["low", "high"].map(|end| &stiffness[end]).into_iter().filter(|end| !end.is_null());
+            assert!(ends.zip(&shown[1..]).all(|(end, shown)| shown.is(end)), "{caption}: {stiffness}");
+        }
     }
 }
 
@@ -228,6 +235,11 @@ fn check_german(browser: &Browser, folder: &Path, english: &Page) {
     let left: Vec<String> =
         english.labels().into_iter().filter(|label| labels.contains(label) && !is_common(label, &names)).collect();
     assert_eq!(left, Vec::<String>::new(), "{}", folder.display());
+    // The words of stages are marked as English, and those of the report are not.
+    let marked = "return [...document.querySelectorAll('.before-use li')].map((l) =>
+        (l.querySelector('.stage').textContent === 'report') !== Boolean(l.querySelector('q[lang=en]')))";
+    let marked = german.ask(marked);
+    assert!(marked.as_array().unwrap().iter().all(|is_right| *is_right == true), "{}: {marked}", folder.display());
 }
 
 fn check_kind(kind: &KindOfRecord) {

@@ -1,6 +1,7 @@
 //! Text of a test made safe for the places it stands in.
 
-/// Text for an element or a quoted attribute: `& < > " '` become entities.
+/// Text for an element or a quoted attribute: `& < > " '` become entities. What is not seen and changes how the rest is
+/// read, control characters and those that turn the direction of writing, becomes the sign for what cannot be shown.
 pub fn html(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -10,10 +11,17 @@ pub fn html(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
+            c if is_unseen(c) => out.push(char::REPLACEMENT_CHARACTER),
             c => out.push(c),
         }
     }
     out
+}
+
+/// Control characters but ends of lines and tabs, and Unicode's overrides, embeddings and isolates of direction.
+fn is_unseen(c: char) -> bool {
+    let is_space = matches!(c, '\n' | '\r' | '\t');
+    (c.is_control() && !is_space) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// A path from the folder of the page as the address of a link.
@@ -40,6 +48,11 @@ pub fn json_in_script(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_title_cannot_turn_the_direction_of_what_follows() {
+        assert_eq!(html("a\u{202e}b\u{1b}[2J\n\u{ad}ü"), "a\u{fffd}b\u{fffd}[2J\n\u{ad}ü");
+    }
 
     #[test]
     fn a_title_cannot_open_a_tag_or_leave_an_attribute() {

@@ -103,6 +103,7 @@ pub fn unit(si: &str) -> (f64, &str) {
         "N*s/m" | "N s/m" => (KILO, "kN·s/m"),
         "J" => (KILO, "kJ"),
         "m^2/s^2" => (1.0, "J/kg"),
+        "N/m^2" => (1.0, "N/m²"),
         "1" | "" => (1.0, ""),
         other => (1.0, other),
     }

@@ -40,8 +40,11 @@ texts! { ConclusionTexts
         "The recorder kept a change of velocity of {change}{time}.",
         "Das Aufzeichnungsgerät hielt eine Geschwindigkeitsänderung von {change} fest{time}.";
     recorder_use:
-        "No peak and no force can be taken from such a coarse table{crush}.",
-        "Spitzenwert und Kraft lassen sich aus einer so groben Tabelle nicht ablesen{crush}.";
+        "No peak and no force can be taken from such a coarse table{crush}{none}.",
+        "Spitzenwert und Kraft lassen sich aus einer so groben Tabelle nicht ablesen{crush}{none}.";
+    recorder_without_model:
+        "; no model is recommended, use none at another speed",
+        "; kein Modell wird empfohlen, keines gilt bei anderer Geschwindigkeit";
     rough_crush:
         "; the crush of {crush}{interval} made from it is rough",
         "; die daraus gebildete Eindrückung von {crush}{interval} ist grob";
@@ -91,12 +94,18 @@ texts! { ConclusionTexts
     usable:
         "; within what was tested it may be used: at {speed} it predicts a crush of {crush}{interval}",
         "; im erprobten Bereich ist es brauchbar: Bei {speed} sagt es eine Eindrückung von {crush}{interval} voraus";
+    predicts_beyond:
+        "; beyond what was tested, at {speed}, it predicts a crush of {crush}{interval}",
+        "; jenseits des Erprobten, bei {speed}, sagt es eine Eindrückung von {crush}{interval} voraus";
+    other_partner:
+        "it against anything but this other vehicle, which it takes for a rigid wall",
+        "jeder andere Partner als dieses zweite Fahrzeug, das es für eine starre Wand nimmt";
     predicts_collision:
         " and predicts against {partner} a crush of {crush}{interval}",
         " und sagt gegen {partner} eine Eindrückung von {crush}{interval} voraus";
     none_recommended:
-        "No model is recommended: {because}{closest}.",
-        "Kein Modell wird empfohlen: {because}{closest}.";
+        "No model is recommended, use none at another speed: {because}{closest}.",
+        "Kein Modell wird empfohlen, keines gilt bei anderer Geschwindigkeit: {because}{closest}.";
     no_crush:
         "springs that stop a mass do not explain such a record",
         "Federn, die eine Masse anhalten, erklären eine solche Aufzeichnung nicht";
@@ -106,7 +115,7 @@ texts! { ConclusionTexts
     closest:
         "; the closest, {model}, follows the displacement to {fit} up to {time} and says nothing beyond",
         "; das nächste, {model}, folgt dem Weg zu {fit} bis {time} und sagt darüber hinaus nichts";
-    distrust: "; distrust {what}", "; Misstrauen verdient {what}";
+    distrust: "; distrust {what}", "; mit Vorsicht zu nehmen: {what}";
     open_numbers: "{names}, which this record leaves open", "{names}, von dieser Aufzeichnung offen gelassen";
     dual:
         "the division of its masses, since its mirror image gives the same record",
@@ -153,6 +162,7 @@ texts! { ConclusionTexts
     verdict: "Verdict", "Urteil";
     what_to_do: "What to do: {remedy}.", "Abhilfe: {remedy}.";
     crush_label: "dynamic crush", "Eindrückung";
+    ground_label: "motion over ground", "Weg über Grund";
     time_label: "time of crush", "Zeit bis dahin";
     change_label: "delta-v", "Delta-v";
     restitution_label: "restitution", "Stoßzahl";

@@ -3,6 +3,7 @@
 texts! { NumberTexts
     key_numbers: "Key numbers", "Kennwerte";
     dynamic_crush: "Dynamic crush C", "Dynamische Eindrückung C";
+    motion_over_ground: "Motion over ground", "Weg über Grund";
     time_of_crush: "Time of crush t<sub>m</sub>", "Eindrückungszeit t<sub>m</sub>";
     delta_v: "Velocity change Δv", "Geschwindigkeits\u{ad}änderung Δv";
     maximum_delta_v: "Maximum Δv as recorded", "Größtes Δv laut Aufzeichnung";
@@ -23,7 +24,7 @@ texts! { NumberTexts
     does_not_reach_zero: "; the velocity does not reach zero", "; die Geschwindigkeit wird nicht null";
     rebound: "rebound {speed}", "Rückprall {speed}";
     olc: "occupant load", "Insassenbelastung";
-    hic: "head injury criterion", "Kopfverletzungskriterium";
+    hic: "head injury criterion", "Kopf\u{ad}verletzungs\u{ad}kriterium";
     inputs_caption:
         "“Inputs”: {by} with mass, speed, gain, zero level and time zero within their stated uncertainty, one sensor.",
         "„Eingaben“: {by}, wobei Masse, Geschwindigkeit, Verstärkung, Nullpunkt und Zeitnullpunkt in ihrer \

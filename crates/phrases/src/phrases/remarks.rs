@@ -52,6 +52,9 @@ texts! { RemarkTexts
         "the record shows no crush that comes to an end: its velocity never reaches zero",
         "die Aufzeichnung zeigt keine Eindrückung, die zu Ende kommt: Die Geschwindigkeit wird nie null";
     notes_title: "Warnings and notes", "Warnungen und Anmerkungen";
+    words_of_stages:
+        "Quoted and in English stands what the stages themselves have written.",
+        "In Anführungszeichen und englisch steht, was die Stufen selbst geschrieben haben.";
     one_warning: "1 warning", "1 Warnung";
     of_other_candidates:
         "{count} of them on candidates that are neither recommended nor simplest nor closest",

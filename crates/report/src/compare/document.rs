@@ -4,18 +4,20 @@ use std::collections::BTreeSet;
 
 use crumple_drawing::escape::{address, html};
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{
+    conclusion,
+    markdown::{HEAD, markdown},
+};
+use crumple_phrases::language::{Language, fill};
+use crumple_phrases::phrases::RunTexts;
 
 use super::compared_run::ComparedRun;
 use super::figure::figure;
 use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings;
 use super::table::{Row, to_html, to_lines, to_markdown};
-use crate::conclusions::conclusion::conclusion;
 use crate::frame::framed::{FIGURES, framed, words_of_figures};
 use crate::page::figures;
-use crate::text::language::{Language, fill};
-use crate::text::markdown::{HEAD, markdown};
-use crate::text::phrases::RunTexts;
 
 /// Several runs beside each other.
 #[derive(Debug)]

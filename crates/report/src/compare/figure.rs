@@ -2,14 +2,14 @@
 
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
+use crumple_findings::names::candidate_name;
+use crumple_phrases::language::fill;
+use crumple_phrases::phrases::FigureTexts;
 use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;
 use crate::figures::crash::curves::view_ms;
 use crate::figures::time_view::over_time_axis;
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::text::phrases::FigureTexts;
 
 /// What of a run is drawn in one panel over time: the test's wave and the model's.
 type Pair<'a> = (Option<&'a Sampled>, Option<&'a Sampled>);

@@ -2,18 +2,18 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::numbers::{ABSENT, MILLI};
+use crumple_findings::{
+    conclusion, distinct_curves, first_warnings,
+    markdown::{HEAD, markdown},
+    names::candidate_name,
+};
+use crumple_phrases::language::fill;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
 use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings::record_of;
 use super::table::to_markdown;
-use crate::conclusions::concerns::first_warnings;
-use crate::conclusions::conclusion::conclusion;
-use crate::conclusions::distinct_curves::distinct_curves;
-use crate::text::language::fill;
-use crate::text::markdown::{HEAD, markdown};
-use crate::text::names::candidate_name;
 
 /// Conclusion, warnings, key numbers, the recommended model, the candidates, and how to make the run again.
 ///

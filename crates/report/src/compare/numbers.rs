@@ -4,16 +4,17 @@ use std::collections::BTreeSet;
 
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
 use crumple_drawing::numbers::{ABSENT, MILLI, digits_of_interval, unit};
+use crumple_findings::{
+    CandidateResult, KeyNumber, key_numbers,
+    names::candidate_name,
+    parameters::{parameter, parameter_order},
+};
+use crumple_phrases::language::{Language, fill};
 use serde::Serialize;
 
 use super::compared_run::ComparedRun;
 use super::table::{Cell, Row};
-use crate::CandidateResult;
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::page::key_numbers::{places, title};
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
-use crate::text::parameters::{parameter, parameter_order};
 
 /// The rows of the key numbers: every number that one of the runs has.
 pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
@@ -108,7 +109,7 @@ fn parameter_names(model: &CandidateResult) -> Vec<&str> {
 fn fit_row(language: Language, models: &[Option<&CandidateResult>]) -> Row {
     let fits: Vec<Option<f64>> = models.iter().map(|model| model.and_then(CandidateResult::fit_percent)).collect();
     let apart = |fit: Option<f64>| {
-        fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crate::results::ranking::AS_GOOD_PERCENT)
+        fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crumple_findings::ranking::AS_GOOD_PERCENT)
     };
     let cell = |fit: &Option<f64>| Cell {
         text: fit.map_or_else(|| ABSENT.to_owned(), |fit| language.quantity(fit, 2, "%")),

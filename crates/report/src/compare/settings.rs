@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_drawing::numbers::ABSENT;
+use crumple_phrases::language::Language;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
 use super::table::Row;
-use crate::text::language::Language;
 
 /// The rows: record and pipeline always, then what differs.
 pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {

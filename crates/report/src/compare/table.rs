@@ -1,9 +1,8 @@
 //! A table of runs: a row a quantity, a column a run; as HTML and as Markdown.
 
 use crumple_drawing::escape::html;
-
-use crate::text::language::Language;
-use crate::text::markdown::markdown;
+use crumple_findings::markdown::markdown;
+use crumple_phrases::language::Language;
 
 /// What a run says of the quantity of a row.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,11 +1,11 @@
 //! All figures, in the order of the page.
 
 use crumple_drawing::Figure;
+use crumple_findings::{Ranking, Run};
+use crumple_phrases::language::Language;
 
 use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};
-use crate::text::language::Language;
-use crate::{Ranking, Run};
 
 /// All figures that the run has records for, in the order of the page.
 pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {

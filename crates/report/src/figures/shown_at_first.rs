@@ -2,8 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::results::ranking::{AS_GOOD_PERCENT, WORTH_NAMING_PERCENT, free_of_bounds};
-use crate::{CandidateResult, Ranking};
+use crumple_findings::{
+    CandidateResult, Ranking,
+    ranking::{AS_GOOD_PERCENT, WORTH_NAMING_PERCENT, free_of_bounds},
+};
 
 /// Of candidates in the order of their rank the ids of those shown at first: the best, and up to `count` in all.
 ///

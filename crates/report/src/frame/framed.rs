@@ -2,10 +2,10 @@
 
 use crumple_drawing::escape::{address, html, json_in_script};
 use crumple_drawing::page_rules;
+use crumple_phrases::language::{Language, fill};
 use serde::Serialize;
 
 use crate::frame::page_files::{PageFiles, Script, compact, style_of_all};
-use crate::text::language::{Language, fill};
 
 /// Cursor, zoom and downloads of figures.
 pub(crate) const FIGURES: &str = include_str!("../page/figures.js");

@@ -4,3 +4,4 @@
 pub mod framed;
 pub mod heads;
 pub mod page_files;
+pub mod stage_words;

@@ -2,12 +2,12 @@
 
 use crumple_drawing::escape::{address, html};
 use crumple_drawing::{Drawing, Entry, Figure, swatch};
+use crumple_phrases::language::{Language, fill};
 
 use super::failures::failures;
 use super::indexed_run::IndexedRun;
 use super::table::table;
 use crate::frame::framed::framed;
-use crate::text::language::{Language, fill};
 
 const STYLE: &str = include_str!("style.css");
 const SORT: &str = include_str!("sort.js");

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use crumple_drawing::escape::html;
+use crumple_phrases::language::{Language, fill};
 
 use super::indexed_run::{IndexedRun, status};
-use crate::text::language::{Language, fill};
 
 /// Most runs that are named with a reason.
 const NAMED: usize = 20;

@@ -1,9 +1,9 @@
 //! A run as an index knows it.
 
 use crumple_drawing::escape::{address, html};
+use crumple_phrases::language::Language;
 
 use super::run_summary::RunSummary;
-use crate::text::language::Language;
 
 /// One run of an index.
 #[derive(Debug, Clone)]

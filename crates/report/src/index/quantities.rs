@@ -1,10 +1,10 @@
 //! Numbers of a run that an index shows, in the units of people.
 
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_phrases::language::Language;
+use crumple_phrases::phrases::RunTexts;
 
 use super::run_summary::RunSummary;
-use crate::text::language::Language;
-use crate::text::phrases::RunTexts;
 
 /// A number of a run.
 #[derive(Debug, Clone, Copy)]

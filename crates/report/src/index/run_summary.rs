@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{EventsV1, PredictionV1, SimulationV1};
+use crumple_phrases::language::{Language, fill};
 use serde::Deserialize;
-
-use crate::text::language::{Language, fill};
 
 /// The summary of a run, as far as those need it who read it. Keys that it lacks are empty.
 #[derive(Debug, Clone, Deserialize)]

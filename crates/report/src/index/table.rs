@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use crumple_drawing::escape::html;
+use crumple_findings::names::model_name;
+use crumple_phrases::language::Language;
 
 use super::failures::{line_of, shortened};
 use super::indexed_run::{IndexedRun, status};
 use super::quantities::{CRUSH, DELTA_V, MASS, OLC, PEAK, Quantity, RESTITUTION, SPEED, STIFFNESS, TIME_OF_CRUSH};
-use crate::text::language::Language;
-use crate::text::names::model_name;
 
 /// Columns of numbers.
 const NUMBERS: [Quantity; 9] = [SPEED, MASS, CRUSH, TIME_OF_CRUSH, DELTA_V, PEAK, OLC, RESTITUTION, STIFFNESS];

@@ -2,11 +2,11 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::Run;
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::{Channel, ChannelStatus};
 
-use crate::Run;
 use crate::frame::heads::{Column, table};
-use crate::text::language::{Language, fill};
 
 /// With more channels than this the list is folded: a full-scale test has hundreds.
 const OPEN_LIST: usize = 12;

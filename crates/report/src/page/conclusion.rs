@@ -2,21 +2,23 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
+use crumple_findings::{Conclusion, Ranking, Run, Standing, first_warnings};
+use crumple_phrases::language::{Language, fill};
 
-use crate::conclusions::concerns::first_warnings;
-use crate::conclusions::conclusion::{Conclusion, Standing};
-use crate::text::language::fill;
-use crate::text::phrases::ConclusionTexts;
-use crate::{Ranking, Run};
+use crate::frame::stage_words::{sentence_with_words_of_stages, words_of_stage};
 
 /// The two sentences; without a result a bar that says what to do.
-pub(super) fn write(out: &mut String, verdict: &Conclusion, phrases: &ConclusionTexts) {
+pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
+    let phrases = &run.language.phrases().conclusion;
     let (class, role) = match verdict.standing {
         Standing::Model => ("verdict", ""),
         Standing::NoneRecommended => ("verdict none", ""),
         Standing::NoResult => ("verdict bad", " role=\"alert\""),
     };
-    let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
+    let because = run.recommendation.as_ref().map(|choice| choice.recommended_because.as_str());
+    let words = [verdict.reason.as_deref(), verdict.remedy.as_deref(), because].map(Option::unwrap_or_default);
+    let said = |text: &String| sentence_with_words_of_stages(run.language, text, &words);
+    let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", said(text))).collect();
     out.push_str(&format!(
         "<section class=\"{class}\"{role} aria-label=\"{}\" lang=\"{}\">\n{sentences}</section>\n",
         phrases.verdict, verdict.language
@@ -40,7 +42,10 @@ pub(super) fn write_before_use(
         return;
     }
     let (first, others) = first_warnings(&warnings, run, ranking);
-    let items: String = first.iter().map(|concern| format!("<li>{}</li>\n", item(concern, phrases))).collect();
+    if first.is_empty() {
+        return;
+    }
+    let items: String = first.iter().map(|concern| format!("<li>{}</li>\n", item(run.language, concern))).collect();
     let more = match others {
         0 => String::new(),
         1 => format!("<p><a href=\"#notes\">{}</a></p>\n", phrases.one_more),
@@ -54,9 +59,12 @@ pub(super) fn write_before_use(
 }
 
 /// The text of a concern, what to do about it, and the stage that says it.
-pub(super) fn item(concern: &ConcernV1, phrases: &ConclusionTexts) -> String {
-    let remedy = concern.remedy.as_deref().map(|remedy| fill(phrases.what_to_do, &[("remedy", remedy)]));
+pub(super) fn item(language: Language, concern: &ConcernV1) -> String {
+    // The report's own speak the language of the page.
+    let words = |text: &str| if concern.stage == "report" { html(text) } else { words_of_stage(language, text) };
+    let template = language.phrases().conclusion.what_to_do;
+    let remedy = concern.remedy.as_deref().map(|remedy| fill(template, &[("remedy", words(remedy))]));
     let stop = if concern.text.ends_with(['.', '?', '!']) { "" } else { "." };
-    let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {}", html(&remedy)));
-    format!("{}{remedy} <span class=\"stage\">{}</span>", html(&concern.text), html(&concern.stage))
+    let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {remedy}"));
+    format!("{}{remedy} <span class=\"stage\">{}</span>", words(&concern.text), html(&concern.stage))
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crumple_artifact::{OutputKind, write_atomically};
+use crumple_findings::{Ranking, Run, conclusion, first_is_decisive, summary};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
@@ -13,12 +14,9 @@ use super::{
     candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
     numbers, predictions, ratings, remarks, what_if,
 };
-use crate::conclusions::concerns::first_is_decisive;
-use crate::conclusions::conclusion::conclusion;
 use crate::figures::all::{crash_figures, identification_figures};
 use crate::frame::framed::{FIGURES, framed_with, words_of_figures};
 use crate::frame::page_files::{PageFiles, Script, script_file};
-use crate::{Ranking, Run, summary};
 
 /// Cursor, zoom and downloads.
 const SCRIPT: Script = Script { name: "figures", text: FIGURES };
@@ -63,9 +61,8 @@ impl Page {
         let files = PageFiles { style: &style, folder };
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
-        let phrases = &run.language.phrases().conclusion;
         let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, run, |body| top::write(body, &said, phrases));
+        header::write(&mut body, run, |body| top::write(body, run, &said));
         body.push_str("<main>\n");
         body.push_str("<div class=\"answer\">\n");
         // What makes all that follows doubtful stands before it.

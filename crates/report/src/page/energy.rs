@@ -2,11 +2,10 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{KILO, MILLI};
+use crumple_findings::{Ranking, Run, names::candidate_name};
+use crumple_phrases::language::Language;
 
 use crate::frame::heads::{Column, table};
-use crate::text::language::Language;
-use crate::text::names::candidate_name;
-use crate::{Ranking, Run};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut rows: Vec<_> = run

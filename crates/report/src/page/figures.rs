@@ -3,8 +3,7 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::{Drawing, Figure, swatch};
-
-use crate::text::language::Language;
+use crumple_phrases::language::Language;
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
 pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str, language: Language) {

@@ -2,9 +2,8 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
-
-use crate::Run;
-use crate::text::language::fill;
+use crumple_findings::Run;
+use crumple_phrases::language::fill;
 
 pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut String)) {
     let test = &run.test;

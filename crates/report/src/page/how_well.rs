@@ -2,12 +2,14 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
+use crumple_findings::{
+    CandidateResult, Ranking, Run,
+    names::candidate_name,
+    residual::{Residual, residual},
+};
+use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, heads};
-use crate::results::residual::{Residual, residual};
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 /// Parts of ISO/TS 18571 and the rating itself, in the order of their columns.
 const PARTS: [&str; 5] = ["iso18571-corridor", "iso18571-phase", "iso18571-magnitude", "iso18571-slope", "iso18571"];

@@ -2,10 +2,11 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
+use crumple_findings::{KeyNumber, Run, key_numbers};
+use crumple_phrases::language::{Language, fill};
+use crumple_signal::ANOTHER_VEHICLE;
 
-use crate::Run;
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
-use crate::text::language::{Language, fill};
+use crate::frame::stage_words::words_of_stage;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     let numbers = key_numbers(run);
@@ -38,13 +39,15 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     };
     let mut lines: Vec<String> = Vec::new();
     if let Some(reason) = &number.absent_because {
-        lines.push(html(reason));
+        let own = [texts.velocity_never_zero, texts.peak_of_a_table, texts.peak_not_filtered];
+        let is_own = own.contains(&reason.as_str());
+        lines.push(if is_own { html(reason) } else { words_of_stage(language, reason) });
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
         let interval = html(&language.range(low, high, number.unit));
         lines.push(format!("{}: {interval}", interval_name(language, number)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
-        lines.push(html(reason));
+        lines.push(words_of_stage(language, reason));
     } else if number.value.is_some() {
         lines.push(texts.no_interval.to_owned());
     }
@@ -68,6 +71,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 pub(crate) fn title(run: &Run, name: &str) -> String {
     let texts = &run.language.phrases().numbers;
     let title = match name {
+        "dynamic_crush" if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) => texts.motion_over_ground,
         "dynamic_crush" => texts.dynamic_crush,
         "time_of_dynamic_crush" => texts.time_of_crush,
         "delta_v" => texts.delta_v,

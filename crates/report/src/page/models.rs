@@ -6,11 +6,12 @@ use crumple_artifact::records::{EvidenceV1, ModeV1};
 use crumple_drawing::Figure;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{Model, Run};
+use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
+use crate::frame::stage_words::words_of_stage;
 use crate::page::figures;
-use crate::text::language::{Language, fill};
-use crate::{Model, Run};
 
 /// Pole rows of a model that are open to view; the rest is folded.
 const OPEN_ROWS: usize = 12;
@@ -57,7 +58,8 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
         }
         out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts.join("; ")))));
         if !i.notes.is_empty() {
-            let items: String = i.notes.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
+            let items: String =
+                i.notes.iter().map(|text| format!("<li>{}</li>", words_of_stage(language, text))).collect();
             out.push_str(&format!("<ul class=\"remarks\">{items}</ul>\n"));
         }
     }

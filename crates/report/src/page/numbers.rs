@@ -3,10 +3,10 @@
 use crumple_artifact::records::{EventsV1, MetricV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::Run;
+use crumple_phrases::language::{Language, fill};
 
-use crate::Run;
 use crate::frame::heads::{self, Column};
-use crate::text::language::{Language, fill};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =

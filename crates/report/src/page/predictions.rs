@@ -3,12 +3,11 @@
 use crumple_artifact::records::PredictionV1;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_findings::{LeftOut, Run, TestOfJointModel, names::candidate_name};
+use crumple_phrases::language::{Language, fill};
 
-use crate::Run;
 use crate::frame::heads::{Column, table};
-use crate::results::joint::{JointTest, LeftOut};
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
+use crate::frame::stage_words::words_of_stage;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     if run.predictions.is_empty() {
@@ -46,7 +45,8 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
         });
         format!("<td class=\"n\">{}{}</td>", language.decimals(factor * value, digits), interval.unwrap_or_default())
     };
-    let remarks: String = prediction.notes.iter().map(|note| format!("<li>{}</li>", html(note))).collect();
+    let remarks: String =
+        prediction.notes.iter().map(|note| format!("<li>{}</li>", words_of_stage(run.language, note))).collect();
     let partner = partner(language, prediction);
     let roles = &language.phrases().candidates;
     let role = |name: &String| match name.as_str() {
@@ -138,12 +138,12 @@ pub(super) fn write_left_out(out: &mut String, run: &Run) {
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn test_row(out: &mut String, language: Language, joint: &JointTest) {
+fn test_row(out: &mut String, language: Language, joint: &TestOfJointModel) {
     let (texts, page) = (&language.phrases().joint, &language.phrases().page);
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
         format!("<td class=\"n\">{}</td>", value.map_or_else(|| ABSENT.to_owned(), text))
     };
-    let JointTest { test, left_out } = joint;
+    let TestOfJointModel { test, left_out } = joint;
     out.push_str(&format!("<tr><th scope=\"row\">{}</th>", html(&test.name)));
     out.push_str(&number(Some(test.mass_kg), &|v| language.decimals(v, 0)));
     out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));

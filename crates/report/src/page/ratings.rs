@@ -3,13 +3,13 @@
 use crumple_artifact::records::{RatingV1, SimulationV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_phrases::language::{Language, fill};
+use crumple_phrases::phrases::HowWellTexts;
 
 use crate::frame::heads::{Column, heads};
+use crate::frame::stage_words::words_of_stage;
 use crate::page::how_well::grade;
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
-use crate::text::phrases::HowWellTexts;
-use crate::{CandidateResult, Ranking, Run};
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
 type Rated = (&'static str, &'static str, &'static str, &'static str);
@@ -131,7 +131,10 @@ fn caption(out: &mut String, language: Language, rows: &[(&CandidateResult, &Sim
     });
     let cora = rows.iter().find_map(|(_, simulation)| {
         let rating = simulation.ratings.iter().find(|rating| rating.definition_id == "cora")?;
-        Some(fill(texts.cora_has, &[("mark", html(&rating.mark)), ("note", html(rating.note.as_deref()?))]))
+        Some(fill(
+            texts.cora_has,
+            &[("mark", html(&rating.mark)), ("note", words_of_stage(language, rating.note.as_deref()?))],
+        ))
     });
     let filled = [("times", language.times(from_s, to_s)), ("cora", cora.unwrap_or_default())];
     out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.ratings_caption, &filled)));

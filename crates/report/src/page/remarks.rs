@@ -2,16 +2,16 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
+use crumple_findings::{
+    CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, names::candidate_name, parameters::parameter,
+    ranking::AS_GOOD_PERCENT,
+};
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::Severity;
 
-use crate::conclusions::concerns::is_of_another_candidate;
 use crate::frame::heads::{Column, table};
+use crate::frame::stage_words::words_of_stage;
 use crate::page::conclusion;
-use crate::results::ranking::AS_GOOD_PERCENT;
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::text::parameters::parameter;
-use crate::{CandidateResult, Ranking, Run, StageNote};
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
@@ -36,10 +36,12 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
     }
     let texts = &run.language.phrases().remarks;
     out.push_str(&format!("<section id=\"notes\">\n<h2>{}</h2>\n", texts.notes_title));
+    if run.language != Language::English {
+        out.push_str(&format!("<p class=\"caption\">{}</p>\n", texts.words_of_stages));
+    }
     if !concerns.is_empty() {
-        let phrases = &run.language.phrases().conclusion;
         let list = |concerns: &[&ConcernV1]| {
-            let item = |c: &&ConcernV1| format!("<li class=\"warning\">{}</li>\n", conclusion::item(c, phrases));
+            let item = |c: &&ConcernV1| format!("<li class=\"warning\">{}</li>\n", conclusion::item(run.language, c));
             format!("<ul class=\"notes\">\n{}</ul>\n", concerns.iter().map(item).collect::<String>())
         };
         let count = match concerns.len() {
@@ -57,7 +59,8 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
     let infos: Vec<&StageNote> = run.notes.iter().filter(|n| n.note.severity == Severity::Info).collect();
     for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
         let Some(StageNote { stage, .. }) = of_stage.first() else { continue };
-        let items: String = of_stage.iter().map(|n| format!("<li>{}</li>\n", html(&n.note.text))).collect();
+        let items: String =
+            of_stage.iter().map(|n| format!("<li>{}</li>\n", words_of_stage(run.language, &n.note.text))).collect();
         let list = format!("<ul class=\"notes\">\n{items}</ul>\n");
         out.push_str(&if of_stage.len() > OPEN_NOTES {
             let count = fill(texts.notes, &[("count", of_stage.len().to_string())]);

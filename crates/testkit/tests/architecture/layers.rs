@@ -10,7 +10,7 @@ pub const LAYERS: [&[&str]; 9] = [
     &["signal", "linalg", "memory", "source-digest", "browser"],
     &["lti", "estimation", "artifact", "drawing"],
     &["metrics", "lumped", "phrases"],
-    &["sysid", "lumped-fit"],
+    &["sysid", "lumped-fit", "findings"],
     &["stage"],
     &["diff"],
     &[

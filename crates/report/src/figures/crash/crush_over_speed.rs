@@ -3,10 +3,8 @@
 use crumple_artifact::records::PredictionV1;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
-
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{Ranking, Run};
+use crumple_findings::{Ranking, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 
 /// The tests as points, the recommended model's predictions as a line with their interval; `None` of one test alone.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {

@@ -3,12 +3,10 @@
 use std::collections::BTreeSet;
 
 use crumple_drawing::{Figure, Look};
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name, ranking::pairs_of_equals};
+use crumple_phrases::language::Language;
 
 use crate::figures::shown_at_first::at_first;
-use crate::results::ranking::pairs_of_equals;
-use crate::text::language::Language;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 /// Candidates shown at first where nobody recommends one.
 const SHOWN: usize = 2;

@@ -2,10 +2,8 @@
 
 use crumple_drawing::numbers::{KILO, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {

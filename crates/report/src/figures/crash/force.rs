@@ -2,11 +2,11 @@
 
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
+use crumple_findings::{CandidateResult, Run};
+use crumple_phrases::language::fill;
 use crumple_signal::Sampled;
 
 use super::drawn_models::DrawnModels;
-use crate::text::language::fill;
-use crate::{CandidateResult, Run};
 
 /// The panel with what is to be said of it; without a mass the deceleration takes the force's place. `None` without a
 /// displacement.

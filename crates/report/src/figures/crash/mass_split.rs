@@ -3,10 +3,11 @@
 use crumple_artifact::records::MatchingSweepV1;
 use crumple_drawing::numbers::KILO;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
-
-use crate::results::mass_divisions::{Divisions, ratio};
-use crate::text::language::{Language, fill};
-use crate::{Ranking, Run};
+use crumple_findings::{
+    Ranking, Run,
+    mass_divisions::{Divisions, ratio},
+};
+use crumple_phrases::language::{Language, fill};
 
 /// Name, panel and value of the four parameters, with their marks where all four are positive and where not.
 type Parameter = (&'static str, usize, fn(&MatchingSweepV1) -> f64, [Symbol; 2]);
@@ -67,12 +68,62 @@ fn caption(language: Language, divisions: &Divisions, used: f64, feasible: &[(f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::mass_divisions::tests::{fitted_run, matching};
+    use crumple_artifact::records::{CandidateV1, MatchingSweepV1, MatchingV1};
+    use crumple_findings::CandidateResult;
+
+    /// Divisions of 1000 kg of which the first has no positive parameters.
+    fn matching() -> MatchingV1 {
+        let point = |k: u8| MatchingSweepV1 {
+            front_mass_fraction: f64::from(k) / 4.0,
+            k1_n_per_m: 1e5,
+            k2_n_per_m: 2e5,
+            c1_n_s_per_m: if k > 1 { 1e3 } else { -1e3 },
+            c2_n_s_per_m: 2e3,
+            physical: k > 1,
+        };
+        MatchingV1 {
+            m1_kg: 200.0,
+            m2_kg: 800.0,
+            polynomial: vec![],
+            largest_mass_ratio: Some(2.0),
+            roots: vec![],
+            solutions: vec![],
+            sweep: (1..4).map(point).collect(),
+            notes: vec![],
+            source: None,
+            zeta_of_the_start_per_s2: None,
+            coordinates: vec![],
+        }
+    }
+
+    /// A run whose only candidate is a fitted double model with a quarter of the mass in front.
+    fn fitted_run() -> (Run, Ranking) {
+        let record: CandidateV1 = serde_json::from_value(serde_json::json!({
+            "model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null,
+            "notes": [], "uncertainty": null, "parameters": {"m1_kg": 375, "m2_kg": 1125, "k1_n_per_m": 9e5,
+                "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3, "c2_n_s_per_m": 9e3},
+            "fit": {"channel": "a", "quantity": "displacement", "from_s": 0, "to_s": 0.07, "samples": 9, "rmse": 0,
+                "iterations": 1, "evaluations": 1, "stop_reason": "cost-converged", "active_bounds": []}
+        }))
+        .unwrap();
+        let id = "double-spring-mass-damper/direct-fit/1".to_owned();
+        let ranking = Ranking { order: vec![id.clone()], ..Ranking::default() };
+        let candidate = CandidateResult {
+            id,
+            record,
+            simulation: None,
+            displacement: None,
+            velocity: None,
+            acceleration: None,
+            elements: vec![],
+            masses: vec![],
+        };
+        (Run { candidates: vec![candidate], ..Run::default() }, ranking)
+    }
 
     #[test]
     fn negative_values_are_not_drawn_and_the_used_division_is_named() {
-        let run =
-            Run { matchings: vec![("era-4".to_owned(), matching(Some(2.0), &[false, true, true]))], ..Run::default() };
+        let run = Run { matchings: vec![("era-4".to_owned(), matching())], ..Run::default() };
         let figure = figure(&run, &Ranking::default()).unwrap();
         // c1 has no hollow points, for they are negative.
         assert_eq!(figure.legend.len(), 7);
@@ -84,7 +135,7 @@ mod tests {
     }
     #[test]
     fn a_fitted_model_is_drawn_where_coefficient_matching_did_not_run() {
-        let (run, ranking) = fitted_run("");
+        let (run, ranking) = fitted_run();
         let figure = figure(&run, &ranking).unwrap();
         assert!(
             figure.caption.starts_with("Parameter sets with the same poles as Double spring-mass-damper, direct fit 1")

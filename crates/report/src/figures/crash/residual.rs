@@ -2,13 +2,12 @@
 
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, over_time};
+use crumple_findings::{CandidateResult, Ranking, Run, model_band::model_band};
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
 use super::drawn_models::DrawnModels;
 use crate::figures::time_view::over_time_axis;
-use crate::results::model_band::model_band;
-use crate::{CandidateResult, Ranking, Run};
 
 /// Models drawn: the recommended, the closest, then by rank. A residual has many times the points of a motion.
 const DRAWN: usize = 6;

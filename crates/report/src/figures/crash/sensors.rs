@@ -4,15 +4,13 @@ use std::collections::BTreeSet;
 
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
+use crumple_findings::{CandidateResult, Ranking, Run, SensorMotion, names::candidate_name};
+use crumple_phrases::language::fill;
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;
 use crate::figures::shown_at_first::at_first;
 use crate::figures::time_view::over_time_axis;
-use crate::results::run::SensorMotion;
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 /// Candidates whose masses are drawn over a sensor.
 const SHOWN: usize = 3;

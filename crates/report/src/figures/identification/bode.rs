@@ -4,10 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use crumple_artifact::records::TransferFunctionV1;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-
-use crate::text::language::fill;
-use crate::text::names::words_and_unit;
-use crate::{Model, Run};
+use crumple_findings::{Model, Run, names::words_and_unit};
+use crumple_phrases::language::fill;
 
 const POINTS: usize = 400;
 

@@ -3,9 +3,8 @@
 use std::f64::consts::TAU;
 
 use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
-
-use crate::Run;
-use crate::text::language::{Language, fill};
+use crumple_findings::Run;
+use crumple_phrases::language::{Language, fill};
 
 /// Marks of the models, so that they differ without colour too.
 const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];

@@ -2,10 +2,8 @@
 
 use crumple_drawing::numbers::LONG_S;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
-
-use crate::text::language::fill;
-use crate::text::names::words_and_unit;
-use crate::{Model, Run};
+use crumple_findings::{Model, Run, names::words_and_unit};
+use crumple_phrases::language::fill;
 
 /// A model that grows this far beyond the others would hide them.
 const GROWN: f64 = 1e3;

@@ -1,9 +1,8 @@
 //! Singular values of the Hankel matrix: the evidence for the order of a model.
 
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
-
-use crate::Run;
-use crate::text::language::fill;
+use crumple_findings::Run;
+use crumple_phrases::language::fill;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;

@@ -3,10 +3,9 @@
 use std::f64::consts::TAU;
 
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
-
-use crate::Run;
-use crate::text::language::fill;
-use crate::text::phrases::IdentificationTexts;
+use crumple_findings::Run;
+use crumple_phrases::language::fill;
+use crumple_phrases::phrases::IdentificationTexts;
 
 /// Marks in the order of the legend: word of the record, name, symbol, colour.
 const fn marks(texts: &IdentificationTexts) -> [(&'static str, &'static str, Symbol, Colour); 5] {

@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::Certainty;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, digits_of_interval};
+use crumple_findings::{
+    CandidateResult,
+    parameters::{parameter, parameter_order},
+};
+use crumple_phrases::language::Language;
 
-use crate::CandidateResult;
 use crate::frame::heads::{Column, heads};
-use crate::text::language::Language;
-use crate::text::parameters::{parameter, parameter_order};
 
 /// Decades to either side of the value.
 const DECADES: f64 = 1.0;

@@ -3,12 +3,13 @@
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_findings::{
+    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, distinct_curves, names::candidate_name,
+};
+use crumple_phrases::language::fill;
 
-use crate::conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
 use crate::frame::heads::{Column, table};
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
+use crate::frame::stage_words::words_of_stage;
 
 use super::bars;
 
@@ -132,7 +133,7 @@ fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: O
     });
     about.extend(roles.map(|role| format!(" <span class=\"badge\">{role}</span>")));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
-        let why = fill(texts.not_adequate, &[("why", html(why))]);
+        let why = fill(texts.not_adequate, &[("why", words_of_stage(run.language, why))]);
         about.push_str(&format!("<br><span class=\"dual\">{why}</span>"));
     }
     if !candidate.record.physical {

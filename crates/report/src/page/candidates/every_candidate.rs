@@ -3,12 +3,15 @@
 use crumple_artifact::records::Certainty;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
+use crumple_findings::{
+    CandidateResult, Ranking, Run,
+    names::candidate_name,
+    parameters::{parameter, parameter_order},
+};
+use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
-use crate::text::language::{Language, fill};
-use crate::text::names::candidate_name;
-use crate::text::parameters::{parameter, parameter_order};
-use crate::{CandidateResult, Ranking, Run};
+use crate::frame::stage_words::words_of_stage;
 
 use super::uncertainty;
 
@@ -70,7 +73,8 @@ fn row(out: &mut String, language: Language, candidate: &CandidateResult, rankin
         let dual = fill(texts.dual_of, &[("model", html(&candidate_name(other)))]);
         about.push_str(&format!("<br><span class=\"dual\">{dual}</span>"));
     }
-    let mut remarks: Vec<String> = record.notes.clone();
+    let mut remarks: Vec<String> = record.notes.iter().map(|note| words_of_stage(language, note)).collect();
+    let mut own: Vec<String> = Vec::new();
     if let Some(fit) = &record.fit {
         let filled = [
             ("quantity", language.metric(&fit.quantity)),
@@ -80,18 +84,19 @@ fn row(out: &mut String, language: Language, candidate: &CandidateResult, rankin
             ("samples", fit.samples.to_string()),
             ("reason", fit.stop_reason.replace('-', " ")),
         ];
-        remarks.push(fill(texts.fitted_to, &filled));
+        own.push(fill(texts.fitted_to, &filled));
         if !fit.active_bounds.is_empty() {
             let names: Vec<String> =
                 fit.active_bounds.iter().map(|name| parameter(&candidate.record.model, name, 0.0).0).collect();
-            remarks.push(fill(texts.on_bounds, &[("names", names.join(", "))]));
+            own.push(fill(texts.on_bounds, &[("names", names.join(", "))]));
         }
     }
-    remarks.extend(how_well_known(language, candidate));
-    remarks.extend(uncertainty::remarks(language, candidate));
-    remarks.extend(simulation.iter().flat_map(|s| s.notes.iter().cloned()));
+    own.extend(how_well_known(language, candidate));
+    own.extend(uncertainty::remarks(language, candidate));
+    remarks.extend(own.iter().map(|text| html(text)));
+    remarks.extend(simulation.iter().flat_map(|s| &s.notes).map(|note| words_of_stage(language, note)));
     if !remarks.is_empty() {
-        let items: String = remarks.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
+        let items: String = remarks.iter().map(|text| format!("<li>{text}</li>")).collect();
         let template = if remarks.len() == 1 { texts.one_remark } else { texts.remarks };
         let count = fill(template, &[("count", remarks.len().to_string())]);
         about.push_str(&format!("<details><summary>{count}</summary><ul>{items}</ul></details>"));

@@ -1,13 +1,13 @@
 //! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
 //! Uses results and text.
 
+use crumple_findings::{Ranking, Run};
+
 mod bars;
 mod curves;
 mod every_candidate;
 mod recommendation;
 mod uncertainty;
-
-use crate::{Ranking, Run};
 
 /// What the bars look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");

@@ -3,11 +3,11 @@
 use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
+use crumple_findings::{CandidateResult, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 
 use crate::frame::heads::{self, Column};
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Run};
+use crate::frame::stage_words::words_of_stage;
 
 /// The three roles, who has them and why.
 pub(super) fn write_roles(out: &mut String, run: &Run) {
@@ -20,7 +20,11 @@ pub(super) fn write_roles(out: &mut String, run: &Run) {
         (texts.closest, &choice.closest, &choice.closest_because),
     ] {
         let model = id.as_deref().map_or_else(|| texts.none.to_owned(), candidate_name);
-        out.push_str(&format!("<li>{name}: <strong>{}</strong>, {}.</li>\n", html(&model), html(because)));
+        out.push_str(&format!(
+            "<li>{name}: <strong>{}</strong>, {}.</li>\n",
+            html(&model),
+            words_of_stage(run.language, because)
+        ));
     }
     out.push_str("</ul>\n");
 }
@@ -94,10 +98,10 @@ fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCand
         .collect();
     let force = has_force(choice).then(|| format!("<td class=\"n\">{}</td>", number(rated.force_misfit_percent, 1)));
     let force = force.unwrap_or_default();
-    let adequate = rated
-        .not_adequate_because
-        .as_deref()
-        .map_or_else(|| language.phrases().page.yes.to_owned(), |why| fill(texts.no_because, &[("why", why)]));
+    let adequate = rated.not_adequate_because.as_deref().map_or_else(
+        || language.phrases().page.yes.to_owned(),
+        |why| fill(texts.no_because, &[("why", words_of_stage(language, why))]),
+    );
     out.push_str(&format!(
         "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{determined}</td><td class=\"n\">{}</td><td \
          class=\"n\">{}</td>{force}<td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{}</td></tr>\n",
@@ -113,6 +117,6 @@ fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCand
         number(rated.coefficient_of_restitution, 3),
         number(rated.aicc_difference, 1),
         number(rated.difference_with_priors, 1),
-        html(&adequate),
+        adequate,
     ));
 }

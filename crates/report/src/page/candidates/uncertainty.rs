@@ -2,10 +2,11 @@
 
 use crumple_artifact::records::{ProfileV1, ReplicatesV1};
 use crumple_drawing::numbers::NBSP;
-
-use crate::CandidateResult;
-use crate::text::language::{Language, fill};
-use crate::text::parameters::{parameter, parameter_order};
+use crumple_findings::{
+    CandidateResult,
+    parameters::{parameter, parameter_order},
+};
+use crumple_phrases::language::{Language, fill};
 
 /// A sentence for each method that the candidate was put through.
 pub(super) fn remarks(language: Language, candidate: &CandidateResult) -> Vec<String> {

@@ -8,15 +8,14 @@ mod svg;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
 
 use crate::figures::crash::curves::view_ms;
 use crate::page::how_well::grade;
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 /// What the pictures look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
@@ -112,8 +111,13 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     if drawn.masses.len() > 1 || !has_a_curve || has_a_stiffness {
         return None;
     }
-    let stiffness = run.metric("average_stiffness")?.value?;
-    let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
+    let metric = run.metric("average_stiffness")?;
+    let shown = |si: f64, unit: &str| run.language.quantity(KILO * si, 0, unit);
+    let interval = metric.low.zip(metric.high).map(|(low, high)| {
+        let ends = run.language.between(&shown(low, ""), &shown(high, "kN/m"));
+        format!(" ({ends})")
+    });
+    let stiffness = format!("{}{}", shown(metric.value?, "kN/m"), interval.unwrap_or_default());
     Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
 }
 

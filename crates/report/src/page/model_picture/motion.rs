@@ -1,10 +1,10 @@
 //! How far the masses of a picture move, for the cursor of the page.
 
 use crumple_drawing::numbers::MILLI;
+use crumple_findings::CandidateResult;
 use crumple_signal::Sampled;
 
 use super::layout::Layout;
-use crate::CandidateResult;
 
 /// Steps from the contact to the end.
 const STEPS: usize = 60;

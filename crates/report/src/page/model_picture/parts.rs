@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::Certainty;
 use crumple_drawing::numbers::{KILO, digits_of_interval};
+use crumple_findings::{CandidateResult, parameters::parameter};
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
 };
-
-use crate::CandidateResult;
-use crate::text::language::{Language, fill};
-use crate::text::parameters::parameter;
+use crumple_phrases::language::{Language, fill};
 
 /// What a drawing of a model needs.
 #[derive(Debug, Clone, PartialEq)]

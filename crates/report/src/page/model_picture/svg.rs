@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use crumple_drawing::escape::html;
+use crumple_phrases::language::{Language, fill};
 
 use super::layout::{LINE, Lane, Layout, WIDTH};
 use super::motion::Motion;
 use super::parts::{ElementPart, Glyph, Parts};
-use crate::text::language::{Language, fill};
 
 /// The picture of a model. `number` makes its ids those of one picture of the page; `motion` is for the page's cursor.
 pub fn drawing(

@@ -5,15 +5,14 @@ mod structure;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_phrases::language::fill;
 use serde_json::json;
 
 use crumple_signal::Sampled;
 
 use crate::frame::framed::json_element;
 use crate::frame::page_files::{PageFiles, Script};
-use crate::text::language::fill;
-use crate::text::names::candidate_name;
-use crate::{CandidateResult, Ranking, Run};
 
 /// What the sliders look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");

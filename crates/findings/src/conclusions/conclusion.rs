@@ -2,6 +2,7 @@
 
 use crumple_artifact::records::{ConcernV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,7 +11,6 @@ use crate::conclusions::concerns::{concerns, first_is_decisive};
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
-use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 use crate::text::parameters::{DEFLECTION, deflection_of_knot, symbols};
 use crate::{CandidateResult, Certainties, Model, Ranking, Run};
@@ -76,8 +76,7 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
     let best = text.best();
     let standing = match kind {
         Kind::NoModel => Standing::NoResult,
-        Kind::InputOutput | Kind::LinearModel => Standing::Model,
-        _ if best.is_some() => Standing::Model,
+        _ if best.is_some() || matches!(kind, Kind::InputOutput | Kind::LinearModel) => Standing::Model,
         _ => Standing::NoneRecommended,
     };
     let verdict = Conclusion {
@@ -115,12 +114,12 @@ impl<'a> Text<'a> {
     fn sentences(&mut self, kind: Kind, concerns: &[ConcernV1]) -> Vec<String> {
         let phrases = &self.language.phrases().conclusion;
         let (first, second) = match kind {
-            Kind::Barrier => (self.crushed(), self.use_model(concerns)),
-            Kind::NoStop => (self.no_stop(), self.use_model(concerns)),
-            Kind::TwoVehicles => (self.two_vehicles(), self.use_model(concerns)),
+            Kind::Barrier => (self.crushed(), self.use_model(kind, concerns)),
+            Kind::NoStop => (self.no_stop(), self.use_model(kind, concerns)),
+            Kind::TwoVehicles => (self.two_vehicles(), self.use_model(kind, concerns)),
             Kind::SeveralTests => (
                 self.run.joint.as_ref().map_or_else(String::new, |joint| several_tests(joint, self.language)),
-                self.use_model(concerns),
+                self.use_model(kind, concerns),
             ),
             Kind::Occupant => (self.occupant(), self.occupant_use(concerns)),
             Kind::Recorder => (self.recorded(), self.recorder_use()),
@@ -133,9 +132,9 @@ impl<'a> Text<'a> {
                 (fill(phrases.no_model, &[("reason", reason)]), Some(fill(phrases.what_to_do, &[("remedy", remedy)])))
             }
             Kind::MeasuredOnly if lacks_mass_or_speed(self.run) => {
-                (not_stated(self.run).to_owned(), self.use_model(concerns))
+                (not_stated(self.run).to_owned(), self.use_model(kind, concerns))
             }
-            Kind::MeasuredOnly => (phrases.measured_only.to_owned(), self.use_model(concerns)),
+            Kind::MeasuredOnly => (phrases.measured_only.to_owned(), self.use_model(kind, concerns)),
         };
         std::iter::once(first).chain(second).collect()
     }
@@ -279,7 +278,8 @@ impl<'a> Text<'a> {
             let interval = self.interval_of_event("dynamic_crush_m", mm);
             fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
         });
-        Some(fill(phrases.recorder_use, &[("crush", &crush.unwrap_or_default())]))
+        let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
+        Some(fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)]))
     }
 
     /// The identified model that follows the record closest.
@@ -308,7 +308,7 @@ impl<'a> Text<'a> {
     }
 
     /// Which model to use, how sure it is and what to distrust; that none is recommended, and why.
-    fn use_model(&mut self, concerns: &[ConcernV1]) -> Option<String> {
+    fn use_model(&mut self, kind: Kind, concerns: &[ConcernV1]) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
         if self.run.candidates.is_empty() {
             return Some(phrases.no_models_here.to_owned());
@@ -330,8 +330,9 @@ impl<'a> Text<'a> {
             format!(" ({text})")
         });
         let follows = self.follows(best).map(|fit| fill(phrases.follows, &[("fit", &fit)]));
-        let predicts = self.predicts(best, first_is_decisive(concerns));
-        let what = self.distrust(best, concerns);
+        let of_two = kind == Kind::TwoVehicles;
+        let predicts = self.predicts(best, of_two || first_is_decisive(concerns));
+        let what = if of_two { Some(phrases.other_partner.to_owned()) } else { self.distrust(best, concerns) };
         let distrust = what.map(|what| fill(phrases.distrust, &[("what", &what)]));
         let texts = [
             ("model", candidate_name(&best.id)),
@@ -352,9 +353,9 @@ impl<'a> Text<'a> {
         Some(self.number(&at, candidate.fit_percent()?, (1.0, 1, "%")))
     }
 
-    /// What it predicts: against a partner where one was asked for, else the slowest impact on the wall that does not
-    /// go beyond the test, one of the speeds that were asked for before others; there the model may be used unless all
-    /// of it is doubtful.
+    /// What it predicts: against a partner where one was asked for, else of the impacts on the wall one that was asked
+    /// for before others, one within what was tested before one beyond, the slowest before faster ones. Within what was
+    /// tested the model may be used, unless all of it is doubtful.
     fn predicts(&mut self, best: &CandidateResult, doubtful: bool) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
         let run = self.run;
@@ -377,14 +378,19 @@ impl<'a> Text<'a> {
             let texts = [("partner", partner), ("crush", &crush), ("interval", &interval)];
             return Some(fill(phrases.predicts_collision, &texts));
         }
-        let found = of_best().filter(|(_, p)| p.partner.is_none() && !p.extrapolates).filter_map(crush);
+        let found = of_best().filter(|(_, p)| p.partner.is_none()).filter_map(crush);
         let found = found.min_by(|(_, a, _), (_, b, _)| {
-            run.asks_for(b).cmp(&run.asks_for(a)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
+            let order = |p: &PredictionV1| (!run.asks_for(p), p.extrapolates);
+            order(a).cmp(&order(b)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
         })?;
         let (crush, interval) = of_crush(self, found);
         let at = format!("/predictions/{}/impact_speed_m_per_s", found.0);
         let speed = self.number(&at, found.1.impact_speed_m_per_s, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
-        let words = if doubtful { phrases.predicts } else { phrases.usable };
+        let words = match (found.1.extrapolates, doubtful) {
+            (true, _) => phrases.predicts_beyond,
+            (false, true) => phrases.predicts,
+            (false, false) => phrases.usable,
+        };
         Some(fill(words, &[("crush", &crush), ("interval", &interval), ("speed", &speed)]))
     }
 

@@ -61,12 +61,12 @@ pub fn kind_of(run: &Run) -> Kind {
 }
 
 /// Whether there is a pulse without what a crush is computed from.
-pub(crate) fn lacks_mass_or_speed(run: &Run) -> bool {
+pub fn lacks_mass_or_speed(run: &Run) -> bool {
     run.acceleration().is_some() && (run.test.mass_kg.is_none() || run.test.impact_speed_m_per_s.is_none())
 }
 
 /// Which of mass and impact speed is not stated, and what there is not for want of it.
-pub(crate) fn not_stated(run: &Run) -> &'static str {
+pub fn not_stated(run: &Run) -> &'static str {
     let phrases = &run.language.phrases().conclusion;
     match (run.test.mass_kg, run.test.impact_speed_m_per_s) {
         (None, None) => phrases.not_stated_both,

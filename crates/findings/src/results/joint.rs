@@ -6,12 +6,12 @@ use crumple_artifact::records::{AgainstTestV1, JointTestV1, PredictionV1, TestsV
 #[derive(Debug, Clone, Default)]
 pub struct JointTests {
     /// Each test, in the order given.
-    pub tests: Vec<JointTest>,
+    pub tests: Vec<TestOfJointModel>,
 }
 
 /// A test of a joint model.
 #[derive(Debug, Clone)]
-pub struct JointTest {
+pub struct TestOfJointModel {
     /// The test.
     pub test: JointTestV1,
     /// What the model of the others says of it.
@@ -32,24 +32,26 @@ pub enum LeftOut {
 impl JointTests {
     /// The tests of a record, none left out yet.
     pub fn new(tests: TestsV1) -> Self {
-        Self { tests: tests.tests.into_iter().map(|test| JointTest { test, left_out: LeftOut::NotTried }).collect() }
+        Self {
+            tests: tests.tests.into_iter().map(|test| TestOfJointModel { test, left_out: LeftOut::NotTried }).collect(),
+        }
     }
 
     /// `a + b + c`.
-    pub(crate) fn names(&self) -> String {
+    pub fn names(&self) -> String {
         self.tests.iter().map(|test| test.test.name.as_str()).collect::<Vec<_>>().join(" + ")
     }
 
     /// Names of the tests whose crush the others miss, each with the error.
-    pub(crate) fn missed(&self) -> Vec<(&str, f64)> {
-        let missed = |test: &JointTest| test.against()?.missed_crush_percent();
+    pub fn missed(&self) -> Vec<(&str, f64)> {
+        let missed = |test: &TestOfJointModel| test.against()?.missed_crush_percent();
         self.tests.iter().filter_map(|test| Some((test.test.name.as_str(), missed(test)?))).collect()
     }
 }
 
-impl JointTest {
+impl TestOfJointModel {
     /// The test beside its prediction from the others.
-    pub(crate) fn against(&self) -> Option<&AgainstTestV1> {
+    pub fn against(&self) -> Option<&AgainstTestV1> {
         match &self.left_out {
             LeftOut::Predicted(prediction) => prediction.against.as_ref(),
             LeftOut::NotTried | LeftOut::NotPredicted(_) => None,

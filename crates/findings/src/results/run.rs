@@ -5,12 +5,12 @@ use crumple_artifact::records::{
     ModeV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1, StabilizationV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::results::joint::JointTests;
-use crate::text::language::{Language, fill};
 use crate::text::names::candidate_name;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
@@ -150,7 +150,7 @@ impl CandidateResult {
     }
 
     /// Why the value of a parameter is in doubt, in words.
-    pub(crate) fn doubt(&self, name: &str, language: Language) -> Option<&'static str> {
+    pub fn doubt(&self, name: &str, language: Language) -> Option<&'static str> {
         let texts = &language.phrases().model;
         self.record.doubt(name).map(|doubt| match doubt {
             "on a bound" => texts.on_a_bound,
@@ -216,7 +216,7 @@ pub struct Certainties<'a> {
 
 impl Certainties<'_> {
     /// `3 of 4`.
-    pub(crate) fn counts(&self, language: Language) -> String {
+    pub fn counts(&self, language: Language) -> String {
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
         fill(language.phrases().candidates.of, &[("determined", determined), ("parameters", parameters)])
     }

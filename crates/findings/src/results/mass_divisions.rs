@@ -13,7 +13,7 @@ use crate::{CandidateResult, Ranking, Run};
 const FRONT_SHARES: usize = 49;
 
 /// Real parameter sets over the division of the mass.
-pub(crate) struct Divisions<'a> {
+pub struct Divisions<'a> {
     /// The model whose poles they have, in words.
     pub source: String,
     /// Whether these poles are those of a model fitted to the record.
@@ -122,16 +122,16 @@ impl<'a> Divisions<'a> {
 }
 
 /// m2/m1 of a point of the sweep.
-pub(crate) fn ratio(point: &MatchingSweepV1) -> f64 {
+pub fn ratio(point: &MatchingSweepV1) -> f64 {
     1.0 / point.front_mass_fraction - 1.0
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crumple_artifact::records::CandidateV1;
 
-    pub fn matching(largest_mass_ratio: Option<f64>, physical: &[bool]) -> MatchingV1 {
+    fn matching(largest_mass_ratio: Option<f64>, physical: &[bool]) -> MatchingV1 {
         let at = |k: usize| (k + 1) as f64 / (physical.len() + 1) as f64;
         let point = |(k, &physical): (usize, &bool)| MatchingSweepV1 {
             front_mass_fraction: at(k),
@@ -173,7 +173,7 @@ pub(crate) mod tests {
         assert_eq!(feasible(&run_of(matching(None, &[false; 3]))), []);
     }
 
-    pub fn fitted_run(active_bounds: &str) -> (Run, Ranking) {
+    fn fitted_run(active_bounds: &str) -> (Run, Ranking) {
         let record: CandidateV1 = serde_json::from_str(&format!(
             r#"{{"model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null,
                 "notes": [],

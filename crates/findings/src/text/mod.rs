@@ -1,8 +1,6 @@
 //! Names as people write them, and text made safe for Markdown; languages and phrases are those of `crumple-phrases`.
 //! Uses no other room.
 
-pub use crumple_phrases::{language, phrases};
-
 pub mod markdown;
 pub mod names;
 pub mod parameters;

@@ -2,24 +2,24 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_phrases::language::fill;
 use crumple_signal::{About, Severity, Weight};
 
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::Kind;
 use crate::conclusions::several_tests::missed;
-use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::symbols;
 use crate::{Ranking, Run};
 
 /// Warnings that stand on the first screen.
-pub(crate) const SHOWN_FIRST: usize = 3;
+pub const SHOWN_FIRST: usize = 3;
 
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
 
 /// Whether what the page shows first may be another thing than it is taken for, as a stage says.
-pub(crate) fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
+pub fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
     concerns.first().is_some_and(|first| first.weight == LARGEST_WEIGHT && first.stage != "report")
 }
 
@@ -87,23 +87,28 @@ fn concern(
 }
 
 /// Of warnings in their order those for the first screen: at most [`SHOWN_FIRST`], none of a candidate that nobody
-/// recommends while there is any other; and how many are left.
-pub(crate) fn first_warnings<'a>(
-    warnings: &[&'a ConcernV1],
-    run: &Run,
-    ranking: &Ranking,
-) -> (Vec<&'a ConcernV1>, usize) {
-    let prominent = warnings.iter().filter(|concern| !is_of_another_candidate(concern, run, ranking));
-    let mut first: Vec<&ConcernV1> = prominent.take(SHOWN_FIRST).copied().collect();
-    if first.is_empty() {
+/// recommends while there is any other, and none of what only a crash has where the record is of none; and how many are
+/// left.
+pub fn first_warnings<'a>(warnings: &[&'a ConcernV1], run: &Run, ranking: &Ranking) -> (Vec<&'a ConcernV1>, usize) {
+    let is_prominent = |concern: &&&ConcernV1| {
+        let of_no_crash = run.is_generic() && concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
+        !of_no_crash && !is_of_another_candidate(concern, run, ranking)
+    };
+    let mut first: Vec<&ConcernV1> = warnings.iter().filter(is_prominent).take(SHOWN_FIRST).copied().collect();
+    if first.is_empty() && !run.is_generic() {
         first.extend(warnings.iter().take(1));
     }
     let others = warnings.len() - first.len();
     (first, others)
 }
 
+/// What only a crash has: of another record nobody asks for it.
+fn is_of_a_crash(about: &About) -> bool {
+    matches!(about, About::Pulse | About::Mass | About::ImpactSpeed | About::Motion)
+}
+
 /// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.
-pub(crate) fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
+pub fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
     match concern.about.parse() {
         Ok(About::Model(name)) => prominence_of_model(&name, run, ranking) == 1,
         _ => false,
@@ -114,6 +119,7 @@ pub(crate) fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &
 /// demand.
 fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
     match about {
+        _ if is_of_a_crash(about) && kind == Kind::InputOutput => 1,
         About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion => 3,
         About::Model(name) => prominence_of_model(name, run, ranking),
         About::Predictions | About::WallForce | About::Record => 2,

@@ -2,12 +2,12 @@
 
 use crumple_drawing::numbers::KM_PER_H_PER_M_PER_S;
 use crumple_drawing::span;
+use crumple_phrases::language::{Language, fill};
 
 use crate::results::joint::JointTests;
-use crate::text::language::{Language, fill};
 
 /// Which tests, and how far each is off what the others say of it.
-pub(crate) fn several_tests(joint: &JointTests, language: Language) -> String {
+pub fn several_tests(joint: &JointTests, language: Language) -> String {
     let texts = &language.phrases().joint;
     let names: Vec<&str> = joint.tests.iter().map(|test| test.test.name.as_str()).collect();
     let speeds: Vec<f64> =
@@ -32,7 +32,7 @@ pub(crate) fn several_tests(joint: &JointTests, language: Language) -> String {
 }
 
 /// `ka (−23.3 %) and kb (+30.1 %)`: the tests that the others miss; nothing without any.
-pub(crate) fn missed(joint: &JointTests, language: Language) -> Option<String> {
+pub fn missed(joint: &JointTests, language: Language) -> Option<String> {
     let named = |(name, error): (&str, f64)| format!("{name} ({})", language.deviation(error, 1, "%"));
     let names: Vec<String> = joint.missed().into_iter().map(named).collect();
     let between = format!(" {} ", language.phrases().conclusion.and);

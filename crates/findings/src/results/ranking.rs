@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::Axis;
 
-use crate::text::language::{Language, fill};
 use crate::{CandidateResult, Run};
 
 /// Fits that differ by less are the same: simulations agree to about 1e-10 percent, and no test decides at 1e-6.
@@ -154,7 +154,7 @@ pub fn compare_ids(a: &str, b: &str) -> Ordering {
 
 /// For each candidate the index of the one that stands for it in a drawing: itself, or an earlier candidate that
 /// gives exactly the same record (`equivalent_to`, in either direction).
-pub(crate) fn pairs_of_equals(candidates: &[CandidateResult]) -> Vec<usize> {
+pub fn pairs_of_equals(candidates: &[CandidateResult]) -> Vec<usize> {
     let mut stands_for: Vec<usize> = (0..candidates.len()).collect();
     for (index, candidate) in candidates.iter().enumerate() {
         let earlier = candidates[..index].iter().position(|other| {

@@ -3,8 +3,7 @@
 use crumple_artifact::records::CandidateV1;
 use crumple_drawing::numbers::{KILO, MILLI};
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
-
-use crate::text::language::{Language, fill};
+use crumple_phrases::language::{Language, fill};
 
 /// How the deflection of a knot is shown: factor, digits after the point, unit.
 pub const DEFLECTION: (f64, usize, &str) = (MILLI, 0, "mm");

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
+use crumple_phrases::language::fill;
 
 use crate::conclusions::concerns::first_warnings;
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::kind::Kind;
-use crate::text::language::fill;
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
@@ -29,7 +29,8 @@ pub fn overview(
     let phrases = &language.phrases().conclusion;
     let mut lines: Vec<(String, String)> = Vec::new();
     let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
-    let (crush, time, change) = (phrases.crush_label, phrases.time_label, phrases.change_label);
+    let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
+    let (time, change) = (phrases.time_label, phrases.change_label);
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     for (label, field, value, shown) in [
@@ -178,7 +179,7 @@ fn knots(run: &Run, candidate: &CandidateResult) -> Vec<String> {
 /// the crush of the test.
 fn as_one_spring(run: &Run, candidate: &CandidateResult, knots: &[String]) -> Option<String> {
     let is_one_curve = !knots.is_empty() && candidate.record.parameters.contains_key("mass_kg");
-    let stiffness = run.metric("average_stiffness").filter(|_| is_one_curve)?.value?;
-    let stiffness = run.language.quantity(KILO * stiffness, 0, "kN/m");
+    let metric = run.metric("average_stiffness").filter(|_| is_one_curve)?;
+    let stiffness = with_interval(run, metric.value?, metric.low.zip(metric.high), (KILO, 0, "kN/m"));
     Some(fill(run.language.phrases().conclusion.as_one_spring, &[("stiffness", stiffness)]))
 }

@@ -1,0 +1,26 @@
+//! What a run comes to, whatever shows it: results gathered from its artifacts, the ranking of candidates, key numbers,
+//! warnings by their weight, the verdict in two sentences, the summary.
+//!
+//! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it.
+//! Both are SI alone; units of people stand in sentences only.
+//!
+//! rooms: conclusions | results | text
+
+mod conclusions;
+mod results;
+mod text;
+
+pub use conclusions::concerns::{concerns, first_is_decisive, first_warnings, is_of_another_candidate};
+pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
+pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
+pub use conclusions::key_numbers::{KeyNumber, key_numbers};
+pub use conclusions::kind::Kind;
+pub use conclusions::overview::overview;
+pub use conclusions::summary::{Summary, summary, summary_schema};
+pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
+pub use results::ranking::{Ranking, compare_ids};
+pub use results::run::{
+    CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
+};
+pub use results::{mass_divisions, model_band, ranking, residual};
+pub use text::{markdown, names, parameters};
