@@ -100,8 +100,8 @@ pub fn one_table(
             Place::line(file, layout.first_line),
             format!("{columns} columns, {} names, and the first column counts the rows", columns - 1),
             "a name for every column",
-            "the name of the count is missing, as R leaves it out: put \"row\" in front of the names, or export without \
-             the count (row.names = FALSE)",
+            "the name of the count is missing, as R leaves it out: put \"row\" in front of the names, or export \
+             without the count (row.names = FALSE)",
         ));
     }
     let mut notes = Notes::new();

@@ -393,7 +393,7 @@ fn careful_row(
             if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
                 REPEATED_HEADER
             } else {
-                "the file may be cut short or damaged there: export it again, mend the line, or end the record before it"
+                "the file may be cut short or damaged there: export it again, mend the line, or end the record above"
             },
         ));
     }
