@@ -22,6 +22,7 @@ pub use layout::names::{WAVE_PREFIX, same_type};
 pub use layout::provenance::{InputDigest, Provenance};
 pub use layout::record::{Record, SCHEMAS};
 pub use layout::wave::Wave;
+pub use read::named_pipe::refuse_named_pipe;
 pub use read::reader::{Artifact, RawRecord};
 pub use write::atomic::{remove_in_order, replace_atomically, write_atomically};
 pub use write::builder::{ArtifactBuilder, Compression};

@@ -136,6 +136,30 @@ fn records_of_other_projects_are_compared_as_json_or_as_bytes() {
 }
 
 #[test]
+fn records_of_other_counts_are_not_compared_one_by_one() {
+    let many = |count: u32| {
+        let mut file = Cursor::new(Vec::new());
+        let mut writer = mcap::WriteOptions::new().create(&mut file).unwrap();
+        let note = writer.add_schema("crumple.Notes.v1", "", b"").unwrap();
+        let notes = writer.add_channel(note, "/notes", "json", &Default::default()).unwrap();
+        let header = mcap::records::MessageHeader { channel_id: notes, sequence: 0, log_time: 0, publish_time: 0 };
+        writer.write_to_known_channel(&header, br#"{"stage":"x","notes":[]}"#).unwrap();
+        let schema = writer.add_schema("mine.Pose", "", b"").unwrap();
+        let channel = writer.add_channel(schema, "/pose", "json", &Default::default()).unwrap();
+        for sequence in 0..count {
+            let header = mcap::records::MessageHeader { channel_id: channel, sequence, log_time: 0, publish_time: 0 };
+            writer.write_to_known_channel(&header, b"{}").unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        Artifact::read(Path::new("x.mcap"), file.get_ref().as_slice()).unwrap()
+    };
+    let difference = only(&many(2), &many(3));
+    assert_eq!(difference.place, "type");
+    assert_eq!((difference.a, difference.b), (Some(json!("2 records")), Some(json!("3 records"))));
+}
+
+#[test]
 fn every_value_is_counted_and_the_largest_relative_difference_told() {
     let compare = |a: &Value, b: &Value| compare_json("/x", a, b, &CompareSettings::default());
     let report = compare(&json!({"a": 1.0, "b": 2.0}), &json!({"a": 1.0 + 1e-10, "b": 2.0}));

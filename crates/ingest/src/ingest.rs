@@ -78,6 +78,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     details::check(file, &recording.details)?;
 
     set_time_zero(file, &mut recording, pulse, &mut notes)?;
+    times_in_range(file, &recording)?;
     let time_zero = match &recording.details.time_zero_s {
         Some(stated) => Some(format!("stated by {}", stated.from)),
         None => recording.contact_at_zero.then(|| format!("the format {}", reader.format())),
@@ -262,6 +263,25 @@ fn set_time_zero(
         Some(wave) => time_zero::require_contact(file, wave),
         None => Ok(()),
     }
+}
+
+/// Refuses channels whose times no artifact can hold.
+fn times_in_range(file: &str, recording: &Recording) -> Result<(), IngestError> {
+    // Nanoseconds in 64 bits: 292 years.
+    const LONGEST_S: f64 = 9e9;
+    for read in &recording.channels {
+        let Some(wave) = &read.wave else { continue };
+        let (t0_s, end_s, dt_s) = (wave.t0_s(), wave.end_s(), wave.dt_s());
+        if !(t0_s.abs() < LONGEST_S && end_s.abs() < LONGEST_S && (1.0 / dt_s).is_finite()) {
+            return Err(IngestError::content(
+                Place::file(file),
+                format!("channel {} runs from {t0_s:e} s to {end_s:e} s in steps of {dt_s:e} s", read.channel.id),
+                "times within 285 years",
+                "correct the times, or the unit that is stated for them",
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn overflow(file: &str, found: &str) -> IngestError {

@@ -158,6 +158,9 @@ fn refusals_name_line_and_column() {
     // The header ends in line 8, the first row is line 20.
     let error = |from: &str, to: &str| read(good.replacen(from, to, 1)).unwrap_err().to_string();
     assert_eq!(error("\t7\n", "\tseven\n"), "t.lvm, line 27, column 2 (acc): \"seven\" is not a finite number");
+    let hint = read(good.replacen("\t7\n", "\tseven\n", 1)).unwrap_err().hint().to_owned();
+    assert!(hint.contains("write the number that belongs there"), "{hint}");
+    assert_eq!(samples(&read(&good).unwrap().channels[0])[7], 7.0 * G);
     assert_eq!(error("\t7\n", "\t\n"), "t.lvm, line 28, column 2 (acc): a sample after empty fields");
     assert!(error("0.007000\t7\n", "").starts_with("t.lvm, line 27, column 2 (acc): X is 0.008, the row is at 0.007"));
     assert_eq!(error("\t7\n", "\tNaN\n"), "t.lvm, column acc: sample 7 of 60 is missing (NaN)");

@@ -146,6 +146,24 @@ fn uneven_stamps_are_refused_and_resampled_only_on_request() {
 }
 
 #[test]
+fn stamps_out_of_order_are_refused_with_advice_that_works() {
+    let good = log(|stamp, linear| imu(true, stamp, linear));
+    let file = |messages: &[(u64, Vec<u8>)]| mcap_file("sensor_msgs/msg/Imu", "cdr", messages);
+    let (mut twice, mut exchanged) = (good.clone(), good.clone());
+    twice.insert(100, good[99].clone());
+    let (a, b) = (exchanged[50].1.clone(), exchanged[51].1.clone());
+    (exchanged[50].1, exchanged[51].1) = (b, a);
+    for (messages, found, hint) in [
+        (twice, "message 101: it has the stamp of the one before", "remove the message that is there twice"),
+        (exchanged, "message 52: its stamp is earlier", "sort the messages by their stamps"),
+    ] {
+        let error = read(file(&messages), &settings("acceleration_x")).unwrap_err();
+        assert!(error.to_string().contains(found) && error.hint().starts_with(hint), "{error} ({})", error.hint());
+    }
+    assert_eq!(read(file(&good), &settings("acceleration_x")).unwrap().pulse().unwrap().samples.len(), 200);
+}
+
+#[test]
 fn damaged_and_boastful_files_are_refused() {
     let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
     for length in [9, 100, file.len() / 2, file.len() - 1] {

@@ -117,6 +117,92 @@ fn these_are_read_right() {
     }
 }
 
+/// A number of `decimals` digits behind `point`, with `apart` between its thousands.
+fn grouped(x: f64, apart: &str, point: &str, decimals: usize) -> String {
+    let text = format!("{:.decimals$}", x.abs());
+    let (whole, part) = text.split_once('.').unwrap_or((&text, ""));
+    let groups: Vec<&str> =
+        whole.as_bytes().rchunks(3).rev().map(|group| std::str::from_utf8(group).unwrap()).collect();
+    let point = if part.is_empty() { "" } else { point };
+    format!("{}{}{point}{part}", if x < 0.0 { "-" } else { "" }, groups.join(apart))
+}
+
+/// What other programs export: each as it is, but for the bytes of UTF-16 and Latin-1.
+fn exports_of_other_programs() -> Vec<(String, Vec<u8>)> {
+    let header = "time_s,accel_g";
+    let german = rows(|_, t, a| comma(format!("{t:.4};{a:.4}")));
+    let micro = |apart: &'static str, point: &'static str| {
+        let line = move |t: f64, a: f64| {
+            format!("{};{}", grouped(t * 1e6, apart, point, 1), grouped(a * 1e3, apart, point, 1))
+        };
+        format!("time [us];accel [mg]\n{}", rows(|_, t, a| line(t, a)))
+    };
+    let mut tables = vec![
+        ("tabs and decimal commas", format!("Zeit [s]\ta [g]\n{}", german.replace(';', "\t"))),
+        ("Zeit in ms", format!("Zeit in ms;a in g\n{}", rows(|_, t, a| comma(format!("{:.1};{a:.4}", t * 1e3))))),
+        ("errors of Excel at both ends", format!("{header}\n-0.0502,#N/A\n{}0.1500,#DIV/0!\n", plain())),
+        ("missing values of C on Windows", format!("{header}\n-0.0502,1.#QNAN\n{}0.1500,-1.#IND\n", plain())),
+        ("dashes for no value", format!("{header}\n-0.0502,-\n{}0.1500,-\n", plain())),
+        ("thousands of Switzerland", micro("'", ".")),
+        ("thousands apart by a hard blank", micro("\u{a0}", ",")),
+        ("thousands apart by a narrow blank", micro("\u{202f}", ",")),
+        ("thousands apart by a blank", micro(" ", ",")),
+        ("thousands apart by points", micro(".", ",")),
+        ("thousands apart by commas, semicolons between", micro(",", ".")),
+        (
+            "decimal commas with exponents",
+            format!("t [s];a [g]\n{}", rows(|_, t, a| comma(format!("{t:.6E};{a:.6E}")))),
+        ),
+        ("pandas with its index", format!(",{header}\n{}", rows(|k, t, a| format!("{k},{t:.4},{a:.4}")))),
+        ("R's write.csv", format!("\"\",{header}\n{}", rows(|k, t, a| format!("\"{}\",{t:.4},{a:.4}", k + 1)))),
+        ("numpy's savetxt", format!("# time_s accel_g\n{}", rows(|_, t, a| format!("{t:.18e} {a:.18e}")))),
+        ("Origin", format!("Time\tAccel\ns\tg\nrun 3\tB-pillar\n{}", plain().replace(',', "\t"))),
+        ("a row of formulas", format!("{header}\n{}=MIN(A2:A1001),=MIN(B2:B1001)\n", plain())),
+        ("an extreme without a time below", format!("{header}\n{},-25.0000\n", plain())),
+        ("milliseconds without a unit", format!("Time,accel_g\n{}", rows(|_, t, a| format!("{:.1},{a:.4}", t * 1e3)))),
+        ("plus signs", format!("{header}\n{}", rows(|_, t, a| format!("{t:+.4},{a:+.4}")))),
+        ("line ends of two systems", format!("{header}\r\n{}", plain().replace("5\n", "5\r\n"))),
+        ("blocks of zeros of a logger", format!("{header}\n{}{}", plain(), "\0".repeat(4096))),
+        ("an end mark of DOS", format!("{header}\n{}\u{1a}", plain())),
+        ("a mark inside the quotes", format!("\"\u{feff}time_s\",\"accel_g\"\n{}", plain())),
+        ("empty fields between all", format!("time_s;;accel_g\n{}", plain().replace(',', ";;"))),
+        ("the time last", format!("accel_g,time_s\n{}", rows(|_, t, a| format!("{a:.4},{t:.4}")))),
+        ("columns of equal width", format!("   time_s     accel_g\n{}", rows(|_, t, a| format!("{t:9.4}{a:12.4}")))),
+        ("form feeds between pages", format!("{header}\n{}", plain().replace("\n0.0", "\n\u{c}0.0"))),
+    ];
+    let units =
+        [("m·s⁻²", G), ("m/s**2", G), ("m/s/s", G), ("cm/s²", 1e2 * G), ("Gal", 1e2 * G), ("in/s^2", G / 0.0254)];
+    for (unit, factor) in units {
+        let text = rows(|_, t, a| format!("{t:.4};{:.6}", a * factor));
+        tables.push((unit, format!("time [s];accel [{unit}]\n{text}")));
+    }
+    let mut tables: Vec<(String, Vec<u8>)> =
+        tables.into_iter().map(|(name, text)| (name.to_owned(), format!("{FACTS}{text}").into_bytes())).collect();
+    tables.push(("old line ends alone".to_owned(), format!("{FACTS}{header}\n{}", plain()).replace('\n', "\r").into()));
+    let wide = |order: fn(u16) -> [u8; 2]| {
+        let text = format!("\u{feff}{FACTS}time [s]\taccel [g]\n{}", plain().replace(',', "\t"));
+        text.encode_utf16().flat_map(order).collect()
+    };
+    tables.push(("Unicode text of Excel".to_owned(), wide(u16::to_le_bytes)));
+    tables.push(("the same from the other end".to_owned(), wide(u16::to_be_bytes)));
+    let latin = format!("{FACTS}Zeit [s];a [m/s²]\n{}", rows(|_, t, a| comma(format!("{t:.4};{:.5}", a * G))));
+    tables.push(("Latin-1".to_owned(), latin.chars().map(|c| c as u8).collect()));
+    tables
+}
+
+#[test]
+fn exports_of_other_programs_are_read_right() {
+    let tables = exports_of_other_programs();
+    assert!(tables.len() >= 38);
+    for (name, text) in tables {
+        let ingested = read(text, &none()).unwrap_or_else(|error| panic!("{name}: {error} (hint: {})", error.hint()));
+        check_pulse(&name, &ingested, -0.05);
+        assert_eq!(ingested.waves.len(), 1, "{name}");
+        let stated = (ingested.test.mass_kg, ingested.test.impact_speed_m_per_s);
+        assert_eq!(stated, (Some(1200.0), Some(50.0 / 3.6)), "{name}");
+    }
+}
+
 /// A table that is refused, words of its advice, and the table and flags of one who followed it.
 struct Refused {
     name: &'static str,
@@ -229,9 +315,86 @@ fn refused() -> Vec<Refused> {
     tables
 }
 
+/// What is damaged, in another order, or as another program prints it.
+fn refused_exports() -> Vec<Refused> {
+    let header = "time_s,accel_g";
+    let good = format!("{header}\n{}", plain());
+    let lines: Vec<String> = plain().lines().map(|line| format!("{line}\n")).collect();
+    let mut tables = Vec::new();
+    let mut add = |name, text: String, advice, followed: &str, flags| {
+        tables.push(Refused { name, text, advice, followed: (followed.to_owned(), flags), t0_s: -0.05 });
+    };
+    let accel_g = || IngestSettings { unit: Some("g".to_owned()), ..none() };
+    let both = || IngestSettings { time_unit: Some("s".to_owned()), ..accel_g() };
+    let with = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        good.replacen(from, to, 1)
+    };
+    add("a word", with(",-25.0000", ",abc"), "write the number that belongs there", &good, none());
+    add("a remark behind a number", with("-25.0000", "-25.0000 # peak"), "write the number that", &good, none());
+    add("an error of Excel inside", with("-25.0000", "#DIV/0!"), "fill it in the program", &good, none());
+    add("a field too many", with("-25.0000", "-25.0000,peak"), "mend the line", &good, none());
+    add("a row without its value", with("\n0.0450,-25.0000", "\n0.0450"), "mend the line", &good, none());
+    add(
+        "a row that is there twice",
+        with("\n0.0450,", "\n0.0450,-25.0000\n0.0450,"),
+        "remove the row that is",
+        &good,
+        none(),
+    );
+    let coarse = format!("{header}\n{}", rows(|_, t, a| format!("{t:.3},{a:.4}")));
+    add("times of too few decimals", coarse, "export more of them", &good, none());
+    let backwards: String = lines.iter().rev().map(String::as_str).collect();
+    add("rows from the end to the start", format!("{header}\n{backwards}"), "sort them by time", &good, none());
+    let mut shuffled = lines.clone();
+    shuffled.swap(300, 301);
+    add("two rows exchanged", format!("{header}\n{}", shuffled.concat()), "sort the rows by time", &good, none());
+    add("two recordings", format!("{good}{}", plain()), "split the file there", &good, none());
+    let pages: String = lines.chunks(100).map(|page| format!("{header}\n{}", page.concat())).collect();
+    add("names on every page", pages, "remove such lines between the rows", &good, none());
+    let gap = with("-0.0100,0.0000\n", "");
+    let rate = IngestSettings { resample: Some("5kHz".parse().unwrap()), ..none() };
+    add("a row that is missing", gap.clone(), "--resample 5000Hz", &gap, rate);
+    let brackets = |a: f64| if a < 0.0 { format!("({:.4})", -a) } else { format!("{a:.4}") };
+    let behind = |a: f64| if a < 0.0 { format!("{:.4}-", -a) } else { format!("{a:.4}") };
+    let text = format!("{header}\n{}", rows(|_, t, a| format!("{t:.4},{}", brackets(a))));
+    add("negative numbers in brackets", text, "with their sign in front", &good, none());
+    let text = format!("{header}\n{}", rows(|_, t, a| format!("{t:.4},{}", behind(a))));
+    add("signs behind", text, "with their sign in front", &good, none());
+    let text = format!("{header}\n{}", rows(|_, t, a| format!("{t:.4}s,{a:.4}g")));
+    add("a unit behind every number of all columns", text, "without the unit behind them", &good, none());
+    let numbered = rows(|k, t, a| format!("{} {t:.4} {a:.4}", k + 1));
+    let (bare, named) = (format!("time_s accel_g\n{numbered}"), format!("row time_s accel_g\n{numbered}"));
+    add("R's write.table", bare.clone(), "put \"row\" in front of the names", &named, none());
+    add("R's write.table, written again", bare, "row.names = FALSE", &good.replace(',', " "), none());
+    let shown = rows(|_, t, a| format!("   {:.7}   {:.7}", t / 1e3, a / 1e3));
+    let text = format!("% t [s]  a [g]\n   1.0e+03 *\n\n{shown}");
+    add("MATLAB's display", text, "multiply all columns and remove that line", &good, none());
+    let text = format!("time [min],accel [g]\n{}", rows(|_, t, a| format!("{:.9},{a:.4}", t / 60.0)));
+    add("minutes", text, "export the times in s, ms or us", &good, none());
+    let text = format!("Var1,Var2\n{}", plain());
+    add("names of MATLAB's tables", text.clone(), "--time-unit s", &text, both());
+    let text = format!("s,g\ntime,accel\n{}", plain());
+    add("units above the names", text.clone(), "add --unit g", &text, accel_g());
+    add("lines between the fields", good.replace(',', "|"), "between commas, semicolons, tabs", &good, none());
+    let text = format!("# mass: 1,200 kg\n{good}");
+    let mass = || IngestSettings { mass: Some("1200kg".parse().unwrap()), ..none() };
+    add("thousands of kilograms", text.clone(), "correct the comment line", &text.replace("1,2", "12"), none());
+    add("a mass without its unit", format!("# mass: 1200\n{good}"), "remove it and use the flag", &good, mass());
+    let late = |k: usize| if k < 500 { "" } else { "1.0" };
+    let text = format!("time_s,b_g,accel_g\n{}", rows(|k, t, a| format!("{t:.4},{},{a:.4}", late(k))));
+    let filled = text.replace(",,", ",0.0,");
+    let first = || IngestSettings { channel: Some("accel_g".to_owned()), ..none() };
+    add("a column that begins late", text.clone(), "leave that column out", &good, none());
+    add("a column that begins late, filled", text, "fill it from the first row on", &filled, first());
+    tables
+}
+
 #[test]
 fn these_are_refused_with_advice_that_works() {
-    for Refused { name, text, advice, followed: (followed, flags), t0_s } in refused() {
+    for Refused { name, text, advice, followed: (followed, flags), t0_s } in
+        refused().into_iter().chain(refused_exports())
+    {
         let error = read(text.clone(), &none()).err().unwrap_or_else(|| panic!("{name} is read"));
         assert!(error.hint().contains(advice), "{name}: {error} (hint: {})", error.hint());
         assert!(error.expected().is_some_and(|expected| !expected.is_empty()), "{name}");

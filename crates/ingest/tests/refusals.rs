@@ -113,6 +113,21 @@ fn mass_or_speed_missing_is_no_reason_to_refuse() {
 }
 
 #[test]
+fn times_beyond_any_record_and_pipes_without_a_writer() {
+    let huge: String = (1..80).map(|k| format!("{k}e300,{}\n", k % 7)).collect();
+    refused("huge.csv", format!("time_s,accel_g\n{huge}"), &[], &["channel accel_g runs from 1e300 s to", "285 years"]);
+    let ones = "1\n2\n".repeat(50);
+    for interval in ["1e-320s", "1e300s"] {
+        refused("interval.csv", format!("accel_g\n{ones}"), &["--sample-time", interval], &["correct the times"]);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("crash.csv");
+    assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+    let (code, said) = run_on(&path, &[]);
+    assert!(code == 3 && said.contains("it is a pipe, not a file"), "{code}: {said}");
+}
+
+#[test]
 fn nonsense_values() {
     let text = format!("time_s,accel_g\n{}", rows(300));
     refused("a.csv", &text, &["--mass=-5kg", "--impact-speed", "35km/h"], &["a usable mass", "flag gives -5"]);

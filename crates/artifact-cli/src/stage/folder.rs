@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use anyhow::Context;
-use crumple_artifact::{Artifact, ArtifactBuilder, OutputKind, SCHEMAS, Wave, write_atomically};
+use crumple_artifact::{Artifact, ArtifactBuilder, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically};
 use crumple_artifact_cli::{
     PlainError, PlainProvenance, PlainWave, assemble, f64_bytes, parse_lines, plain_records, plain_waves,
 };
@@ -91,7 +91,9 @@ fn wave(folder: &Path, line: &PlainWave, refuse: impl Fn(PlainError) -> Refused)
         return Err(refuse(PlainError::Wave { id: line.id.clone(), problem }).into());
     }
     let path: PathBuf = folder.join(&line.file);
-    let bytes = fs::read(&path).map_err(|error| Refused::new(format!("cannot read {}: {error}", path.display())))?;
+    let bytes = refuse_named_pipe(&path)
+        .and_then(|()| fs::read(&path))
+        .map_err(|error| Refused::new(format!("cannot read {}: {error}", path.display())))?;
     Ok(line.with_bytes(&bytes).map_err(refuse)?)
 }
 

@@ -2,4 +2,5 @@
 //! Uses layout and records.
 
 pub mod chunk;
+pub mod named_pipe;
 pub mod reader;

@@ -18,6 +18,7 @@ use crate::layout::names::{CONTENT, WAVE_PREFIX, is_later_version};
 use crate::layout::provenance::{FORMAT_VERSION, PROVENANCE, Provenance};
 use crate::layout::record::Record;
 use crate::layout::wave::{Wave, WaveAssembler};
+use crate::read::named_pipe::refuse_named_pipe;
 use crate::records::{TestV1, WaveBlockV1};
 
 /// Records other than chunks are small; an absurd length is damage or an attack.
@@ -59,6 +60,7 @@ impl Artifact {
     /// The same, and tells `done` of the bytes of each piece that is read.
     pub fn open_reporting(path: &Path, done: &mut dyn FnMut(u64)) -> Result<Self, ReadError> {
         let io = |source| ReadError::Io { path: path.to_owned(), source };
+        refuse_named_pipe(path).map_err(io)?;
         let file = File::open(path).map_err(io)?;
         let found = file.metadata().map_err(io)?;
         if found.is_dir() {

@@ -33,3 +33,36 @@ pub(crate) fn scales(a: &[Value], b: &[Value], modulus: f64) -> Option<Vec<f64>>
     }
     Some((0..a.len()).map(|k| most / power(k)).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn modulus(a: &Value, b: &Value) -> Option<f64> {
+        let object = |list: &Value| json!({ "denominator": list }).as_object().cloned().unwrap_or_default();
+        root_modulus(&object(a), &object(b))
+    }
+
+    #[test]
+    fn roots_are_as_far_from_zero_as_the_ends_of_the_denominator_say() {
+        // Roots of modulus 100 and 10; 8 against 1.
+        assert_eq!(modulus(&json!([1.0, 20.0, 1e4]), &json!([1.0, 20.0, 1e4])), Some(100.0));
+        assert_eq!(modulus(&json!([2.0, 3.0, 200.0]), &json!([1.0, 0.0, 1e4])), Some(100.0), "the larger side");
+        assert_eq!(modulus(&json!([-1.0, 0.0, 64.0]), &json!([1.0, 0.0, 0.0, 1.0])), Some(8.0));
+        for none in [json!([1.0, 2.0, 0.0]), json!([0.0, 2.0, 1.0]), json!([]), json!(["x", 1.0]), json!(1.0)] {
+            assert_eq!(modulus(&json!([1.0, 2.0]), &none), None, "{none}");
+            assert_eq!(modulus(&none, &json!([1.0, 2.0])), None, "{none}");
+        }
+    }
+
+    #[test]
+    fn a_coefficient_is_measured_by_the_largest_term_near_the_roots() {
+        let list = |x: &[f64]| x.iter().map(|x| json!(x)).collect::<Vec<Value>>();
+        // 3·10², 1·10 and 20 near roots of modulus 10: the first is the largest.
+        assert_eq!(scales(&list(&[3.0, 1.0, 20.0]), &list(&[-2.0, 1.0, 7.0]), 10.0), Some(vec![3.0, 30.0, 300.0]));
+        assert_eq!(scales(&list(&[1.0]), &list(&[1.0, 2.0]), 10.0), None);
+        assert_eq!(scales(&list(&[1.0]), &[json!("x")], 10.0), None);
+    }
+}

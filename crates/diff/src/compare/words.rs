@@ -117,6 +117,9 @@ mod tests {
         assert!(same("µ 3.5 µ", "µ 3.50 µ"));
         assert!(!same("1.", "1.5"));
         assert!(!same("1.5e", "1.5"));
+        assert!(same("it is 1.5.", "it is 1.5000000000001."), "the end of a sentence");
+        assert!(same("1.5. 2", "1.5000000000001. 2") && !same("1.5.2", "1.5000000000001.2"));
+        assert!(same("2.5e+3", "2500.0000000001") && same("2.5e3 s", "2500.0 s") && !same("2.5e-", "2.5e"));
     }
 
     #[test]
@@ -129,5 +132,7 @@ mod tests {
         assert!(!same_but_for_numbers("k1_n_per_m", "k2_n_per_m"));
         assert!(!same_but_for_numbers("version 0.1.0", "version 0.2.0"));
         assert!(!same_but_for_numbers("30 samples", "30 samples are clipped"));
+        assert!(!same_but_for_numbers("5mm wide", "6mm wide") && !same_but_for_numbers("5_a", "6_a"), "names");
+        assert!(!same_but_for_numbers("on 5/a", "on 6/a") && same_but_for_numbers("it is 5.", "it is 6."));
     }
 }

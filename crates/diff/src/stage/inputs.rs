@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use crumple_artifact::Artifact;
+use crumple_artifact::{Artifact, refuse_named_pipe};
 use crumple_diff::{
     CompareSettings, Comparison, DiffError, FileReport, Side, compare_artifacts, compare_json, head,
     tolerated_parameters,
@@ -106,6 +106,8 @@ fn results_in(folder: &Path) -> Result<BTreeSet<String>, DiffError> {
 }
 
 fn read_json(path: &Path) -> Result<serde_json::Value, DiffError> {
-    let text = fs::read(path).map_err(|source| DiffError::Io { path: path.to_owned(), source })?;
+    let text = refuse_named_pipe(path)
+        .and_then(|()| fs::read(path))
+        .map_err(|source| DiffError::Io { path: path.to_owned(), source })?;
     serde_json::from_slice(&text).map_err(|source| DiffError::Json { path: path.to_owned(), source })
 }

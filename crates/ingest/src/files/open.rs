@@ -7,6 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
+use crumple_artifact::refuse_named_pipe;
 use rayon::prelude::*;
 
 use crate::error::WHAT_IS_READ;
@@ -97,6 +98,7 @@ impl Bundle {
 pub(crate) fn name_and_main_file(path: &Path) -> Result<(String, PathBuf), IngestError> {
     let is_folder = fs::metadata(path).map_err(|error| unreadable(path, &error))?.is_dir();
     let main_path = if is_folder { main_file_of(path)? } else { path.to_owned() };
+    refuse_named_pipe(&main_path).map_err(|error| unreadable(&main_path, &error))?;
     Ok((file_name(if is_folder { path } else { &main_path }), main_path))
 }
 

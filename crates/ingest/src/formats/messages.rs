@@ -250,9 +250,14 @@ fn track_grid(
     let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
     match (grid::fit(times, 1e-9), settings.resample) {
         (Ok(grid), None) => Ok(TrackGrid { grid, interpolation: None, comment: None }),
-        (Err(GridError::Repeated { index } | GridError::Backwards { index }), _) => {
-            error_at(index, "its stamp does not come after the one before".to_owned(), "remove the repeated messages")
+        (Err(GridError::Repeated { index }), _) => {
+            error_at(index, "it has the stamp of the one before".to_owned(), "remove the message that is there twice")
         }
+        (Err(GridError::Backwards { index }), _) => error_at(
+            index,
+            "its stamp is earlier than the one before".to_owned(),
+            "sort the messages by their stamps, or split the recording there if another one begins",
+        ),
         (Err(GridError::Uneven { dt_s, .. }), None) if settings.listing => {
             let jitter = jitter(times);
             Ok(TrackGrid {

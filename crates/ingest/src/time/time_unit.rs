@@ -7,7 +7,8 @@ use crate::time::grid;
 use crate::{IngestError, Place};
 
 /// What to do about a unit that is none of time.
-const HINT: &str = "use --time-unit s or --time-unit ms";
+const HINT: &str =
+    "export the times in s, ms or us; if they are and the unit is wrong, --time-unit ms (or s, us) says so";
 
 /// The factor to s of a unit stated by `from`, of times that stand at `place`.
 pub fn stated_unit(place: Place, symbol: &str, from: &str) -> Result<f64, IngestError> {

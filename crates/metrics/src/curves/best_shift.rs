@@ -225,6 +225,53 @@ mod tests {
     }
 
     #[test]
+    fn finds_what_trying_all_shifts_finds_in_curves_of_every_size_and_offset() {
+        let share = |k: usize, stream: f64| (k as f64 * stream).fract() - 0.5;
+        for number in 1..400_usize {
+            let n = 3 + number % 57;
+            let (noise, offset) = ([0.0, 0.02, 1.0][number % 3], [0.0, 3.0, -1e7][number / 3 % 3]);
+            let flat = if number % 4 == 0 { n / 2 } else { 0 };
+            let curve = |place: usize, scale: f64, stream: f64| -> Vec<f64> {
+                let at = |k: usize| {
+                    let u = (k as f64 - place as f64) / (1.0 + n as f64 / 7.0);
+                    let pulse =
+                        if k < flat { 0.0 } else { (-u * u).exp() + noise * share(k * (1 + number % 5), stream) };
+                    scale * pulse + if number % 2 == 0 { offset } else { 0.0 }
+                };
+                (0..n).map(at).collect()
+            };
+            let t = curve(n / 2, 1.0, 0.618_034);
+            let c = curve((n / 2 + number % 11).saturating_sub(5), [1.0, -2.0, 1e-3, 1e9][number % 4], 0.754_878);
+            for (kind, longest) in [Correlation::Centred, Correlation::Raw]
+                .map(|kind| (kind, n / 3))
+                .into_iter()
+                .chain([(Correlation::Centred, n), (Correlation::Raw, n + 5)])
+            {
+                let tried = by_trying_all(&t, &c, longest.min(n - 1), kind);
+                assert_eq!(best_shift(&t, &c, longest, kind), tried, "{number}: {n} samples, {kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn samples_beyond_the_transform_are_compared_by_the_definition_alone() {
+        // Zeros and infinities have no scale; a part of one sample or of equal ones has no correlation.
+        let (pulse, zeros) = ([0.0, 1.0, 0.0, 0.0], [0.0; 4]);
+        for kind in [Correlation::Centred, Correlation::Raw] {
+            assert_eq!(best_shift(&pulse, &zeros, 2, kind), by_trying_all(&pulse, &zeros, 2, kind));
+            assert_eq!(best_shift(&zeros, &pulse, 2, kind), by_trying_all(&zeros, &pulse, 2, kind));
+            let endless = [0.0, f64::INFINITY, 1.0, 0.0];
+            assert_eq!(best_shift(&pulse, &endless, 3, kind), by_trying_all(&pulse, &endless, 3, kind));
+            assert_eq!(best_shift(&endless, &pulse, 3, kind), by_trying_all(&endless, &pulse, 3, kind));
+        }
+        assert_eq!(correlation(&[1.0], &[2.0], Correlation::Centred), None);
+        assert_eq!(correlation(&[1.0], &[2.0], Correlation::Raw), Some(1.0));
+        assert_eq!(correlation(&[0.1; 3], &[1.0, 2.0, 4.0], Correlation::Centred), None);
+        assert_eq!(correlation(&[1.0, 2.0, 4.0], &[0.1; 3], Correlation::Centred), None);
+        assert_eq!(correlation(&[1.0, 2.0], &[3.0, 5.0], Correlation::Centred), Some(1.0));
+    }
+
+    #[test]
     fn a_constant_curve_has_no_correlation() {
         assert_eq!(best_shift(&[1.0; 9], &[1.0; 9], 3, Correlation::Centred), BestShift { late: 0, correlation: None });
     }

@@ -114,6 +114,15 @@ mod tests {
     }
 
     #[test]
+    fn of_equal_stays_the_first_is_the_longest() {
+        let peaks = [0.0, 4.0, 0.0, 4.0, 0.0];
+        assert_eq!(longest_stay(&peaks, 2.0), Some((0.5, 1.5)));
+        assert_eq!(longest_stay(&[0.0, 4.0, 0.0, 4.0, 4.0, 0.0], 2.0), Some((2.5, 4.5)));
+        assert_eq!(longest_stay(&[0.0, 4.0, 2.0, 4.0, 0.0], 2.0), Some((0.5, 3.5)), "it may touch the level");
+        assert_eq!((longest_stay(&peaks, 5.0), total_time(&peaks, 2.0)), (None, 2.0));
+    }
+
+    #[test]
     fn two_peaks_add_up_in_the_cumulative_kind_only() {
         let a = Signal::new(0.0, 1.0, vec![0.0, 4.0, 0.0, 4.0, 0.0]).unwrap();
         assert!((clip_contiguous(&a, 1.0).value.unwrap() - 2.0).abs() < 1e-14);

@@ -48,6 +48,11 @@ mod tests {
     fn a_decimal_window_is_whole_samples() {
         assert_eq!(in_samples(0.015, 1e-4), Some((150, 0.0)));
         assert_eq!(in_samples(0.75, 0.5), Some((1, 0.5)));
+        // Intervals below 1 µs: the slack is a thousandth of one, not 1 ns.
+        assert_eq!(in_samples(100.0e-8, 1e-8), Some((100, 0.0)));
+        assert!(in_samples(100.01e-8, 1e-8).is_some_and(|(whole, part)| whole == 100 && part > 0.0));
+        assert_eq!(in_samples(1.0 + 0.9e-9, 0.5), Some((2, 0.0)));
+        assert!(in_samples(1.0 + 2e-9, 0.5).is_some_and(|(whole, part)| whole == 2 && part > 0.0));
         assert_eq!(in_samples(-0.1, 0.5), None);
         assert_eq!(in_samples(f64::NAN, 0.5), None);
     }

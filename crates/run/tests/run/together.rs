@@ -1,22 +1,30 @@
 //! Two runs into one folder.
 
 use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
 use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::Duration;
 
 use crate::chain::{Chain, Stages, said};
 
-/// A run whose identify waits before it works.
-fn slow(seconds: u32) -> Chain {
+/// A run whose identify says by a file that it works, and waits until it is let go.
+fn held_in_identify() -> Chain {
     let chain = Chain::new(Stages::Foreign);
-    let command = format!("sh -c 'sleep {seconds} && exec \"$@\"' x {}", chain.command("4-identify.mcap"));
+    let (at_work, let_go) = (beside(&chain, "at-work"), beside(&chain, "let-go"));
+    let wait = format!("touch {} && while [ ! -e {} ]; do sleep 0.05; done", at_work.display(), let_go.display());
+    let command = format!("sh -c '{wait} && exec \"$@\"' x {}", chain.command("4-identify.mcap"));
     chain.with("4-identify.mcap", &command)
 }
 
-/// Until the run is in its fourth stage.
+/// A file beside the records.
+fn beside(chain: &Chain, name: &str) -> PathBuf {
+    chain.record("a").with_file_name(name)
+}
+
+/// Until identify itself works: the files of the stage before it are there while nothing holds the lock but the run.
 fn wait_for_identify(chain: &Chain) {
-    while !chain.folder().join("3-integrate.mcap").exists() || !chain.folder().join(".crumple-run.new").exists() {
+    while !beside(chain, "at-work").exists() {
         sleep(Duration::from_millis(5));
     }
 }
@@ -44,20 +52,22 @@ fn ten_pairs_of_simultaneous_runs_end_well_and_unmixed() {
 
 #[test]
 fn the_second_run_says_for_whom_it_waits_and_goes_on_after_it() {
-    let chain = slow(1);
+    let chain = held_in_identify();
     let mut first = chain.run("a").spawn().unwrap();
     wait_for_identify(&chain);
-    let second = chain.run("b").output().unwrap();
-    assert!(second.status.success(), "{}", said(&second));
+    let mut second = chain.run("b").spawn().unwrap();
+    let line = first_line(&mut second);
     let expected = format!("waiting for process {}, which runs {}", first.id(), chain.record("a").display());
-    assert!(said(&second).starts_with(&expected), "{}", said(&second));
+    assert!(line.starts_with(&expected), "{line}");
+    std::fs::write(beside(&chain, "let-go"), "").unwrap();
+    assert!(second.wait().unwrap().success());
     assert!(first.wait().unwrap().success(), "the first was not disturbed");
     chain.assert_whole("b");
 }
 
 #[test]
 fn a_lock_dies_with_its_last_holder() {
-    let chain = slow(600);
+    let chain = held_in_identify();
     let mut first = chain.run("a").spawn().unwrap();
     wait_for_identify(&chain);
     first.kill().unwrap();

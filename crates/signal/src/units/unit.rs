@@ -78,7 +78,21 @@ use QuantityKind as Q;
 /// Spellings are compared without blanks; letters keep their case where two units differ by it.
 const UNITS: &[(&[&str], Dimension, f64)] = &[
     (
-        &["m/s^2", "m/s2", "m/s²", "m/s/s", "m/(s*s)", "m/(s^2)", "m/sec^2", "meters/sec^2", "m.s-2", "ms-2"],
+        &[
+            "m/s^2",
+            "m/s2",
+            "m/s²",
+            "m/s/s",
+            "m/(s*s)",
+            "m/(s^2)",
+            "m/sec^2",
+            "meters/sec^2",
+            "m.s-2",
+            "m·s-2",
+            "m·s⁻²",
+            "ms-2",
+            "m/s**2",
+        ],
         Signal(Q::Acceleration),
         1.0,
     ),
@@ -86,7 +100,9 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["mg"], Signal(Q::Acceleration), 1e-3 * STANDARD_GRAVITY_M_PER_S2),
     (&["kilo-g", "kG", "kilog"], Signal(Q::Acceleration), 1e3 * STANDARD_GRAVITY_M_PER_S2),
     (&["mm/s^2", "mm/s2", "mm/s²"], Signal(Q::Acceleration), 1e-3),
+    (&["cm/s^2", "cm/s2", "cm/s²", "Gal", "gal"], Signal(Q::Acceleration), 1e-2),
     (&["ft/s^2", "ft/s2", "ft/s²"], Signal(Q::Acceleration), FOOT_M),
+    (&["in/s^2", "in/s2", "in/s²"], Signal(Q::Acceleration), INCH_M),
     (&["m/s", "m\\s", "mps", "m/sec"], Signal(Q::Velocity), 1.0),
     (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH"], Signal(Q::Velocity), 1.0 / 3.6),
     (&["mph", "MPH", "mi/h"], Signal(Q::Velocity), MILE_M / 3600.0),

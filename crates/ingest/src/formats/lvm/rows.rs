@@ -73,7 +73,8 @@ pub fn read(
                         place(),
                         format!("{:?} is not a finite number", decode(&field[..field.len().min(40)])),
                         "a finite number or nothing in every field",
-                        "save the measurement again, or remove the line",
+                        "save the measurement again, or write the number that belongs there: without its line all \
+                         later samples would come too early",
                     ));
                 }
             };

@@ -27,6 +27,8 @@ pub struct TableHeader {
     pub named: bool,
     /// More names than columns: how many there are.
     pub surplus_names: Option<usize>,
+    /// One name fewer than columns.
+    pub lacks_a_name: bool,
     /// `kg` was read as kilo-g in these columns.
     pub kilo_g: Vec<usize>,
     /// Header lines that are neither names nor units.
@@ -102,6 +104,7 @@ pub fn read(layout: &Layout) -> TableHeader {
         columns,
         named,
         surplus_names,
+        lacks_a_name: named && stated + 1 == count,
         kilo_g,
         ignored_lines: lines.iter().chain(&below).map(|(number, _)| *number).collect(),
         contradiction,

@@ -6,7 +6,8 @@ use crate::formats::reader::Bundle;
 use crate::formats::table::rows::numbers::{LeftOut, Remnant};
 use crate::formats::table::rows::{layout, numbers};
 use crate::formats::table::{columns, header, time_axis};
-use crate::formats::text::lines::decode;
+use crate::formats::text::lines::{Line, decode};
+use crate::formats::text::numbers::NumberStyle;
 use crate::recording::content::MINIMUM_SAMPLES;
 use crate::recording::details::{Details, from_comments};
 use crate::recording::read_channel::ReadChannel;
@@ -55,6 +56,7 @@ pub fn one_table(
     if let Some(contradiction) = &header.contradiction {
         return Err(two_units(file, contradiction));
     }
+    refuse_scale_factor(file, &layout)?;
     let name = |k: usize| header.columns[k].title.clone();
     let mut rows = match &bundle.large {
         None => numbers::read(text, &layout, file, name)?,
@@ -93,6 +95,15 @@ pub fn one_table(
             "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
         ));
     }
+    if header.lacks_a_name && time_axis::counts(&rows.columns[0]) {
+        return Err(IngestError::content(
+            Place::line(file, layout.first_line),
+            format!("{columns} columns, {} names, and the first column counts the rows", columns - 1),
+            "a name for every column",
+            "the name of the count is missing, as R leaves it out: put \"row\" in front of the names, or export \
+             without the count (row.names = FALSE)",
+        ));
+    }
     let mut notes = Notes::new();
     header_notes(file, &header, text_above, &mut notes);
     left_out_notes(file, &rows, &mut notes);
@@ -108,6 +119,21 @@ pub fn one_table(
     };
     let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
     Ok(OneTable { channels, details: facts.details, notes })
+}
+
+/// Refuses rows below `1.0e+03 *`, which MATLAB prints above numbers that it has divided by that.
+fn refuse_scale_factor(file: &str, layout: &layout::Layout) -> Result<(), IngestError> {
+    let is_factor = |line: &&Line| {
+        let factor = line.bytes.trim_ascii().strip_suffix(b"*").map(<[u8]>::trim_ascii);
+        factor.is_some_and(|text| NumberStyle::POINT.field(text).is_some())
+    };
+    let Some(line) = layout.header.iter().find(is_factor) else { return Ok(()) };
+    Err(IngestError::content(
+        Place::line(file, line.number),
+        format!("{:?}: the numbers below are divided by a common factor", decode(line.bytes.trim_ascii())),
+        "numbers as they are",
+        "write the table with writematrix or writetable, or multiply all columns and remove that line",
+    ))
 }
 
 fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {

@@ -58,7 +58,7 @@ fn is_time_column(header: &TableHeader, k: usize) -> bool {
 }
 
 /// Whether numbers are whole and grow by one from row to row.
-fn counts(numbers: &[f64]) -> bool {
+pub fn counts(numbers: &[f64]) -> bool {
     numbers.first().is_some_and(|x| x.fract() == 0.0) && numbers.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
 }
 
@@ -146,7 +146,9 @@ pub fn find(
     notes: &mut Notes,
 ) -> Result<TimeAxis, IngestError> {
     let column = time_column(file, header, rows, settings.time_unit.is_some() || comment.is_some())?;
-    let mut columns = counters(header, rows, |_| false, notes);
+    // A column without a name beside others with names counts the rows, as pandas and R write them.
+    let is_nameless = |k: usize| header.named && header.columns[k].title == format!("column {}", k + 1);
+    let mut columns = counters(header, rows, is_nameless, notes);
     columns.retain(|k| *k != column);
     columns.push(column);
     columns.extend(same_times(file, header, rows, column, notes)?);
@@ -155,7 +157,7 @@ pub fn find(
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
 
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), times[k], times[k + 1], rows.lines.of_row(k)));
+        return Err(order(place(k + 1), &times, k, rows.lines.of_row(k)));
     }
     let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
     // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
@@ -168,7 +170,7 @@ pub fn find(
     }
     let grid = grid::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), times[index - 1], times[index], rows.lines.of_row(index - 1))
+            order(place(index), &times, index - 1, rows.lines.of_row(index - 1))
         }
         GridError::Uneven { index, step_s, dt_s } => IngestError::content(
             place(index),
@@ -228,13 +230,29 @@ fn scale(times: &mut [f64], factor: f64) {
     }
 }
 
-fn order(place: Place, before: f64, now: f64, line_before: usize) -> IngestError {
-    let found = if now == before {
-        format!("time {now} again, as in line {line_before}")
+/// The refusal of times that do not increase from row `k` to the next.
+fn order(place: Place, times: &[f64], k: usize, line_before: usize) -> IngestError {
+    let (before, now) = (times[k], times[k + 1]);
+    let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
+    let (found, hint) = if now == before {
+        // A line that is there twice is a rarity; a time of too few decimals stands still again and again, and to leave
+        // its rows out would leave samples out.
+        let rarely = steps().filter(|step| *step == 0.0).count() * 20 < times.len();
+        let hint = if rarely {
+            "remove the row that is there twice"
+        } else {
+            "the times have too few decimals: export more of them, or leave the column out and state the sampling \
+             interval, such as --sample-time 100us"
+        };
+        (format!("time {now} again, as in line {line_before}"), hint)
     } else {
-        format!("time {now} after {before} in line {line_before}")
+        let hint = if steps().all(|step| step < 0.0) {
+            "the rows run backwards: sort them by time"
+        } else {
+            "sort the rows by time, or split the file there if another recording begins"
+        };
+        (format!("time {now} after {before} in line {line_before}"), hint)
     };
-    let hint = "remove the repeated rows, or export with more decimals in the time column";
     IngestError::content(place, found, "times that increase from row to row", hint)
 }
 

@@ -9,6 +9,9 @@ use crate::formats::tdms::metadata::Type;
 /// Most elements and texts in a header; a channel takes about a hundred.
 const NODE_LIMIT: u32 = 5_000_000;
 
+/// Longest tag, bytes: names of attributes are compared each with each, DIAdem writes three of them.
+const LONGEST_TAG: usize = 8 << 10;
+
 /// Where the samples of a sequence lie in the binary file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Block {
@@ -46,10 +49,18 @@ pub struct TdmHeader {
     pub channels: Vec<TdmChannel>,
 }
 
+/// Bytes of the longest stretch between a `<` and the `>` after it.
+fn longest_tag(text: &str) -> Option<usize> {
+    text.split('<').skip(1).map(|after| after.find('>').unwrap_or(after.len())).max()
+}
+
 type NodeIndex<'a, 'i> = HashMap<&'a str, Node<'a, 'i>>;
 
 /// Reads the header; an error says what was found.
 pub fn parse(text: &str) -> Result<TdmHeader, String> {
+    if let Some(length) = longest_tag(text).filter(|length| *length > LONGEST_TAG) {
+        return Err(format!("a tag of {length} bytes"));
+    }
     let options = ParsingOptions { allow_dtd: false, nodes_limit: NODE_LIMIT, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|error| error.to_string())?;
     let named = |name: &'static str| document.descendants().filter(move |node| node.has_tag_name(name));

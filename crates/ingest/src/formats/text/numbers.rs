@@ -181,8 +181,11 @@ pub fn unquoted(bytes: &[u8]) -> &[u8] {
 pub fn is_gap(bytes: &[u8]) -> bool {
     let text = unquoted(bytes).to_ascii_lowercase();
     let text = text.strip_prefix(b"-").or(text.strip_prefix(b"+")).unwrap_or(&text);
-    [&b""[..], b"nan", b"inf", b"infinity", b"n/a", b"#n/a", b"na", b"null", b"none", b"novalue", b"1.#qnan", b"1.#inf"]
-        .contains(&text)
+    // What Excel and the C library of Windows print where there is no number.
+    let of_excel = [&b"#n/a"[..], b"#div/0!", b"#value!", b"#num!", b"#ref!", b"#name?", b"#null!"];
+    let of_windows = [&b"1.#qnan"[..], b"1.#ind", b"1.#inf"];
+    let others = [&b""[..], b"nan", b"inf", b"infinity", b"n/a", b"na", b"null", b"none", b"novalue"];
+    of_excel.contains(&text) || of_windows.contains(&text) || others.contains(&text)
 }
 
 #[cfg(test)]

@@ -238,6 +238,48 @@ mod tests {
     use super::*;
 
     #[test]
+    fn no_pair_of_two_blocks_exceeds_their_bound() {
+        let share = |k: usize, stream: f64| (k as f64 * stream).fract();
+        for number in 1..40_usize {
+            let longest = [1, 3, 9, 17, 40, 100][number % 6];
+            let n = 20 + 13 * number % 170;
+            let level = 2.0 * share(number, 0.324_718) - 1.0;
+            let a: Vec<f64> = (0..n).map(|k| share(k + number, 0.618_034) - level).collect();
+            let search = Search::new(&a, longest);
+            for level in 0..search.levels.len() {
+                let (size, blocks) = (LEAF << level, search.levels[level].len());
+                for (start, end) in (0..blocks).flat_map(|start| (start..blocks).map(move |end| (start, end))) {
+                    let between = start * size..n.min((end + 1) * size);
+                    let a_high = a[between].iter().copied().fold(0.0, f64::max);
+                    let (bound, high) = search.bound(level, start, end, a_high);
+                    let mut best = NONE;
+                    for i in start * size..n.min((start + 1) * size) {
+                        for j in (i + 1).max(end * size)..n.min((end + 1) * size).min(i + longest + 1) {
+                            consider(&search.v, i, j, &mut best);
+                        }
+                    }
+                    // Roundings of some 1e-15, as `exceeds` allows for.
+                    assert!(bound >= best.value * (1.0 - EQUAL), "{number} {level} {start} {end}: {bound} {best:?}");
+                    assert!(high >= a_high || end - start > 1, "{high} {a_high}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bound_is_exceeded_by_more_than_rounding_alone() {
+        for best in [1e-3, 1.0, 1e6] {
+            assert!(exceeds(best * (1.0 + 1e-12), best) && exceeds(best, 0.0));
+            assert!(!exceeds(best, best) && !exceeds(best * (1.0 + 1e-13), best) && !exceeds(0.9 * best, best));
+        }
+        // A record of one value: once the longest window is seen nothing is left to try.
+        let a = vec![8.0; 5000];
+        let mut best = NONE;
+        Search::new(&a, 100).run(&mut best);
+        assert_eq!((best.end - best.start, best.start), (100, 0));
+    }
+
+    #[test]
     fn blocks_find_what_all_pairs_find() {
         // A deterministic mixture of scales, signs and plateaus; lengths that fill no block evenly.
         let mut state = 1_u64;

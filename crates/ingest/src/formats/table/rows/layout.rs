@@ -359,7 +359,7 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
         Place::line(file, first.number),
         format!("no rows of numbers in the first {} lines, which start {:?}", lines.len(), start.trim()),
         EXPECTED,
-        "export the record as CSV with one sample a row",
+        "export the record as CSV: one sample a row, numbers between commas, semicolons, tabs or blanks",
     )
 }
 
@@ -381,8 +381,14 @@ fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
         let shapes: Vec<Vec<bool>> = lines.iter().map(|line| shape(line, way)).collect();
         // One number at least, or it is prose.
         let is_row = |shape: &[bool]| shape.contains(&true) && shape.contains(&false);
-        let first =
-            shapes.windows(ALIKE).position(|rows| is_row(&rows[0]) && rows.iter().all(|row| *row == rows[0]))?;
+        let has_units = |line: &Line| {
+            let fields = way.delimiter.split(line.bytes);
+            fields.len() > 1 && fields.iter().all(|field| number_with_unit(&decode(unquoted(field))).is_some())
+        };
+        let first = lines
+            .iter()
+            .zip(shapes.windows(ALIKE))
+            .position(|(line, rows)| (is_row(&rows[0]) || has_units(line)) && rows.iter().all(|row| *row == rows[0]))?;
         let column = shapes[first].iter().position(|number| !number)?;
         let text = decode(unquoted(way.delimiter.split(lines[first].bytes)[column]));
         let names = first

@@ -345,6 +345,16 @@ fn end_of_line(text: &[u8], at: usize) -> Option<usize> {
     }
 }
 
+/// What to do about names of columns that stand once more between the rows.
+const REPEATED_HEADER: &str = "the names of the columns again: remove such lines between the rows";
+
+/// `(12.5)` or `12.5-`: a negative number as accounts write it.
+fn is_negative_of_accounts(text: &[u8]) -> bool {
+    let in_brackets = text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")"));
+    let number = in_brackets.or_else(|| text.strip_suffix(b"-"));
+    number.is_some_and(|text| text.first().is_some_and(u8::is_ascii_digit))
+}
+
 fn careful_row(
     line: &[u8],
     layout: &Layout,
@@ -380,7 +390,11 @@ fn careful_row(
             place.clone(),
             found,
             format!("{columns} numbers separated by {}", layout.delimiter.name()),
-            "the file may be cut short or damaged there: export it again, or remove the line",
+            if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
+                REPEATED_HEADER
+            } else {
+                "the file may be cut short or damaged there: export it again, mend the line, or end the record above"
+            },
         ));
     }
     for (k, (cell, text)) in row.iter_mut().zip(&fields).enumerate() {
@@ -399,8 +413,13 @@ fn careful_row(
                     "leave that column out of the export, cut the record before the gap, or fill it in the program \
                      that \
                      made it: gaps are not filled here"
+                } else if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
+                    REPEATED_HEADER
+                } else if is_negative_of_accounts(bare) {
+                    "export negative numbers with their sign in front: -12.5"
                 } else {
-                    "export it again, or remove the line"
+                    "export it again, or write the number that belongs there: without its line the steps of time would \
+                     not be equal"
                 };
                 return Err(IngestError::content(place, found, "a finite number in every field", hint));
             }
