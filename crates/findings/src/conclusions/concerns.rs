@@ -163,6 +163,10 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let model = candidate_name(&best.id);
         let about = || About::Model(best.id.clone());
+        // In the order in which the verdict distrusts them.
+        if best.record.equivalent_to.is_some() {
+            found.push((about(), Weight::Marked, fill(phrases.warn_dual, &[("model", &model)])));
+        }
         for (names, template, weight) in [
             (best.record.undetermined(), phrases.warn_open, Weight::Decisive),
             (best.certainties().order_of_magnitude, phrases.warn_hardly, Weight::Marked),
@@ -171,9 +175,6 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
                 let names = symbols(&best.record, &names, language);
                 found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
             }
-        }
-        if best.record.equivalent_to.is_some() {
-            found.push((about(), Weight::Marked, fill(phrases.warn_dual, &[("model", &model)])));
         }
     }
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
