@@ -6,7 +6,9 @@ use crumple_artifact::records::{
     CandidateV1, ConcernV1, EventIntervalV1, EventsV1, IdentificationV1, MetricV1, ModeV1, PredictedCollisionV1,
     PredictedIntervalV1, PredictionV1, RecommendationV1, SimulationV1, UncertaintyV1,
 };
-use crumple_report::{CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, conclusion, summary};
+use crumple_report::{
+    CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, conclusion, overview, summary,
+};
 use crumple_signal::{ANOTHER_VEHICLE, Axis, Channel, QuantityKind};
 use serde_json::{Value, json};
 
@@ -456,4 +458,28 @@ fn german_has_its_own_sentences_and_a_comma() {
     assert!(page.contains("<q lang=\"en\">a &lt; b</q> <span class=\"stage\">ingest</span>"));
     let reason = run.concerns[1].text.clone();
     assert!(page.contains(&format!("Es gibt kein Modell: <q lang=\"en\">{reason}</q>.")), "{reason}");
+}
+
+#[test]
+fn the_console_repeats_no_warning_that_the_verdict_says() {
+    let warnings = |run: &Run| {
+        let ranking = Ranking::of_run(run);
+        let (said, concerns) = conclusion(run, &ranking);
+        let lines = overview(run, &ranking, &said, &concerns, "notes");
+        (said.sentences[1].clone(), lines.into_iter().map(|(_, text)| text).collect::<Vec<_>>().join("\n"))
+    };
+    // It extrapolates: the verdict says so, and the console not once more.
+    let (said, lines) = warnings(&car());
+    assert!(said.contains("where it extrapolates") && !lines.contains("go beyond what was tested"), "{said} {lines}");
+    // Open numbers are distrusted instead, so the other is new.
+    let mut run = car();
+    let open = &mut run.candidates[0].record;
+    open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
+    let (said, lines) = warnings(&run);
+    assert!(said.contains("distrust c") && !lines.contains("may be anything"), "{said} {lines}");
+    assert!(lines.contains("go beyond what was tested"), "{lines}");
+    // Where all of it is doubtful nothing of this was said.
+    run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
+    let (_, lines) = warnings(&run);
+    assert!(lines.contains("is the impact speed right?") && lines.contains("may be anything"), "{lines}");
 }

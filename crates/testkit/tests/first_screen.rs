@@ -159,7 +159,7 @@ fn check_models(page: &Page, summary: &Value) {
             (&candidate["certainties"]["parameters"], &candidate["certainties"]["determined"]);
         let words = format!("{determined} of {parameters} numbers determined");
         assert!(*parameters == 0 || caption.starts_with(&words), "{caption}: {words}");
-        if let Some((_, spring)) = caption.split_once("k = ") {
+        if let Some((_, spring)) = caption.split_once("k\u{a0}=\u{a0}") {
             let stiffness = &summary["metrics"]["average_stiffness"];
             let shown = numbers(spring);
             assert!(shown[0].is(&stiffness["value"]), "{caption}: {stiffness}");

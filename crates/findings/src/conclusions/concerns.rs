@@ -23,9 +23,9 @@ pub fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
     concerns.first().is_some_and(|first| first.weight == LARGEST_WEIGHT && first.stage != "report")
 }
 
-/// The concerns of a run, weighed from 1 to [`LARGEST_WEIGHT`], gravest first: the diagnosis of a stage without a
+/// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`, gravest first: the diagnosis of a stage without a
 /// result, the warnings of the stages, and
-/// what follows from the results themselves. No two of the first [`SHOWN_FIRST`] concern the same thing where others
+/// what follows from the results themselves. No two of the first `SHOWN_FIRST` concern the same thing where others
 /// are as grave within one step of how much they change.
 pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     let mut all: Vec<ConcernV1> = run.concerns.iter().map(|record| of_record(record, run, ranking, kind)).collect();
@@ -86,7 +86,7 @@ fn concern(
     }
 }
 
-/// Of warnings in their order those for the first screen: at most [`SHOWN_FIRST`], none of a candidate that nobody
+/// Of warnings in their order those for the first screen: at most `SHOWN_FIRST`, none of a candidate that nobody
 /// recommends while there is any other, and none of what only a crash has where the record is of none; and how many are
 /// left.
 pub fn first_warnings<'a>(warnings: &[&'a ConcernV1], run: &Run, ranking: &Ranking) -> (Vec<&'a ConcernV1>, usize) {
@@ -163,6 +163,10 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
         let model = candidate_name(&best.id);
         let about = || About::Model(best.id.clone());
+        // In the order in which the verdict distrusts them.
+        if best.record.equivalent_to.is_some() {
+            found.push((about(), Weight::Marked, fill(phrases.warn_dual, &[("model", &model)])));
+        }
         for (names, template, weight) in [
             (best.record.undetermined(), phrases.warn_open, Weight::Decisive),
             (best.certainties().order_of_magnitude, phrases.warn_hardly, Weight::Marked),
@@ -171,9 +175,6 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
                 let names = symbols(&best.record, &names, language);
                 found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
             }
-        }
-        if best.record.equivalent_to.is_some() {
-            found.push((about(), Weight::Marked, fill(phrases.warn_dual, &[("model", &model)])));
         }
     }
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
 use crumple_phrases::language::fill;
+use crumple_signal::About;
 
-use crate::conclusions::concerns::first_warnings;
+use crate::conclusions::concerns::{first_is_decisive, first_warnings};
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::kind::Kind;
 use crate::text::names::candidate_name;
@@ -66,7 +67,9 @@ pub fn overview(
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
         lines.push((phrases.model_label.to_owned(), parameters(run, best)));
     }
-    let warnings: Vec<&ConcernV1> = concerns.iter().filter(|c| c.severity != ConcernV1::NO_RESULT).collect();
+    let said = said_already(ranking, verdict, concerns);
+    let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c);
+    let warnings: Vec<&ConcernV1> = concerns.iter().filter(is_new).collect();
     let (first, others) = first_warnings(&warnings, run, ranking);
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
@@ -84,6 +87,21 @@ pub fn overview(
         lines.extend(run.missing.iter().map(|what| (phrases.missing_label.to_owned(), what.clone())));
     }
     lines
+}
+
+/// Concerns of the report itself that the sentences of the verdict say: sensors that dispute the crush, what is to be
+/// distrusted of the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
+fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [ConcernV1]) -> Vec<&'a ConcernV1> {
+    let about = |what: &About| {
+        let what = what.to_string();
+        concerns.iter().find(|concern| concern.stage == "report" && concern.about == what)
+    };
+    let of_two = verdict.kind == Kind::TwoVehicles;
+    let names_sensors = verdict.numbers.iter().any(|number| number.at.ends_with("/spread/low"));
+    let mut said: Vec<&ConcernV1> = about(&About::Motion).filter(|_| of_two || names_sensors).into_iter().collect();
+    let best = ranking.best.as_deref().filter(|_| !of_two && !first_is_decisive(concerns));
+    said.extend(best.and_then(|id| about(&About::Model(id.to_owned())).or_else(|| about(&About::Predictions))));
+    said
 }
 
 fn with_interval(

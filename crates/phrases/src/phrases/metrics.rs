@@ -1,7 +1,7 @@
 //! Names of metrics and of measured quantities. The English one is the name of the record with blanks.
 
 /// Name in a record, German name. What is not in it keeps its name.
-pub const METRICS: [(&str, &str); 57] = [
+pub const METRICS: [(&str, &str); 56] = [
     ("acceleration", "Beschleunigung"),
     ("acceleration_after_separation", "Beschleunigung nach der Trennung"),
     ("angle", "Winkel"),
@@ -50,7 +50,6 @@ pub const METRICS: [(&str, &str); 57] = [
     ("relative_crush", "gegenseitige Eindrückung"),
     ("restraint_energy_ratio", "Energieanteil des Rückhaltesystems"),
     ("ride_down_efficiency", "Ride-down-Anteil"),
-    ("sm25", "gleitender Mittelwert, 25 ms"),
     ("time_of_common_velocity", "Zeit der gemeinsamen Geschwindigkeit"),
     ("time_of_dynamic_crush", "Zeit der dynamischen Eindrückung"),
     ("time_of_maximum_delta_v", "Zeit des größten Δv"),
@@ -62,7 +61,7 @@ pub const METRICS: [(&str, &str); 57] = [
 ];
 
 /// Name in a record, trade name, which is the same in every language.
-pub const TRADE_NAMES: [(&str, &str); 16] = [
+pub const TRADE_NAMES: [(&str, &str); 17] = [
     ("asi", "ASI"),
     ("cora", "CORA"),
     ("gsi", "GSI"),
@@ -77,6 +76,7 @@ pub const TRADE_NAMES: [(&str, &str); 16] = [
     ("ora_x", "ORA x"),
     ("ora_y", "ORA y"),
     ("phd", "PHD"),
+    ("sm25", "SM25"),
     ("thiv", "THIV"),
     ("vpi", "VPI"),
 ];

@@ -19,8 +19,8 @@ texts! { ModelTexts
         "Abweichung vom Versuch: Eindrückung {crush}, t<sub>m</sub> {time}; Anpassung des Wegs {fit}.";
     follows: "Displacement fit {fit}.", "Anpassung des Wegs {fit}.";
     one_spring:
-        "One spring with the energy and the crush of the test: <strong>k = {stiffness}</strong>.",
-        "Eine Feder mit Energie und Eindrückung des Versuchs: <strong>k = {stiffness}</strong>.";
+        "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.",
+        "Eine Feder mit Energie und Eindrückung des Versuchs: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.", "ISO/TS 18571 der Beschleunigung {value}{grade}.";
     same_record:
         "{model} gives the same record on this sensor.",

@@ -69,11 +69,14 @@ fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
     });
     let priors: Vec<String> =
         choice.priors.iter().map(|p| format!("{}: {} ({})", p.name, p.statement, p.source)).collect();
-    let priors = if priors.is_empty() { texts.no_priors.to_owned() } else { format!("{}.", priors.join("; ")) };
+    let priors = match priors.is_empty() {
+        true => texts.no_priors.to_owned(),
+        false => words_of_stage(language, &format!("{}.", priors.join("; "))),
+    };
     out.push_str(&format!(
         "<p class=\"caption\">{}{}</p>\n",
         html(&evidence.unwrap_or_default()),
-        fill(texts.priors_caption, &[("priors", html(&priors))])
+        fill(texts.priors_caption, &[("priors", priors)])
     ));
 }
 
