@@ -159,6 +159,7 @@ fn residuals_are_free_of_the_unit_and_a_constant_has_no_fit() {
 #[test]
 fn the_rated_interval_of_cora_is_cut_at_its_thresholds_and_lengthened() {
     let mut t = vec![0.0; 1000];
+    t[200] = 2.9;
     t[300] = 3.0;
     t[400] = -100.0;
     t[700] = 7.5;
