@@ -31,13 +31,15 @@ fn crush_and_fit_come_first_and_remarks_last() {
     let record = |x: f64| {
         json!({
             "a_first": x, "dynamic_crush_m": x, "fit": {"fit_percent": x}, "notes": [format!("word{x}")],
-            "simulation": {"time_of_dynamic_crush_s": x},
+            "simulation": {"time_of_dynamic_crush_s": x}, "zeta": x,
         })
     };
     let lines = text("/simulation/x", &record(1.0), &record(2.0), false);
-    let order = ["dynamic_crush_m", "simulation.time_of_dynamic_crush_s", "fit.fit_percent", "a_first", "notes[0]"];
+    let order = ["dynamic_crush_m", "simulation.time_of_dynamic_crush_s", "fit.fit_percent", "a_first", "zeta"];
     assert_eq!(places(&lines), order);
-    assert_eq!(lines.last().unwrap(), "different: 1 of 1 topics");
+    assert_eq!(lines[5..], ["/simulation/x: 1 more (--all shows them)", "different: 1 of 1 topics"]);
+    let all = text("/simulation/x", &record(1.0), &record(2.0), true);
+    assert_eq!(places(&all).last(), Some(&"notes[0]"));
 }
 
 #[test]

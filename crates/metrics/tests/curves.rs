@@ -48,6 +48,9 @@ fn polylines_are_sampled_on_the_grid_where_both_are_defined() {
     let one = Corridor::of_polylines(&[(0.3, 1.0)], &[(0.3, 2.0)], 0.0, 0.1).unwrap();
     assert_eq!((one.lower.len(), one.lower.samples()[0], one.upper.samples()[0]), (1, 1.0, 2.0));
     assert!((one.lower.t0_s() - 0.3).abs() < 1e-15);
+    // The third sample is at 0.1 + 2·0.1, which is more than 0.3 to the last bit: the end value.
+    let end = Corridor::of_polylines(&[(0.1, 1.0), (0.3, 3.0)], &[(0.1, 5.0), (0.3, 7.0)], 0.1, 0.1).unwrap();
+    assert_eq!((end.lower.samples()[2], end.upper.samples()[2]), (3.0, 7.0));
 }
 
 #[test]
@@ -159,6 +162,7 @@ fn residuals_are_free_of_the_unit_and_a_constant_has_no_fit() {
 #[test]
 fn the_rated_interval_of_cora_is_cut_at_its_thresholds_and_lengthened() {
     let mut t = vec![0.0; 1000];
+    t[200] = 2.9;
     t[300] = 3.0;
     t[400] = -100.0;
     t[700] = 7.5;

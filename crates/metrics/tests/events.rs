@@ -104,7 +104,7 @@ fn twenty_milliseconds_must_be_left_after_separation() {
     let drift = acceleration_after_separation(&v, 0.03);
     // 0.01 m/s in 0.1 ms; differences of decimal numbers.
     assert!((drift.value.unwrap() - 100.0).abs() < 1e-9);
-    assert_eq!(acceleration_after_separation(&v, 0.0305).value, None);
+    assert_eq!(acceleration_after_separation(&v, 0.03005).value, None);
 }
 
 #[test]

@@ -67,6 +67,10 @@ fn what_is_missing_has_its_own_reason_with_or_without_a_mass() {
     let metrics = metrics(&ramp(8.0, -0.1, 200), Some(8.0), None);
     assert_eq!(find(&metrics, "dynamic_crush").definition, "absent: the record ends at v = 7.900 m/s");
     assert_eq!(find(&metrics, "energy_absorbed").definition, "absent: the mass is not known");
+    for (speed, reason) in [(Some(0.0), "the motion starts from rest"), (None, "the impact speed is not stated")] {
+        let metrics = self::metrics(&ramp(0.0, 9.0, 200), speed, None);
+        assert_eq!(find(&metrics, "dynamic_crush").definition, format!("absent: {reason}"));
+    }
 }
 
 #[test]
@@ -147,6 +151,7 @@ fn the_pulse_index_is_that_of_small_steps_whatever_the_pulse() {
         assert!((value - load).abs() <= 1e-5 * load.max(1.0), "{number}: {value} {load}");
         if let Some(window) = found.window {
             assert!((window.to_s - at_s).abs() <= 0.01 * dt + 1e-12, "{number}: {window:?} {at_s}");
+            assert_eq!(window.from_s, window.to_s, "a moment");
         }
     }
 }

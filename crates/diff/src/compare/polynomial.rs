@@ -50,6 +50,7 @@ mod tests {
         // Roots of modulus 100 and 10; 8 against 1.
         assert_eq!(modulus(&json!([1.0, 20.0, 1e4]), &json!([1.0, 20.0, 1e4])), Some(100.0));
         assert_eq!(modulus(&json!([2.0, 3.0, 200.0]), &json!([1.0, 0.0, 1e4])), Some(100.0), "the larger side");
+        assert_eq!(modulus(&json!([2.0, 3.0, 200.0]), &json!([4.0, 1.0, 16.0])), Some(10.0));
         assert_eq!(modulus(&json!([-1.0, 0.0, 64.0]), &json!([1.0, 0.0, 0.0, 1.0])), Some(8.0));
         for none in [json!([1.0, 2.0, 0.0]), json!([0.0, 2.0, 1.0]), json!([]), json!(["x", 1.0]), json!(1.0)] {
             assert_eq!(modulus(&json!([1.0, 2.0]), &none), None, "{none}");

@@ -11,9 +11,12 @@ use crate::chain::{Chain, Stages, said};
 /// A run whose identify says by a file that it works, and waits until it is let go.
 fn held_in_identify() -> Chain {
     let chain = Chain::new(Stages::Foreign);
-    let (at_work, let_go) = (beside(&chain, "at-work"), beside(&chain, "let-go"));
-    let wait = format!("touch {} && while [ ! -e {} ]; do sleep 0.05; done", at_work.display(), let_go.display());
-    let command = format!("sh -c '{wait} && exec \"$@\"' x {}", chain.command("4-identify.mcap"));
+    // The folder of the records has a name that a shell takes apart.
+    let quoted = |name: &str| format!("'{}'", beside(&chain, name).display().to_string().replace('\'', "'\\''"));
+    let (at_work, let_go) = (quoted("at-work"), quoted("let-go"));
+    let wait = format!("touch {at_work}\nwhile [ ! -e {let_go} ]; do sleep 0.05; done\nexec \"$@\"\n");
+    std::fs::write(beside(&chain, "wait.sh"), wait).unwrap();
+    let command = format!("sh {} {}", quoted("wait.sh"), chain.command("4-identify.mcap"));
     chain.with("4-identify.mcap", &command)
 }
 
@@ -23,8 +26,11 @@ fn beside(chain: &Chain, name: &str) -> PathBuf {
 }
 
 /// Until identify itself works: the files of the stage before it are there while nothing holds the lock but the run.
-fn wait_for_identify(chain: &Chain) {
+fn wait_for_identify(chain: &Chain, run: &mut Child) {
     while !beside(chain, "at-work").exists() {
+        if let Some(status) = run.try_wait().unwrap() {
+            panic!("the run has ended ({status}): {}", first_line(run));
+        }
         sleep(Duration::from_millis(5));
     }
 }
@@ -54,7 +60,7 @@ fn ten_pairs_of_simultaneous_runs_end_well_and_unmixed() {
 fn the_second_run_says_for_whom_it_waits_and_goes_on_after_it() {
     let chain = held_in_identify();
     let mut first = chain.run("a").spawn().unwrap();
-    wait_for_identify(&chain);
+    wait_for_identify(&chain, &mut first);
     let mut second = chain.run("b").spawn().unwrap();
     let line = first_line(&mut second);
     let expected = format!("waiting for process {}, which runs {}", first.id(), chain.record("a").display());
@@ -69,7 +75,7 @@ fn the_second_run_says_for_whom_it_waits_and_goes_on_after_it() {
 fn a_lock_dies_with_its_last_holder() {
     let chain = held_in_identify();
     let mut first = chain.run("a").spawn().unwrap();
-    wait_for_identify(&chain);
+    wait_for_identify(&chain, &mut first);
     first.kill().unwrap();
     first.wait().unwrap();
     // The stage of the killed run still works: nobody else may write.
