@@ -328,8 +328,8 @@ fn resampled(draws: &[(Point, f64)]) -> Option<Vec<Point>> {
     Some(points)
 }
 
-/// The places of walkers that move by the stretches of Goodman & Weare in so many dimensions, every fifth sweep after the
-/// first hundred.
+/// The places of walkers that move by the stretches of Goodman & Weare in so many dimensions, every fifth sweep after
+/// the first hundred.
 fn walk(
     walkers: &mut [Point],
     dimensions: u32,
