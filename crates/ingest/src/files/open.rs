@@ -318,3 +318,25 @@ fn unreadable(path: &Path, error: &io::Error) -> IngestError {
         hint: hint.to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_grows_while_it_is_read_is_refused() -> io::Result<()> {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("crash.csv");
+        fs::write(&path, "0,1\n0.1,2\n")?;
+        let mut text = String::new();
+        assert_eq!(Unchanging::open(&path)?.read_to_string(&mut text)?, 10);
+        let mut reader = Unchanging::open(&path)?;
+        reader.read_exact(&mut [0; 4])?;
+        fs::OpenOptions::new().append(true).open(&path)?.write_all(b"0.2,3\n")?;
+        let error = reader.read_to_string(&mut text).map_err(|error| error.to_string());
+        assert_eq!(error, Err("it changed while it was read".to_owned()));
+        Ok(())
+    }
+}
