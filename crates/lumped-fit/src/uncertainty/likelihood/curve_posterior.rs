@@ -102,14 +102,11 @@ pub(crate) fn curve_intervals(minimum: &Minimum) -> Option<BTreeMap<String, Ends
     let mut intervals = BTreeMap::new();
     for (side, curve) in curves.iter().enumerate() {
         let (last, scale) = (response.last[side], response.scale[side]);
-        for (j, name) in curve.knots.iter().enumerate() {
-            if curve.knots.len() > 1 {
-                intervals.insert((*name).to_owned(), (None, None));
-                continue;
-            }
-            let all = draws.iter().map(|draw| draw.knots[side][j]).collect();
+        intervals.extend(curve.knots.iter().map(|name| ((*name).to_owned(), (None, None))));
+        if let [name] = curve.knots {
+            let all = draws.iter().filter_map(|draw| draw.knot[side]).collect();
             // A node stands for what is half a piece to both sides of it.
-            let halves = |knots: &Vec<usize>| [4 * knots[j] - 1, 4 * knots[j] + 1].map(|at| at * BINS / (4 * PIECES));
+            let halves = |knots: &Vec<usize>| [4 * knots[0] - 1, 4 * knots[0] + 1].map(|at| at * BINS / (4 * PIECES));
             let at = |bin: usize| sets[side].iter().flat_map(halves).filter(|half| *half == bin).count();
             let (low, high) = shortest(all, (1.0, true), &std::array::from_fn(at));
             intervals.insert((*name).to_owned(), (low.map(|low| low * last), high.map(|high| high * last)));
@@ -149,9 +146,10 @@ fn at_nodes(knots: &[usize]) -> DMatrix<f64> {
     })
 }
 
-/// One curve of each kind from the posterior: knots as shares of the last, values in their scale.
+/// One curve of each kind from the posterior: the knot of one that has a single knot, as a share of the last, and values
+/// in their scale.
 struct Draw {
-    knots: [Vec<f64>; 2],
+    knot: [Option<f64>; 2],
     values: [Vec<f64>; 2],
 }
 
@@ -290,12 +288,12 @@ impl LinearResponse {
                 continue;
             }
             // A node stands for what is nearer to it than to others.
-            let mut share = |node: &usize| (*node as f64 + random.uniform() - 0.5) / PIECES as f64;
-            let knots = [
-                sets[0][normal.place.0].iter().map(&mut share).collect(),
-                sets[1][normal.place.1].iter().map(&mut share).collect(),
-            ];
-            draws.push(Draw { knots, values: [k.to_vec(), c.to_vec()] });
+            let mut share = |knots: &[usize]| match knots {
+                [node] => Some((*node as f64 + random.uniform() - 0.5) / PIECES as f64),
+                _ => None,
+            };
+            let knot = [share(&sets[0][normal.place.0]), share(&sets[1][normal.place.1])];
+            draws.push(Draw { knot, values: [k.to_vec(), c.to_vec()] });
         }
         (draws.len() >= FEWEST).then_some(draws)
     }

@@ -40,7 +40,7 @@ const BISECTIONS: usize = 60;
 /// `half_width` of that of the minimum.
 ///
 /// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
-/// `transfer_posterior`. All of them hold the fitted value.
+/// `transfer_posterior`, with a share that is known (`half_width` 0) too. All of them hold the fitted value.
 ///
 /// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the total
 /// kept.
@@ -48,8 +48,8 @@ const BISECTIONS: usize = 60;
 /// distribution, in logarithms where no end is zero, as wide as at the assumed share. Where the model follows the
 /// record below its resolution, shares at which it does so less count less, as in a profile of the likelihood. Shares
 /// without a fit and those beyond are left out; a parameter that is open at the assumed share is open. Standard
-/// deviation and correlation stay those at the share of the minimum. Nothing changes for one mass, or where masses are
-/// fitted.
+/// deviation and correlation stay those at the share of the minimum. Nothing changes for one mass, where masses are
+/// fitted, or else with a share that is known.
 pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_width: f64) {
     let masses = masses_of(&minimum.model);
     let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
