@@ -82,11 +82,7 @@ fn candidate(id: &str, fit_percent: f64) -> CandidateResult {
             to_s: 0.0772,
             ..SimulationV1::default()
         }),
-        displacement: None,
-        velocity: None,
-        acceleration: None,
-        elements: vec![],
-        masses: vec![],
+        ..CandidateResult::default()
     }
 }
 

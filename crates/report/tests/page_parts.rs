@@ -38,17 +38,11 @@ fn candidate(id: &str, parameters: &[(&str, f64)], fit_percent: f64) -> Candidat
             method: parts.next().unwrap().to_owned(),
             parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
             physical: true,
-            equivalent_to: None,
-            fit: None,
-            uncertainty: None,
-            notes: vec![],
+            ..CandidateV1::default()
         },
         simulation: Some(simulation(fit_percent)),
         displacement: Some(ramp(9.0)),
-        velocity: None,
-        acceleration: None,
-        elements: vec![],
-        masses: vec![],
+        ..CandidateResult::default()
     }
 }
 

@@ -45,10 +45,7 @@ fn report(folder: &Path, model: &str, parameters: &BTreeMap<String, f64>, factor
             method: "direct-fit".into(),
             parameters: parameters.clone(),
             physical: true,
-            equivalent_to: None,
-            fit: None,
-            uncertainty: None,
-            notes: vec![],
+            ..CandidateV1::default()
         },
         simulation: Some(SimulationV1 {
             dynamic_crush_m: Some(factor * crush_m),
@@ -56,11 +53,7 @@ fn report(folder: &Path, model: &str, parameters: &BTreeMap<String, f64>, factor
             fit_percent: Some(99.0),
             ..SimulationV1::default()
         }),
-        displacement: None,
-        velocity: None,
-        acceleration: None,
-        elements: vec![],
-        masses: vec![],
+        ..CandidateResult::default()
     }];
     let ranking = Ranking { order: vec![id.clone()], best: Some(id), ..Ranking::default() };
     let page = folder.join("report.html");

@@ -187,16 +187,7 @@ mod tests {
         .unwrap();
         let id = "double-spring-mass-damper/direct-fit/1".to_owned();
         let ranking = Ranking { order: vec![id.clone()], ..Ranking::default() };
-        let candidate = CandidateResult {
-            id,
-            record,
-            simulation: None,
-            displacement: None,
-            velocity: None,
-            acceleration: None,
-            elements: vec![],
-            masses: vec![],
-        };
+        let candidate = CandidateResult { id, record, ..CandidateResult::default() };
         (Run { candidates: vec![candidate], ..Run::default() }, ranking)
     }
 

@@ -108,7 +108,7 @@ pub struct Model {
 }
 
 /// One set of physical parameters and what it answers with.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct CandidateResult {
     /// `<model>/<method>/<index>`.
     pub id: String,

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One set of physical parameters. Topic `/parameters/<model>/<method>/<index>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CandidateV1 {
     /// Model: `kelvin`, `elastoplastic`, `maxwell`, `double-spring-mass-damper`, ...
     pub model: String,
