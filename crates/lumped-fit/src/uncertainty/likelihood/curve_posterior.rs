@@ -146,8 +146,8 @@ fn at_nodes(knots: &[usize]) -> DMatrix<f64> {
     })
 }
 
-/// One curve of each kind from the posterior: the knot of one that has a single knot, as a share of the last, and values
-/// in their scale.
+/// One curve of each kind from the posterior: the knot of one that has a single knot, as a share of the last, and
+/// values in their scale.
 struct Draw {
     knot: [Option<f64>; 2],
     values: [Vec<f64>; 2],
