@@ -15,7 +15,7 @@ pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
 pub use conclusions::key_numbers::{KeyNumber, key_numbers};
 pub use conclusions::kind::Kind;
-pub use conclusions::overview::overview;
+pub use conclusions::overview::{OverviewLine, overview};
 pub use conclusions::summary::{Summary, summary, summary_schema};
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::ranking::{Ranking, compare_ids};

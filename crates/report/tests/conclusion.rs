@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+use std::path::Path;
+
 use crumple_artifact::records::{
     CandidateV1, ConcernV1, EventIntervalV1, EventsV1, IdentificationV1, MetricV1, ModeV1, PredictedCollisionV1,
     PredictedIntervalV1, PredictionV1, RecommendationV1, SimulationV1, UncertaintyV1,
@@ -461,8 +463,8 @@ fn the_console_repeats_no_warning_that_the_verdict_says() {
     let warnings = |run: &Run| {
         let ranking = Ranking::of_run(run);
         let (said, concerns) = conclusion(run, &ranking);
-        let lines = overview(run, &ranking, &said, &concerns, "notes");
-        (said.sentences[1].clone(), lines.into_iter().map(|(_, text)| text).collect::<Vec<_>>().join("\n"))
+        let lines = overview(run, &ranking, &said, &concerns, Path::new("runs/car"));
+        (said.sentences[1].clone(), lines.into_iter().map(|line| line.text).collect::<Vec<_>>().join("\n"))
     };
     // It extrapolates: the verdict says so, and the console not once more.
     let (said, lines) = warnings(&car());

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crumple_browser::{Browser, Screen};
+use crumple_report::Language;
 use crumple_testkit::SAME_IN_GERMAN;
 
 /// Names of the sample: its title, stages, models, candidates, parameters, runs, quantities of a rating.
@@ -83,4 +84,17 @@ fn a_german_page_writes_its_numbers_with_a_comma() {
         })
         .collect();
     assert!(cells.len() > 100 && english.is_empty(), "{english:?}");
+}
+
+#[test]
+fn every_definition_of_a_metric_has_a_german_text() {
+    let known: BTreeSet<&str> =
+        crumple_metrics::definitions::CATALOGUE.iter().map(|definition| definition.id).collect();
+    let said: BTreeSet<&str> = crumple_phrases::phrases::DEFINITIONS.iter().map(|(key, _)| *key).collect();
+    assert_eq!(known, said);
+    let of_hic = |words: &str| Language::German.definition(Some("hic15-fmvss208"), words);
+    assert!(of_hic("head injury criterion").starts_with("Kopfverletzungskriterium"));
+    for of_this_record in ["absent: no head sensor", "head injury criterion: lower bound"] {
+        assert_eq!(of_hic(of_this_record), of_this_record);
+    }
 }

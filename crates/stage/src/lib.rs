@@ -33,7 +33,7 @@ pub use process::run::{Outcome, Stage, main};
 pub use process::tool::tool_main;
 pub use shell::command::shell_command;
 pub use shell::words::{only_program, request_for_information, shell_words};
-pub use terminal::layout::{columns, labelled, wrapped};
+pub use terminal::layout::{columns, labelled, labelled_and_cut, wrapped};
 pub use terminal::progress::{Progress, be_quiet};
 pub use terminal::say::{printable, say, to_stdout};
 

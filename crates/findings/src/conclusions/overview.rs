@@ -1,6 +1,7 @@
 //! The numbers of a run in a few lines, as the console shows them below the verdict.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
@@ -17,18 +18,26 @@ use crate::{CandidateResult, Ranking, Run};
 /// Parameters of a curve of many knots are not listed beyond so many.
 const MOST_PARAMETERS: usize = 8;
 
-/// Label and text of each line. What the sentences of the verdict say already is left out. `notes`: how to see all
-/// warnings.
+/// One number or warning of the overview.
+pub struct OverviewLine {
+    pub label: String,
+    pub text: String,
+    /// Whether the text may be cut where the line of the terminal ends: all of it is said by `just notes`.
+    pub may_be_cut: bool,
+}
+
+/// What the sentences of the verdict say already is left out. `folder`: that of the run, for commands that show more.
 pub fn overview(
     run: &Run,
     ranking: &Ranking,
     verdict: &Conclusion,
     concerns: &[ConcernV1],
-    notes: &str,
-) -> Vec<(String, String)> {
+    folder: &Path,
+) -> Vec<OverviewLine> {
     let language = run.language;
     let phrases = &language.phrases().conclusion;
-    let mut lines: Vec<(String, String)> = Vec::new();
+    let mut lines: Vec<OverviewLine> = Vec::new();
+    let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
     let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
     let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
     let (time, change) = (phrases.time_label, phrases.change_label);
@@ -54,18 +63,18 @@ pub fn overview(
         let intervals = run.events.as_ref().map(|events| events.intervals.as_slice()).unwrap_or_default();
         let interval = intervals.iter().find(|interval| interval.name == field);
         let ends = interval.map(|interval| (interval.low, interval.high));
-        lines.push((label.to_owned(), with_interval(run, value, ends, shown)));
+        lines.push(line(label, with_interval(run, value, ends, shown)));
     }
     // A peak as read is one of vibration, one of a recorder's steps is nothing.
     let has_peak = run.measured.filtered.is_some() && verdict.kind != Kind::Recorder;
     for (label, name) in [(phrases.peak_label, "peak_acceleration"), (phrases.olc_label, "olc")] {
         let Some(metric) = run.metric(name).filter(|_| has_peak && (of_vehicle || name != "olc")) else { continue };
         if let Some(text) = metric_line(run, metric) {
-            lines.push((label.to_owned(), text));
+            lines.push(line(label, text));
         }
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
-        lines.push((phrases.model_label.to_owned(), parameters(run, best)));
+        lines.push(line(phrases.model_label, parameters(run, best, folder)));
     }
     let said = said_already(ranking, verdict, concerns);
     let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c);
@@ -73,18 +82,19 @@ pub fn overview(
     let (first, others) = first_warnings(&warnings, run, ranking);
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
-        lines.push((label.to_owned(), format!("{}. {}", number + 1, concern.text)));
+        lines.push(OverviewLine { may_be_cut: true, ..line(label, format!("{}. {}", number + 1, concern.text)) });
     }
     if others > 0 {
         let count = match others {
             1 => phrases.one_more.to_owned(),
             n => fill(phrases.more, &[("count", &n.to_string())]),
         };
-        lines.push((String::new(), format!("{count}: {notes}")));
+        let label = if first.is_empty() { phrases.warnings_label } else { "" };
+        lines.push(line(label, format!("{count}: just notes {}", folder.display())));
     }
     // Of a run that is whole the verdict says why something is not there.
     if matches!(verdict.kind, Kind::Barrier | Kind::NoStop | Kind::TwoVehicles | Kind::MeasuredOnly) {
-        lines.extend(run.missing.iter().map(|what| (phrases.missing_label.to_owned(), what.clone())));
+        lines.extend(run.missing.iter().map(|what| line(phrases.missing_label, what.clone())));
     }
     lines
 }
@@ -113,8 +123,7 @@ fn with_interval(
     let language = run.language;
     let number = language.quantity(factor * value, places, unit);
     let Some((low, high)) = ends else { return number };
-    let low = language.quantity(factor * low, places, "");
-    let high = language.quantity(factor * high, places, unit);
+    let [low, high] = [low, high].map(|end| language.quantity(factor * end, places, ""));
     format!("{number} ({})", language.between(&low, &high))
 }
 
@@ -128,11 +137,10 @@ fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
 }
 
 /// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
-fn parameters(run: &Run, candidate: &CandidateResult) -> String {
-    let knots = knots(run, candidate);
-    let is_of_a_knot = |name: &&str| !knots.is_empty() && name.starts_with(KNOT);
+fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
+    let curve = curve(run, candidate);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
-    names.retain(|name| !is_of_a_knot(name));
+    names.retain(|name| curve.is_none() || !name.starts_with(KNOT));
     // What nobody asked the record for comes last, masses aside.
     names.sort_by_key(|name| {
         let order = parameter_order(&candidate.record.model, name);
@@ -141,8 +149,7 @@ fn parameters(run: &Run, candidate: &CandidateResult) -> String {
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(run, candidate, name)).collect();
-    texts.extend(as_one_spring(run, candidate, &knots));
-    texts.extend(knots);
+    texts.extend(curve.map(|curve| format!("{curve}: just curve {}", folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
     format!("{}: {}{more}", candidate_name(&candidate.id), texts.join(", "))
 }
@@ -178,26 +185,17 @@ fn how_sure(run: &Run, candidate: &CandidateResult, name: &str) -> String {
 /// What the parameters of a knot of a force-deflection curve begin with.
 const KNOT: &str = "knot";
 
-/// `knots 97 mm 94 kN (40 to 210)`, then one text a knot: the curve of a candidate with deflections and forces.
-fn knots(run: &Run, candidate: &CandidateResult) -> Vec<String> {
+/// `as one spring k 769 kN/m (750 to 790), curve of 4 knots to 750 mm`: of a candidate with deflections and forces. One
+/// stiffness for a curve on one mass is that of the spring with the energy and the crush of the test.
+fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let parameters = &candidate.record.parameters;
-    let mut knots = Vec::new();
-    for number in 1.. {
-        let [deflection, force] = ["m", "n"].map(|unit| format!("{KNOT}{number}_{unit}"));
-        let Some((deflection_m, force_n)) = parameters.get(&deflection).zip(parameters.get(&force)) else { break };
-        let (mm, kn) =
-            (run.language.quantity(MILLI * deflection_m, 0, "mm"), run.language.quantity(KILO * force_n, 0, "kN"));
-        let name = if number == 1 { format!("{} ", run.language.phrases().conclusion.knots) } else { String::new() };
-        knots.push(format!("{name}{mm} {kn}{}", how_sure(run, candidate, &force)));
-    }
-    knots
-}
-
-/// `as one spring k 769 kN/m`: one stiffness for a curve of knots on one mass, that of the spring with the energy and
-/// the crush of the test.
-fn as_one_spring(run: &Run, candidate: &CandidateResult, knots: &[String]) -> Option<String> {
-    let is_one_curve = !knots.is_empty() && candidate.record.parameters.contains_key("mass_kg");
-    let metric = run.metric("average_stiffness").filter(|_| is_one_curve)?;
-    let stiffness = with_interval(run, metric.value?, metric.low.zip(metric.high), (KILO, 0, "kN/m"));
-    Some(fill(run.language.phrases().conclusion.as_one_spring, &[("stiffness", stiffness)]))
+    let deflections_m = (1..).map_while(|number| parameters.get(&format!("{KNOT}{number}_m")));
+    let (count, last_m) = deflections_m.enumerate().last().map(|(index, last_m)| (index + 1, last_m))?;
+    let phrases = &run.language.phrases().conclusion;
+    let end = run.language.quantity(MILLI * last_m, 0, "mm");
+    let curve = fill(phrases.curve, &[("count", count.to_string()), ("end", end)]);
+    let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
+    let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };
+    let stiffness = with_interval(run, value, metric.low.zip(metric.high), (KILO, 0, "kN/m"));
+    Some(format!("{}, {curve}", fill(phrases.as_one_spring, &[("stiffness", stiffness)])))
 }

@@ -10,6 +10,8 @@
 //! An identified model gives the polynomial through its four poles; which of the solutions is the vehicle, poles cannot
 //! say.
 
+use std::ops::{Add, Mul};
+
 use nalgebra::Matrix4;
 
 use crate::error::{finite, positive};
@@ -180,8 +182,8 @@ impl CoefficientMatching {
     pub fn largest_mass_ratio(&self) -> Option<f64> {
         let [t, u, v, w] = self.polynomial;
         if t == Quad::ZERO && v == Quad::ZERO {
-            let spread = u * u - w.scale(4.0);
-            return (u.0 > 0.0 && w.0 > 0.0 && spread.0 > 0.0).then(|| (spread / w.scale(4.0)).value());
+            let spread = u * u - w.times_power_of_two(4.0);
+            return (u.0 > 0.0 && w.0 > 0.0 && spread.0 > 0.0).then(|| (spread / w.times_power_of_two(4.0)).value());
         }
         let routh = t * u * v - v * v - t * t * w;
         let stable = self.polynomial.iter().all(|x| x.0 > 0.0) && routh.0 > 0.0;
@@ -207,7 +209,10 @@ impl CoefficientMatching {
         let equations = ScaledEquations::new(self.polynomial, kappa, self.rounding);
         let unit = equations.unit;
         let zetas = equations.roots();
-        let reduced = self.m1 * self.m2 / (self.m1 + self.m2);
+        let product = self.m1 * self.m2;
+        let reduced = product / (self.m1 + self.m2);
+        let [t, u, v, w] = self.polynomial.map(|c| -(c * product));
+        let given = [self.m1, self.m2, t, u, v, w];
         let mut solutions = Vec::with_capacity(6);
         for (place, root) in zetas.iter().enumerate() {
             let (sums, r) = equations.sums_and_differences(root);
@@ -215,7 +220,7 @@ impl CoefficientMatching {
             let coincide = r.iter().all(|r| r.modulus() == 0.0);
             let multiplicity = if coincide { 2 * root.multiplicity } else { root.multiplicity };
             let mut put = |r: [ComplexQuad; 2], dual: usize| {
-                let solution = self.solution([sums[0], sums[1], r[0], r[1]], reduced, unit);
+                let solution = self.solution([sums[0], sums[1], r[0], r[1]], reduced, unit, given);
                 solutions.push(MatchedSolution { dual, root: place, multiplicity, ..solution });
             };
             put(r, if coincide { base } else { base + 1 });
@@ -244,15 +249,22 @@ impl CoefficientMatching {
 
     /// Half sums and differences: `c1/m1 = (t + r1)/2`, `c2/mr = (t - r1)/2`, the same of the springs with `u - zeta`
     /// and `r0`. `unit` is the unit of time, 1/s, that `t, rest, r1, r0` are in.
-    fn solution(&self, [t, rest, r1, r0]: [ComplexQuad; 4], reduced: Quad, unit: f64) -> MatchedSolution {
+    fn solution(
+        &self,
+        [t, rest, r1, r0]: [ComplexQuad; 4],
+        reduced: Quad,
+        unit: f64,
+        given: [Quad; 6],
+    ) -> MatchedSolution {
         let half = |sum: ComplexQuad, a: ComplexQuad, b: ComplexQuad, scale: Quad| {
-            denoise(sum, a.modulus() + b.modulus()).scale(scale * Quad::from(0.5))
+            let sum = denoise(sum, a.modulus() + b.modulus());
+            if sum.im == Quad::ZERO { real(sum.re * scale) } else { sum.scale(scale) }
         };
-        let [rate, square] = [unit, unit * unit].map(Quad::from);
-        let c1 = half(t + r1, t, r1, self.m1 * rate);
-        let c2 = half(t - r1, t, r1, reduced * rate);
-        let k1 = half(rest + r0, rest, r0, self.m1 * square);
-        let k2 = half(rest - r0, rest, r0, reduced * square);
+        let [rate, square] = [0.5 * unit, 0.5 * unit * unit];
+        let c1 = half(t + r1, t, r1, self.m1.times_power_of_two(rate));
+        let c2 = half(t - r1, t, r1, reduced.times_power_of_two(rate));
+        let k1 = half(rest + r0, rest, r0, self.m1.times_power_of_two(square));
+        let k2 = half(rest - r0, rest, r0, reduced.times_power_of_two(square));
         let values = [k1, k2, c1, c2];
         let is_real = values.iter().all(|z| z.im == Quad::ZERO);
         let [k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m] = values.map(ComplexDoubleLength::value);
@@ -266,30 +278,8 @@ impl CoefficientMatching {
             multiplicity: 1,
             dual: 0,
             root: 0,
-            residual: self.residual([k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m]),
+            residual: residual([k1_n_per_m, k2_n_per_m, c1_n_s_per_m, c2_n_s_per_m], given),
         }
-    }
-
-    /// Mismatch of the four equations for rounded parameters, in double length.
-    ///
-    /// `max |sum of the terms|/(sum of their moduli)` over the four equations: some `1e-16` for parameters rounded to
-    /// f64.
-    fn residual(&self, parameters: [Complex; 4]) -> f64 {
-        let [k1, k2, c1, c2] = parameters.map(|z| ComplexQuad::new(Quad::from(z.re), Quad::from(z.im)));
-        let [m1, m2] = [self.m1, self.m2].map(real);
-        let [t, u, v, w] = self.polynomial.map(|c| real(-(c * self.m1 * self.m2)));
-        let equations: [&[ComplexQuad]; 4] = [
-            &[m1 * c2, m2 * c1, m2 * c2, t],
-            &[m1 * k2, m2 * k1, m2 * k2, c1 * c2, u],
-            &[c1 * k2, c2 * k1, v],
-            &[k1 * k2, w],
-        ];
-        let mismatch = |terms: &[ComplexQuad]| {
-            let sum = terms.iter().fold(real(Quad::ZERO), |sum, &x| sum + x).modulus();
-            let size: f64 = terms.iter().map(|x| x.modulus()).sum();
-            if size > 0.0 { sum / size } else { 0.0 }
-        };
-        equations.into_iter().map(mismatch).fold(0.0, f64::max)
     }
 
     /// The solutions for many divisions of one total mass, `m1/(m1 + m2)` from the list.
@@ -299,6 +289,39 @@ impl CoefficientMatching {
         let total = (self.m1 + self.m2).value();
         front_fractions.iter().map(|f| Ok(self.with(f * total, (1.0 - f) * total)?.solve())).collect()
     }
+}
+
+/// Mismatch of the four equations for rounded parameters, in double length.
+///
+/// `max |sum of the terms|/(sum of their moduli)` over the four equations: some `1e-16` for parameters rounded to
+/// f64.
+fn residual(parameters: [Complex; 4], given: [Quad; 6]) -> f64 {
+    if parameters.iter().all(|z| z.im == 0.0) {
+        largest_mismatch(parameters.map(|z| Quad::from(z.re)), given, |x| x.0.abs())
+    } else {
+        let parameters = parameters.map(|z| ComplexQuad::new(Quad::from(z.re), Quad::from(z.im)));
+        largest_mismatch(parameters, given.map(real), ComplexDoubleLength::modulus)
+    }
+}
+
+/// See [`residual`]: of `k1, k2, c1, c2` with `m1, m2` and `t, u, v, w` times `-m1 m2`.
+fn largest_mismatch<T>([k1, k2, c1, c2]: [T; 4], [m1, m2, t, u, v, w]: [T; 6], size: impl Fn(T) -> f64) -> f64
+where
+    T: Copy + Add<Output = T> + Mul<Output = T>,
+{
+    let mismatch = |first: T, others: &[T]| {
+        let sum = others.iter().fold(first, |sum, &x| sum + x);
+        let sizes: f64 = size(first) + others.iter().map(|&x| size(x)).sum::<f64>();
+        if sizes > 0.0 { size(sum) / sizes } else { 0.0 }
+    };
+    [
+        mismatch(t, &[m1 * c2, m2 * c1, m2 * c2]),
+        mismatch(u, &[m1 * k2, m2 * k1, m2 * k2, c1 * c2]),
+        mismatch(v, &[c1 * k2, c2 * k1]),
+        mismatch(w, &[k1 * k2]),
+    ]
+    .into_iter()
+    .fold(0.0, f64::max)
 }
 
 /// Real solutions first, by `k1`; then complex ones by the real and imaginary part of `k1`.
@@ -318,13 +341,13 @@ fn ordered(solutions: Vec<MatchedSolution>) -> Vec<MatchedSolution> {
 
 /// Alpha theory at `z`: `beta = |f/f'|`, `gamma = max |f^(k)/(k! f')|^(1/(k-1))`.
 fn certify([a, b, c]: [Quad; 3], z: ComplexQuad, unit: f64) -> Option<Certificate> {
-    let [ca, cb, cc] = [a, b, c].map(real);
-    let f = ((z + ca) * z + cb) * z + cc;
+    let [ca, cb, cc, twice_a] = [a, b, c, a.times_power_of_two(2.0)].map(real);
+    let (f, three_z) = (((z + ca) * z + cb) * z + cc, z.scale(Quad::from(3.0)));
     // Rounding of the evaluation itself bounds what can be proved.
     let size = z.modulus();
     let noise = 1e-31 * (size.powi(3) + a.0.abs() * size * size + b.0.abs() * size + c.0.abs());
-    let slope = ((z.scale(Quad::from(3.0)) + ca.scale(Quad::from(2.0))) * z + cb).modulus();
-    let curvature = (z.scale(Quad::from(3.0)) + ca).modulus();
+    let slope = ((three_z + twice_a) * z + cb).modulus();
+    let curvature = (three_z + ca).modulus();
     if slope == 0.0 {
         return None;
     }

@@ -9,6 +9,8 @@ use crate::matching::double_length::{ComplexQuad, DoubleLength, Quad, real};
 /// Relative size below which a combination of the coefficients counts as zero: some hundred roundings of double-length
 /// arithmetic. Of exact coefficients two roots closer than about `1e-14` of their size are taken as one double root.
 const NOISE: f64 = 1e-29;
+const THIRD: Quad = Quad::ONE.const_div(Quad::from_f64(3.0));
+const TWO_27TH: Quad = Quad::from_f64(2.0).const_div(Quad::from_f64(27.0));
 
 /// One root.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,11 +41,10 @@ pub(crate) struct CubicUncertainty<'a> {
 /// A slope uncertain by `d` moves the value at a point without slope by `d^2/(2 |y''|)`, `y'' = 6 y`, beside what
 /// `uncertainty` says of the value there.
 pub(crate) fn cubic_roots([a, b, c]: [Quad; 3], uncertainty: &CubicUncertainty<'_>) -> Vec<CubicRoot> {
-    let third = Quad::ONE / Quad::from(3.0);
-    let shift = -a * third;
+    let shift = -a * THIRD;
     let square = a * a;
-    let p = b - square * third;
-    let q = c - a * b * third + square * a * (Quad::from(2.0) / Quad::from(27.0));
+    let p = b - square * THIRD;
+    let q = c - a * b * THIRD + square * a * TWO_27TH;
     let p_noise = NOISE * (b.0.abs() + square.0);
     let q_noise = NOISE * (c.0.abs() + (a * b).0.abs() + (square * a).0.abs());
     let real = |y: Quad, multiplicity, radius| {
@@ -57,7 +58,7 @@ pub(crate) fn cubic_roots([a, b, c]: [Quad; 3], uncertainty: &CubicUncertainty<'
     if p.0.abs() <= slope_noise && q.0.abs() <= value_noise {
         return vec![real(Quad::ZERO, 3, value_noise.cbrt())];
     }
-    let flat = (-p * third).sqrt();
+    let flat = (-p * THIRD).sqrt();
     let twice = if q.0 < 0.0 { -flat } else { flat };
     let curvature = 6.0 * flat.0;
     let value_noise = q_noise
@@ -65,16 +66,16 @@ pub(crate) fn cubic_roots([a, b, c]: [Quad; 3], uncertainty: &CubicUncertainty<'
         + NOISE * q.0.abs()
         + (uncertainty.value)(twice + shift)
         + 0.5 * slope_noise * slope_noise / curvature;
-    if p.0 < 0.0 && (q.abs() - (flat * flat * flat).scale(2.0)).0.abs() <= value_noise {
+    if p.0 < 0.0 && (q.abs() - (flat * flat * flat).times_power_of_two(2.0)).0.abs() <= value_noise {
         // A parabola of this height spreads its zeros so far; twice that, as the noise is an estimate.
         let radius = 2.0 * (2.0 * value_noise / curvature).sqrt();
         return vec![real(newton(p, q, -2.0 * twice.0), 1, 0.0), real(twice, 2, radius)];
     }
-    let discriminant = -(p * p * p).scale(4.0) - (q * q).scale(27.0);
+    let discriminant = -(p * p * p).times_power_of_two(4.0) - q * q * Quad::from(27.0);
     let alone = newton(p, q, start(p.0, q.0, discriminant.0));
-    let slope = (alone * alone).scale(3.0) + p;
-    let half_gap = discriminant.abs().sqrt() / slope.abs().scale(2.0);
-    let middle = alone.scale(-0.5);
+    let slope = alone * alone * Quad::from(3.0) + p;
+    let half_gap = discriminant.abs().sqrt() / slope.abs().times_power_of_two(2.0);
+    let middle = alone.times_power_of_two(-0.5);
     if discriminant.0 > 0.0 {
         return vec![real(alone, 1, 0.0), real(middle - half_gap, 1, 0.0), real(middle + half_gap, 1, 0.0)];
     }
@@ -105,7 +106,7 @@ fn newton(p: Quad, q: Quad, start: f64) -> Quad {
     // From an f64 start two steps are enough; next to a triple root each gains one bit only.
     for _ in 0..80 {
         let square = y * y;
-        let slope = square.scale(3.0) + p;
+        let slope = square * Quad::from(3.0) + p;
         if slope.0 == 0.0 {
             break;
         }

@@ -30,15 +30,15 @@ pub(crate) fn decimal(x: f64) -> Quad {
 
 /// What sums, products, quotients and roots do not give.
 pub(crate) trait DoubleLength: Sized {
-    /// Times an f64.
-    fn scale(self, by: f64) -> Self;
+    /// Times a power of two with either sign, exactly.
+    fn times_power_of_two(self, power: f64) -> Self;
     /// Rounded to f64.
     fn value(self) -> f64;
 }
 
 impl DoubleLength for Quad {
-    fn scale(self, by: f64) -> Self {
-        Self::from(by) * self
+    fn times_power_of_two(self, power: f64) -> Self {
+        Self(self.0 * power, self.1 * power)
     }
 
     fn value(self) -> f64 {
@@ -58,7 +58,7 @@ pub(crate) trait ComplexDoubleLength: Sized {
 
 impl ComplexDoubleLength for ComplexQuad {
     fn modulus(self) -> f64 {
-        self.re.0.hypot(self.im.0)
+        if self.im.0 == 0.0 { self.re.0.abs() } else { self.re.0.hypot(self.im.0) }
     }
 
     fn square_root(self) -> Self {
@@ -66,8 +66,8 @@ impl ComplexDoubleLength for ComplexQuad {
             let root = self.re.abs().sqrt();
             return if self.re.0 < 0.0 { Self::new(Quad::ZERO, root) } else { real(root) };
         }
-        let larger = ((self.re * self.re + self.im * self.im).sqrt() + self.re.abs()).scale(0.5).sqrt();
-        let smaller = self.im.abs().scale(0.5) / larger;
+        let larger = ((self.re * self.re + self.im * self.im).sqrt() + self.re.abs()).times_power_of_two(0.5).sqrt();
+        let smaller = self.im.abs().times_power_of_two(0.5) / larger;
         let (re, im) = if self.re.0 >= 0.0 { (larger, smaller) } else { (smaller, larger) };
         Self::new(re, if self.im.0 < 0.0 { -im } else { im })
     }
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn one_third_times_three_is_one_to_thirty_digits() {
         let third = Quad::ONE / Quad::from(3.0);
-        assert!((third.scale(3.0) - Quad::ONE).0.abs() < 1e-31);
+        assert!((third * Quad::from(3.0) - Quad::ONE).0.abs() < 1e-31);
         let root = Quad::from(2.0).sqrt();
         // The Newton step squares the error of the f64 root.
         assert!((root * root - Quad::from(2.0)).0.abs() < 1e-30);
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn reads_a_decimal_as_it_is_written() {
         let tenth = decimal(0.1);
-        assert!((tenth.scale(10.0) - Quad::ONE).0.abs() < 1e-31);
+        assert!((tenth * Quad::from(10.0) - Quad::ONE).0.abs() < 1e-31);
         assert!(tenth.1 != 0.0);
         assert_eq!(decimal(6024.0), Quad::from(6024.0));
         assert_eq!(decimal(-291.5), Quad::from(-291.5));

@@ -22,13 +22,13 @@ impl ScaledEquations {
     /// Of `t, u, v, w` and `kappa`, each uncertain by a relative rounding.
     pub fn new(polynomial: [Quad; 4], kappa: Quad, rounding: f64) -> Self {
         // A power of two loses nothing.
-        let size = polynomial.iter().enumerate().map(|(k, c)| c.0.abs().powf(1.0 / (k + 1) as f64));
-        let size = size.fold(0.0, f64::max);
+        let [t, u, v, w] = polynomial.map(|c| c.0.abs());
+        let size = [t, u.sqrt(), v.cbrt(), w.sqrt().sqrt()].into_iter().fold(0.0, f64::max);
         let unit = if size > 0.0 { size.log2().round().exp2() } else { 1.0 };
         let mut power = 1.0;
         let [t, u, v, w] = polynomial.map(|c| {
             power *= unit;
-            c.scale(1.0 / power)
+            c.times_power_of_two(1.0 / power)
         });
         Self { unit, t, u, v, w, kappa, rounding }
     }
@@ -36,21 +36,24 @@ impl ScaledEquations {
     /// Coefficients of the cubic in `zeta`, without the leading 1: `r1² r0² - (r1 r0)²` over `-4 kappa`.
     pub fn cubic(&self) -> [Quad; 3] {
         let Self { t, u, v, w, kappa, .. } = *self;
-        let kw = (kappa * w).scale(4.0);
-        [u.scale(-2.0), u * u + t * v - kw, kappa * (v * v) + t * t * w - t * u * v]
+        let kw = (kappa * w).times_power_of_two(4.0);
+        [u.times_power_of_two(-2.0), u * u + t * v - kw, kappa * (v * v) + t * t * w - t * u * v]
     }
 
     /// `r1²`, `r0²` and `r1 r0` at a `zeta`, each with the sum of the moduli of its parts.
     fn squares_and_product(&self, zeta: ComplexQuad) -> [(ComplexQuad, f64); 3] {
-        let [t, u, v, w, kappa] = [self.t, self.u, self.v, self.w, self.kappa].map(real);
-        let [two, four] = [2.0, 4.0].map(Quad::from);
-        let rest = u - zeta;
-        let ([kz, kw], kv) = ([kappa * zeta, kappa * w].map(|x| x.scale(four)), (kappa * v).scale(two));
-        let of_rest = u.modulus() + zeta.modulus();
+        let Self { t, u, v, w, kappa, .. } = *self;
+        let rest = real(u) - zeta;
+        let (kz, kw, kv) = (
+            zeta.scale(kappa.times_power_of_two(4.0)),
+            (kappa * w).times_power_of_two(4.0),
+            (kappa * v).times_power_of_two(2.0),
+        );
+        let of_rest = u.0.abs() + zeta.modulus();
         [
-            (t * t - kz, t.modulus().powi(2) + kz.modulus()),
-            (rest * rest - kw, rest.modulus() * of_rest + kw.modulus()),
-            (t * rest - kv, t.modulus() * of_rest + kv.modulus()),
+            (real(t * t) - kz, t.0 * t.0 + kz.modulus()),
+            (rest * rest - real(kw), rest.modulus() * of_rest + kw.0.abs()),
+            (rest.scale(t) - real(kv), t.0.abs() * of_rest + kv.0.abs()),
         ]
     }
 
@@ -75,7 +78,7 @@ impl ScaledEquations {
     pub fn sums_and_differences(&self, root: &CubicRoot) -> ([ComplexQuad; 2], [ComplexQuad; 2]) {
         let [t, u] = [self.t, self.u].map(real);
         // A solution is its own dual where `r1` is zero at a multiple root: `r0` is zero there too.
-        let own_dual = real(self.t * self.t / self.kappa.scale(4.0));
+        let own_dual = real(self.t * self.t / self.kappa.times_power_of_two(4.0));
         let beyond = root.value - own_dual;
         let [_, (square_0, size_0), (product, size)] = self.squares_and_product(own_dual);
         let noise = 2.0 * self.rounding;
@@ -92,14 +95,21 @@ impl ScaledEquations {
         let differences = if square_1.modulus() == 0.0 && square_0.modulus() == 0.0 {
             [real(Quad::ZERO); 2]
         } else if larger {
-            let r1 = square_1.square_root();
-            [r1, product / r1]
+            let (r1, inverse) = root_and_inverse(square_1);
+            [r1, product * inverse]
         } else {
-            let r0 = square_0.square_root();
-            [product / r0, r0]
+            let (r0, inverse) = root_and_inverse(square_0);
+            [product * inverse, r0]
         };
         ([t, rest], differences)
     }
+}
+
+/// `r` and `1/r` of `r²`, which is mostly real: then its root needs one division for both of its parts.
+fn root_and_inverse(square: ComplexQuad) -> (ComplexQuad, ComplexQuad) {
+    let root = square.square_root();
+    let is_real = square.im == Quad::ZERO;
+    (root, if is_real { root.scale(Quad::ONE / square.re) } else { real(Quad::ONE) / root })
 }
 
 /// Sets to zero the real or imaginary part that is rounding of numbers of this size, so that a real solution is real.

@@ -164,11 +164,11 @@ impl<'a> Watch<'a> {
             let law = self.structure.connections()[link].element.law();
             let (series, branch) = (&step.links[link], &step.branches[link]);
             let strain = series.strain(tau);
-            let [stored_j, plastic_j] = law.energies(branch, strain);
+            let [stored_j, plastic_j] = law.energies(branch, &strain);
             let heat_j = self.heat_j[link] + self.power[link].as_ref().map_or(0.0, |power| integral(power, tau));
             let [rate_j, damped_j] = if law.has_rate_effect() { [heat_j, 0.0] } else { [0.0, heat_j] };
             ElementState {
-                deflection_m: law.deflection(strain),
+                deflection_m: law.deflection(&strain),
                 force_n: series.law.at(strain),
                 permanent_set_m: branch.set,
                 energy: ElementEnergy { stored_j, plastic_j, rate_j, damped_j },

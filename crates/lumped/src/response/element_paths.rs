@@ -33,7 +33,7 @@ pub struct PathPoint {
 /// Errors: numbers that are not finite, a rate that does not lead to its end.
 pub fn lead(element: &Element, legs: &[Leg]) -> Result<Vec<PathPoint>, LumpedError> {
     // A compression of zero may leave a gap open: deflections are counted from contact.
-    let contact_m = -element.law().deflection(Strain::default());
+    let contact_m = -element.law().deflection(&Strain::default());
     let connection = Connection { front: Node::Wall, rear: Node::Mass(0), element: element.clone() };
     let structure = Structure::new(vec![1.0], vec![connection])?;
     let first = legs.first().map_or(0.0, |leg| leg.rate_m_per_s);

@@ -75,7 +75,7 @@ pub(crate) fn meeting(
             // An element turns where a step ends: what is largest stands at an end.
             for ((largest, connection), link) in largest_m.iter_mut().zip(links).zip(&step.links) {
                 let strain = link.strain(common.unwrap_or(step.length_s));
-                *largest = largest.max(connection.element.law().deflection(strain));
+                *largest = largest.max(connection.element.law().deflection(&strain));
             }
             let Some(tau) = common else { return true };
             meeting.common = Some(at(tau, &largest_m));

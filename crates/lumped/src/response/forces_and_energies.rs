@@ -45,7 +45,8 @@ impl Structure {
                 let element = &system.elements[link];
                 let [(front_x, front_v), (x, v)] = element.nodes.map(|node| system.place_of(node));
                 let inner = element.inner.map_or(0.0, |(_, row)| z[row]);
-                (element.force, Strain { u: z[x] - z[front_x], w: z[v] - z[front_v], z: inner })
+                let strain = Strain { u: z[x] - z[front_x], w: z[v] - z[front_v], z: inner };
+                (element.force.at(strain), strain)
             };
             record.add(k, &branches, felt, [dissipated_j, input_j]);
             k += 1;
@@ -90,7 +91,7 @@ impl<'a> Record<'a> {
             let [[front_x, front_v], [x, v]] = nodes.map(place);
             let strain = Strain { u: x - front_x, w: v - front_v, z: 0.0 };
             let law = element.law();
-            law.energies(&law.start(strain), strain).iter().sum::<f64>()
+            law.energies(&law.start(strain), &strain).iter().sum::<f64>()
         };
         let brought_in_j = start.kinetic_j(&masses_kg) + structure.joined().map(stored).sum::<f64>();
         let parts = structure.connections().iter().map(|c| c.element.law().symbols().len()).collect();
@@ -106,24 +107,23 @@ impl<'a> Record<'a> {
     }
 
     /// Adds forces and energies of sample `k`, whose motion is there. Forces are read off the law at the sample.
-    /// `felt` gives the law of an element and what it feels.
+    /// `felt` gives the force of an element, N, and what it feels.
     fn add(
         &mut self,
         k: usize,
         branches: &[Branch],
-        felt: impl Fn(usize) -> (Form, Strain),
+        felt: impl Fn(usize) -> (f64, Strain),
         [heat_j, work_j]: [f64; 2],
     ) {
         let mut energy = Energy { dissipated_j: heat_j, input_j: self.brought_in_j + work_j, ..Energy::default() };
         let mut forces = self.dynamics.forces.iter_mut();
         for (link, (connection, branch)) in self.structure.connections().iter().zip(branches).enumerate() {
-            let (law, (form, strain)) = (connection.element.law(), felt(link));
-            let force_n = form.at(strain);
+            let (law, (force_n, strain)) = (connection.element.law(), felt(link));
             for (part, force) in forces.by_ref().take(self.parts[link]).enumerate() {
                 force.force_n.push(force_n);
-                force.deflection_m.push(law.compression(part, strain));
+                force.deflection_m.push(law.compression(part, &strain));
             }
-            let [stored_j, plastic_j] = law.energies(branch, strain);
+            let [stored_j, plastic_j] = law.energies(branch, &strain);
             energy.stored_j += stored_j;
             energy.dissipated_j += plastic_j;
         }
@@ -144,7 +144,10 @@ impl<'a> Record<'a> {
             for k in instants {
                 let tau = reader.time(k) - step.start_s;
                 let energies = [heat_j + integral(&heat, tau), work_j + integral(&work, tau)];
-                let felt = |link: usize| (step.links[link].law, step.links[link].strain(tau));
+                let felt = |link: usize| {
+                    let strain = step.links[link].strain(tau);
+                    (step.links[link].law.at(strain), strain)
+                };
                 self.add(k, &step.branches, felt, energies);
             }
             heat_j += integral(&heat, step.length_s);

@@ -90,7 +90,7 @@ pub trait Law {
     }
 
     /// Energy that it can give back, and energy turned into plastic deformation so far, J.
-    fn energies(&self, branch: &Branch, strain: Strain) -> [f64; 2];
+    fn energies(&self, branch: &Branch, strain: &Strain) -> [f64; 2];
 
     /// Force of its damper, or what the rate adds to its force, N: heat is this times the rate of the compression less
     /// that of the inner state.
@@ -107,12 +107,12 @@ pub trait Law {
     fn symbols(&self) -> &'static str;
 
     /// How far it is deflected, m: the compression, without a gap.
-    fn deflection(&self, strain: Strain) -> f64 {
+    fn deflection(&self, strain: &Strain) -> f64 {
         strain.u
     }
 
     /// Deflection of one of its parts, m.
-    fn compression(&self, _part: usize, strain: Strain) -> f64 {
+    fn compression(&self, _part: usize, strain: &Strain) -> f64 {
         self.deflection(strain)
     }
 }

@@ -3,7 +3,7 @@
 use crumple_drawing::Words;
 use crumple_drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 
-use crate::phrases::{ENGLISH, GERMAN, METRICS, Phrases, TRADE_NAMES};
+use crate::phrases::{CHANNEL_STATES, DEFINITIONS, ENGLISH, GERMAN, METRICS, Phrases, TRADE_NAMES};
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -117,6 +117,22 @@ impl Language {
             Some(word) => word.to_owned(),
             None => name.replace('_', " "),
         }
+    }
+
+    /// What is computed for a metric, by the key of its definition; `words`: what the record says. They stay as they are
+    /// in English, without a key, and where they bound the value in this record or say why there is none.
+    pub fn definition(self, key: Option<&str>, words: &str) -> String {
+        let german = || DEFINITIONS.iter().find(|(known, _)| Some(*known) == key && self == Self::German);
+        match german().filter(|_| !words.contains("bound") && !words.starts_with("absent")) {
+            Some((_, german)) => (*german).to_owned(),
+            None => words.to_owned(),
+        }
+    }
+
+    /// Whether the data of a channel are there and right: `not installed`.
+    pub fn channel_status(self, name: &str) -> &str {
+        let german = CHANNEL_STATES.iter().find(|(known, _)| *known == name && self == Self::German);
+        german.map_or(name, |(_, german)| german)
     }
 
     /// How an interval was found, as a record says it: `5-95 % of 400 replicates`.

@@ -168,11 +168,11 @@ texts! { ConclusionTexts
     restitution_label: "restitution", "Stoßzahl";
     peak_label: "peak", "Spitzenwert";
     olc_label: "OLC", "OLC";
-    knots: "knots", "Stützstellen";
+    curve: "curve of {count} knots to {end}", "Kurve mit {count} Stützstellen bis {end}";
     as_one_spring: "as one spring k {stiffness}", "als eine Feder k {stiffness}";
     given: "given", "vorgegeben";
     model_label: "recommended", "empfohlen";
-    warnings_label: "before you use it", "vor dem Gebrauch";
+    warnings_label: "warnings", "Warnungen";
     missing_label: "not in it", "fehlt darin";
     files_label: "report", "Bericht";
 }

@@ -1,4 +1,14 @@
-//! Names of metrics and of measured quantities. The English one is the name of the record with blanks.
+//! Names of metrics, of measured quantities and of the states of channels. The English one is the name of the record with blanks.
+
+/// Status of a channel in a record, German word.
+pub const CHANNEL_STATES: [(&str, &str); 6] = [
+    ("valid", "gültig"),
+    ("computed", "berechnet"),
+    ("questionable", "fraglich"),
+    ("failed", "ausgefallen"),
+    ("not installed", "nicht eingebaut"),
+    ("absent", "fehlt"),
+];
 
 /// Name in a record, German name. What is not in it keeps its name.
 pub const METRICS: [(&str, &str); 56] = [

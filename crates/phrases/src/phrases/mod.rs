@@ -22,6 +22,7 @@ macro_rules! texts {
 
 mod candidates;
 mod conclusion;
+mod definitions;
 mod figures;
 mod how_well;
 mod identification;
@@ -36,10 +37,11 @@ mod scripts;
 
 pub use candidates::CandidateTexts;
 pub use conclusion::ConclusionTexts;
+pub use definitions::DEFINITIONS;
 pub use figures::FigureTexts;
 pub use how_well::HowWellTexts;
 pub use identification::IdentificationTexts;
-pub use metrics::{METRICS, TRADE_NAMES};
+pub use metrics::{CHANNEL_STATES, METRICS, TRADE_NAMES};
 pub use model_picture::ModelTexts;
 pub use numbers::NumberTexts;
 pub use page::PageTexts;

@@ -27,7 +27,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
                 ("id", html(id)),
                 ("place", html(&place)),
                 ("count", channels.len().to_string()),
-                ("states", html(&states(channels))),
+                ("states", html(&states(run.language, channels))),
             ];
             out.push_str(&format!("<p>{}</p>\n", fill(template, &filled)));
         }
@@ -59,7 +59,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
 }
 
 /// `: 630 valid, 4 not installed`; empty where all are valid.
-fn states(channels: &[Channel]) -> String {
+fn states(language: Language, channels: &[Channel]) -> String {
     let mut counts = std::collections::BTreeMap::new();
     for channel in channels {
         *counts.entry(channel.status).or_insert(0_usize) += 1;
@@ -67,7 +67,9 @@ fn states(channels: &[Channel]) -> String {
     if counts.len() == 1 && counts.contains_key(&ChannelStatus::Valid) {
         return String::new();
     }
-    let parts: Vec<String> = counts.iter().map(|(status, count)| format!("{count} {status}")).collect();
+    let part =
+        |(status, count): (&ChannelStatus, &usize)| format!("{count} {}", language.channel_status(status.name()));
+    let parts: Vec<String> = counts.iter().map(part).collect();
     format!(": {}", parts.join(", "))
 }
 
@@ -93,7 +95,7 @@ fn row(out: &mut String, language: Language, channel: &Channel, taken: bool, on_
         or_dash(channel.axis.map(|axis| axis.to_string())),
         html(&language.metric(channel.quantity.name())),
         or_dash(channel.cfc.map(|cfc| cfc.to_string())),
-        html(channel.status.name()),
+        html(language.channel_status(channel.status.name())),
         html(&remark)
     ));
 }

@@ -139,7 +139,7 @@ fn other_channels(out: &mut String, run: &Run) {
     for (name, first) in names {
         out.push_str(&format!(
             "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th>",
-            html(&first.definition),
+            html(&language.definition(first.definition_id.as_deref(), &first.definition)),
             html(&language.metric(name))
         ));
         for id in &channels {
@@ -168,8 +168,9 @@ struct Row<'a> {
 /// The definition, its key and the part of the record.
 fn definition(language: Language, metric: &MetricV1) -> String {
     let texts = &language.phrases().numbers;
-    let mut text = metric.definition.clone();
-    if let Some(id) = metric.definition_id.as_ref().filter(|_| metric.value.is_some()) {
+    let key = metric.definition_id.as_deref().filter(|_| metric.value.is_some());
+    let mut text = language.definition(key, &metric.definition);
+    if let Some(id) = key {
         text.push_str(&format!(" [{id}]"));
     }
     match metric.from_s.zip(metric.to_s) {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crumple_artifact::records::ConcernV1;
-use crumple_report::{Conclusion, Ranking, Run, overview};
-use crumple_stage::{columns, labelled, say, wrapped};
+use crumple_report::{Conclusion, OverviewLine, Ranking, Run, overview};
+use crumple_stage::{columns, labelled, labelled_and_cut, say, wrapped};
 
 /// Prints the verdict, the numbers, the gravest warnings and where the rest is.
 pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[ConcernV1], report: &Path) {
@@ -13,11 +13,15 @@ pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[Con
         wrapped(sentence, columns).iter().for_each(say);
     }
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let notes = format!("just notes {}", folder.display());
-    let mut lines = overview(run, ranking, verdict, concerns, &notes);
-    lines.push((run.language.phrases().conclusion.files_label.to_owned(), report.display().to_string()));
-    let width = lines.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0) + 2;
-    for (label, text) in &lines {
-        labelled(label, width, text, columns).iter().for_each(say);
+    let mut lines = overview(run, ranking, verdict, concerns, folder);
+    let label = run.language.phrases().conclusion.files_label.to_owned();
+    lines.push(OverviewLine { label, text: report.display().to_string(), may_be_cut: false });
+    let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;
+    for OverviewLine { label, text, may_be_cut } in &lines {
+        if *may_be_cut {
+            say(labelled_and_cut(label, width, text, columns));
+        } else {
+            labelled(label, width, text, columns).iter().for_each(say);
+        }
     }
 }

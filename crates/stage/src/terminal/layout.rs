@@ -44,6 +44,17 @@ pub fn labelled(label: &str, label_width: usize, text: &str, columns: usize) -> 
     lines.iter().map(|line| format!("{:<label_width$}{line}", std::mem::take(&mut label))).collect()
 }
 
+/// Only the first line of that, with dots where there would be more.
+pub fn labelled_and_cut(label: &str, label_width: usize, text: &str, columns: usize) -> String {
+    const DOTS: &str = " ...";
+    let mut lines = labelled(label, label_width, text, columns);
+    if lines.len() > 1 {
+        lines = labelled(label, label_width, text, columns.saturating_sub(DOTS.len()));
+        lines[0].push_str(DOTS);
+    }
+    lines.into_iter().next().unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,5 +68,8 @@ mod tests {
             labelled("peak", 6, "45.4 g at 63 ms, and more of it", 28),
             ["peak  45.4 g at 63 ms, and", "      more of it"]
         );
+        assert_eq!(labelled_and_cut("peak", 6, "45.4 g at 63 ms", 28), "peak  45.4 g at 63 ms");
+        assert_eq!(labelled_and_cut("peak", 6, "45.4 g at 63 ms, and more of it", 28), "peak  45.4 g at 63 ms, ...");
+        assert_eq!(labelled_and_cut("peak", 6, "", 28), "");
     }
 }

@@ -414,7 +414,7 @@ impl Law for ForceDeflection {
         (1.0 - piece.slope / stiff) * by_u + own
     }
 
-    fn energies(&self, branch: &Branch, strain: Strain) -> [f64; 2] {
+    fn energies(&self, branch: &Branch, strain: &Strain) -> [f64; 2] {
         let d = strain.u - self.gap_m;
         match branch.line % STATES {
             LOADING | CAPPED => {
@@ -444,7 +444,7 @@ impl Law for ForceDeflection {
         "k"
     }
 
-    fn deflection(&self, strain: Strain) -> f64 {
+    fn deflection(&self, strain: &Strain) -> f64 {
         strain.u - self.gap_m
     }
 }

@@ -102,9 +102,9 @@ impl Law for PlasticSpring {
         self.lasting() * by_u + own
     }
 
-    fn energies(&self, branch: &Branch, strain: Strain) -> [f64; 2] {
+    fn energies(&self, branch: &Branch, strain: &Strain) -> [f64; 2] {
         let crush = if branch.line == LOADING { strain.u } else { branch.crush };
-        let stored = 0.5 * self.force(branch).at(strain).powi(2) / self.unloading_stiffness_n_per_m;
+        let stored = 0.5 * self.force(branch).at(*strain).powi(2) / self.unloading_stiffness_n_per_m;
         [stored, 0.5 * self.loading_stiffness_n_per_m * crush * crush * self.lasting()]
     }
 

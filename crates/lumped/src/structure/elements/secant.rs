@@ -66,13 +66,13 @@ macro_rules! secant_law {
 }
 
 secant_law!(Spring, u, uu, "k", |s: Strain| (s.u, s.w), {
-    fn energies(&self, _: &Branch, strain: Strain) -> [f64; 2] {
+    fn energies(&self, _: &Branch, strain: &Strain) -> [f64; 2] {
         [self.0.energy(strain.u), 0.0]
     }
 });
 
 secant_law!(Damper, w, ww, "c", |s: Strain| (s.w, 0.0), {
-    fn energies(&self, _: &Branch, _: Strain) -> [f64; 2] {
+    fn energies(&self, _: &Branch, _: &Strain) -> [f64; 2] {
         [0.0, 0.0]
     }
 

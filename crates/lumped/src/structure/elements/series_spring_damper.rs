@@ -40,7 +40,7 @@ impl Law for SeriesSpringDamper {
         Form { z: if parameter == 0 { -1.0 / c } else { k / (c * c) }, ..Form::ZERO }
     }
 
-    fn energies(&self, _: &Branch, strain: Strain) -> [f64; 2] {
+    fn energies(&self, _: &Branch, strain: &Strain) -> [f64; 2] {
         [0.5 * self.stiffness_n_per_m * strain.z * strain.z, 0.0]
     }
 
@@ -52,7 +52,7 @@ impl Law for SeriesSpringDamper {
         "kc"
     }
 
-    fn compression(&self, part: usize, strain: Strain) -> f64 {
+    fn compression(&self, part: usize, strain: &Strain) -> f64 {
         if part == 0 { strain.z } else { strain.u - strain.z }
     }
 }
