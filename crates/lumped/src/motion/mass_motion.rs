@@ -1,5 +1,7 @@
 //! The motion of masses: states, samples, responses, events.
 
+use pulp::Arch;
+
 /// One mass at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
@@ -59,8 +61,9 @@ impl Motion {
     pub(crate) fn first_not_finite(&self) -> Option<usize> {
         let waves = [&self.displacement_m, &self.velocity_m_per_s, &self.acceleration_m_per_s2];
         // Nearly always all are finite, and a sum of flags without an early end is found side by side.
-        let strays = |samples: &Vec<f64>| samples.iter().map(|x| u64::from(!x.is_finite())).sum::<u64>();
-        if waves.iter().all(|samples| strays(samples) == 0) {
+        let strays = |samples: &[f64]| samples.iter().map(|x| u64::from(!x.is_finite())).sum::<u64>();
+        let all_finite = || waves.iter().all(|samples| strays(samples) == 0);
+        if Arch::new().dispatch(all_finite) {
             return None;
         }
         waves.into_iter().filter_map(|samples| samples.iter().position(|x| !x.is_finite())).min()
