@@ -383,7 +383,9 @@ fn reach(axis: &Axis, margin: f64, values: impl Iterator<Item = f64>) -> [f64; 2
         return [low / room, high * room];
     }
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-    let room = if high > low { margin * (high - low) } else { (0.1 * high.abs()).max(0.5) };
+    // Values that differ by rounding alone are one: the numbers of an axis over them would have too many digits.
+    let is_spread = high - low > 1e-6 * high.abs().max(low.abs());
+    let room = if is_spread { margin * (high - low) } else { (0.1 * high.abs()).max(0.5) };
     [low - room, high + room]
 }
 
@@ -421,6 +423,15 @@ mod tests {
     use super::super::figure::Link;
     use super::super::look::{Colour, Dash};
     use super::*;
+
+    #[test]
+    fn values_that_differ_by_rounding_alone_are_one_value() {
+        let axis = Axis::new("velocity, km/h");
+        assert_eq!(reach(&axis, 0.0, [50.0, 50.0 - 1e-7].into_iter()), [45.0 - 1e-7, 55.0]);
+        assert_eq!(reach(&axis, 0.0, [50.0, 49.0].into_iter()), [49.0, 50.0]);
+        // Small numbers are no rounding of each other.
+        assert_eq!(reach(&axis, 0.0, [0.0, 1e-9].into_iter()), [0.0, 1e-9]);
+    }
 
     fn figure(points: Vec<[f64; 2]>) -> Figure {
         let mut figure = Figure::new("f", "F <1>");

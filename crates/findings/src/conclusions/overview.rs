@@ -20,7 +20,9 @@ const MOST_PARAMETERS: usize = 8;
 
 /// One number or warning of the overview.
 pub struct OverviewLine {
+    /// What it is; empty where the line goes on with what the one before it is.
     pub label: String,
+    /// The number, its interval and its unit, or the sentence.
     pub text: String,
     /// Whether the text may be cut where the line of the terminal ends: all of it is said by `just notes`.
     pub may_be_cut: bool,
@@ -82,7 +84,9 @@ pub fn overview(
     let (first, others) = first_warnings(&warnings, run, ranking);
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
-        lines.push(OverviewLine { may_be_cut: true, ..line(label, format!("{}. {}", number + 1, concern.text)) });
+        // The gravest is said whole.
+        let text = format!("{}. {}", number + 1, concern.text);
+        lines.push(OverviewLine { may_be_cut: number > 0, ..line(label, text) });
     }
     if others > 0 {
         let count = match others {
@@ -140,7 +144,10 @@ fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
 fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let curve = curve(run, candidate);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
-    names.retain(|name| curve.is_none() || !name.starts_with(KNOT));
+    // Beside a curve there is no room for its knots, nor for what was given.
+    let is_mass = |name: &str| parameter_order(&candidate.record.model, name).0 == 0;
+    let is_asked = |name: &str| is_mass(name) || candidate.record.certainty(name).is_some();
+    names.retain(|name| curve.is_none() || (!name.starts_with(KNOT) && is_asked(name)));
     // What nobody asked the record for comes last, masses aside.
     names.sort_by_key(|name| {
         let order = parameter_order(&candidate.record.model, name);

@@ -3,7 +3,7 @@
 use crumple_drawing::Words;
 use crumple_drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 
-use crate::phrases::{CHANNEL_STATES, DEFINITIONS, ENGLISH, GERMAN, METRICS, Phrases, TRADE_NAMES};
+use crate::phrases::{CHANNEL_STATES, DEFINITIONS, ENGLISH, ENGLISH_NAMES, GERMAN, METRICS, Phrases, TRADE_NAMES};
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -111,10 +111,13 @@ impl Language {
     /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration", `hic15` by its trade name
     /// "HIC15".
     pub fn metric(self, name: &str) -> String {
-        let trade = TRADE_NAMES.iter().find(|(known, _)| *known == name).map(|(_, trade)| *trade);
-        let german = || METRICS.iter().find(|(known, _)| *known == name && self == Self::German);
-        match trade.or_else(|| german().map(|(_, german)| *german)) {
-            Some(word) => word.to_owned(),
+        let own = match self {
+            Self::English => ENGLISH_NAMES.as_slice(),
+            Self::German => METRICS.as_slice(),
+        };
+        let word = TRADE_NAMES.iter().chain(own).find(|(known, _)| *known == name);
+        match word {
+            Some((_, word)) => (*word).to_owned(),
             None => name.replace('_', " "),
         }
     }

@@ -70,6 +70,10 @@ pub const METRICS: [(&str, &str); 56] = [
     ("voltage", "Spannung"),
 ];
 
+/// Name in a record, English name where that is not the name of the record with blanks.
+pub const ENGLISH_NAMES: [(&str, &str); 2] =
+    [("clip_3ms_contiguous", "3 ms clip, contiguous"), ("clip_3ms_cumulative", "3 ms clip, cumulative")];
+
 /// Name in a record, trade name, which is the same in every language.
 pub const TRADE_NAMES: [(&str, &str); 17] = [
     ("asi", "ASI"),

@@ -41,7 +41,7 @@ pub use definitions::DEFINITIONS;
 pub use figures::FigureTexts;
 pub use how_well::HowWellTexts;
 pub use identification::IdentificationTexts;
-pub use metrics::{CHANNEL_STATES, METRICS, TRADE_NAMES};
+pub use metrics::{CHANNEL_STATES, ENGLISH_NAMES, METRICS, TRADE_NAMES};
 pub use model_picture::ModelTexts;
 pub use numbers::NumberTexts;
 pub use page::PageTexts;
