@@ -167,10 +167,10 @@ fn a_spread_that_the_interval_misses_stands_beside_it_marked() {
     let crush = &summary["key_numbers"][0];
     assert_eq!(crush["spread"], json!({"low": 0.7321, "high": 0.7499, "channels": "93+94"}));
     assert!(page.contains("<span class=\"beyond\">2 sensors: 732.1 to 749.9\u{a0}mm</span>"));
-    assert!(page.contains("go by the range"));
+    assert!(page.contains("take both together"));
     run.metrics[1] = metric("93+94", "dynamic_crush", Some(0.7499), "m", Some((0.742, 0.7499)));
     let (page, _) = pages(&run);
-    assert!(page.contains("<span>2 sensors: 742.0 to 749.9\u{a0}mm</span>") && !page.contains("go by the range"));
+    assert!(page.contains("<span>2 sensors: 742.0 to 749.9\u{a0}mm</span>") && !page.contains("take both together"));
 }
 
 #[test]

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crumple_artifact::records::{Certainty, ConcernV1, MetricV1};
+use crumple_artifact::records::{Certainty, ConcernV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
 use crumple_phrases::language::fill;
 use crumple_signal::About;
 
 use crate::conclusions::concerns::{first_is_decisive, first_warnings};
 use crate::conclusions::conclusion::Conclusion;
+use crate::conclusions::key_numbers::key_numbers;
 use crate::conclusions::kind::Kind;
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
@@ -41,39 +42,32 @@ pub fn overview(
     let mut lines: Vec<OverviewLine> = Vec::new();
     let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
     let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
-    let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
-    let (time, change) = (phrases.time_label, phrases.change_label);
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
-    for (label, field, value, shown) in [
-        (crush, "dynamic_crush_m", run.events.as_ref().and_then(|e| e.dynamic_crush_m), (MILLI, 1, "mm")),
-        (time, "time_of_dynamic_crush_s", run.time_of_crush_s(), (MILLI, 1, "ms")),
-        (
-            change,
-            "delta_v_m_per_s",
-            run.events.as_ref().and_then(|e| e.delta_v_m_per_s),
-            (KM_PER_H_PER_M_PER_S, 1, "km/h"),
-        ),
-        (
-            phrases.restitution_label,
-            "coefficient_of_restitution",
-            run.events.as_ref().and_then(|e| e.coefficient_of_restitution),
-            (1.0, 3, ""),
-        ),
-    ] {
-        let Some(value) = value.filter(|_| of_vehicle && !said(&format!("/events/{field}"))) else { continue };
-        let intervals = run.events.as_ref().map(|events| events.intervals.as_slice()).unwrap_or_default();
-        let interval = intervals.iter().find(|interval| interval.name == field);
-        let ends = interval.map(|interval| (interval.low, interval.high));
-        lines.push(line(label, with_interval(run, value, ends, shown)));
-    }
-    // A peak as read is one of vibration, one of a recorder's steps is nothing.
-    let has_peak = run.measured.filtered.is_some() && verdict.kind != Kind::Recorder;
-    for (label, name) in [(phrases.peak_label, "peak_acceleration"), (phrases.olc_label, "olc")] {
-        let Some(metric) = run.metric(name).filter(|_| has_peak && (of_vehicle || name != "olc")) else { continue };
-        if let Some(text) = metric_line(run, metric) {
-            lines.push(line(label, text));
+    let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
+    for number in key_numbers(run).iter().filter(|_| of_vehicle) {
+        let (label, said_at, (factor, places, unit)) = match number.name {
+            "dynamic_crush" => (crush, "/events/dynamic_crush_m", (MILLI, 1, "mm")),
+            "time_of_dynamic_crush" => (phrases.time_label, "/events/time_of_dynamic_crush_s", (MILLI, 1, "ms")),
+            "delta_v" => (phrases.change_label, "/events/delta_v_m_per_s", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
+            "maximum_delta_v" => (phrases.change_label, "/metrics/maximum_delta_v", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
+            "peak_acceleration" => (phrases.peak_label, "", (G_PER_M_PER_S2, 1, "g")),
+            "olc" => (phrases.olc_label, "", (G_PER_M_PER_S2, 1, "g")),
+            "coefficient_of_restitution" => {
+                (phrases.restitution_label, "/events/coefficient_of_restitution", (1.0, 3, ""))
+            }
+            _ => continue,
+        };
+        let Some(value) = number.value.filter(|_| !said(said_at)) else { continue };
+        let mut text = with_interval(run, value, number.low.zip(number.high), (factor, places, unit));
+        if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
+            let [low, high] = [spread.low, spread.high].map(|end| language.quantity(factor * end, places, ""));
+            text.push_str(&fill(phrases.over_sensors, &[("range", language.between(&low, &high))]));
         }
+        if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
+            text.push_str(&format!(", {}", language.quantity(MILLI * at_s, 1, "ms")));
+        }
+        lines.push(line(label, text));
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
         lines.push(line(phrases.model_label, parameters(run, best, folder)));
@@ -129,15 +123,6 @@ fn with_interval(
     let Some((low, high)) = ends else { return number };
     let [low, high] = [low, high].map(|end| language.quantity(factor * end, places, ""));
     format!("{number} ({})", language.between(&low, &high))
-}
-
-fn metric_line(run: &Run, metric: &MetricV1) -> Option<String> {
-    let text = with_interval(run, metric.value?, metric.low.zip(metric.high), (G_PER_M_PER_S2, 1, "g"));
-    let moment = metric.from_s.filter(|from| metric.to_s == Some(*from));
-    Some(match moment {
-        Some(time_s) => format!("{text}, {}", run.language.quantity(MILLI * time_s, 1, "ms")),
-        None => text,
-    })
 }
 
 /// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.

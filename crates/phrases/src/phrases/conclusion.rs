@@ -16,11 +16,11 @@ texts! { ConclusionTexts
         " und prallte mit dem {restitution}-Fachen dieser Geschwindigkeit zurück";
     no_rebound: " and did not rebound", " und prallte nicht zurück";
     no_stop:
-        "The vehicle did not stop within the record: it lost {change} in {time}, and there is no dynamic crush.",
+        "The vehicle did not stop within the record: it lost {change} in {time}, and its dynamic crush cannot be told.",
         "Das Fahrzeug kam in der Aufzeichnung nicht zum Stehen: Es verlor {change} in {time}, eine dynamische \
          Eindrückung gibt es nicht.";
     no_stop_no_end:
-        "The vehicle did not stop within the record: there is no dynamic crush.",
+        "The vehicle did not stop within the record: its dynamic crush cannot be told.",
         "Das Fahrzeug kam in der Aufzeichnung nicht zum Stehen: Eine dynamische Eindrückung gibt es nicht.";
     two_vehicles:
         "Two vehicles collided: this one lost {change}{time}; its motion over ground is not its crush.",
@@ -171,6 +171,7 @@ texts! { ConclusionTexts
     curve: "curve of {count} knots to {end}", "Kurve mit {count} Stützstellen bis {end}";
     as_one_spring: "as one spring k {stiffness}", "als eine Feder k {stiffness}";
     given: "given", "vorgegeben";
+    over_sensors: "; {range} over the sensors there", "; {range} über die Sensoren dort";
     model_label: "recommended", "empfohlen";
     warnings_label: "warnings", "Warnungen";
     missing_label: "not in it", "fehlt darin";

@@ -15,7 +15,7 @@ texts! { ModelTexts
         "No structure of masses and elements belongs to this model.",
         "Zu diesem Modell gehört keine Struktur aus Massen und Elementen.";
     off_the_test:
-        "Crush {crush}, t<sub>m</sub> {time} off the test; displacement fit {fit}.",
+        "Off the test by {crush} of crush and {time} of t<sub>m</sub>; displacement fit {fit}.",
         "Abweichung vom Versuch: Eindrückung {crush}, t<sub>m</sub> {time}; Anpassung des Wegs {fit}.";
     follows: "Displacement fit {fit}.", "Anpassung des Wegs {fit}.";
     one_spring:

@@ -34,10 +34,10 @@ texts! { NumberTexts
         "“Sensors”: lowest to highest of channels {channels}, which measured the same motion.",
         "„Aufnehmer“: kleinster bis größter Wert der Kanäle {channels}, die dieselbe Bewegung maßen.";
     marked_caption:
-        "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; go \
-         by the range.",
+        "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; \
+         take both together.",
         "Ein hervorgehobener Bereich reicht über das Intervall hinaus: Die Aufnehmer weichen stärker voneinander ab, \
-         als die angegebene Unsicherheit erklärt; dann gilt der Bereich.";
+         als die angegebene Unsicherheit erklärt; dann gelten beide zusammen.";
     velocity_never_zero: "the velocity does not reach zero", "die Geschwindigkeit wird nicht null";
     peak_of_a_table:
         "derived from a recorder's table of velocity changes, whose steps are too long for a peak",

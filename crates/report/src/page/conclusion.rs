@@ -7,12 +7,12 @@ use crumple_phrases::language::{Language, fill};
 
 use crate::frame::stage_words::{sentence_with_words_of_stages, words_of_stage};
 
-/// The two sentences; without a result a bar that says what to do.
-pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
+/// The two sentences; without a result a bar that says what to do. A bar too where a warning makes all of them doubtful.
+pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion, is_doubtful: bool) {
     let phrases = &run.language.phrases().conclusion;
     let (class, role) = match verdict.standing {
-        Standing::Model => ("verdict", ""),
-        Standing::NoneRecommended => ("verdict none", ""),
+        Standing::Model if !is_doubtful => ("verdict", ""),
+        Standing::Model | Standing::NoneRecommended => ("verdict none", ""),
         Standing::NoResult => ("verdict bad", " role=\"alert\""),
     };
     let because = run.recommendation.as_ref().map(|choice| choice.recommended_because.as_str());

@@ -62,11 +62,11 @@ impl Page {
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
         let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, run, |body| top::write(body, run, &said));
-        body.push_str("<main>\n");
-        body.push_str("<div class=\"answer\">\n");
         // What makes all that follows doubtful stands before it.
         let warnings_first = first_is_decisive(&concerns);
+        header::write(&mut body, run, |body| top::write(body, run, &said, warnings_first));
+        body.push_str("<main>\n");
+        body.push_str("<div class=\"answer\">\n");
         if warnings_first {
             top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
