@@ -3,7 +3,8 @@
 //! A [`Language`](language::Language) has its [`Phrases`](phrases::Phrases); identifiers, notes of the stages and units
 //! are not translated.
 //!
-//! rooms: language | phrases
+//! rooms: language | names | phrases
 
 pub mod language;
+pub mod names;
 pub mod phrases;

@@ -90,7 +90,7 @@ fn a_german_page_writes_its_numbers_with_a_comma() {
 fn every_definition_of_a_metric_has_a_german_text() {
     let known: BTreeSet<&str> =
         crumple_metrics::definitions::CATALOGUE.iter().map(|definition| definition.id).collect();
-    let said: BTreeSet<&str> = crumple_phrases::phrases::DEFINITIONS.iter().map(|(key, _)| *key).collect();
+    let said: BTreeSet<&str> = crumple_phrases::names::definitions::DEFINITIONS.iter().map(|(key, _)| *key).collect();
     assert_eq!(known, said);
     let of_hic = |words: &str| Language::German.definition(Some("hic15-fmvss208"), words);
     assert!(of_hic("head injury criterion").starts_with("Kopfverletzungskriterium"));

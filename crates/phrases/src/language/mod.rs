@@ -1,5 +1,5 @@
 //! The languages: their phrases, their numbers, and what fills the places in a text.
-//! Uses phrases.
+//! Uses names and phrases.
 
 mod words;
 

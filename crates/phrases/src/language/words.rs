@@ -3,7 +3,9 @@
 use crumple_drawing::Words;
 use crumple_drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 
-use crate::phrases::{CHANNEL_STATES, DEFINITIONS, ENGLISH, ENGLISH_NAMES, GERMAN, METRICS, Phrases, TRADE_NAMES};
+use crate::names::definitions::DEFINITIONS;
+use crate::names::metrics::{CHANNEL_STATES, ENGLISH_NAMES, METRICS, TRADE_NAMES};
+use crate::phrases::{ENGLISH, GERMAN, Phrases};
 
 /// A language that the report speaks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -122,8 +124,8 @@ impl Language {
         }
     }
 
-    /// What is computed for a metric, by the key of its definition; `words`: what the record says. They stay as they are
-    /// in English, without a key, and where they bound the value in this record or say why there is none.
+    /// What is computed for a metric, by the key of its definition; `words`: what the record says. They stay as they
+    /// are in English, without a key, where they bound the value in this record, and where they say why there is none.
     pub fn definition(self, key: Option<&str>, words: &str) -> String {
         let german = || DEFINITIONS.iter().find(|(known, _)| Some(*known) == key && self == Self::German);
         match german().filter(|_| !words.contains("bound") && !words.starts_with("absent")) {

@@ -22,11 +22,9 @@ macro_rules! texts {
 
 mod candidates;
 mod conclusion;
-mod definitions;
 mod figures;
 mod how_well;
 mod identification;
-mod metrics;
 mod model_picture;
 mod numbers;
 mod page;
@@ -37,11 +35,9 @@ mod scripts;
 
 pub use candidates::CandidateTexts;
 pub use conclusion::ConclusionTexts;
-pub use definitions::DEFINITIONS;
 pub use figures::FigureTexts;
 pub use how_well::HowWellTexts;
 pub use identification::IdentificationTexts;
-pub use metrics::{CHANNEL_STATES, ENGLISH_NAMES, METRICS, TRADE_NAMES};
 pub use model_picture::ModelTexts;
 pub use numbers::NumberTexts;
 pub use page::PageTexts;

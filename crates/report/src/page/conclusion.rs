@@ -7,7 +7,7 @@ use crumple_phrases::language::{Language, fill};
 
 use crate::frame::stage_words::{sentence_with_words_of_stages, words_of_stage};
 
-/// The two sentences; without a result a bar that says what to do. A bar too where a warning makes all of them doubtful.
+/// The two sentences; without a result a bar that says what to do. A bar too where a warning makes them doubtful.
 pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion, is_doubtful: bool) {
     let phrases = &run.language.phrases().conclusion;
     let (class, role) = match verdict.standing {

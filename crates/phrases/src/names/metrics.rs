@@ -1,4 +1,5 @@
-//! Names of metrics, of measured quantities and of the states of channels. The English one is the name of the record with blanks.
+//! Names of metrics, of measured quantities and of the states of channels. The English name of a metric is mostly that
+//! of the record with blanks.
 
 /// Status of a channel in a record, German word.
 pub const CHANNEL_STATES: [(&str, &str); 6] = [
