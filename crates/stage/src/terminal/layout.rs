@@ -69,7 +69,10 @@ mod tests {
             ["peak  45.4 g at 63 ms, and", "      more of it"]
         );
         assert_eq!(labelled_and_cut("peak", 6, "45.4 g at 63 ms", 28), "peak  45.4 g at 63 ms");
-        assert_eq!(labelled_and_cut("peak", 6, "45.4 g at 63 ms, and more of it", 28), "peak  45.4 g at 63 ms, ...");
+        assert_eq!(
+            labelled_and_cut("peak", 6, "45.4 g at 63 ms, and more of it", 28),
+            "peak  45.4 g at 63 ms, and ..."
+        );
         assert_eq!(labelled_and_cut("peak", 6, "", 28), "");
     }
 }
