@@ -60,12 +60,12 @@ pub fn overview(
         };
         let Some(value) = number.value.filter(|_| !said(said_at)) else { continue };
         let mut text = with_interval(run, value, number.low.zip(number.high), (factor, places, unit));
+        if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
+            text.push_str(&format!(", {}", language.quantity(MILLI * at_s, 1, "ms")));
+        }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
             let [low, high] = [spread.low, spread.high].map(|end| language.quantity(factor * end, places, ""));
             text.push_str(&fill(phrases.over_sensors, &[("range", language.between(&low, &high))]));
-        }
-        if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
-            text.push_str(&format!(", {}", language.quantity(MILLI * at_s, 1, "ms")));
         }
         lines.push(line(label, text));
     }
@@ -78,9 +78,9 @@ pub fn overview(
     let (first, others) = first_warnings(&warnings, run, ranking);
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
-        // The gravest is said whole.
+        // What makes all doubtful is said whole.
         let text = format!("{}. {}", number + 1, concern.text);
-        lines.push(OverviewLine { may_be_cut: number > 0, ..line(label, text) });
+        lines.push(OverviewLine { may_be_cut: number > 0 || !first_is_decisive(concerns), ..line(label, text) });
     }
     if others > 0 {
         let count = match others {

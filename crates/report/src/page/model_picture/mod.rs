@@ -68,7 +68,10 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
         }
         None => out.push_str(&format!("<p>{}</p>\n", texts.no_structure)),
     }
-    out.push_str(&format!("<figcaption>{}</figcaption>\n</figure>\n", words(run, candidate)));
+    // Of the first model, whichever it is, the one number that people ask for; it is the same of all.
+    let spring = one_spring(run, candidate).filter(|_| number == 1);
+    let spring = spring.map_or_else(String::new, |spring| format!("<span class=\"one-spring\">{spring}</span> "));
+    out.push_str(&format!("<figcaption>{spring}{}</figcaption>\n</figure>\n", words(run, candidate)));
 }
 
 /// How well it is known, how well it follows the test, and what the second sensor says.
@@ -94,7 +97,6 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
             sentences.push(fill(texts.rating, &filled));
         }
     }
-    sentences.extend(one_spring(run, candidate));
     if let Some(other) = &candidate.record.equivalent_to {
         sentences.push(fill(texts.same_record, &[("model", html(&candidate_name(other)))]));
     }
