@@ -97,11 +97,11 @@ impl Driven {
         let active = if source.is_empty() { states } else { states + 4 };
         let part = |m: &DMatrix<f64>| m.view((0, 0), (active, active)).into_owned();
         let a = part(&self.a);
-        let phi = Columns::of_matrix(&matrix_exponential(&(&a * dt_s))?);
-        let heat = Columns::of_matrix(&integrated(&a, &part(&self.heat), dt_s)?);
+        let phi = Rows::of_matrix(&matrix_exponential(&(&a * dt_s))?);
+        let heat = Rows::of_matrix(&integrated(&a, &part(&self.heat), dt_s)?);
         let work = (!source.is_empty()).then(|| integrated(&a, &part(&self.work), dt_s)).transpose()?;
-        let work = work.as_ref().map(Columns::of_matrix);
-        let a = Columns::of_matrix(&a);
+        let work = work.as_ref().map(Rows::of_matrix);
+        let a = Rows::of_matrix(&a);
 
         let mut z = vec![0.0; states + 4];
         let start = drive.start();
@@ -129,39 +129,23 @@ impl Driven {
     }
 }
 
-/// A square matrix column by column, so that the rows of a product are added up side by side.
-struct Columns {
+/// A square matrix row by row.
+struct Rows {
     size: usize,
     entries: Vec<f64>,
 }
 
-impl Columns {
+impl Rows {
+    /// Copies the entries of a square matrix, row after row.
     fn of_matrix(m: &DMatrix<f64>) -> Self {
-        Self { size: m.nrows(), entries: m.as_slice().to_vec() }
+        Self { size: m.nrows(), entries: m.transpose().as_slice().to_vec() }
     }
 
     /// `out = M z`.
     fn times(&self, z: &[f64], out: &mut [f64]) {
-        // Of one to three masses: loops of a known length.
-        match self.size {
-            2 => self.times_sized::<2>(z, out),
-            4 => self.times_sized::<4>(z, out),
-            6 => self.times_sized::<6>(z, out),
-            _ => {
-                out.fill(0.0);
-                for (column, &z) in self.entries.chunks_exact(self.size).zip(z) {
-                    out.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry * z);
-                }
-            }
+        for (row, y) in self.entries.chunks_exact(self.size).zip(out) {
+            *y = row.iter().zip(z).map(|(a, b)| a * b).sum();
         }
-    }
-
-    fn times_sized<const N: usize>(&self, z: &[f64], out: &mut [f64]) {
-        let mut sums = [0.0; N];
-        for (column, &z) in self.entries.chunks_exact(N).zip(z) {
-            (0..N).for_each(|row| sums[row] += column[row] * z);
-        }
-        out[..N].copy_from_slice(&sums);
     }
 
     /// `z' M z`; `scratch` has room for `M z`.
