@@ -248,7 +248,8 @@ impl CoefficientMatching {
     }
 
     /// Half sums and differences: `c1/m1 = (t + r1)/2`, `c2/mr = (t - r1)/2`, the same of the springs with `u - zeta`
-    /// and `r0`. `unit` is the unit of time, 1/s, that `t, rest, r1, r0` are in.
+    /// and `r0`. `unit` is the unit of time, 1/s, that `t, rest, r1, r0` are in; `given`: see
+    /// [`residual`].
     fn solution(
         &self,
         [t, rest, r1, r0]: [ComplexQuad; 4],
@@ -291,7 +292,8 @@ impl CoefficientMatching {
     }
 }
 
-/// Mismatch of the four equations for rounded parameters, in double length.
+/// Mismatch of the four equations for rounded `k1, k2, c1, c2`, in double length. `given`: `m1, m2`, then `t, u, v, w`
+/// times `-m1 m2`, the same for all solutions.
 ///
 /// `max |sum of the terms|/(sum of their moduli)` over the four equations: some `1e-16` for parameters rounded to
 /// f64.
@@ -304,7 +306,7 @@ fn residual(parameters: [Complex; 4], given: [Quad; 6]) -> f64 {
     }
 }
 
-/// See [`residual`]: of `k1, k2, c1, c2` with `m1, m2` and `t, u, v, w` times `-m1 m2`.
+/// See [`residual`]: in real or in complex numbers.
 fn largest_mismatch<T>([k1, k2, c1, c2]: [T; 4], [m1, m2, t, u, v, w]: [T; 6], size: impl Fn(T) -> f64) -> f64
 where
     T: Copy + Add<Output = T> + Mul<Output = T>,
