@@ -104,9 +104,11 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
         }
     };
     let [crush, time, change, restitution] = OF_EVENTS.map(from_events);
+    // Of what follows from a recorder's steps no interval knows their length.
+    let olc = run.metric("olc").filter(|_| recorded.is_none());
     // The maximum that a recorder kept goes before the change derived from its table.
     let change = recorded.cloned().unwrap_or(change);
-    let olc = run.metric("olc").map(|metric| of_metric(run, "olc", "m/s^2", metric));
+    let olc = olc.map(|metric| of_metric(run, "olc", "m/s^2", metric));
     [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)].into_iter().flatten().collect()
 }
 
