@@ -50,7 +50,8 @@ pub fn overview(
             "dynamic_crush" => (crush, "/events/dynamic_crush_m", (MILLI, 1, "mm")),
             "time_of_dynamic_crush" => (phrases.time_label, "/events/time_of_dynamic_crush_s", (MILLI, 1, "ms")),
             "delta_v" => (phrases.change_label, "/events/delta_v_m_per_s", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
-            "maximum_delta_v" => (phrases.change_label, "/metrics/maximum_delta_v", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
+            // The verdict says it without its interval.
+            "maximum_delta_v" => (phrases.change_label, "", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
             "peak_acceleration" => (phrases.peak_label, "", (G_PER_M_PER_S2, 1, "g")),
             "olc" => (phrases.olc_label, "", (G_PER_M_PER_S2, 1, "g")),
             "coefficient_of_restitution" => {
