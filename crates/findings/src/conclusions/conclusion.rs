@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::concerns::{concerns, first_is_decisive};
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
+use crate::conclusions::key_numbers::{AT_LEAST, KeyNumber, clipped_sensors, key_numbers};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::text::names::candidate_name;
@@ -243,8 +243,10 @@ impl<'a> Text<'a> {
             ("clip_3ms_contiguous", self.language.phrases().numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
         ] {
             // The summary has a name once, as the run finds it.
-            if let Some(value) = self.run.metric(name).and_then(|metric| metric.value) {
-                criteria.push(format!("{label} {}", self.number(&format!("/metrics/{name}/value"), value, unit)));
+            let metric = self.run.metric(name).and_then(|metric| Some((metric, metric.value?)));
+            if let Some((metric, value)) = metric {
+                let sign = if clipped_sensors(self.run, metric).is_empty() { "" } else { AT_LEAST };
+                criteria.push(format!("{label} {sign}{}", self.number(&format!("/metrics/{name}/value"), value, unit)));
             }
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };

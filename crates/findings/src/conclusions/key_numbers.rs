@@ -27,9 +27,14 @@ pub struct KeyNumber {
     pub interval_by: Option<String>,
     /// Range over the sensors at the same place, of which the interval knows nothing.
     pub spread: Option<Spread>,
+    /// Whether the value is a lower bound: a sensor it was found with may be clipped.
+    pub is_lower_bound: bool,
     /// Why there is no value.
     pub absent_because: Option<String>,
 }
+
+/// Before a lower bound.
+pub(crate) const AT_LEAST: &str = "\u{2265}\u{a0}";
 
 /// Range of a number over several sensors that measured the same.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -43,6 +48,11 @@ pub struct Spread {
 }
 
 impl KeyNumber {
+    /// What stands before the value.
+    pub fn sign(&self) -> &'static str {
+        if self.is_lower_bound { AT_LEAST } else { "" }
+    }
+
     /// Whether the interval misses a value that another sensor at the same place gives.
     pub fn interval_misses_a_sensor(&self) -> bool {
         match (self.low, self.high, &self.spread) {
@@ -100,6 +110,7 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
                 .map(|interval| interval.interval_by.clone())
                 .or_else(|| without.map(|without| without.reason.clone())),
             spread: spread(run, name, &events.channel),
+            is_lower_bound: false,
             absent_because: value.is_none().then(|| why_no_event(run, name)),
         }
     };
@@ -127,7 +138,18 @@ fn of_occupant(run: &Run) -> Vec<KeyNumber> {
         return Vec::new();
     }
     let criteria = [("hic15", "1"), ("hic36", "1"), ("clip_3ms_contiguous", "m/s^2")];
-    criteria.into_iter().filter_map(|(name, unit)| Some(of_metric(run, name, unit, of_pulse(name)?))).collect()
+    let criterion = |(name, unit)| {
+        let metric = of_pulse(name)?;
+        let is_lower_bound = metric.value.is_some() && !clipped_sensors(run, metric).is_empty();
+        Some(KeyNumber { is_lower_bound, ..of_metric(run, name, unit, metric) })
+    };
+    criteria.into_iter().filter_map(criterion).collect()
+}
+
+/// Sensors of a metric that may be clipped. A criterion grows with the magnitude, and what is clipped is too small.
+pub(crate) fn clipped_sensors<'a>(run: &'a Run, metric: &MetricV1) -> Vec<&'a str> {
+    let is_of = |id: &&String| metric.channel.split('+').any(|channel| channel == *id);
+    run.clipped.iter().filter(is_of).map(String::as_str).collect()
 }
 
 /// What a recorder kept: the maximum change of velocity and its time. A table of a sample every 10 ms has no peak.
@@ -153,6 +175,7 @@ fn of_metric(run: &Run, name: &'static str, unit: &'static str, metric: &MetricV
         high: metric.high.filter(|_| metric.value.is_some()),
         interval_by: metric.interval_by.clone(),
         spread: spread(run, name, &metric.channel),
+        is_lower_bound: false,
         absent_because: metric.value.is_none().then(|| metric.definition.clone()),
     }
 }
@@ -184,6 +207,7 @@ fn peak(run: &Run) -> Option<KeyNumber> {
         high: None,
         interval_by: None,
         spread: None,
+        is_lower_bound: false,
         absent_because: None,
     };
     let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");

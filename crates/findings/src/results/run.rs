@@ -52,6 +52,8 @@ pub struct Run {
     pub responses: Option<usize>,
     /// What the stages remarked, in stage order, each text once.
     pub notes: Vec<StageNote>,
+    /// Channels that may be clipped, as ingest found.
+    pub clipped: Vec<String>,
     /// What speaks against the results, as the stages wrote it, in stage order.
     pub concerns: Vec<ConcernV1>,
     /// Where the artifacts came from, in stage order.

@@ -104,6 +104,48 @@ fn series_product(a: &Series, b: &Series) -> Series {
     product
 }
 
+/// What a change of a force needs of the motion itself, on one law.
+struct Along {
+    /// Squares and product of compression and rate.
+    uu: Series,
+    ww: Series,
+    uw: Series,
+    /// Derivatives of the force by compression and rate.
+    by_u: Series,
+    by_w: Series,
+    /// Whether these two are constant.
+    is_straight: bool,
+}
+
+impl Along {
+    #[inline(always)]
+    fn new(law: &Form, LinkSeries { u, w, .. }: &LinkSeries, is_mixed: bool) -> Self {
+        let uw = if is_mixed { series_product(u, w) } else { [0.0; ORDER + 1] };
+        let (mut by_u, mut by_w) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
+        for k in 0..=ORDER {
+            (by_u[k], by_w[k]) = (2.0 * law.uu * u[k] + law.uw * w[k], 2.0 * law.ww * w[k] + law.uw * u[k]);
+        }
+        by_u[0] += law.u;
+        by_w[0] += law.w;
+        let is_straight = law.uu == 0.0 && law.ww == 0.0 && law.uw == 0.0;
+        Self { uu: series_product(u, u), ww: series_product(w, w), uw, by_u, by_w, is_straight }
+    }
+
+    /// Coefficient `k` of the change of the force with changes of compression and rate; those of the rate come last,
+    /// since the newest one is known last.
+    #[inline(always)]
+    fn felt(&self, mut direct: Lanes, u: &LaneSeries, w: &LaneSeries, k: usize) -> Lanes {
+        if self.is_straight {
+            add(&mut direct, self.by_u[0], &u[k]);
+            add(&mut direct, self.by_w[0], &w[k]);
+        } else {
+            add(&mut direct, 1.0, &lane_product(&self.by_u, u, k));
+            add(&mut direct, 1.0, &lane_product(&self.by_w, w, k));
+        }
+        direct
+    }
+}
+
 /// Values of changes at `tau`.
 #[inline(always)]
 fn at(change: &LaneSeries, tau: f64) -> Lanes {
@@ -163,15 +205,11 @@ impl Changes {
         let is_mixed = changes.map(|law| law.uw).any(|uw| uw != 0.0);
         // All elements of one mass feel the same.
         let links = if law.is_some() { &step.links[..1] } else { &step.links[..] };
-        let products: Vec<[Series; 3]> = arch.dispatch(|| {
-            let products = |LinkSeries { u, w, .. }: &LinkSeries| {
-                let uw = if is_mixed { series_product(u, w) } else { [0.0; ORDER + 1] };
-                [series_product(u, u), series_product(w, w), uw]
-            };
-            links.iter().map(products).collect()
+        let along: Vec<Along> = arch.dispatch(|| {
+            links.iter().map(|link| Along::new(law.as_ref().unwrap_or(&link.law), link, is_mixed)).collect()
         });
         for block in &mut self.blocks {
-            arch.dispatch(Expand { block, step, law, products: &products });
+            arch.dispatch(Expand { block, step, law, along: &along });
         }
     }
 
@@ -228,7 +266,7 @@ impl Block {
 
     /// The changes where the acceleration is a form of displacement and velocity: all elements in one.
     #[inline(always)]
-    fn expand_one_mass(&mut self, step: &Step, law: &Form, [xx, vv, xv]: &[Series; 3]) {
+    fn expand_one_mass(&mut self, step: &Step, law: &Form, along: &Along) {
         let (node, per_mass) = (&step.nodes[0], step.per_mass[0]);
         let mut by = [Form::ZERO; ABREAST];
         for (p, by) in by.iter_mut().enumerate() {
@@ -242,22 +280,11 @@ impl Block {
         let NodeChange { x, v, a } = &mut self.nodes[0];
         for k in 0..=ORDER {
             let mut now = if k == 0 { by.map(|form| form.constant) } else { [0.0; ABREAST] };
-            let (mut with_x, mut with_v) = ([0.0; ABREAST], [0.0; ABREAST]);
-            for i in 0..=k {
-                add(&mut with_x, node.x[k - i], &x[i]);
-                add(&mut with_v, node.v[k - i], &v[i]);
-            }
-            for (by, value) in by_terms.iter().zip([node.x[k], node.v[k], xx[k], vv[k], xv[k]]) {
+            let values = [node.x[k], node.v[k], along.uu[k], along.ww[k], along.uw[k]];
+            for (by, value) in by_terms.iter().zip(values) {
                 add(&mut now, value, by);
             }
-            add(&mut now, law.u, &x[k]);
-            add(&mut now, law.w, &v[k]);
-            add(&mut now, 2.0 * law.uu, &with_x);
-            add(&mut now, 2.0 * law.ww, &with_v);
-            if law.uw != 0.0 {
-                add(&mut now, law.uw, &lane_product(&node.x, v, k));
-                add(&mut now, law.uw, &lane_product(&node.v, x, k));
-            }
+            now = along.felt(now, x, v, k);
             a[k] = now;
             if k < ORDER {
                 let factor = 1.0 / (k + 1) as f64;
@@ -273,8 +300,8 @@ struct Expand<'a> {
     step: &'a Step,
     /// The acceleration of the only mass.
     law: Option<Form>,
-    /// Products of compression and rate of each element, `u u`, `w w`, `u w`.
-    products: &'a [[Series; 3]],
+    /// Of each element.
+    along: &'a [Along],
 }
 
 impl WithSimd for Expand<'_> {
@@ -282,9 +309,9 @@ impl WithSimd for Expand<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { block, step, law, products } = self;
-        if let (Some(law), Some(products)) = (law, products.first()) {
-            block.expand_one_mass(step, &law, products);
+        let Self { block, step, law, along } = self;
+        if let (Some(law), Some(along)) = (law, along.first()) {
+            block.expand_one_mass(step, &law, along);
             return;
         }
         let of_mass = |place: &Option<Place>| match place {
@@ -296,11 +323,11 @@ impl WithSimd for Expand<'_> {
             for node in &mut block.nodes {
                 node.a[k] = [0.0; ABREAST];
             }
-            for ((link, change), products) in step.links.iter().zip(&mut block.links).zip(products) {
+            for ((link, change), along) in step.links.iter().zip(&mut block.links).zip(along) {
                 let [front, rear] = link.nodes;
                 change.u[k] = minus(&block.nodes[rear].x[k], &block.nodes[front].x[k]);
                 change.w[k] = minus(&block.nodes[rear].v[k], &block.nodes[front].v[k]);
-                let force = force_change(link, change, products, k);
+                let force = force_change(link, change, along, k);
                 add(&mut block.nodes[rear].a[k], -1.0, &force);
                 add(&mut block.nodes[front].a[k], 1.0, &force);
             }
@@ -321,28 +348,16 @@ impl WithSimd for Expand<'_> {
 
 /// Coefficient `k` of the change of a force; that of the rate of the inner state goes into its series.
 #[inline(always)]
-fn force_change(link: &LinkSeries, change: &mut LinkChange, products: &[Series; 3], k: usize) -> Lanes {
-    let law = &link.law;
-    let mut force = [0.0; ABREAST];
-    add(&mut force, law.u, &change.u[k]);
-    add(&mut force, law.w, &change.w[k]);
-    if law.uu != 0.0 {
-        add(&mut force, 2.0 * law.uu, &lane_product(&link.u, &change.u, k));
-    }
-    if law.ww != 0.0 {
-        add(&mut force, 2.0 * law.ww, &lane_product(&link.w, &change.w, k));
-    }
-    if law.uw != 0.0 {
-        add(&mut force, law.uw, &lane_product(&link.u, &change.w, k));
-        add(&mut force, law.uw, &lane_product(&link.w, &change.u, k));
-    }
-    let [uu, ww, uw] = products.each_ref().map(|product| product[k]);
+fn force_change(link: &LinkSeries, change: &mut LinkChange, along: &Along, k: usize) -> Lanes {
     let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
+    let (uu, ww, uw) = (along.uu[k], along.ww[k], along.uw[k]);
+    let mut force = [0.0; ABREAST];
     for (force, by) in force.iter_mut().zip(&change.law) {
-        *force += by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
+        *force = by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
     }
+    force = along.felt(force, &change.u, &change.w, k);
     if let Some(inner) = &link.inner {
-        add(&mut force, law.z, &change.z[k]);
+        add(&mut force, link.law.z, &change.z[k]);
         if k < ORDER {
             let factor = 1.0 / (k + 1) as f64;
             for p in 0..ABREAST {

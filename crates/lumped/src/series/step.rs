@@ -141,27 +141,41 @@ impl Input {
 impl NodeSeries {
     /// The Taylor coefficients where the acceleration is a form of displacement and velocity: the sums for both squares
     /// side by side, without the elements.
+    ///
+    /// The newest coefficients come in by the slopes of the law at the start alone, so that each waits for little of
+    /// the one before.
     fn fall(&mut self, law: &Form) {
+        let Self { x, v, a } = self;
+        let now = Strain { u: x[0], w: v[0], z: 0.0 };
+        let [by_x, by_v] = law.slopes(now);
         let has_squares = law.uu != 0.0 || law.ww != 0.0;
-        for k in 0..=ORDER {
-            let (x, v, half) = (&self.x, &self.v, if has_squares { k.div_ceil(2) } else { 0 });
-            let (mut xx, mut vv) = (0.0, 0.0);
-            for i in (0..half).rev() {
-                xx += x[i] * x[k - i];
-                vv += v[i] * v[k - i];
+        a[0] = law.at(now);
+        for k in 1..=ORDER {
+            let factor = 1.0 / k as f64;
+            (x[k], v[k]) = (v[k - 1] * factor, a[k - 1] * factor);
+            let mut inner = 0.0;
+            if has_squares {
+                let half = k.div_ceil(2);
+                let (mut xx, mut vv) = (0.0, 0.0);
+                let pairs = |s: &Series| -> [&[f64]; 2] { [&s[1..half], &s[k + 1 - half..k]] };
+                let ([low_x, high_x], [low_v, high_v]) = (pairs(x), pairs(v));
+                for ((x, of_x), (v, of_v)) in
+                    low_x.iter().rev().zip(high_x).zip(low_v.iter().rev().zip(high_v))
+                {
+                    xx += x * of_x;
+                    vv += v * of_v;
+                }
+                (xx, vv) = (2.0 * xx, 2.0 * vv);
+                if k.is_multiple_of(2) {
+                    xx += x[k / 2] * x[k / 2];
+                    vv += v[k / 2] * v[k / 2];
+                }
+                inner = law.uu * xx + law.ww * vv;
             }
-            (xx, vv) = (2.0 * xx, 2.0 * vv);
-            if has_squares && k.is_multiple_of(2) {
-                xx += x[k / 2] * x[k / 2];
-                vv += v[k / 2] * v[k / 2];
+            if law.uw != 0.0 {
+                inner += law.uw * x[1..k].iter().zip(v[1..k].iter().rev()).map(|(x, v)| x * v).sum::<f64>();
             }
-            let mixed = if law.uw == 0.0 { 0.0 } else { law.uw * product(x, v, k) };
-            let constant = if k == 0 { law.constant } else { 0.0 };
-            self.a[k] = law.u * x[k] + law.uu * xx + law.w * v[k] + law.ww * vv + mixed + constant;
-            if k < ORDER {
-                let factor = 1.0 / (k + 1) as f64;
-                (self.x[k + 1], self.v[k + 1]) = (self.v[k] * factor, self.a[k] * factor);
-            }
+            a[k] = inner + by_x * x[k] + by_v * v[k];
         }
     }
 }

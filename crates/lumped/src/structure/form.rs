@@ -44,6 +44,12 @@ impl Form {
         (self.u + self.uu * s.u + self.uw * s.w) * s.u + (self.w + self.ww * s.w) * s.w + self.z * s.z + self.constant
     }
 
+    /// Its derivatives by compression and rate.
+    #[inline(always)]
+    pub fn slopes(&self, s: Strain) -> [f64; 2] {
+        [self.u + 2.0 * self.uu * s.u + self.uw * s.w, self.w + 2.0 * self.ww * s.w + self.uw * s.u]
+    }
+
     /// `self + factor other`.
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
         Self {

@@ -45,7 +45,7 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
 fn number_cell(language: Language, number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
     let (factor, unit) = unit(number.unit);
     let digits = places(number.name);
-    let shown = |value: f64| language.quantity(factor * value, digits, unit);
+    let shown = |value: f64| format!("{}{}", number.sign(), language.quantity(factor * value, digits, unit));
     let text = number.value.map_or_else(|| ABSENT.to_owned(), shown);
     let mut beside = Vec::new();
     if let (Some(value), Some(first), true) = (number.value, first, differs) {

@@ -62,21 +62,14 @@ impl Page {
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
         let mut body = String::with_capacity(1 << 20);
-        // What makes all that follows doubtful stands before it.
-        let warnings_first = first_is_decisive(&concerns);
-        header::write(&mut body, run, |body| top::write(body, run, &said, warnings_first));
+        header::write(&mut body, run, |body| top::write(body, run, &said, first_is_decisive(&concerns)));
         body.push_str("<main>\n");
         body.push_str("<div class=\"answer\">\n");
-        if warnings_first {
-            top::write_before_use(&mut body, run, ranking, &said, &concerns);
-        }
+        top::write_before_use(&mut body, run, ranking, &said, &concerns);
         model_picture::write(&mut body, run, ranking);
         body.push_str("<div class=\"known\">\n");
         if run.joint.is_none() {
             key_numbers::write(&mut body, run);
-        }
-        if !warnings_first {
-            top::write_before_use(&mut body, run, ranking, &said, &concerns);
         }
         body.push_str("</div>\n</div>\n");
         predictions::write_left_out(&mut body, run);

@@ -33,7 +33,8 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            format!("<dd class=\"number\">{}{unit}</dd>", language.decimals(factor * value, places(number.name)))
+            let value = language.decimals(factor * value, places(number.name));
+            format!("<dd class=\"number\">{}{value}{unit}</dd>", number.sign())
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
     };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
-    NotesV1, PredictionV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1,
+    NotesV1, PredictionV1, QualityV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1,
     TransferFunctionV1,
 };
 use crumple_report::{
@@ -50,6 +50,8 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
     run.asked_speeds_m_per_s = asked_speeds(&run.provenance);
     collect_notes(inputs, &mut run)?;
     run.concerns = concerns(inputs)?;
+    let qualities = inputs.records::<QualityV1>("/quality/")?;
+    run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
     name_what_is_missing(&mut run, without_parameters);
 

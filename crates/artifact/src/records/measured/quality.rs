@@ -35,3 +35,13 @@ pub struct QualityV1 {
     #[serde(default)]
     pub end_level: Option<f64>,
 }
+
+impl QualityV1 {
+    /// Equal samples in a row at an extreme from which on a channel may be clipped.
+    pub const CLIPPED_RUN: u64 = 3;
+
+    /// Whether the channel may be clipped.
+    pub fn may_be_clipped(&self) -> bool {
+        self.clipped_run >= Self::CLIPPED_RUN
+    }
+}
