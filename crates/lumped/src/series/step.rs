@@ -157,13 +157,11 @@ impl NodeSeries {
             if has_squares {
                 let half = k.div_ceil(2);
                 let (mut xx, mut vv) = (0.0, 0.0);
-                let pairs = |s: &Series| -> [&[f64]; 2] { [&s[1..half], &s[k + 1 - half..k]] };
-                let ([low_x, high_x], [low_v, high_v]) = (pairs(x), pairs(v));
-                for ((x, of_x), (v, of_v)) in
-                    low_x.iter().rev().zip(high_x).zip(low_v.iter().rev().zip(high_v))
-                {
-                    xx += x * of_x;
-                    vv += v * of_v;
+                let of_x = x[1..half].iter().rev().zip(&x[k + 1 - half..k]);
+                let of_v = v[1..half].iter().rev().zip(&v[k + 1 - half..k]);
+                for ((x, other_x), (v, other_v)) in of_x.zip(of_v) {
+                    xx += x * other_x;
+                    vv += v * other_v;
                 }
                 (xx, vv) = (2.0 * xx, 2.0 * vv);
                 if k.is_multiple_of(2) {
