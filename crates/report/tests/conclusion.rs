@@ -302,6 +302,23 @@ fn a_sensor_in_an_occupant_has_criteria_and_no_model() {
 }
 
 #[test]
+fn criteria_of_a_sensor_that_may_be_clipped_are_lower_bounds() {
+    let mut run = car();
+    run.test.channels = vec![channel("93", "occupant front left, head, centre of gravity")];
+    run.metrics = vec![metric("hic15", 246.4, "93+2")];
+    let warned = |run: &Run| page_of(run).contains("may be clipped");
+    assert!(!page_of(&run).contains('\u{2265}') && !warned(&run));
+    // A sensor of nothing that stands here.
+    run.clipped = vec!["3".to_owned()];
+    assert!(!page_of(&run).contains('\u{2265}') && !warned(&run));
+    run.clipped.push("2".to_owned());
+    let page = page_of(&run);
+    assert!(page.contains("HIC15 \u{2265}\u{a0}246") && page.contains("<dd class=\"number\">\u{2265}\u{a0}246"));
+    assert!(warned(&run) && !page.contains("not all axes"));
+    assert_eq!(summary_of(&run)["key_numbers"][0]["is_lower_bound"], true);
+}
+
+#[test]
 fn a_recorders_table_has_its_change_of_velocity_and_no_peak() {
     let mut run = car();
     run.metrics = vec![metric("maximum_delta_v", 6.9444, "93"), metric("peak_acceleration", 90.0, "93")];

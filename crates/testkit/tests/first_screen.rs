@@ -130,6 +130,7 @@ fn check_key_numbers(page: &Page, summary: &Value) {
         let value = &numbers(lines[0])[0];
         let magnitude = number["value"].as_f64().map(|v| Value::from(v.abs())).unwrap();
         assert!(value.is(&number["value"]) || value.is(&magnitude), "{card}: {number}");
+        assert_eq!(lines[0].starts_with('\u{2265}'), number["is_lower_bound"] == true, "{card}: {number}");
         for line in &lines[1..] {
             if line.starts_with("inputs") {
                 pair(line, "interval", &number["low"], &number["high"]);

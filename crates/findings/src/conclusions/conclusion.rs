@@ -256,7 +256,7 @@ impl<'a> Text<'a> {
 
     fn occupant_use(&self, concerns: &[ConcernV1]) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
-        let partial = concerns.iter().any(|concern| concern.about == "occupants");
+        let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
         Some(fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })]))
     }
 

@@ -34,9 +34,8 @@ pub(super) fn write_before_use(
     concerns: &[ConcernV1],
 ) {
     let phrases = &run.language.phrases().conclusion;
-    // The red bar has said why there is no result.
-    let said =
-        |concern: &&ConcernV1| verdict.standing == Standing::NoResult && concern.severity == ConcernV1::NO_RESULT;
+    // The verdict has said why there is no result.
+    let said = |concern: &&ConcernV1| verdict.standing != Standing::Model && concern.severity == ConcernV1::NO_RESULT;
     let warnings: Vec<&ConcernV1> = concerns.iter().filter(|concern| !said(concern)).collect();
     if warnings.is_empty() {
         return;
