@@ -242,12 +242,10 @@ impl<'a> Text<'a> {
             ("hic36", "HIC36", (1.0, 0, "")),
             ("clip_3ms_contiguous", self.language.phrases().numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
         ] {
-            // The summary has a name once, as the run finds it.
-            let metric = self.run.metric(name).and_then(|metric| Some((metric, metric.value?)));
-            if let Some((metric, value)) = metric {
-                let sign = if clipped_sensors(self.run, metric).is_empty() { "" } else { AT_LEAST };
-                criteria.push(format!("{label} {sign}{}", self.number(&format!("/metrics/{name}/value"), value, unit)));
-            }
+            let Some(metric) = self.run.metric(name) else { continue }; // The summary has a name once too.
+            let Some(value) = metric.value else { continue };
+            let sign = if clipped_sensors(self.run, metric).is_empty() { "" } else { AT_LEAST };
+            criteria.push(format!("{label} {sign}{}", self.number(&format!("/metrics/{name}/value"), value, unit)));
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
         let place = self.run.channel().map_or("", |channel| channel.location.as_str());
