@@ -115,7 +115,7 @@ impl State {
     /// `a` begins one sample before the outputs. The displacement takes the velocity before the step, not after it. Two
     /// short loops in turn: packed into one pair of lanes, each sum would wait for the other.
     fn forward_euler(&mut self, a: &[f64], v_out: &mut [f64], x_out: &mut [f64]) {
-        const SAMPLES: usize = 8;
+        const SAMPLES: usize = 16;
         let dt_s = self.dt_s;
         let (mut v, mut x) = (self.v, self.x);
         for (a, (v_out, x_out)) in a.chunks(SAMPLES).zip(v_out.chunks_mut(SAMPLES).zip(x_out.chunks_mut(SAMPLES))) {
