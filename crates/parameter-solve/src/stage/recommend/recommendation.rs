@@ -1,7 +1,7 @@
 //! The choice among the candidates of a run, as a record and in words.
 
 use crumple_lumped_fit::{CandidateSelection, Choice, ComparedCandidate, Rated, choose};
-use crumple_signal::Axis;
+use crumple_signal::{ANOTHER_VEHICLE, Axis};
 use crumple_stage::records::{
     CandidateV1, EventsV1, PriorTermV1, PriorV1, RatedCandidateV1, RecommendationEvidenceV1, RecommendationV1,
 };
@@ -68,6 +68,11 @@ fn compared(settings: &StageSettings, input: &Inputs) -> anyhow::Result<Result<C
     if let Some(axis) = test.channel(&events.channel).and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
         let channel = &events.channel;
         return Ok(Err(format!("channel {channel} is along {axis}, and the models are of a crush along x")));
+    }
+    if test.barrier.as_deref() == Some(ANOTHER_VEHICLE) {
+        let reason = "two vehicles collided: the displacement over ground is not the crush of either, and the models \
+                      take the other vehicle for a rigid wall";
+        return Ok(Err(reason.to_owned()));
     }
     if events.time_of_dynamic_crush_s.is_none() || events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0) {
         let reason = "the record shows no crush that comes to an end: its velocity never reaches zero";
