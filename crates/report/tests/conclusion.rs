@@ -308,8 +308,9 @@ fn criteria_of_a_sensor_that_may_be_clipped_are_lower_bounds() {
     run.metrics = vec![metric("hic15", 246.4, "93+2")];
     let warned = |run: &Run| page_of(run).contains("may be clipped");
     assert!(!page_of(&run).contains('\u{2265}') && !warned(&run));
-    // A sensor of nothing that stands here.
+    // A sensor of nothing that stands here, though a metric is of it.
     run.clipped = vec!["3".to_owned()];
+    run.metrics.push(metric("peak_acceleration", 310.0, "3"));
     assert!(!page_of(&run).contains('\u{2265}') && !warned(&run));
     run.clipped.push("2".to_owned());
     let page = page_of(&run);

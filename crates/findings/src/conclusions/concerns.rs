@@ -5,7 +5,7 @@ use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::fill;
 use crumple_signal::{About, Severity, Weight};
 
-use crate::conclusions::key_numbers::{KeyNumber, clipped_sensors, key_numbers};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::conclusions::kind::Kind;
 use crate::conclusions::several_tests::missed;
 use crate::text::names::candidate_name;
@@ -150,16 +150,14 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     if kind == Kind::TwoVehicles {
         found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
     }
-    if kind == Kind::Occupant {
-        let mut channels: Vec<&str> = run.metrics.iter().flat_map(|metric| clipped_sensors(run, metric)).collect();
-        channels.sort_unstable();
-        channels.dedup();
-        if !channels.is_empty() {
-            let text = fill(phrases.warn_clipped, &[("channels", channels.join(", "))]);
-            found.push((About::Occupants, Weight::Decisive, text));
-        }
+    let numbers = key_numbers(run);
+    if let Some(bound) = numbers.iter().find(|number| number.is_lower_bound) {
+        let is_of = |id: &&String| bound.channel.split('+').any(|channel| channel == *id);
+        let channels: Vec<&str> = run.clipped.iter().filter(is_of).map(String::as_str).collect();
+        let text = fill(phrases.warn_clipped, &[("channels", channels.join(", "))]);
+        found.push((About::Occupants, Weight::Decisive, text));
     }
-    let crush = key_numbers(run).into_iter().find(|number| number.name == "dynamic_crush");
+    let crush = numbers.into_iter().find(|number| number.name == "dynamic_crush");
     if let Some(spread) = crush.filter(KeyNumber::interval_misses_a_sensor).and_then(|crush| crush.spread) {
         let mm = |m: f64| language.quantity(MILLI * m, 1, "mm");
         let text = fill(phrases.sensors_differ, &[("low", &mm(spread.low)), ("high", &mm(spread.high))]);

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::concerns::{concerns, first_is_decisive};
-use crate::conclusions::key_numbers::{AT_LEAST, KeyNumber, clipped_sensors, key_numbers};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers, sign_of};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::text::names::candidate_name;
@@ -242,10 +242,10 @@ impl<'a> Text<'a> {
             ("hic36", "HIC36", (1.0, 0, "")),
             ("clip_3ms_contiguous", self.language.phrases().numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
         ] {
-            let Some(metric) = self.run.metric(name) else { continue }; // The summary has a name once too.
-            let Some(value) = metric.value else { continue };
-            let sign = if clipped_sensors(self.run, metric).is_empty() { "" } else { AT_LEAST };
-            criteria.push(format!("{label} {sign}{}", self.number(&format!("/metrics/{name}/value"), value, unit)));
+            // The summary has a name once, as the run finds it.
+            let Some((value, metric)) = self.run.metric(name).and_then(|m| m.value.zip(Some(m))) else { continue };
+            let number = self.number(&format!("/metrics/{name}/value"), value, unit);
+            criteria.push(format!("{label} {}{number}", sign_of(self.run, metric)));
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
         let place = self.run.channel().map_or("", |channel| channel.location.as_str());

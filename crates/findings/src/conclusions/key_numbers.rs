@@ -34,7 +34,7 @@ pub struct KeyNumber {
 }
 
 /// Before a lower bound.
-pub(crate) const AT_LEAST: &str = "\u{2265}\u{a0}";
+const AT_LEAST: &str = "\u{2265}\u{a0}";
 
 /// Range of a number over several sensors that measured the same.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -140,16 +140,20 @@ fn of_occupant(run: &Run) -> Vec<KeyNumber> {
     let criteria = [("hic15", "1"), ("hic36", "1"), ("clip_3ms_contiguous", "m/s^2")];
     let criterion = |(name, unit)| {
         let metric = of_pulse(name)?;
-        let is_lower_bound = metric.value.is_some() && !clipped_sensors(run, metric).is_empty();
+        let is_lower_bound = metric.value.is_some() && may_be_clipped(run, metric);
         Some(KeyNumber { is_lower_bound, ..of_metric(run, name, unit, metric) })
     };
     criteria.into_iter().filter_map(criterion).collect()
 }
 
-/// Sensors of a metric that may be clipped. A criterion grows with the magnitude, and what is clipped is too small.
-pub(crate) fn clipped_sensors<'a>(run: &'a Run, metric: &MetricV1) -> Vec<&'a str> {
-    let is_of = |id: &&String| metric.channel.split('+').any(|channel| channel == *id);
-    run.clipped.iter().filter(is_of).map(String::as_str).collect()
+/// Whether a sensor of a metric may be clipped. A criterion grows with the magnitude, and what is clipped is too small.
+fn may_be_clipped(run: &Run, metric: &MetricV1) -> bool {
+    metric.channel.split('+').any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
+}
+
+/// Before a criterion that is a lower bound.
+pub(crate) fn sign_of(run: &Run, metric: &MetricV1) -> &'static str {
+    if may_be_clipped(run, metric) { AT_LEAST } else { "" }
 }
 
 /// What a recorder kept: the maximum change of velocity and its time. A table of a sample every 10 ms has no peak.

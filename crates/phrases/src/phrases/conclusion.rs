@@ -157,8 +157,8 @@ texts! { ConclusionTexts
         "ein Zusammenstoß zweier Fahrzeuge: Der Weg über Grund ist keines Fahrzeugs Eindrückung, und die Modelle \
          nehmen das andere für eine starre Wand";
     warn_clipped:
-        "{channels} may be clipped: HIC and 3 ms clip are then larger than what stands here",
-        "vielleicht abgeschnitten: {channels}; HIC und 3-ms-Wert sind dann größer als angegeben";
+        "{channels} may be clipped: HIC and 3 ms clip would then be larger than shown",
+        "vielleicht abgeschnitten: {channels}; HIC und 3-ms-Wert wären dann größer als angegeben";
     before_use: "Before you use this", "Vor dem Gebrauch";
     one_more: "1 more warning", "1 weitere Warnung";
     more: "{count} more warnings", "{count} weitere Warnungen";
