@@ -17,6 +17,7 @@
 
 use std::collections::BTreeMap;
 
+use crumple_artifact::records::QualityV1;
 use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Weight};
 
 use crate::pulse::polarity::{self, Polarity};
@@ -180,7 +181,7 @@ fn is_too_slow(wave: &Wave) -> bool {
 }
 
 fn is_clipped(wave: &Wave) -> bool {
-    wave.quality.clipped_run >= 3
+    wave.quality.clipped_run as u64 >= QualityV1::CLIPPED_RUN
 }
 
 fn excess_noise(wave: &Wave) -> Option<f64> {
