@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crumple_phrases::language::{Language, fill};
-use crumple_signal::Axis;
+use crumple_signal::{ANOTHER_VEHICLE, Axis};
 
 use crate::{CandidateResult, Run};
 
@@ -105,6 +105,9 @@ fn no_crush(run: &Run) -> Option<String> {
     let texts = &run.language.phrases().remarks;
     if let Some(axis) = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
         return Some(fill(texts.other_axis, &[("channel", events.channel.clone()), ("axis", axis.to_string())]));
+    }
+    if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) {
+        return Some(run.language.phrases().conclusion.warn_two_vehicles.to_owned());
     }
     let crushed = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
     (!crushed).then(|| texts.no_end_of_crush.to_owned())
