@@ -75,9 +75,8 @@ impl Stage for Predict {
         }
         if named.is_empty() {
             let because = choice.map_or_else(String::new, |choice| format!(": {}", choice.recommended_because));
-            let reason = format!(
-                "none of the candidates is for predictions{because}; with --candidate one predicts all the same"
-            );
+            let reason =
+                format!("none of the candidates is for predictions{because}; --candidate shows what one of them says");
             return Ok(Outcome::NoAcceptableResult(reason));
         }
         let scenarios = scenarios(settings, tested.speed_m_per_s, other.as_ref())?;
