@@ -104,8 +104,8 @@ fn series_product(a: &Series, b: &Series) -> Series {
     product
 }
 
-/// What a change of a force needs of the motion itself, on one law.
-struct Along {
+/// A law linearised along the motion: its derivatives there, and what a change of its numbers is multiplied with.
+struct Linearised {
     /// Squares and product of compression and rate.
     uu: Series,
     ww: Series,
@@ -113,11 +113,11 @@ struct Along {
     /// Derivatives of the force by compression and rate.
     by_u: Series,
     by_w: Series,
-    /// Whether these two are constant.
-    is_straight: bool,
+    /// Whether these two do not change with the motion.
+    is_linear: bool,
 }
 
-impl Along {
+impl Linearised {
     #[inline(always)]
     fn new(law: &Form, LinkSeries { u, w, .. }: &LinkSeries, is_mixed: bool) -> Self {
         let uw = if is_mixed { series_product(u, w) } else { [0.0; ORDER + 1] };
@@ -127,15 +127,15 @@ impl Along {
         }
         by_u[0] += law.u;
         by_w[0] += law.w;
-        let is_straight = law.uu == 0.0 && law.ww == 0.0 && law.uw == 0.0;
-        Self { uu: series_product(u, u), ww: series_product(w, w), uw, by_u, by_w, is_straight }
+        let is_linear = law.uu == 0.0 && law.ww == 0.0 && law.uw == 0.0;
+        Self { uu: series_product(u, u), ww: series_product(w, w), uw, by_u, by_w, is_linear }
     }
 
     /// Coefficient `k` of the change of the force with changes of compression and rate; those of the rate come last,
     /// since the newest one is known last.
     #[inline(always)]
-    fn felt(&self, mut direct: Lanes, u: &LaneSeries, w: &LaneSeries, k: usize) -> Lanes {
-        if self.is_straight {
+    fn add_to(&self, mut direct: Lanes, u: &LaneSeries, w: &LaneSeries, k: usize) -> Lanes {
+        if self.is_linear {
             add(&mut direct, self.by_u[0], &u[k]);
             add(&mut direct, self.by_w[0], &w[k]);
         } else {
@@ -205,11 +205,11 @@ impl Changes {
         let is_mixed = changes.map(|law| law.uw).any(|uw| uw != 0.0);
         // All elements of one mass feel the same.
         let links = if law.is_some() { &step.links[..1] } else { &step.links[..] };
-        let along: Vec<Along> = arch.dispatch(|| {
-            links.iter().map(|link| Along::new(law.as_ref().unwrap_or(&link.law), link, is_mixed)).collect()
+        let linearised: Vec<Linearised> = arch.dispatch(|| {
+            links.iter().map(|link| Linearised::new(law.as_ref().unwrap_or(&link.law), link, is_mixed)).collect()
         });
         for block in &mut self.blocks {
-            arch.dispatch(Expand { block, step, law, along: &along });
+            arch.dispatch(Expand { block, step, law, linearised: &linearised });
         }
     }
 
@@ -266,7 +266,7 @@ impl Block {
 
     /// The changes where the acceleration is a form of displacement and velocity: all elements in one.
     #[inline(always)]
-    fn expand_one_mass(&mut self, step: &Step, law: &Form, along: &Along) {
+    fn expand_one_mass(&mut self, step: &Step, law: &Form, linearised: &Linearised) {
         let (node, per_mass) = (&step.nodes[0], step.per_mass[0]);
         let mut by = [Form::ZERO; ABREAST];
         for (p, by) in by.iter_mut().enumerate() {
@@ -280,11 +280,11 @@ impl Block {
         let NodeChange { x, v, a } = &mut self.nodes[0];
         for k in 0..=ORDER {
             let mut now = if k == 0 { by.map(|form| form.constant) } else { [0.0; ABREAST] };
-            let values = [node.x[k], node.v[k], along.uu[k], along.ww[k], along.uw[k]];
+            let values = [node.x[k], node.v[k], linearised.uu[k], linearised.ww[k], linearised.uw[k]];
             for (by, value) in by_terms.iter().zip(values) {
                 add(&mut now, value, by);
             }
-            now = along.felt(now, x, v, k);
+            now = linearised.add_to(now, x, v, k);
             a[k] = now;
             if k < ORDER {
                 let factor = 1.0 / (k + 1) as f64;
@@ -301,7 +301,7 @@ struct Expand<'a> {
     /// The acceleration of the only mass.
     law: Option<Form>,
     /// Of each element.
-    along: &'a [Along],
+    linearised: &'a [Linearised],
 }
 
 impl WithSimd for Expand<'_> {
@@ -309,9 +309,9 @@ impl WithSimd for Expand<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { block, step, law, along } = self;
-        if let (Some(law), Some(along)) = (law, along.first()) {
-            block.expand_one_mass(step, &law, along);
+        let Self { block, step, law, linearised } = self;
+        if let (Some(law), Some(linearised)) = (law, linearised.first()) {
+            block.expand_one_mass(step, &law, linearised);
             return;
         }
         let of_mass = |place: &Option<Place>| match place {
@@ -323,11 +323,11 @@ impl WithSimd for Expand<'_> {
             for node in &mut block.nodes {
                 node.a[k] = [0.0; ABREAST];
             }
-            for ((link, change), along) in step.links.iter().zip(&mut block.links).zip(along) {
+            for ((link, change), linearised) in step.links.iter().zip(&mut block.links).zip(linearised) {
                 let [front, rear] = link.nodes;
                 change.u[k] = minus(&block.nodes[rear].x[k], &block.nodes[front].x[k]);
                 change.w[k] = minus(&block.nodes[rear].v[k], &block.nodes[front].v[k]);
-                let force = force_change(link, change, along, k);
+                let force = force_change(link, change, linearised, k);
                 add(&mut block.nodes[rear].a[k], -1.0, &force);
                 add(&mut block.nodes[front].a[k], 1.0, &force);
             }
@@ -348,14 +348,14 @@ impl WithSimd for Expand<'_> {
 
 /// Coefficient `k` of the change of a force; that of the rate of the inner state goes into its series.
 #[inline(always)]
-fn force_change(link: &LinkSeries, change: &mut LinkChange, along: &Along, k: usize) -> Lanes {
+fn force_change(link: &LinkSeries, change: &mut LinkChange, linearised: &Linearised, k: usize) -> Lanes {
     let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
-    let (uu, ww, uw) = (along.uu[k], along.ww[k], along.uw[k]);
+    let (uu, ww, uw) = (linearised.uu[k], linearised.ww[k], linearised.uw[k]);
     let mut force = [0.0; ABREAST];
     for (force, by) in force.iter_mut().zip(&change.law) {
         *force = by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
     }
-    force = along.felt(force, &change.u, &change.w, k);
+    force = linearised.add_to(force, &change.u, &change.w, k);
     if let Some(inner) = &link.inner {
         add(&mut force, link.law.z, &change.z[k]);
         if k < ORDER {
