@@ -25,6 +25,17 @@ pub fn normal_distribution(z: f64) -> f64 {
     Normal::standard().cdf(z)
 }
 
+/// The shortest interval that holds 95 % of a normal distribution and a value, as its two ends: below and above the
+/// mean, in units of 1.96 deviations. `value`: how far it is above the mean, in the same unit.
+pub fn shortest_with(value: f64) -> (f64, f64) {
+    let normal = student_95(f64::INFINITY);
+    if value.abs() <= 1.0 {
+        return (1.0, 1.0);
+    }
+    let other = Normal::standard().inverse_cdf(0.95 + normal_distribution(-normal * value.abs())) / normal;
+    if value < 0.0 { (-value, other) } else { (other, value) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +53,16 @@ mod tests {
             assert!((chi_square_95(n) - wanted).abs() < 1e-4, "{n}: {}", chi_square_95(n));
         }
         assert!((normal_distribution(1.0) - 0.841_344_746).abs() < 1e-9 && normal_distribution(0.0) == 0.5);
+    }
+    #[test]
+    fn an_interval_with_a_value_far_from_the_mean_still_holds_95_percent() {
+        let normal = student_95(f64::INFINITY);
+        // As it is where the value is inside, one-sided where that is far.
+        assert_eq!(shortest_with(0.7), (1.0, 1.0));
+        let (below, above) = shortest_with(-3.0);
+        assert!(below == 3.0 && (above - 1.644_854 / normal).abs() < 1e-6, "{above}");
+        let (below, above) = shortest_with(1.2);
+        let held = normal_distribution(normal * above) - normal_distribution(-normal * below);
+        assert!(above == 1.2 && (held - 0.95).abs() < 1e-9, "{below} {above}");
     }
 }

@@ -14,7 +14,7 @@ pub use autocorrelation::{
     autocovariance, autoregressive_effective_samples, effective_samples, first_zero_lag, geyer_autocorrelation_time,
     lag_1_autocorrelation, sokal_autocorrelation_time,
 };
-pub use distributions::{chi_square_95, normal_distribution, student_95};
+pub use distributions::{chi_square_95, normal_distribution, shortest_with, student_95};
 pub use information_criteria::InformationCriteria;
 pub use quantile::quantile;
 pub use residual_tests::{ResidualTests, residual_tests};

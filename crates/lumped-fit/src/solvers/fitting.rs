@@ -10,6 +10,7 @@ use crate::free::search_bounds::largest_of_chain;
 use crate::record::sensor::{errors_in_words, note_of_errors};
 use crate::solvers::shared_mass::{pulse, sensors_of};
 use crate::solvers::task::{Task, mass_count};
+use crate::uncertainty::likelihood::source_misfit::least_acceleration_misfit;
 use crate::{
     Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorPlace, SolveError,
     bounds_remark,
@@ -95,7 +96,8 @@ impl<'a> Fitting<'a> {
     }
 
     /// The minimum that a start leads to, with the weights that the waves have now. An elastoplastic model that is
-    /// fitted to the pulse alone leaves the barrier or stays attached, as meets the record better.
+    /// fitted to the pulse alone leaves the barrier or stays attached, as can meet the acceleration better: an error of
+    /// the zero level, summed twice, hides when the force ends.
     pub fn minimum(&self, start: &FitStart) -> Option<Minimum> {
         let fit = |model: &Model| {
             let mut free = free_parameters(model, self.observed.impact_speed_m_per_s, self.crush_m);
@@ -112,7 +114,8 @@ impl<'a> Fitting<'a> {
         match &start.model {
             Model::Elastoplastic(model) if self.task.fits_displacement_alone() => {
                 let both = [true, false].map(|release| fit(&Model::Elastoplastic(Elastoplastic { release, ..*model })));
-                both.into_iter().flatten().min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))
+                let misfit = |minimum: &Minimum| least_acceleration_misfit(minimum).unwrap_or(f64::INFINITY);
+                both.into_iter().flatten().min_by(|a, b| misfit(a).total_cmp(&misfit(b)))
             }
             model => fit(model),
         }

@@ -21,7 +21,7 @@ use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
 use crate::uncertainty::likelihood::curve_posterior::curve_intervals;
 use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled};
-use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
+use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends, holding};
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -65,9 +65,8 @@ pub struct Assessment {
 /// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
 ///
 /// `given`: the values to assess, where they are not those of the minimum, such as a closed form that follows two
-/// events instead of the whole curve. Intervals stand around these values and are widened by their distance `a` from
-/// the minimum as one more standard deviation, `h² + (1.96 a)²`: another way to take the same model from the record
-/// gives values so far apart.
+/// events instead of the whole curve. Their intervals are those of the minimum, as the shortest that also hold
+/// these values; the deviation holds the distance `a` from it, `s² + a²`.
 ///
 /// A parameter at zero is assessed from its one side. One at another bound, or without effect in the window, is left
 /// out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the total and
@@ -142,12 +141,13 @@ impl<M: Parametric> AtMinimum<'_, M> {
             let coordinate = free[i].coordinate(value);
             let away = Some(coordinate - theta[i]).filter(|away| given.is_some() && away.is_finite()).unwrap_or(0.0);
             let deviation = (covariance.matrix[(k, k)].max(0.0) + away * away).sqrt();
-            let half = (covariance.half_width[k].powi(2) + (1.96 * away).powi(2)).sqrt();
-            let slope = free[i].slope(coordinate);
+            let half = covariance.half_width[k];
             if half.is_finite() {
-                standard_deviation.insert(names[i].clone(), deviation * slope.abs());
+                standard_deviation.insert(names[i].clone(), deviation * free[i].slope(coordinate).abs());
             }
-            interval.insert(names[i].clone(), around(value, half, free[i].is_logarithmic(), slope));
+            let (fitted, slope) = (free[i].value(theta[i]), free[i].slope(theta[i]));
+            let ends = around(fitted, half, free[i].is_logarithmic(), slope);
+            interval.insert(names[i].clone(), holding(&free[i], (theta[i], theta[i] + away), ends));
         }
         if let Some(source) = source.filter(|source| given.is_none() && source.explains()) {
             let curved = source.curved(&names, (theta, &kept), &covariance);

@@ -19,10 +19,14 @@ use rayon::prelude::*;
 
 use crate::candidate::minimum::Minimum;
 use crate::free::coordinates::{Axis, Coordinates, FreeNumber, Map};
+use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};
 
 /// Pieces between the nodes of a curve.
 const PIECES: usize = 32;
+/// Least distance of a knot from the next and from the ends, in pieces: a tenth of the range. Through CFC 60 a crash of
+/// 70 ms shows no more than some ten pieces.
+const NEAREST: usize = 3;
 /// Largest spring, in `m (v0/C)²`, and damper, in `m v0/C`: five times what stops the mass alone over its crush, and a
 /// damper that alone lets it decay five times over in the time `C/v0`.
 const LARGEST: f64 = 5.0;
@@ -78,13 +82,12 @@ fn curves_of(model: &Model) -> Option<([Curve; 2], bool)> {
     }
 }
 
-/// The 95 % intervals of all free numbers of a nonlinear model, without regard to its own values; `None` for other
-/// models, where the noise of the sensor is not known or does not explain the misfit, and where too few draws are
+/// The 95 % intervals of all free numbers of a nonlinear model; `None` for other models, where the noise of the sensor is not known or does not explain the misfit, and where too few draws are
 /// inside the bounds.
 ///
-/// An interval is the shortest that holds 95 % of the draws; it is open at the end of the range of its number where the
-/// density there is not below 0.147 of the largest; zero ends that of a spring or damper. Knots of a curve that has two
-/// are open: their likelihood is closed in 5 % of made records, and then one in seven is wrong.
+/// An interval is the shortest that holds 95 % of the draws and the fitted value; it is open at the end of the range of
+/// its number where the density there is not below 0.147 of the largest; zero ends that of a spring or damper. Knots of
+/// a curve that has two are left open.
 pub(crate) fn curve_intervals(minimum: &Minimum) -> Option<BTreeMap<String, Ends>> {
     let (curves, ordered) = curves_of(&minimum.model)?;
     let count = curves.iter().map(|curve| curve.values.len() + curve.knots.len()).sum::<usize>();
@@ -92,13 +95,14 @@ pub(crate) fn curve_intervals(minimum: &Minimum) -> Option<BTreeMap<String, Ends
         return None;
     }
     let coordinates = minimum.coordinates();
-    let moves = |i: &usize| minimum.sensitivity_m.column(*i).norm() > 0.0;
-    let kept: Vec<usize> = (0..minimum.free.len()).filter(moves).collect();
-    let source = AtSource::of_knots(&coordinates, &minimum.observed, &coordinates.start(), &kept)?;
-    let model = coordinates.model(source.least())?;
-    let response = LinearResponse::at(&model, &curves, &source)?;
+    let source = AtSource::near_noise(&coordinates, &minimum.observed, &coordinates.start())?;
+    let response = LinearResponse::at(&minimum.model, &curves, &source)?;
     let sets = curves.each_ref().map(|curve| knots_at_nodes(curve.knots.len()));
-    let draws = response.draws(&sets, ordered)?;
+    let likelihoods = Likelihoods::of(&response, &sets);
+    let noise = likelihoods.noise(&source)?;
+    let draws = likelihoods.draws(&noise, ordered)?;
+    let fitted = minimum.model.parameters();
+    let value = |name: &str| fitted.get(name).copied();
     let mut intervals = BTreeMap::new();
     for (side, curve) in curves.iter().enumerate() {
         let (last, scale) = (response.last[side], response.scale[side]);
@@ -108,24 +112,25 @@ pub(crate) fn curve_intervals(minimum: &Minimum) -> Option<BTreeMap<String, Ends
             // A node stands for what is half a piece to both sides of it.
             let halves = |knots: &Vec<usize>| [4 * knots[0] - 1, 4 * knots[0] + 1].map(|at| at * BINS / (4 * PIECES));
             let at = |bin: usize| sets[side].iter().flat_map(halves).filter(|half| *half == bin).count();
-            let (low, high) = shortest(all, (1.0, true), &std::array::from_fn(at));
+            let fitted = value(name)? / last;
+            let (low, high) = shortest(all, fitted, (1.0, true), &std::array::from_fn(at));
             intervals.insert((*name).to_owned(), (low.map(|low| low * last), high.map(|high| high * last)));
         }
         for (j, name) in curve.values.iter().enumerate() {
             let all = draws.iter().map(|draw| draw.values[side][j]).collect();
-            let (low, high) = shortest(all, (LARGEST, false), &[1; BINS]);
+            let (low, high) = shortest(all, value(name)? / scale, (LARGEST, false), &[1; BINS]);
             intervals.insert((*name).to_owned(), (low.map(|low| low * scale), high.map(|high| high * scale)));
         }
     }
     Some(intervals)
 }
 
-/// Every choice of so many knots at nodes between zero and the last, in rising order.
+/// Every choice of so many knots at nodes between zero and the last, in rising order and not too near each other.
 fn knots_at_nodes(count: usize) -> Vec<Vec<usize>> {
     let more = |chosen: Vec<Vec<usize>>| -> Vec<Vec<usize>> {
         let next = |knots: &Vec<usize>| {
-            let (first, knots) = (knots.last().map_or(1, |last| last + 1), knots.clone());
-            (first..PIECES).map(move |node| [knots.as_slice(), &[node]].concat())
+            let (first, knots) = (knots.last().unwrap_or(&0) + NEAREST, knots.clone());
+            (first..=PIECES - NEAREST).map(move |node| [knots.as_slice(), &[node]].concat())
         };
         chosen.iter().flat_map(next).collect()
     };
@@ -153,10 +158,14 @@ struct Draw {
     values: [Vec<f64>; 2],
 }
 
-/// The misfit in units of the noise by the values of both curves at their nodes: the triangle of `[J | r - J theta]`.
+/// The misfit in units of the noise before the event, by the values of both curves at their nodes.
 struct LinearResponse {
+    /// One column for each node, one row for each sample.
     by_nodes: [DMatrix<f64>; 2],
+    /// Where all values are zero.
     constant: DVector<f64>,
+    /// The same as independent rows of unit variance.
+    white: ([DMatrix<f64>; 2], DVector<f64>),
     last: [f64; 2],
     scale: [f64; 2],
 }
@@ -173,10 +182,10 @@ struct OfCurve {
 }
 
 impl OfCurve {
-    fn new(at_nodes: DMatrix<f64>, response: &LinearResponse, side: usize) -> Self {
-        let columns = &response.by_nodes[side] * &at_nodes;
-        let (square, by_constant) = (columns.tr_mul(&columns), columns.tr_mul(&response.constant));
-        Self { at_nodes, square, by_constant, by_other: response.by_nodes[1 - side].tr_mul(&columns) }
+    fn new(at_nodes: DMatrix<f64>, (by_nodes, constant): &([DMatrix<f64>; 2], DVector<f64>), side: usize) -> Self {
+        let columns = &by_nodes[side] * &at_nodes;
+        let (square, by_constant) = (columns.tr_mul(&columns), columns.tr_mul(constant));
+        Self { at_nodes, square, by_constant, by_other: by_nodes[1 - side].tr_mul(&columns) }
     }
 }
 
@@ -190,8 +199,17 @@ struct Normal {
     place: (usize, usize),
     mean: DVector<f64>,
     root: Cholesky<f64, Dyn>,
-    /// `ln` of the likelihood over all values.
-    weight: f64,
+    /// Sum of squares that the mean leaves.
+    left: f64,
+    /// `ln` of the root's determinant.
+    determinant: f64,
+}
+
+impl Normal {
+    /// `ln` of the likelihood over all values, up to a constant, in a unit of the noise that is smaller by a factor.
+    fn weight(&self, factor: f64) -> f64 {
+        -0.5 * factor * factor * self.left - self.determinant
+    }
 }
 
 impl LinearResponse {
@@ -224,24 +242,32 @@ impl LinearResponse {
         let coordinates = Coordinates::new(chain, (0..2 * nodes).map(free).collect());
         let theta = coordinates.start();
         let (misfit, by_nodes) = source.linear_of(&coordinates, &theta)?;
-        // As many deviations as Student's distribution has for one of the normal.
-        let factor = student_95(f64::INFINITY) / student_95(source.freedom());
         let constant = DVector::from_vec(misfit) - &by_nodes * DVector::from_vec(theta);
-        let mut all = by_nodes.insert_column(2 * nodes, 0.0);
+        let mut all = by_nodes.clone().insert_column(2 * nodes, 0.0);
         all.set_column(2 * nodes, &constant);
-        let r = (all * factor).qr().r();
-        let of_curve = |side: usize| r.columns(side * nodes, nodes).into_owned();
-        Some(Self { by_nodes: [of_curve(0), of_curve(1)], constant: r.column(2 * nodes).into_owned(), last, scale })
+        let white = source.whitened(&all)?;
+        let of_curve = |from: &DMatrix<f64>| [0, 1].map(|side| from.columns(side * nodes, nodes).into_owned());
+        let white = (of_curve(&white), white.column(2 * nodes).into_owned());
+        Some(Self { by_nodes: of_curve(&by_nodes), constant, white, last, scale })
     }
+}
 
-    /// Draws inside the bounds.
-    fn draws(&self, sets: &[Vec<Vec<usize>>; 2], ordered: bool) -> Option<Vec<Draw>> {
-        let all = pairs(sets);
+/// The likelihoods of all choices of knots.
+struct Likelihoods<'a> {
+    response: &'a LinearResponse,
+    sets: &'a [Vec<Vec<usize>>; 2],
+    curves: [Vec<OfCurve>; 2],
+    normals: Vec<Normal>,
+}
+
+impl<'a> Likelihoods<'a> {
+    fn of(response: &'a LinearResponse, sets: &'a [Vec<Vec<usize>>; 2]) -> Self {
+        let (_, constant) = &response.white;
+        let constant = constant.norm_squared();
         let curves: [Vec<OfCurve>; 2] = std::array::from_fn(|side| {
-            let of_curve = |knots: &Vec<usize>| OfCurve::new(at_nodes(knots), self, side);
+            let of_curve = |knots: &Vec<usize>| OfCurve::new(at_nodes(knots), &response.white, side);
             sets[side].iter().map(of_curve).collect()
         });
-        let constant = self.constant.norm_squared();
         let normal = |(a, b): (usize, usize)| -> Option<Normal> {
             let (spring, damper) = (&curves[0][a], &curves[1][b]);
             let (springs, dampers) = (spring.by_constant.len(), damper.by_constant.len());
@@ -255,22 +281,57 @@ impl LinearResponse {
             let mean = root.solve(&gradient);
             let left = constant - gradient.dot(&mean);
             let determinant: f64 = root.l_dirty().diagonal().iter().map(|x| x.ln()).sum();
-            Some(Normal { place: (a, b), mean, root, weight: -0.5 * left - determinant })
-                .filter(|n| n.weight.is_finite())
+            let normal = Normal { place: (a, b), mean, root, left, determinant };
+            Some(normal).filter(|normal| normal.weight(1.0).is_finite())
         };
-        let mut normals: Vec<Normal> = all.into_par_iter().filter_map(normal).collect();
-        let best = normals.iter().map(|normal| normal.weight).reduce(f64::max)?;
-        normals.retain(|normal| normal.weight > best - FAR);
+        let normals = pairs(sets).into_par_iter().filter_map(normal).collect();
+        Self { response, sets, curves, normals }
+    }
+
+    /// The noise, with its level from what the best choice leaves of the misfit too; `None` where it does not explain
+    /// that.
+    ///
+    /// All values of that choice count as fitted, and its knots: a knot moves the response as the step to the next node
+    /// does.
+    fn noise(&self, source: &AtSource<'_, Model>) -> Option<(SensorNoise, f64)> {
+        let best = self.normals.iter().min_by(|a, b| a.left.total_cmp(&b.left))?;
+        let mut misfit = self.response.constant.clone();
+        let mut fitted = Vec::new();
+        let mut first = 0;
+        for (side, place) in [best.place.0, best.place.1].into_iter().enumerate() {
+            let (curve, by_nodes) = (&self.curves[side][place].at_nodes, &self.response.by_nodes[side]);
+            let values = best.mean.rows(first, curve.ncols());
+            first += curve.ncols();
+            let columns = by_nodes * curve;
+            misfit += &columns * values;
+            fitted.extend(columns.column_iter().map(|column| column.into_owned()));
+            let knots = &self.sets[side][place];
+            fitted.extend((0..knots.len()).map(|k| {
+                let mut moved = knots.clone();
+                moved[k] += 1;
+                by_nodes * (at_nodes(&moved) - curve) * values
+            }));
+        }
+        source.noise_with(misfit, DMatrix::from_columns(&fitted))
+    }
+
+    /// Draws inside the bounds, with noise of this level.
+    fn draws(&self, (noise, ratio): &(SensorNoise, f64), ordered: bool) -> Option<Vec<Draw>> {
+        // As many deviations as Student's distribution has for one of the normal.
+        let factor = ratio * student_95(f64::INFINITY) / student_95(noise.freedom);
+        let best = self.normals.iter().map(|normal| normal.weight(factor)).reduce(f64::max)?;
+        let near = |normal: &&Normal| normal.weight(factor) > best - FAR;
+        let normals: Vec<&Normal> = self.normals.iter().filter(near).collect();
         let mut sum = 0.0;
         let cumulated: Vec<f64> = normals
             .iter()
             .map(|normal| {
-                sum += (normal.weight - best).exp();
+                sum += (normal.weight(factor) - best).exp();
                 sum
             })
             .collect();
         let mut random = RandomNumbers::seeded(1);
-        let springs = curves[0][0].by_constant.len();
+        let springs = self.curves[0][0].by_constant.len();
         let mut draws = Vec::new();
         for _ in 0..DRAWS {
             if draws.len() == ENOUGH {
@@ -278,7 +339,7 @@ impl LinearResponse {
             }
             let at = random.uniform() * sum;
             let Some(normal) = normals.get(cumulated.partition_point(|c| *c < at)) else { continue };
-            let mut values = DVector::from_fn(normal.mean.len(), |_, _| random.normal());
+            let mut values = DVector::from_fn(normal.mean.len(), |_, _| random.normal() / factor);
             normal.root.l_dirty().tr_solve_lower_triangular_mut(&mut values);
             values += &normal.mean;
             let (k, c) = values.as_slice().split_at(springs);
@@ -292,17 +353,17 @@ impl LinearResponse {
                 [node] => Some((*node as f64 + random.uniform() - 0.5) / PIECES as f64),
                 _ => None,
             };
-            let knot = [share(&sets[0][normal.place.0]), share(&sets[1][normal.place.1])];
+            let knot = [share(&self.sets[0][normal.place.0]), share(&self.sets[1][normal.place.1])];
             draws.push(Draw { knot, values: [k.to_vec(), c.to_vec()] });
         }
         (draws.len() >= FEWEST).then_some(draws)
     }
 }
 
-/// The shortest interval with 95 % of the draws of a number between zero and `range`; open above where the likelihood
+/// The shortest interval with 95 % of the draws of a number between zero and `range`, and its `fitted` value; open above where the likelihood
 /// at the end of the range is not low, and below too where it `may_be_open` there. `beforehand`: how the number was
 /// spread over the range, in bins: draws over it are the likelihood.
-fn shortest(mut draws: Vec<f64>, (range, may_be_open): (f64, bool), beforehand: &[usize; BINS]) -> Ends {
+fn shortest(mut draws: Vec<f64>, fitted: f64, (range, may_be_open): (f64, bool), beforehand: &[usize; BINS]) -> Ends {
     draws.sort_by(f64::total_cmp);
     let mut likelihood = [0.0; BINS];
     for x in &draws {
@@ -321,12 +382,15 @@ fn shortest(mut draws: Vec<f64>, (range, may_be_open): (f64, bool), beforehand: 
         (false, true) => (of(1.0 - HELD), None),
         (false, false) => {
             let inside = (HELD * draws.len() as f64).ceil() as usize;
-            let width = |from: &usize| draws[from + inside - 1] - draws[*from];
-            let from = (0..=draws.len() - inside).min_by(|a, b| width(a).total_cmp(&width(b))).unwrap_or(0);
+            let ends = |from: usize| (draws[from].min(fitted), draws[from + inside - 1].max(fitted));
+            let width = |(low, high): &(f64, f64)| high - low;
+            let all = (0..=draws.len() - inside).map(ends);
+            let (low, high) = all.min_by(|a, b| width(a).total_cmp(&width(b))).unwrap_or((0.0, range));
             // Where the interval from zero is as short, to what draws know of it, zero is the end.
-            let cut = !may_be_open && draws[inside - 1] <= (1.0 + OF_WIDTH) * width(&from);
-            let (low, from) = if cut { (0.0, 0) } else { (draws[from], from) };
-            (Some(low), Some(draws[from + inside - 1]))
+            let from_zero = draws[inside - 1].max(fitted);
+            let cut = !may_be_open && from_zero <= (1.0 + OF_WIDTH) * (high - low);
+            let (low, high) = if cut { (0.0, from_zero) } else { (low, high) };
+            (Some(low), Some(high))
         }
     }
 }
@@ -344,9 +408,9 @@ mod tests {
     #[test]
     fn knots_rise_and_curves_go_through_their_values() {
         assert_eq!(knots_at_nodes(0), [Vec::<usize>::new()]);
-        // 31 nodes between the ends, and their pairs.
-        assert_eq!((knots_at_nodes(1).len(), knots_at_nodes(2).len()), (31, 31 * 30 / 2));
-        assert!(knots_at_nodes(2).iter().all(|knots| knots[0] < knots[1] && knots[1] < PIECES));
+        // Nodes 3 to 29, and their pairs at least three apart.
+        assert_eq!((knots_at_nodes(1).len(), knots_at_nodes(2).len()), (27, 25 * 24 / 2));
+        assert!(knots_at_nodes(2).iter().all(|knots| knots[0] + NEAREST <= knots[1] && knots[1] < PIECES));
         // A straight line is one whatever its knots.
         let line = |node: usize| 2.0 + 3.0 * node as f64;
         for knots in knots_at_nodes(2) {
@@ -360,23 +424,27 @@ mod tests {
     fn an_interval_ends_at_zero_and_is_open_where_the_range_ends_first() {
         let mut random = RandomNumbers::seeded(3);
         let mut normal = |mean: f64| (0..20_000).map(|_| mean + 0.2 * random.normal()).collect::<Vec<f64>>();
-        let ends = |draws: Vec<f64>| {
-            shortest(draws.into_iter().filter(|x| (0.0..=5.0).contains(x)).collect(), (5.0, false), &[1; BINS])
+        let with = |fitted: f64, draws: Vec<f64>| {
+            let inside = draws.into_iter().filter(|x| (0.0..=5.0).contains(x)).collect();
+            shortest(inside, fitted, (5.0, false), &[1; BINS])
         };
         // A shortest interval is placed to some n^(-1/3) of a deviation (Chernoff 1964): three of 0.037 times 0.2.
         let near = |end: Option<f64>, value: f64| (end.unwrap() - value).abs() < 0.022;
-        let (low, high) = ends(normal(1.0));
+        let (low, high) = with(1.0, normal(1.0));
         assert!(near(low, 1.0 - 0.392) && near(high, 1.0 + 0.392), "{low:?} {high:?}");
+        // A fitted value far below is one end, and 5 % are above the other.
+        let (low, high) = with(0.2, normal(1.0));
+        assert!(low == Some(0.2) && near(high, 1.0 + 0.329), "{low:?} {high:?}");
         // Half a normal distribution: 95 % are within 1.96 deviations.
-        let (low, high) = ends(normal(0.0));
+        let (low, high) = with(0.0, normal(0.0));
         assert!(low == Some(0.0) && near(high, 0.392), "{low:?} {high:?}");
-        let (low, high) = ends(normal(5.0));
+        let (low, high) = with(5.0, normal(5.0));
         assert!(high.is_none() && near(low, 5.0 - 0.392), "{low:?}");
         // All that was possible beforehand is as likely: open.
         let triangle: Vec<f64> = (0..20_000).map(|_| random.uniform().max(random.uniform())).collect();
         let rising: [usize; BINS] = std::array::from_fn(|bin| 2 * bin + 1);
-        assert_eq!(shortest(triangle.clone(), (1.0, true), &rising), (None, None));
-        assert!(shortest(triangle, (1.0, true), &[1; BINS]).0.is_some());
+        assert_eq!(shortest(triangle.clone(), 0.6, (1.0, true), &rising), (None, None));
+        assert!(shortest(triangle, 0.6, (1.0, true), &[1; BINS]).0.is_some());
     }
 
     #[test]

@@ -3,15 +3,16 @@
 //! There the errors are short, and a sum of squares is a likelihood. Two things are read from it: whether the noise
 //! explains the misfit, and the intervals of parameters along which the response is not straight.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, derivatives, descend};
-use crumple_estimation::statistics::{Covariance, student_95};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
+use crumple_estimation::statistics::{Covariance, shortest_with, student_95};
 use crumple_lumped::ParameterKind;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::candidate::minimum::Minimum;
 use crate::fit::as_measured::near;
 use crate::fit::problem::Problem;
-use crate::free::coordinates::Coordinates;
+use crate::free::coordinates::{Coordinates, FreeNumber};
 use crate::free::parametric::Parametric;
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor_noise::{SensorNoise, as_acceleration};
@@ -69,13 +70,32 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         theta: &[f64],
         kept: &[usize],
     ) -> Option<Self> {
+        Self::near_noise(coordinates, observed, theta)?.descended(kept).filter(Self::explains)
+    }
+
+    /// The misfit at the minimum itself, with the noise before the event; `None` where the two are so far apart that no
+    /// descent to the least misfit is worth its time.
+    pub fn near_noise(coordinates: &'a Coordinates<M>, observed: &Observation, theta: &[f64]) -> Option<Self> {
         let source = Self::at(coordinates, observed, theta)?;
         let misfit = source.misfit();
         let accelerations = misfit.accelerations(&misfit.problem.misfit(theta)?);
-        let mut near = accelerations.iter().zip(&source.noises);
-        // A descent is worth its time where the noise is near.
-        near.all(|(misfit, (noise, _))| noise.is_near(misfit)).then_some(())?;
-        source.descended(kept).filter(Self::explains)
+        let is_near = accelerations.iter().zip(&source.noises).all(|(misfit, (noise, _))| noise.is_near(misfit));
+        is_near.then_some(source)
+    }
+
+    /// Rows of the only wave in units of its noise, as independent ones.
+    pub fn whitened(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let ([wave], [(noise, _)]) = (&self.dense.waves[..], &self.noises[..]) else { return None };
+        noise.whitened(wave, rows)
+    }
+
+    /// The noise of the only wave with its level from a misfit in its units too, of which these columns were fitted, and
+    /// how much smaller it was; `None` where it does not explain that misfit.
+    pub fn noise_with(&self, misfit: DVector<f64>, fitted: DMatrix<f64>) -> Option<(SensorNoise, f64)> {
+        let ([wave], [(noise, _)]) = (&self.dense.waves[..], &self.noises[..]) else { return None };
+        let pooled = noise.with_misfit(wave, (misfit * noise.unit()).as_slice().to_vec(), fitted)?;
+        let ratio = noise.unit() / pooled.unit();
+        Some((pooled, ratio))
     }
 
     fn at(coordinates: &'a Coordinates<M>, observed: &Observation, theta: &[f64]) -> Option<Self> {
@@ -91,8 +111,7 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         let mut source = self;
         let theta = source.theta.clone();
         let misfit = source.misfit();
-        let bounds = Bounds { max_iterations: DESCENT, cost_tolerance: WORTH_A_STEP, ..misfit.problem.bounds() };
-        let least = descend(&misfit, &theta, &bounds).map_or_else(|| theta.clone(), |least| least.theta);
+        let least = misfit.descend(&theta).map_or_else(|| theta.clone(), |least| least.theta);
         let accelerations = misfit.accelerations(&misfit.problem.misfit(&least)?);
         let sensitivities = derivatives(&misfit, &least)?.select_columns(kept);
         let mut first = 0;
@@ -234,7 +253,8 @@ impl<'a, M: Parametric> AtSource<'a, M> {
     }
 
     /// The 95 % intervals, by profile of the likelihood of the accelerations, of the coordinates along which the
-    /// response is not straight from the minimum `theta` to the ends of the linear interval. They hold the minimum too.
+    /// response is not straight from the minimum `theta` to the ends of the linear interval. They hold the minimum too:
+    /// one that is outside becomes an end, and the other end moves in until 95 % are left.
     ///
     /// The others move along the covariance, `h P_i/P_ii`; straight is a response that misses what the sensitivities
     /// say by less than [`STRAIGHT`]. The fall of the likelihood is that of Student's distribution for the degrees of
@@ -255,11 +275,35 @@ impl<'a, M: Parametric> AtSource<'a, M> {
                 return None;
             }
             let profile = self.profile(&misfit, names, (i, least), covariance.half_width[k]);
-            let fitted = free[i].value(theta[i]);
-            Some((i, (profile.low.map(|low| low.min(fitted)), profile.high.map(|high| high.max(fitted)))))
+            Some((i, holding(&free[i], (self.theta[i], theta[i]), (profile.low, profile.high))))
         };
         kept.par_iter().enumerate().filter_map(by_profile).collect()
     }
+}
+
+/// An interval around `least`, as the shortest one that also holds `fitted`: coordinates. Each side is taken as half of a
+/// normal distribution.
+pub(crate) fn holding(number: &FreeNumber, (least, fitted): (f64, f64), (low, high): Ends) -> Ends {
+    let side = if fitted < least { low } else { high };
+    let Some(width) = side.map(|end| (number.coordinate(end) - least).abs()).filter(|width| *width > 0.0) else {
+        return (low, high);
+    };
+    let (below, above) = shortest_with((fitted - least) / width);
+    let moved = |end: f64, factor: f64| number.value(least + factor * (number.coordinate(end) - least));
+    // Zero is an end whatever the likelihood there.
+    let low = low.map(|low| if low == 0.0 { low } else { moved(low, below) });
+    (low, high.map(|high| moved(high, above)))
+}
+
+/// The least mean square misfit of the accelerations, (m/s²)², at every sample of the windows, that a descent from a
+/// minimum finds. Two models whose displacements meet a record alike, as sums of one error, are told apart here.
+pub(crate) fn least_acceleration_misfit(minimum: &Minimum) -> Option<f64> {
+    let waves = minimum.observed.waves.iter().map(|wave| ObservedWave { weight: 1.0, ..wave.dense() }).collect();
+    let dense = Observation { waves, ..minimum.observed };
+    let coordinates = minimum.coordinates();
+    let misfit = AccelerationMisfit { problem: near(&coordinates, &dense), noises: &[] };
+    let least = misfit.descend(&coordinates.start())?;
+    Some(least.cost / misfit.rows() as f64)
 }
 
 /// The misfit in units of the noise, at every sample but those that differences take, wave after wave.
@@ -292,11 +336,19 @@ impl<M: Parametric> AccelerationMisfit<'_, M> {
         Some(self.at(theta)?.iter().map(|r| r * r).sum())
     }
 
+    fn bounds(&self) -> Bounds {
+        Bounds { max_iterations: DESCENT, cost_tolerance: WORTH_A_STEP, ..self.problem.bounds() }
+    }
+
+    fn descend(&self, theta: &[f64]) -> Option<Optimum> {
+        descend(self, theta, &self.bounds())
+    }
+
     /// As [`Problem::follow_others`].
     fn follow_others(&self, fixed: usize, coordinate: f64, others: &[f64]) -> Option<(Vec<f64>, f64)> {
         let mut start = others.to_vec();
         start.insert(fixed, coordinate);
-        let mut bounds = Bounds { max_iterations: DESCENT, cost_tolerance: WORTH_A_STEP, ..self.problem.bounds() };
+        let mut bounds = self.bounds();
         (bounds.lower[fixed], bounds.upper[fixed]) = (coordinate, coordinate);
         let mut least = descend(self, &start, &bounds)?;
         least.theta.remove(fixed);
