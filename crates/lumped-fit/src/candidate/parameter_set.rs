@@ -37,6 +37,11 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// Number `index` of these parameters, without a fit or an equivalent.
+    pub fn new(model: Model, method: Method, index: usize, notes: Vec<Note>) -> Self {
+        Self { model, method, index, equivalent_to: None, fit: None, uncertainty: None, minimum: None, notes }
+    }
+
     /// `<model>/<method>/<index>`.
     pub fn id(&self) -> String {
         self.id_of(self.index)

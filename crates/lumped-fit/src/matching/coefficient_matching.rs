@@ -141,16 +141,10 @@ pub fn match_identified(
             Some(Err(error)) => remarks.push(format!("no physical coordinates: {error}")),
             None => {}
         }
-        candidates.push(Candidate {
-            model: Model::DoubleSpringMassDamper(model),
-            method: Method::CoefficientMatching,
-            index: index(place),
-            equivalent_to: (solution.dual != place).then(|| index(solution.dual)),
-            fit: None,
-            uncertainty,
-            minimum: None,
-            notes: remarks.into_iter().map(Note::info).collect(),
-        });
+        let notes = remarks.into_iter().map(Note::info).collect();
+        let (model, method) = (Model::DoubleSpringMassDamper(model), Method::CoefficientMatching);
+        let equivalent_to = (solution.dual != place).then(|| index(solution.dual));
+        candidates.push(Candidate { equivalent_to, uncertainty, ..Candidate::new(model, method, index(place), notes) });
     }
     let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
     if identified.delay_s != 0.0 {
@@ -193,16 +187,8 @@ fn from_both_masses(
         model.m1_kg, model.m2_kg
     );
     remarks.push(text.clone());
-    Some(Candidate {
-        model: Model::DoubleSpringMassDamper(model),
-        method: Method::CoefficientMatching,
-        index,
-        equivalent_to: None,
-        fit: None,
-        uncertainty: None,
-        minimum: None,
-        notes: vec![Note::info(text)],
-    })
+    let (model, method) = (Model::DoubleSpringMassDamper(model), Method::CoefficientMatching);
+    Some(Candidate::new(model, method, index, vec![Note::info(text)]))
 }
 
 /// The remark on the transformation of a state space to physical coordinates: its condition, its residual, and what

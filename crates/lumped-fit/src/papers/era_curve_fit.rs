@@ -52,16 +52,7 @@ pub fn curve_fit_of_the_paper(
             100.0 * miss
         )),
     ];
-    Ok(Candidate {
-        model: Model::DoubleSpringMassDamper(model),
-        method: Method::CurveFit,
-        index,
-        equivalent_to: None,
-        fit: None,
-        uncertainty: None,
-        minimum: None,
-        notes,
-    })
+    Ok(Candidate::new(Model::DoubleSpringMassDamper(model), Method::CurveFit, index, notes))
 }
 
 #[cfg(test)]

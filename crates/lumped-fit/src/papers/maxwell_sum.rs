@@ -71,16 +71,7 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
     } else {
         Note::info(format!("the exponent taken for the constant is {near_zero:.3e} 1/s, 0 in the model"))
     });
-    Ok(Candidate {
-        model: Model::Maxwell(model),
-        method: Method::ClosedForm,
-        index,
-        equivalent_to: None,
-        fit: None,
-        uncertainty: None,
-        minimum: None,
-        notes,
-    })
+    Ok(Candidate::new(Model::Maxwell(model), Method::ClosedForm, index, notes))
 }
 
 #[cfg(test)]

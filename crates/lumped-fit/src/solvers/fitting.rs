@@ -213,16 +213,7 @@ fn end_s(observed: &Observation) -> f64 {
 
 /// A candidate of no fit.
 pub(super) fn computed(task: &Task<'_>, model: Model, notes: Vec<Note>) -> Candidate {
-    Candidate {
-        model,
-        method: task.method,
-        index: 1,
-        equivalent_to: None,
-        fit: None,
-        uncertainty: None,
-        minimum: None,
-        notes,
-    }
+    Candidate::new(model, task.method, 1, notes)
 }
 
 /// The note on the window of a fit.

@@ -71,7 +71,7 @@ pub fn search_nonlinear2(
     let (mut ends, mut evaluations) = all(&problem, points, &bounds(&coordinates, SORTING_STEPS, 1e-4));
     ends.truncate(FOLLOWED);
     let ends = ends.into_iter().map(|m| m.theta).collect();
-    let follow = Bounds { slow: SLOW, ..bounds(&coordinates, 120, 1e-9) };
+    let follow = Bounds { slow: SLOW, ..bounds(&coordinates, 60, 1e-9) };
     let (ends, more) = all(&problem, ends, &follow);
     evaluations += more;
     let best = ends.first().ok_or(SolveError::NoFit { starts: REFINED })?;

@@ -31,8 +31,8 @@ const NEAREST: usize = 3;
 /// damper that alone lets it decay five times over in the time `C/v0`.
 const LARGEST: f64 = 5.0;
 /// Most draws, those inside all bounds that are enough, and below which there is no interval.
-const DRAWS: usize = 60_000;
-const ENOUGH: usize = 10_000;
+const DRAWS: usize = 30_000;
+const ENOUGH: usize = 5_000;
 const FEWEST: usize = 300;
 /// Choices of knots whose likelihood is below the best by more than this, in `ln L`, are not drawn.
 const FAR: f64 = 15.0;
@@ -46,75 +46,67 @@ const OF_WIDTH: f64 = 0.01;
 /// Share of the draws in an interval.
 const HELD: f64 = 0.95;
 
-/// A curve of a model: names of its values at its knots, of the knots between zero and the last one, of the last one.
+/// A curve of a model: names of its values at its knots, and of the knots between zero and the last one.
 struct Curve {
-    values: &'static [&'static str],
-    knots: &'static [&'static str],
-    last: &'static str,
+    values: Vec<&'static str>,
+    knots: Vec<&'static str>,
 }
 
-/// Spring and damper of a model with knots, and whether its values rise (spring) and fall (damper) from knot to knot.
-fn curves_of(model: &Model) -> Option<([Curve; 2], bool)> {
-    match model {
-        Model::Nonlinear1(_) => Some((
-            [
-                Curve { values: &["k1_n_per_m", "k2_n_per_m"], knots: &[], last: "crush_m" },
-                Curve {
-                    values: &["c1_n_s_per_m", "c2_n_s_per_m", "c3_n_s_per_m"],
-                    knots: &["v_thresh_m_per_s"],
-                    last: "v0_m_per_s",
-                },
-            ],
-            true,
-        )),
-        Model::Nonlinear2(_) => Some((
-            [
-                Curve { values: &["k1_n_per_m", "k2_n_per_m", "k3_n_per_m"], knots: &["x1_m"], last: "crush_m" },
-                Curve {
-                    values: &["c1_n_s_per_m", "c2_n_s_per_m", "c3_n_s_per_m", "c4_n_s_per_m"],
-                    knots: &["v1_m_per_s", "v2_m_per_s"],
-                    last: "v0_m_per_s",
-                },
-            ],
-            false,
-        )),
-        _ => None,
-    }
+/// Spring and damper of a nonlinear model.
+fn curves_of(model: &Model) -> Option<[Curve; 2]> {
+    let named = |kind: ParameterKind| -> Vec<&'static str> {
+        model.kind().parameters().iter().filter(|p| p.kind == kind && !p.of_the_test).map(|p| p.name).collect()
+    };
+    matches!(model, Model::Nonlinear1(_) | Model::Nonlinear2(_)).then(|| {
+        let spring = Curve { values: named(ParameterKind::Stiffness), knots: named(ParameterKind::Length) };
+        [spring, Curve { values: named(ParameterKind::Damping), knots: named(ParameterKind::Rate) }]
+    })
 }
 
-/// The 95 % intervals of all free numbers of a nonlinear model; `None` for other models, where the noise of the sensor is not known or does not explain the misfit, and where too few draws are
-/// inside the bounds.
+/// The 95 % intervals of all free numbers of a nonlinear model, where the noise of the sensor explains the misfit and
+/// enough draws are inside the bounds; else of its knots alone, open. `None` for other models, and where the noise is
+/// not known.
 ///
 /// An interval is the shortest that holds 95 % of the draws and the fitted value; it is open at the end of the range of
 /// its number where the density there is not below 0.147 of the largest; zero ends that of a spring or damper. Knots of
 /// a curve that has two are left open.
 pub(crate) fn curve_intervals(minimum: &Minimum) -> Option<BTreeMap<String, Ends>> {
-    let (curves, ordered) = curves_of(&minimum.model)?;
+    let curves = curves_of(&minimum.model)?;
     let count = curves.iter().map(|curve| curve.values.len() + curve.knots.len()).sum::<usize>();
-    if minimum.free.len() != count || minimum.observed.waves.len() != 1 {
+    let [wave] = &minimum.observed.waves[..] else { return None };
+    if minimum.free.len() != count {
         return None;
     }
+    SensorNoise::of(wave)?;
+    let knots = curves.iter().flat_map(|curve| &curve.knots).map(|name| ((*name).to_owned(), (None, None)));
+    let mut intervals: BTreeMap<String, Ends> = knots.collect();
+    intervals.extend(of_draws(minimum, &curves).unwrap_or_default());
+    Some(intervals)
+}
+
+/// Those that the draws give. `None` where the noise does not explain the misfit, and with too few draws.
+fn of_draws(minimum: &Minimum, curves: &[Curve; 2]) -> Option<BTreeMap<String, Ends>> {
     let coordinates = minimum.coordinates();
     let source = AtSource::near_noise(&coordinates, &minimum.observed, &coordinates.start())?;
-    let response = LinearResponse::at(&minimum.model, &curves, &source)?;
+    let response = LinearResponse::at(&minimum.model, curves, &source)?;
     let sets = curves.each_ref().map(|curve| knots_at_nodes(curve.knots.len()));
     let likelihoods = Likelihoods::of(&response, &sets);
-    let noise = likelihoods.noise(&source)?;
-    let draws = likelihoods.draws(&noise, ordered)?;
+    let deviations = likelihoods.deviations(&source.noises[0].0)?;
+    // The order of the values is a side condition of the first model.
+    let draws = likelihoods.draws(deviations, matches!(minimum.model, Model::Nonlinear1(_)))?;
     let fitted = minimum.model.parameters();
     let value = |name: &str| fitted.get(name).copied();
     let mut intervals = BTreeMap::new();
     for (side, curve) in curves.iter().enumerate() {
         let (last, scale) = (response.last[side], response.scale[side]);
-        intervals.extend(curve.knots.iter().map(|name| ((*name).to_owned(), (None, None))));
-        if let [name] = curve.knots {
+        if let [name] = curve.knots[..] {
             let all = draws.iter().filter_map(|draw| draw.knot[side]).collect();
             // A node stands for what is half a piece to both sides of it.
             let halves = |knots: &Vec<usize>| [4 * knots[0] - 1, 4 * knots[0] + 1].map(|at| at * BINS / (4 * PIECES));
             let at = |bin: usize| sets[side].iter().flat_map(halves).filter(|half| *half == bin).count();
             let fitted = value(name)? / last;
             let (low, high) = shortest(all, fitted, (1.0, true), &std::array::from_fn(at));
-            intervals.insert((*name).to_owned(), (low.map(|low| low * last), high.map(|high| high * last)));
+            intervals.insert(name.to_owned(), (low.map(|low| low * last), high.map(|high| high * last)));
         }
         for (j, name) in curve.values.iter().enumerate() {
             let all = draws.iter().map(|draw| draw.values[side][j]).collect();
@@ -158,14 +150,12 @@ struct Draw {
     values: [Vec<f64>; 2],
 }
 
-/// The misfit in units of the noise before the event, by the values of both curves at their nodes.
+/// The misfit in units of the noise before the event, as independent rows, by the values of both curves at their nodes.
 struct LinearResponse {
-    /// One column for each node, one row for each sample.
+    /// One column for each node.
     by_nodes: [DMatrix<f64>; 2],
     /// Where all values are zero.
     constant: DVector<f64>,
-    /// The same as independent rows of unit variance.
-    white: ([DMatrix<f64>; 2], DVector<f64>),
     last: [f64; 2],
     scale: [f64; 2],
 }
@@ -182,16 +172,11 @@ struct OfCurve {
 }
 
 impl OfCurve {
-    fn new(at_nodes: DMatrix<f64>, (by_nodes, constant): &([DMatrix<f64>; 2], DVector<f64>), side: usize) -> Self {
-        let columns = &by_nodes[side] * &at_nodes;
-        let (square, by_constant) = (columns.tr_mul(&columns), columns.tr_mul(constant));
-        Self { at_nodes, square, by_constant, by_other: by_nodes[1 - side].tr_mul(&columns) }
+    fn new(at_nodes: DMatrix<f64>, response: &LinearResponse, side: usize) -> Self {
+        let columns = &response.by_nodes[side] * &at_nodes;
+        let (square, by_constant) = (columns.tr_mul(&columns), columns.tr_mul(&response.constant));
+        Self { at_nodes, square, by_constant, by_other: response.by_nodes[1 - side].tr_mul(&columns) }
     }
-}
-
-/// Every choice of knots of the first curve with every one of the second.
-fn pairs(sets: &[Vec<Vec<usize>>; 2]) -> Vec<(usize, usize)> {
-    (0..sets[0].len()).flat_map(|a| (0..sets[1].len()).map(move |b| (a, b))).collect()
 }
 
 /// The likelihood of the values for one choice of knots.
@@ -206,9 +191,9 @@ struct Normal {
 }
 
 impl Normal {
-    /// `ln` of the likelihood over all values, up to a constant, in a unit of the noise that is smaller by a factor.
-    fn weight(&self, factor: f64) -> f64 {
-        -0.5 * factor * factor * self.left - self.determinant
+    /// `ln` of the likelihood over all values, up to a constant, with noise of so many deviations.
+    fn weight(&self, deviations: f64) -> f64 {
+        -0.5 * self.left / (deviations * deviations) - self.determinant
     }
 }
 
@@ -217,15 +202,13 @@ impl LinearResponse {
     fn at(model: &Model, curves: &[Curve; 2], source: &AtSource<'_, Model>) -> Option<Self> {
         let values = model.parameters();
         let number = |name: &str| values.get(name).copied();
-        let (mass_kg, crush_m, v0) = (number("mass_kg")?, number(curves[0].last)?, number(curves[1].last)?);
+        let (mass_kg, crush_m, v0) = (number("mass_kg")?, number("crush_m")?, number("v0_m_per_s")?);
         let (last, rate) = ([crush_m, v0], v0 / crush_m);
         let scale = [mass_kg * rate * rate, mass_kg * rate];
         let with_nodes = |side: usize| -> Option<PiecewiseLinear> {
-            let curve = &curves[side];
-            let knots =
-                std::iter::once(Some(0.0)).chain(curve.knots.iter().chain([&curve.last]).map(|name| number(name)));
-            let points: Option<Vec<(f64, f64)>> =
-                knots.zip(curve.values).map(|(knot, name)| Some((knot?, number(name)?))).collect();
+            let Curve { values, knots } = &curves[side];
+            let knots = [Some(0.0)].into_iter().chain(knots.iter().map(|name| number(name))).chain([Some(last[side])]);
+            let points: Option<Vec<_>> = knots.zip(values).map(|(knot, name)| Some((knot?, number(name)?))).collect();
             let law = PiecewiseLinear::new(&points?).ok()?;
             let node = |i: usize| i as f64 / PIECES as f64 * last[side];
             PiecewiseLinear::new(&(0..=PIECES).map(|i| (node(i), law.at(node(i)))).collect::<Vec<_>>()).ok()
@@ -243,12 +226,11 @@ impl LinearResponse {
         let theta = coordinates.start();
         let (misfit, by_nodes) = source.linear_of(&coordinates, &theta)?;
         let constant = DVector::from_vec(misfit) - &by_nodes * DVector::from_vec(theta);
-        let mut all = by_nodes.clone().insert_column(2 * nodes, 0.0);
+        let mut all = by_nodes.insert_column(2 * nodes, 0.0);
         all.set_column(2 * nodes, &constant);
-        let white = source.whitened(&all)?;
-        let of_curve = |from: &DMatrix<f64>| [0, 1].map(|side| from.columns(side * nodes, nodes).into_owned());
-        let white = (of_curve(&white), white.column(2 * nodes).into_owned());
-        Some(Self { by_nodes: of_curve(&by_nodes), constant, white, last, scale })
+        let white = source.noises[0].0.whitened(&source.dense.waves[0], &all)?;
+        let by_nodes = [0, 1].map(|side| white.columns(side * nodes, nodes).into_owned());
+        Some(Self { by_nodes, constant: white.column(2 * nodes).into_owned(), last, scale })
     }
 }
 
@@ -262,10 +244,9 @@ struct Likelihoods<'a> {
 
 impl<'a> Likelihoods<'a> {
     fn of(response: &'a LinearResponse, sets: &'a [Vec<Vec<usize>>; 2]) -> Self {
-        let (_, constant) = &response.white;
-        let constant = constant.norm_squared();
+        let constant = response.constant.norm_squared();
         let curves: [Vec<OfCurve>; 2] = std::array::from_fn(|side| {
-            let of_curve = |knots: &Vec<usize>| OfCurve::new(at_nodes(knots), &response.white, side);
+            let of_curve = |knots: &Vec<usize>| OfCurve::new(at_nodes(knots), response, side);
             sets[side].iter().map(of_curve).collect()
         });
         let normal = |(a, b): (usize, usize)| -> Option<Normal> {
@@ -284,49 +265,32 @@ impl<'a> Likelihoods<'a> {
             let normal = Normal { place: (a, b), mean, root, left, determinant };
             Some(normal).filter(|normal| normal.weight(1.0).is_finite())
         };
-        let normals = pairs(sets).into_par_iter().filter_map(normal).collect();
+        let choices = (0..sets[0].len()).into_par_iter().flat_map_iter(|a| (0..sets[1].len()).map(move |b| (a, b)));
+        let normals = choices.filter_map(normal).collect();
         Self { response, sets, curves, normals }
     }
 
-    /// The noise, with its level from what the best choice leaves of the misfit too; `None` where it does not explain
-    /// that.
-    ///
-    /// All values of that choice count as fitted, and its knots: a knot moves the response as the step to the next node
-    /// does.
-    fn noise(&self, source: &AtSource<'_, Model>) -> Option<(SensorNoise, f64)> {
-        let best = self.normals.iter().min_by(|a, b| a.left.total_cmp(&b.left))?;
-        let mut misfit = self.response.constant.clone();
-        let mut fitted = Vec::new();
-        let mut first = 0;
-        for (side, place) in [best.place.0, best.place.1].into_iter().enumerate() {
-            let (curve, by_nodes) = (&self.curves[side][place].at_nodes, &self.response.by_nodes[side]);
-            let values = best.mean.rows(first, curve.ncols());
-            first += curve.ncols();
-            let columns = by_nodes * curve;
-            misfit += &columns * values;
-            fitted.extend(columns.column_iter().map(|column| column.into_owned()));
-            let knots = &self.sets[side][place];
-            fitted.extend((0..knots.len()).map(|k| {
-                let mut moved = knots.clone();
-                moved[k] += 1;
-                by_nodes * (at_nodes(&moved) - curve) * values
-            }));
-        }
-        source.noise_with(misfit, DMatrix::from_columns(&fitted))
+    /// Deviations of the noise before the event that count as one: its level is pooled with what the best choice leaves
+    /// of the misfit, whose values and knots are fitted, and Student's distribution has more than the normal. `None` where
+    /// the noise does not explain what is left.
+    fn deviations(&self, noise: &SensorNoise) -> Option<f64> {
+        let left = self.normals.iter().map(|normal| normal.left).reduce(f64::min)?;
+        let fitted = self.normals[0].mean.len() + self.sets[0][0].len() + self.sets[1][0].len();
+        let pooled = noise.pooled(left, self.response.constant.len().saturating_sub(fitted))?;
+        let level = (pooled.variance / noise.variance).sqrt();
+        Some(level * student_95(pooled.freedom) / student_95(f64::INFINITY))
     }
 
-    /// Draws inside the bounds, with noise of this level.
-    fn draws(&self, (noise, ratio): &(SensorNoise, f64), ordered: bool) -> Option<Vec<Draw>> {
-        // As many deviations as Student's distribution has for one of the normal.
-        let factor = ratio * student_95(f64::INFINITY) / student_95(noise.freedom);
-        let best = self.normals.iter().map(|normal| normal.weight(factor)).reduce(f64::max)?;
-        let near = |normal: &&Normal| normal.weight(factor) > best - FAR;
+    /// Draws inside the bounds, with noise of so many deviations.
+    fn draws(&self, deviations: f64, ordered: bool) -> Option<Vec<Draw>> {
+        let best = self.normals.iter().map(|normal| normal.weight(deviations)).reduce(f64::max)?;
+        let near = |normal: &&Normal| normal.weight(deviations) > best - FAR;
         let normals: Vec<&Normal> = self.normals.iter().filter(near).collect();
         let mut sum = 0.0;
         let cumulated: Vec<f64> = normals
             .iter()
             .map(|normal| {
-                sum += (normal.weight(factor) - best).exp();
+                sum += (normal.weight(deviations) - best).exp();
                 sum
             })
             .collect();
@@ -339,7 +303,7 @@ impl<'a> Likelihoods<'a> {
             }
             let at = random.uniform() * sum;
             let Some(normal) = normals.get(cumulated.partition_point(|c| *c < at)) else { continue };
-            let mut values = DVector::from_fn(normal.mean.len(), |_, _| random.normal() / factor);
+            let mut values = DVector::from_fn(normal.mean.len(), |_, _| deviations * random.normal());
             normal.root.l_dirty().tr_solve_lower_triangular_mut(&mut values);
             values += &normal.mean;
             let (k, c) = values.as_slice().split_at(springs);

@@ -6,7 +6,7 @@
 use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
 use crumple_estimation::statistics::{Covariance, shortest_with, student_95};
 use crumple_lumped::ParameterKind;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::candidate::minimum::Minimum;
@@ -36,11 +36,11 @@ const STRAIGHT: f64 = 0.5;
 pub(crate) struct AtSource<'a, M> {
     coordinates: &'a Coordinates<M>,
     /// Every sample of the windows.
-    dense: Observation,
+    pub dense: Observation,
     /// The noise of every wave, and whether it explains the misfit there.
     pub noises: Vec<(SensorNoise, bool)>,
     /// Coordinates of the least misfit of the accelerations.
-    theta: Vec<f64>,
+    pub theta: Vec<f64>,
 }
 
 impl<'a, M: Parametric> AtSource<'a, M> {
@@ -83,21 +83,6 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         is_near.then_some(source)
     }
 
-    /// Rows of the only wave in units of its noise, as independent ones.
-    pub fn whitened(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-        let ([wave], [(noise, _)]) = (&self.dense.waves[..], &self.noises[..]) else { return None };
-        noise.whitened(wave, rows)
-    }
-
-    /// The noise of the only wave with its level from a misfit in its units too, of which these columns were fitted, and
-    /// how much smaller it was; `None` where it does not explain that misfit.
-    pub fn noise_with(&self, misfit: DVector<f64>, fitted: DMatrix<f64>) -> Option<(SensorNoise, f64)> {
-        let ([wave], [(noise, _)]) = (&self.dense.waves[..], &self.noises[..]) else { return None };
-        let pooled = noise.with_misfit(wave, (misfit * noise.unit()).as_slice().to_vec(), fitted)?;
-        let ratio = noise.unit() / pooled.unit();
-        Some((pooled, ratio))
-    }
-
     fn at(coordinates: &'a Coordinates<M>, observed: &Observation, theta: &[f64]) -> Option<Self> {
         let noises: Option<Vec<_>> =
             observed.waves.iter().map(|wave| SensorNoise::of(wave).map(|noise| (noise, false))).collect();
@@ -112,14 +97,14 @@ impl<'a, M: Parametric> AtSource<'a, M> {
         let theta = source.theta.clone();
         let misfit = source.misfit();
         let least = misfit.descend(&theta).map_or_else(|| theta.clone(), |least| least.theta);
-        let accelerations = misfit.accelerations(&misfit.problem.misfit(&least)?);
-        let sensitivities = derivatives(&misfit, &least)?.select_columns(kept);
+        let (rows, sensitivities) = (misfit.at(&least)?, derivatives(&misfit, &least)?.select_columns(kept));
         let mut first = 0;
-        let mut pooled = Vec::with_capacity(accelerations.len());
-        for ((wave, (noise, _)), acceleration) in source.dense.waves.iter().zip(&source.noises).zip(accelerations) {
-            let rows = sensitivities.rows(first, acceleration.len()).into_owned();
-            first += acceleration.len();
-            let explained = noise.with_misfit(wave, acceleration, rows);
+        let mut pooled = Vec::with_capacity(source.noises.len());
+        for (wave, (noise, _)) in source.dense.waves.iter().zip(&source.noises) {
+            let count = as_acceleration(wave.quantity, wave.measurement.dt_s, &wave.samples).len();
+            let sensitivities = sensitivities.rows(first, count).into_owned();
+            let explained = noise.with_misfit(wave, &rows[first..first + count], &sensitivities);
+            first += count;
             pooled.push(explained.map_or_else(|| (noise.clone(), false), |noise| (noise, true)));
         }
         (source.noises, source.theta) = (pooled, least);
@@ -129,11 +114,6 @@ impl<'a, M: Parametric> AtSource<'a, M> {
     /// Whether the noise explains the misfit of all waves.
     pub fn explains(&self) -> bool {
         self.noises.iter().all(|(_, explains)| *explains)
-    }
-
-    /// Coordinates of the least misfit of the accelerations.
-    pub fn least(&self) -> &[f64] {
-        &self.theta
     }
 
     /// Least degrees of freedom of the noise of a wave.

@@ -363,7 +363,7 @@ fn linearised(
     total: f64,
     scale: f64,
 ) -> Option<Likelihood> {
-    let start = source.least().to_vec();
+    let start = source.theta.clone();
     let apart = |theta: &[f64]| {
         let values = coordinates.values(theta);
         ((values[1] * values[2]) / (total * values[3])).ln().abs()
