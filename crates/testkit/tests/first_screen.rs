@@ -263,9 +263,15 @@ fn check_kind(kind: &KindOfRecord) {
     check_models(&page, &summary);
     check_warnings(&page, &summary);
     let sentences = texts(&page, "section.verdict p");
-    for screen in [Screen::PHONE, Screen::PHONE.dark(), Screen::DESK.dark(), Screen::DESK.wide(794)] {
+    let others = [Screen::PHONE, Screen::PHONE.dark(), Screen::DESK.dark(), Screen::DESK.wide(794)];
+    for screen in others.into_iter().chain([Screen::DESK.without_script()]) {
         check_screen(&browser, &file, screen, &sentences);
     }
+    let sheet = browser.open(&file, "", Screen::SHEET);
+    let curves =
+        "const all = document.querySelector('.figure .panels'); return all ? all.getBoundingClientRect().bottom : 0";
+    let bottom = sheet.ask(curves).as_f64().unwrap();
+    assert!(bottom <= f64::from(Screen::SHEET.height), "{}: the curves end at {bottom} of the sheet", kind.name);
     check_german(&browser, folder.path(), &page);
     if kind.name == "two vehicles" {
         assert!(summary["recommended"].is_null() && summary["candidates"][0].is_object(), "{}", summary["recommended"]);

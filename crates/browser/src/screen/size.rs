@@ -24,8 +24,8 @@ impl Screen {
     /// A telephone's.
     pub const PHONE: Self =
         Self { width: 390, height: 844, is_phone: true, is_dark: false, has_script: true, is_paper: false };
-    /// A sheet of A4 within margins of 14 mm, at 96 pixels an inch.
-    pub const SHEET: Self = Self { width: 688, height: 1016, is_paper: true, ..Self::DESK };
+    /// A sheet of A4 within margins of 11 mm, at 96 pixels an inch.
+    pub const SHEET: Self = Self { width: 710, height: 1039, is_paper: true, ..Self::DESK };
 
     /// The same, `width` CSS pixels wide.
     #[must_use]

@@ -17,7 +17,7 @@ const COST_TOLERANCE: f64 = 1e-7;
 /// The same in 20 steps: of a misfit that is worth `N` samples, 1 % is `N/100` in twice the logarithm of the
 /// likelihood, and a parameter moves by 0.4 of its standard deviation where `N` is 16. In a valley that the record
 /// leaves open a descent creeps for hundreds of steps; the hops across it find lower ground sooner.
-pub(crate) const SLOW: f64 = 3e-2;
+pub(crate) const SLOW: f64 = 1e-2;
 
 /// Residuals `w (model - record)/u` at every sample of every wave, wave after wave: `w` the weight of the wave, `u`
 /// the largest value of the first, so that they are of size one.

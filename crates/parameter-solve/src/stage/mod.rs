@@ -121,7 +121,7 @@ impl Stage for ParameterSolve {
         }
         recommend(settings, input, &records, &undecided, out)?;
         Ok(if records.is_empty() {
-            Outcome::NoAcceptableResult("no model could be solved for; the notes say why".to_owned())
+            out.no_result("no model could be solved for", "leave models and method out, so that all are tried")
         } else {
             Outcome::Done
         })

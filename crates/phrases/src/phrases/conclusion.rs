@@ -9,8 +9,8 @@ texts! { ConclusionTexts
     within: " in {time}", " in {time}";
     interval: " ({low} to {high})", " ({low} bis {high})";
     interval_and_sensors:
-        " ({lowest} to {highest} over the sensors there, {low} to {high} for this one)",
-        " ({lowest} bis {highest} über die Aufnehmer dort, {low} bis {high} für diesen)";
+        " ({low} to {high}; {lowest} to {highest} over the sensors there)",
+        " ({low} bis {high}; {lowest} bis {highest} über die Sensoren dort)";
     rebounded:
         " and rebounded with {restitution} of that speed",
         " und prallte mit dem {restitution}-Fachen dieser Geschwindigkeit zurück";

@@ -121,7 +121,7 @@ impl Stage for Predict {
         }
         what_if(&rows).into_iter().for_each(|line| out.summary(line));
         Ok(if rows.is_empty() {
-            Outcome::NoAcceptableResult("no impact could be predicted; the notes say why".to_owned())
+            out.no_result("no impact could be predicted", "see what each impact met: just notes")
         } else {
             Outcome::Done
         })

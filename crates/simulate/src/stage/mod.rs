@@ -137,7 +137,7 @@ impl Stage for Simulate {
                 })?;
         }
         Ok(if simulated == 0 {
-            Outcome::NoAcceptableResult("no candidate could be simulated; the notes say why".to_owned())
+            out.no_result("no candidate could be simulated", "see what each candidate met: just notes")
         } else {
             Outcome::Done
         })

@@ -271,14 +271,13 @@ impl<'a> Likelihoods<'a> {
     }
 
     /// Deviations of the noise before the event that count as one: its level is pooled with what the best choice leaves
-    /// of the misfit, whose values and knots are fitted, and Student's distribution has more than the normal. `None` where
-    /// the noise does not explain what is left.
+    /// of the misfit, whose values and knots are fitted, and Student's distribution has more than the normal. `None`
+    /// where the noise does not explain what is left.
     fn deviations(&self, noise: &SensorNoise) -> Option<f64> {
         let left = self.normals.iter().map(|normal| normal.left).reduce(f64::min)?;
         let fitted = self.normals[0].mean.len() + self.sets[0][0].len() + self.sets[1][0].len();
         let pooled = noise.pooled(left, self.response.constant.len().saturating_sub(fitted))?;
-        let level = (pooled.variance / noise.variance).sqrt();
-        Some(level * student_95(pooled.freedom) / student_95(f64::INFINITY))
+        Some((pooled.variance / noise.variance).sqrt() * student_95(pooled.freedom) / student_95(f64::INFINITY))
     }
 
     /// Draws inside the bounds, with noise of so many deviations.
@@ -324,9 +323,9 @@ impl<'a> Likelihoods<'a> {
     }
 }
 
-/// The shortest interval with 95 % of the draws of a number between zero and `range`, and its `fitted` value; open above where the likelihood
-/// at the end of the range is not low, and below too where it `may_be_open` there. `beforehand`: how the number was
-/// spread over the range, in bins: draws over it are the likelihood.
+/// The shortest interval with 95 % of the draws of a number between zero and `range`, and its `fitted` value; open
+/// above where the likelihood at the end of the range is not low, and below too where it `may_be_open` there.
+/// `beforehand`: how the number was spread over the range, in bins: draws over it are the likelihood.
 fn shortest(mut draws: Vec<f64>, fitted: f64, (range, may_be_open): (f64, bool), beforehand: &[usize; BINS]) -> Ends {
     draws.sort_by(f64::total_cmp);
     let mut likelihood = [0.0; BINS];

@@ -261,8 +261,8 @@ impl<'a, M: Parametric> AtSource<'a, M> {
     }
 }
 
-/// An interval around `least`, as the shortest one that also holds `fitted`: coordinates. Each side is taken as half of a
-/// normal distribution.
+/// An interval around `least`, as the shortest one that also holds `fitted`: coordinates. Each side is taken as half of
+/// a normal distribution.
 pub(crate) fn holding(number: &FreeNumber, (least, fitted): (f64, f64), (low, high): Ends) -> Ends {
     let side = if fitted < least { low } else { high };
     let Some(width) = side.map(|end| (number.coordinate(end) - least).abs()).filter(|width| *width > 0.0) else {
