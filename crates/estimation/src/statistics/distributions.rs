@@ -54,6 +54,7 @@ mod tests {
         }
         assert!((normal_distribution(1.0) - 0.841_344_746).abs() < 1e-9 && normal_distribution(0.0) == 0.5);
     }
+
     #[test]
     fn an_interval_with_a_value_far_from_the_mean_still_holds_95_percent() {
         let normal = student_95(f64::INFINITY);
