@@ -13,7 +13,7 @@ mod text;
 pub use conclusions::concerns::{concerns, first_is_decisive, first_warnings, is_of_another_candidate};
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
-pub use conclusions::key_numbers::{KeyNumber, key_numbers};
+pub use conclusions::key_numbers::{KeyNumber, key_numbers, level_percent};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::{OverviewLine, overview};
 pub use conclusions::summary::{Summary, summary, summary_schema};

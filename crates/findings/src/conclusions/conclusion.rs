@@ -1,6 +1,6 @@
 //! The result of a run in two sentences, made by rules from its records.
 
-use crumple_artifact::records::{ConcernV1, PredictionV1};
+use crumple_artifact::records::{ConcernV1, EventIntervalV1, PredictedIntervalV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::{Language, fill};
 use crumple_signal::Axis;
@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::concerns::{concerns, first_is_decisive};
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers, sign_of};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers, level_percent, sign_of};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::text::names::candidate_name;
@@ -145,17 +145,19 @@ impl<'a> Text<'a> {
 
     /// ` (739.8 to 759.1 mm)` of an event; nothing without an interval.
     fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
-        let intervals = self.run.events.as_ref().map(|events| events.intervals.as_slice()).unwrap_or_default();
-        let Some(index) = intervals.iter().position(|interval| interval.name == name) else { return String::new() };
-        let (low, high) = (intervals[index].low, intervals[index].high);
-        self.interval(&format!("/events/intervals/{index}"), low, high, shown)
+        let mut intervals = self.run.events.iter().flat_map(|events| events.intervals.iter()).enumerate();
+        let Some((index, found)) = intervals.find(|(_, interval)| interval.name == name) else { return String::new() };
+        let EventIntervalV1 { low, high, interval_by, .. } = found;
+        self.interval(&format!("/events/intervals/{index}"), *low, *high, level_percent(interval_by), shown)
     }
 
-    fn interval(&mut self, at: &str, low: f64, high: f64, shown: (f64, usize, &str)) -> String {
+    /// ` (90 %: 739.8 to 759.1 mm)`, without a level where there is none.
+    fn interval(&mut self, at: &str, low: f64, high: f64, level: Option<u8>, shown: (f64, usize, &str)) -> String {
         let (factor, places, unit) = shown;
         let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
         let high = self.number(&format!("{at}/high"), high, (factor, places, unit));
-        fill(self.language.phrases().conclusion.interval, &[("low", &low), ("high", &high)])
+        let texts = [("level", self.language.level(level)), ("low", low), ("high", high)];
+        fill(self.language.phrases().conclusion.interval, &texts)
     }
 
     fn crushed(&mut self) -> String {
@@ -175,8 +177,7 @@ impl<'a> Text<'a> {
             Some(_) => phrases.no_rebound.to_owned(),
             None => String::new(),
         };
-        let speed = self.impact_speed().map(|speed| fill(phrases.at_speed, &[("speed", speed)]));
-        let speed = speed.unwrap_or_default();
+        let speed = self.impact_speed().map_or_else(String::new, |speed| fill(phrases.at_speed, &[("speed", speed)]));
         let texts = [("crush", crush), ("interval", interval), ("time", time), ("speed", speed), ("rebound", rebound)];
         fill(phrases.crushed, &texts.each_ref().map(|(name, text)| (*name, text.as_str())))
     }
@@ -185,7 +186,7 @@ impl<'a> Text<'a> {
     fn interval_of_crush(&mut self, shown: (f64, usize, &str)) -> String {
         let numbers = key_numbers(self.run);
         let found = numbers.iter().enumerate().find(|(_, number)| number.name == "dynamic_crush");
-        let Some((place, KeyNumber { low: Some(low), high: Some(high), spread: Some(spread), .. })) =
+        let Some((place, KeyNumber { low: Some(low), high: Some(high), spread: Some(spread), interval_by, .. })) =
             found.filter(|(_, number)| number.interval_misses_a_sensor())
         else {
             return self.interval_of_event("dynamic_crush_m", shown);
@@ -195,7 +196,8 @@ impl<'a> Text<'a> {
         let high = self.number(&format!("{at}/high"), *high, (factor, places, unit));
         let lowest = self.number(&format!("{at}/spread/low"), spread.low, (factor, places, ""));
         let highest = self.number(&format!("{at}/spread/high"), spread.high, (factor, places, unit));
-        let texts = [("low", low), ("high", high), ("lowest", lowest), ("highest", highest)];
+        let level = self.language.level(interval_by.as_deref().and_then(level_percent));
+        let texts = [("level", level), ("low", low), ("high", high), ("lowest", lowest), ("highest", highest)];
         fill(self.language.phrases().conclusion.interval_and_sensors, &texts)
     }
 
@@ -284,8 +286,7 @@ impl<'a> Text<'a> {
 
     /// The identified model that follows the record closest.
     fn identified(&mut self, template: &str) -> String {
-        let phrases = &self.language.phrases().conclusion;
-        let run = self.run;
+        let (phrases, run) = (&self.language.phrases().conclusion, self.run);
         let fit_of = |model: &Model| model.identification.as_ref().and_then(|i| i.fit_percent);
         let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, fit_of(model)?)));
         let best = fitted.max_by(|(a, _, x), (b, _, y)| x.total_cmp(y).then(b.cmp(a)));
@@ -357,18 +358,17 @@ impl<'a> Text<'a> {
     /// for before others, one within what was tested before one beyond, the slowest before faster ones. Within what was
     /// tested the model may be used, unless all of it is doubtful.
     fn predicts(&mut self, best: &CandidateResult, doubtful: bool) -> Option<String> {
-        let phrases = &self.language.phrases().conclusion;
-        let run = self.run;
+        let (phrases, run) = (&self.language.phrases().conclusion, self.run);
         let of_best = || run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
         let crush = |(k, p): (usize, &'a PredictionV1)| Some((k, p, p.dynamic_crush_m?));
         let mm = (MILLI, 1, "mm");
         let of_crush = |text: &mut Self, (k, prediction, crush_m): (usize, &PredictionV1, f64)| {
             let at = format!("/predictions/{k}");
             let shown = text.number(&format!("{at}/dynamic_crush_m"), crush_m, mm);
-            let interval = prediction.intervals.iter().position(|interval| interval.name == "dynamic_crush_m");
-            let interval = interval.map(|j| {
-                let PredictionV1 { intervals, .. } = prediction;
-                text.interval(&format!("{at}/intervals/{j}"), intervals[j].low, intervals[j].high, mm)
+            let mut intervals = prediction.intervals.iter().enumerate();
+            let found = intervals.find(|(_, interval)| interval.name == "dynamic_crush_m");
+            let interval = found.map(|(j, &PredictedIntervalV1 { low, high, level, .. })| {
+                text.interval(&format!("{at}/intervals/{j}"), low, high, Some((100.0 * level).round() as u8), mm)
             });
             (shown, interval.unwrap_or_default())
         };
@@ -426,8 +426,7 @@ impl<'a> Text<'a> {
     }
 
     fn none_recommended(&mut self) -> String {
-        let phrases = &self.language.phrases().conclusion;
-        let run = self.run;
+        let (phrases, run) = (&self.language.phrases().conclusion, self.run);
         let axis = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X);
         let no_crush =
             run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0));

@@ -33,6 +33,11 @@ pub struct KeyNumber {
     pub absent_because: Option<String>,
 }
 
+/// Level, percent, of an interval that was found so: that of the inputs' uncertainty; a recorder's resolution has none.
+pub fn level_percent(interval_by: &str) -> Option<u8> {
+    interval_by.starts_with("5-95 %").then_some(90)
+}
+
 /// Before a lower bound.
 const AT_LEAST: &str = "\u{2265}\u{a0}";
 

@@ -10,11 +10,14 @@ use crumple_signal::About;
 
 use crate::conclusions::concerns::{first_is_decisive, first_warnings};
 use crate::conclusions::conclusion::Conclusion;
-use crate::conclusions::key_numbers::key_numbers;
+use crate::conclusions::key_numbers::{key_numbers, level_percent};
 use crate::conclusions::kind::Kind;
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
+
+/// Level of the interval of a parameter, percent.
+const LEVEL_OF_PARAMETERS: u8 = 95;
 
 /// Parameters of a curve of many knots are not listed beyond so many.
 const MOST_PARAMETERS: usize = 8;
@@ -60,7 +63,13 @@ pub fn overview(
             _ => continue,
         };
         let Some(value) = number.value.filter(|_| !said(said_at)) else { continue };
-        let mut text = with_interval(run, value, number.low.zip(number.high), (factor, places, unit));
+        let mut text = with_interval(
+            run,
+            value,
+            number.low.zip(number.high),
+            number.interval_by.as_deref(),
+            (factor, places, unit),
+        );
         if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
             text.push_str(&format!(", {}", language.quantity(MILLI * at_s, 1, "ms")));
         }
@@ -117,13 +126,14 @@ fn with_interval(
     run: &Run,
     value: f64,
     ends: Option<(f64, f64)>,
+    interval_by: Option<&str>,
     (factor, places, unit): (f64, usize, &str),
 ) -> String {
     let language = run.language;
     let number = language.quantity(factor * value, places, unit);
     let Some((low, high)) = ends else { return number };
     let [low, high] = [low, high].map(|end| language.quantity(factor * end, places, ""));
-    format!("{number} ({})", language.between(&low, &high))
+    format!("{number} ({}{})", language.level(interval_by.and_then(level_percent)), language.between(&low, &high))
 }
 
 /// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
@@ -164,7 +174,8 @@ fn how_sure(run: &Run, candidate: &CandidateResult, name: &str) -> String {
     let interval = interval.map_or_else(String::new, |(low, high)| {
         let digits = digits_of_interval(low, high, 3);
         let [low, high] = [low, high].map(|si| run.language.significant(in_unit(si), digits));
-        format!(" ({})", run.language.between(&low, &high))
+        let level = run.language.level(Some(LEVEL_OF_PARAMETERS));
+        format!(" ({level}{})", run.language.between(&low, &high))
     });
     let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
     match candidate.record.certainty(name) {
@@ -189,6 +200,7 @@ fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let curve = fill(phrases.curve, &[("count", count.to_string()), ("end", end)]);
     let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
     let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };
-    let stiffness = with_interval(run, value, metric.low.zip(metric.high), (KILO, 0, "kN/m"));
+    let ends = metric.low.zip(metric.high);
+    let stiffness = with_interval(run, value, ends, metric.interval_by.as_deref(), (KILO, 0, "kN/m"));
     Some(format!("{}, {curve}", fill(phrases.as_one_spring, &[("stiffness", stiffness)])))
 }

@@ -92,6 +92,14 @@ impl Ranking {
         self.order.iter().find_map(matched)
     }
 
+    /// The candidate to show where one is shown: the best; without a best the first that goes before others, else the
+    /// first.
+    pub fn leading<'a>(&self, run: &'a Run) -> Option<&'a CandidateResult> {
+        let mut ranked = self.order.iter().filter_map(|id| run.candidate(id));
+        let best = self.best.as_deref().and_then(|id| run.candidate(id));
+        best.or_else(|| ranked.clone().find(|candidate| is_preferred(candidate))).or_else(|| ranked.next())
+    }
+
     /// Place of a candidate, counted from 1.
     pub fn place(&self, id: &str) -> Option<usize> {
         self.order.iter().position(|other| other == id).map(|index| index + 1)
@@ -117,9 +125,13 @@ fn no_crush(run: &Run) -> Option<String> {
 /// the bound's, not the record's; zero, the limit of what is physical, is an answer), and a displacement fit of at
 /// least [`WORTH_NAMING_PERCENT`].
 pub fn qualifies(candidate: &CandidateResult) -> bool {
-    candidate.record.physical
-        && free_of_bounds(candidate)
-        && candidate.fit_percent().is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
+    candidate.record.physical && is_preferred(candidate)
+}
+
+/// Whether a candidate goes before others: no parameter is on a bound of its search, and half of the displacement is
+/// explained.
+pub fn is_preferred(candidate: &CandidateResult) -> bool {
+    free_of_bounds(candidate) && candidate.fit_percent().is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
 }
 
 /// Whether no parameter was left on a bound of its search other than zero.

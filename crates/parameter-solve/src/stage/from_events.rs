@@ -12,16 +12,30 @@ use crate::stage::options::settings::StageSettings;
 /// level of 0.1 g adds 1 % of 10 m/s in 100 ms.
 const SPEEDS_UP: f64 = 1.05;
 
-/// Whether the vehicle, which never stops, is at the end of its record beyond where its impact speed alone would have
-/// taken it.
-pub fn speeds_up(input: &Inputs, events: &EventsV1) -> anyhow::Result<bool> {
+/// Within this part of it, and the record shows no impact.
+const KEEPS_ITS_SPEED: f64 = 0.01;
+
+/// Why no force slows the vehicle down, if so, and what to do: it never stops, and is in the end as far as its impact
+/// speed alone would have taken it, or beyond.
+pub fn not_slowed(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<(&'static str, &'static str)>> {
     let wave = input.wave_if(&format!("{}/displacement", events.channel));
-    let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(false) };
+    let Some(displacement) = wave.map(Wave::signal::<Displacement>).transpose().refuse()? else { return Ok(None) };
     let (Some(speed), Some(end_m)) = (events.impact_speed_m_per_s, displacement.samples().last()) else {
-        return Ok(false);
+        return Ok(None);
     };
-    let alone_m = speed * (displacement.end_s() - events.time_zero_s);
-    Ok(events.dynamic_crush_m.is_none() && alone_m > 0.0 && *end_m > SPEEDS_UP * alone_m)
+    let part = end_m / (speed * (displacement.end_s() - events.time_zero_s));
+    Ok(match part {
+        _ if events.dynamic_crush_m.is_some() => None,
+        SPEEDS_UP.. => Some((
+            "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do",
+            "check the sign of the pulse (--sign flip at crumple-ingest turns it) and its unit",
+        )),
+        part if (part - 1.0).abs() < KEEPS_ITS_SPEED => Some((
+            "the pulse does not slow the vehicle down, so that there is no force to model",
+            "check which channel is the pulse (--channel at crumple-ingest), its unit and time zero",
+        )),
+        _ => None,
+    })
 }
 
 /// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is

@@ -25,7 +25,7 @@ use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage, Tests};
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
 use crate::stage::assess::candidates::assess_all;
 use crate::stage::chains::fit_chains;
-use crate::stage::from_events::{from_events, speeds_up, up_to_the_end_of_the_event};
+use crate::stage::from_events::{from_events, not_slowed, up_to_the_end_of_the_event};
 use crate::stage::from_exponentials::{from_exponentials, maxwell_candidates};
 use crate::stage::from_models::from_models;
 use crate::stage::inputs::record::Record;
@@ -144,13 +144,7 @@ fn unsolvable(
                 .to_owned(),
         )));
     }
-    Ok(speeds_up(input, events)?.then(|| {
-        (
-            "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do"
-                .to_owned(),
-            "check the sign of the pulse (--sign flip at crumple-ingest turns it) and its unit".to_owned(),
-        )
-    }))
+    Ok(not_slowed(input, events)?.map(|(reason, remedy)| (reason.to_owned(), remedy.to_owned())))
 }
 
 /// Candidates that need no motion: by coefficient matching, from the paper's printed polynomial, from sums of

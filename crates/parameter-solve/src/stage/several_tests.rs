@@ -10,7 +10,7 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage};
 use rayon::prelude::*;
 
 use crate::stage::assess::candidate_assessment::CandidateAssessment;
-use crate::stage::from_events::{sensors_of, speeds_up, test_data};
+use crate::stage::from_events::{not_slowed, sensors_of, test_data};
 use crate::stage::inputs::motions::motion;
 use crate::stage::inputs::record::Record;
 use crate::stage::options::settings::StageSettings;
@@ -141,8 +141,8 @@ fn without_crush(test: &OneTest<'_>) -> anyhow::Result<Option<String>> {
         let channel = &events.channel;
         return Ok(Some(format!("{name}: channel {channel} is along {axis}, and the models are of a crush along x")));
     }
-    if speeds_up(input, events)? {
-        return Ok(Some(format!("{name}: the vehicle moves further than its impact speed alone would carry it")));
+    if let Some((reason, _)) = not_slowed(input, events)? {
+        return Ok(Some(format!("{name}: {reason}")));
     }
     let stops = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
     Ok((!stops).then(|| format!("{name}: the velocity of the record never reaches zero; leave this test out")))

@@ -110,6 +110,13 @@ impl Language {
         format!("{low} {} {high}", self.phrases().page.to)
     }
 
+    /// `90 %: ` before an interval; nothing where it has no level.
+    pub fn level(self, percent: Option<u8>) -> String {
+        percent.map_or_else(String::new, |percent| {
+            fill(self.phrases().conclusion.level, &[("percent", percent.to_string())])
+        })
+    }
+
     /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration", `hic15` by its trade name
     /// "HIC15".
     pub fn metric(self, name: &str) -> String {

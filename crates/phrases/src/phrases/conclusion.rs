@@ -7,10 +7,11 @@ texts! { ConclusionTexts
     at_speed: " at {speed}", " mit {speed}";
     reached: ", reached at {time}", ", erreicht nach {time}";
     within: " in {time}", " in {time}";
-    interval: " ({low} to {high})", " ({low} bis {high})";
+    level: "{percent}\u{a0}%: ", "{percent}\u{a0}%: ";
+    interval: " ({level}{low} to {high})", " ({level}{low} bis {high})";
     interval_and_sensors:
-        " ({low} to {high}; {lowest} to {highest} over the sensors there)",
-        " ({low} bis {high}; {lowest} bis {highest} über die Sensoren dort)";
+        " ({level}{low} to {high}; {lowest} to {highest} over the sensors there)",
+        " ({level}{low} bis {high}; {lowest} bis {highest} über die Sensoren dort)";
     rebounded:
         " and rebounded with {restitution} of that speed",
         " und prallte mit dem {restitution}-Fachen dieser Geschwindigkeit zurück";
@@ -107,8 +108,8 @@ texts! { ConclusionTexts
         "No model is recommended, use none at another speed: {because}{closest}.",
         "Kein Modell wird empfohlen, keines gilt bei anderer Geschwindigkeit: {because}{closest}.";
     no_crush:
-        "springs that stop a mass do not explain such a record",
-        "Federn, die eine Masse anhalten, erklären eine solche Aufzeichnung nicht";
+        "the vehicle was not seen to stop, and what was not measured no model knows",
+        "das Fahrzeug wurde nicht zum Stehen kommend gemessen, und was nicht gemessen ist, weiß kein Modell";
     other_axis:
         "the pulse is along {axis}, and the models are of a crush along x",
         "der Puls liegt in {axis}, und die Modelle sind solche einer Eindrückung in x";
@@ -129,9 +130,10 @@ texts! { ConclusionTexts
     force_at: "the force at {deflection}", "die Kraft bei {deflection}";
     forces_at: "the forces at {deflection}", "die Kräfte bei {deflection}";
     sensors_differ:
-        "sensors of the compartment give a crush of {low} to {high}, outside of the interval of this one",
-        "Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}, außerhalb des Intervalls dieses \
-         einen";
+        "the sensors of the compartment give a crush of {low} to {high}: they differ by more than the interval of one \
+         says",
+        "die Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}: Sie weichen stärker \
+         voneinander ab, als das Intervall des einen besagt";
     warn_open:
         "{names} of the recommended {model} may be anything as far as this record tells",
         "{names} des empfohlenen Modells {model} kann nach dieser Aufzeichnung alles sein";
@@ -159,6 +161,13 @@ texts! { ConclusionTexts
     warn_clipped:
         "{channels} may be clipped: HIC and 3 ms clip would then be larger than shown",
         "vielleicht abgeschnitten: {channels}; HIC und 3-ms-Wert wären dann größer als angegeben";
+    about_record: "Record", "Aufzeichnung";
+    about_model: "Model", "Modell";
+    about_predictions: "Predictions", "Vorhersagen";
+    about_occupants: "Occupants", "Insassen";
+    about_wall_force: "Wall force", "Wandkraft";
+    about_identified_models: "Identified models", "Identifizierte Modelle";
+    no_fault: "No fault was found in the record.", "Ein Fehler der Aufzeichnung wurde nicht gefunden.";
     before_use: "Before you use this", "Vor dem Gebrauch";
     one_more: "1 more warning", "1 weitere Warnung";
     more: "{count} more warnings", "{count} weitere Warnungen";

@@ -3,10 +3,12 @@
 texts! { ModelTexts
     title: "The model", "Das Modell";
     caption:
-        "Under a value its 95 % interval if the model is true. Dashed and “?”: this record does not determine it. \
-         Zigzag: spring; box and piston: damper; small curve: force over deflection.",
-        "Unter einem Wert sein 95-%-Intervall, falls das Modell stimmt. Gestrichelt und „?“: von dieser Aufzeichnung \
-         nicht bestimmt. Zickzack: Feder; Zylinder und Kolben: Dämpfer; kleine Kurve: Kraft über Verformung.";
+        "Under a value its 95 % interval by the noise of this record, if the model is true and mass, speed and gain \
+         are as stated. Determined: known within a factor of ten. Dashed and “?”: not determined. Zigzag: \
+         spring; box and piston: damper; small curve: force over deflection.",
+        "Unter einem Wert sein 95-%-Intervall aus dem Rauschen dieser Aufzeichnung, falls das Modell stimmt und Masse, \
+         Geschwindigkeit und Verstärkung wie angegeben sind. Bestimmt: auf einen Faktor zehn bekannt. Gestrichelt und \
+         „?“: nicht bestimmt. Zickzack: Feder; Zylinder und Kolben: Dämpfer; kleine Kurve: Kraft über Verformung.";
     recommended_and_closest: "Recommended, and closest to the record", "Empfohlen und der Aufzeichnung am nächsten";
     recommended: "Recommended for predictions", "Für Vorhersagen empfohlen";
     closest: "Closest to the record", "Der Aufzeichnung am nächsten";

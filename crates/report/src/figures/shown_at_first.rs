@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crumple_findings::{
     CandidateResult, Ranking,
-    ranking::{AS_GOOD_PERCENT, WORTH_NAMING_PERCENT, free_of_bounds},
+    ranking::{AS_GOOD_PERCENT, is_preferred},
 };
 
 /// Of candidates in the order of their rank the ids of those shown at first: the best, and up to `count` in all.
@@ -29,10 +29,6 @@ pub fn at_first<'a>(ranked: &[&'a CandidateResult], ranking: &Ranking, count: us
 
 fn fit(candidate: &CandidateResult) -> Option<f64> {
     candidate.fit_percent()
-}
-
-fn is_preferred(candidate: &CandidateResult) -> bool {
-    free_of_bounds(candidate) && fit(candidate).is_some_and(|fit| fit >= WORTH_NAMING_PERCENT)
 }
 
 /// Two chains are two models.

@@ -4,6 +4,7 @@ use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
 use crumple_findings::{Conclusion, Ranking, Run, Standing, first_warnings};
 use crumple_phrases::language::{Language, fill};
+use crumple_signal::About;
 
 use crate::frame::stage_words::{sentence_with_words_of_stages, words_of_stage};
 
@@ -37,14 +38,16 @@ pub(super) fn write_before_use(
     // The verdict has said why there is no result.
     let said = |concern: &&ConcernV1| verdict.standing != Standing::Model && concern.severity == ConcernV1::NO_RESULT;
     let warnings: Vec<&ConcernV1> = concerns.iter().filter(|concern| !said(concern)).collect();
-    if warnings.is_empty() {
-        return;
-    }
     let (first, others) = first_warnings(&warnings, run, ranking);
-    if first.is_empty() {
+    let items: String = first.iter().map(|concern| item(run.language, concern)).collect();
+    let list = if items.is_empty() { items } else { format!("<ul>\n{items}</ul>\n") };
+    let is_of_the_record = |concern: &ConcernV1| about(run.language, concern) == phrases.about_record;
+    let has_result = verdict.standing != Standing::NoResult && run.channel().is_some();
+    let is_sound = has_result && !concerns.iter().any(is_of_the_record);
+    let no_fault = if is_sound { format!("<p>{}</p>\n", phrases.no_fault) } else { String::new() };
+    if first.is_empty() && !is_sound {
         return;
     }
-    let items: String = first.iter().map(|concern| format!("<li>{}</li>\n", item(run.language, concern))).collect();
     let more = match others {
         0 => String::new(),
         1 => format!("<p><a href=\"#notes\">{}</a></p>\n", phrases.one_more),
@@ -52,12 +55,12 @@ pub(super) fn write_before_use(
     };
     out.push_str(&format!(
         "<section class=\"before-use\" aria-labelledby=\"before-use-title\">\n<h2 id=\"before-use-title\">{}</h2>\n\
-         <ul>\n{items}</ul>\n{more}</section>\n",
+         {list}{no_fault}{more}</section>\n",
         phrases.before_use
     ));
 }
 
-/// The text of a concern, what to do about it, and the stage that says it.
+/// An item of a list: what a concern is about, its text and what to do about it.
 pub(super) fn item(language: Language, concern: &ConcernV1) -> String {
     // The report's own speak the language of the page.
     let words = |text: &str| if concern.stage == "report" { html(text) } else { words_of_stage(language, text) };
@@ -65,5 +68,19 @@ pub(super) fn item(language: Language, concern: &ConcernV1) -> String {
     let remedy = concern.remedy.as_deref().map(|remedy| fill(template, &[("remedy", words(remedy))]));
     let stop = if concern.text.ends_with(['.', '?', '!']) { "" } else { "." };
     let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {remedy}"));
-    format!("{}{remedy} <span class=\"stage\">{}</span>", words(&concern.text), html(&concern.stage))
+    let (about, stage) = (about(language, concern), html(&concern.stage));
+    format!("<li data-stage=\"{stage}\"><b>{about}:</b> {}{remedy}</li>\n", words(&concern.text))
+}
+
+/// What a concern is about, in a word.
+fn about(language: Language, concern: &ConcernV1) -> &'static str {
+    let phrases = &language.phrases().conclusion;
+    match concern.about.parse() {
+        Ok(About::Model(_)) => phrases.about_model,
+        Ok(About::Predictions) => phrases.about_predictions,
+        Ok(About::Occupants) => phrases.about_occupants,
+        Ok(About::WallForce) => phrases.about_wall_force,
+        Ok(About::IdentifiedModels) => phrases.about_identified_models,
+        _ => phrases.about_record,
+    }
 }

@@ -41,8 +41,8 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
     }
     if !concerns.is_empty() {
         let list = |concerns: &[&ConcernV1]| {
-            let item = |c: &&ConcernV1| format!("<li class=\"warning\">{}</li>\n", conclusion::item(run.language, c));
-            format!("<ul class=\"notes\">\n{}</ul>\n", concerns.iter().map(item).collect::<String>())
+            let items: String = concerns.iter().map(|concern| conclusion::item(run.language, concern)).collect();
+            format!("<ul class=\"notes warnings\">\n{items}</ul>\n")
         };
         let count = match concerns.len() {
             1 => texts.one_warning.to_owned(),

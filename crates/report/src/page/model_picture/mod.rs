@@ -8,7 +8,7 @@ mod svg;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crumple_findings::{CandidateResult, Ranking, Run, level_percent, names::candidate_name};
 use crumple_phrases::language::fill;
 use layout::layout;
 use motion::motion;
@@ -38,12 +38,15 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
 }
 
 /// The candidates to show, with what each is: the recommended and the closest, once where they are one; without either
-/// the one that follows the displacement best.
+/// the leading one.
 fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a CandidateResult)> {
     let texts = &run.language.phrases().model;
     let recommended = ranking.best.as_deref();
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
-    let closest = closest.or_else(|| ranking.order.first().map(String::as_str));
+    let closest = closest.or_else(|| match recommended {
+        Some(_) => ranking.order.first().map(String::as_str),
+        None => ranking.leading(run).map(|candidate| candidate.id.as_str()),
+    });
     let names = match (recommended, closest) {
         (Some(a), Some(b)) if a == b => vec![(texts.recommended_and_closest, a)],
         (Some(a), Some(b)) => vec![(texts.recommended, a), (texts.closest, b)],
@@ -116,8 +119,9 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let metric = run.metric("average_stiffness")?;
     let shown = |si: f64, unit: &str| run.language.quantity(KILO * si, 0, unit);
     let interval = metric.low.zip(metric.high).map(|(low, high)| {
+        let level = run.language.level(metric.interval_by.as_deref().and_then(level_percent));
         let ends = run.language.between(&shown(low, ""), &shown(high, "kN/m"));
-        format!(" ({ends})")
+        format!(" ({level}{ends})")
     });
     let stiffness = format!("{}{}", shown(metric.value?, "kN/m"), interval.unwrap_or_default());
     Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
