@@ -3,11 +3,11 @@
 texts! { ModelTexts
     title: "The model", "Das Modell";
     caption:
-        "Under a value its 95 % interval by the noise of this record, if the model is true and mass, speed and gain \
-         are as stated. Determined: known within a factor of ten. Dashed and “?”: not determined. Zigzag: \
+        "Under a value its 95 % interval, if the model is true and mass, speed and gain are as stated. Determined: \
+         known within a factor of ten. Dashed and “?”: not determined. Zigzag: \
          spring; box and piston: damper; small curve: force over deflection.",
-        "Unter einem Wert sein 95-%-Intervall aus dem Rauschen dieser Aufzeichnung, falls das Modell stimmt und Masse, \
-         Geschwindigkeit und Verstärkung wie angegeben sind. Bestimmt: auf einen Faktor zehn bekannt. Gestrichelt und \
+        "Unter einem Wert sein 95-%-Intervall, falls das Modell stimmt und Masse, Geschwindigkeit und Verstärkung wie \
+         angegeben sind. Bestimmt: auf einen Faktor zehn bekannt. Gestrichelt und \
          „?“: nicht bestimmt. Zickzack: Feder; Zylinder und Kolben: Dämpfer; kleine Kurve: Kraft über Verformung.";
     recommended_and_closest: "Recommended, and closest to the record", "Empfohlen und der Aufzeichnung am nächsten";
     recommended: "Recommended for predictions", "Für Vorhersagen empfohlen";
@@ -23,6 +23,7 @@ texts! { ModelTexts
     one_spring:
         "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.",
         "Eine Feder mit Energie und Eindrückung des Versuchs: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
+    by_noise_alone: "; intervals: 95\u{a0}%, by the noise alone", "; Intervalle: 95\u{a0}%, nur aus dem Rauschen";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.", "ISO/TS 18571 der Beschleunigung {value}{grade}.";
     same_record:
         "{model} gives the same record on this sensor.",

@@ -81,7 +81,9 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 fn words(run: &Run, candidate: &CandidateResult) -> String {
     let (language, texts) = (run.language, &run.language.phrases().model);
     let mut sentences = Vec::new();
-    sentences.extend(candidate.certainties().words(run.language).map(|text| format!("{text}.")));
+    let intervals = candidate.record.uncertainty.as_ref().filter(|known| !known.interval_low.is_empty());
+    let intervals = intervals.map_or("", |_| texts.by_noise_alone);
+    sentences.extend(candidate.certainties().words(run.language).map(|text| format!("{text}{intervals}.")));
     if let Some(simulation) = &candidate.simulation {
         let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
         let error = |value: Option<f64>| or_absent(value.map(|x| language.signed(MILLI * x, 1)));
