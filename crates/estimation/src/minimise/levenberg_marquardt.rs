@@ -23,6 +23,11 @@ pub trait Response: Sync {
     fn exact(&self) -> f64 {
         0.0
     }
+    /// Sum of squares below which nobody can tell models apart: below it a descent goes on only while it falls by
+    /// half in [`Bounds::SLOW_STEPS`] steps, as one towards the exact model does.
+    fn fine(&self) -> f64 {
+        0.0
+    }
     /// Fills the first columns of `out` with the derivatives of the residuals; `false` where they are not finite.
     fn sensitivities(&self, theta: &[f64], out: &mut DMatrix<f64>) -> bool;
 }
@@ -38,6 +43,10 @@ pub(super) trait LeastSquares: Sync {
     fn residuals_at<'a>(&self, point: &'a Self::Point) -> &'a [f64];
     /// As [`Response::exact`].
     fn exact_cost(&self) -> f64;
+    /// As [`Response::fine`].
+    fn fine_cost(&self) -> f64 {
+        0.0
+    }
     /// As [`Response::sensitivities`].
     fn sensitivities_at(&self, theta: &[f64], point: &Self::Point, out: &mut DMatrix<f64>) -> bool;
 }
@@ -56,6 +65,10 @@ impl<R: Response> LeastSquares for R {
 
     fn exact_cost(&self) -> f64 {
         self.exact()
+    }
+
+    fn fine_cost(&self) -> f64 {
+        self.fine()
     }
 
     fn sensitivities_at(&self, theta: &[f64], _point: &Vec<f64>, out: &mut DMatrix<f64>) -> bool {
@@ -112,6 +125,8 @@ pub struct Optimum {
 const ORTHOGONAL: f64 = 1e-14;
 /// Largest step of an unknown, which is of size one, that counts as standing still: rounding.
 const STANDING: f64 = 1e-14;
+/// Share of the cost that a descent towards the exact model loses in twenty steps at least.
+const TOWARDS_EXACT: f64 = 0.5;
 /// Damping above which a step is too short to change the cost: rounding is all that is left.
 const DAMPING_LIMIT: f64 = 1e12;
 
@@ -196,7 +211,8 @@ pub(super) fn descent<L: LeastSquares>(
             break StopReason::GradientConverged;
         }
         if iterations > 0 && iterations % Bounds::SLOW_STEPS == 0 {
-            if cost > (1.0 - bounds.slow) * cost_before {
+            let slow = if cost < problem.fine_cost() { bounds.slow.max(TOWARDS_EXACT) } else { bounds.slow };
+            if cost > (1.0 - slow) * cost_before {
                 break StopReason::SlowDescent;
             }
             cost_before = cost;

@@ -16,13 +16,17 @@ use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::FreeParameter;
 use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, derivatives, descend};
+use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
 
 /// Relative residual below which the model is exact: rounding of a response of size one through filter and
 /// integration.
 const EXACT: f64 = 1e-10;
 /// Steps in the coordinates along the weakest direction, from which the descent starts once more.
-const HOPS: [f64; 4] = [-0.3, 0.3, -0.05, 0.05];
+const HOPS: [f64; 4] = [-0.3, 0.3, -LEAST_HOP, LEAST_HOP];
+const LEAST_HOP: f64 = 0.05;
+/// A minimum whose cost rises by so many times itself over the least hop, as its sensitivities say, has no valley in
+/// which a lower one could lie.
+const SHARP: f64 = 10.0;
 /// Relative decrease of the cost for which a hop is worth following.
 const WORTH_A_HOP: f64 = 1e-3;
 /// Steps in which a hop has to come lower: those after which a descent is asked whether it gets anywhere.
@@ -83,9 +87,15 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
     let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
     let stays = redescribed(free, &coordinates.model(&best.theta)?).is_none();
-    // Below the resolution no other minimum can be told to be better.
-    let ends = best.cost <= observed.unresolved() || best.on_bound.iter().any(|on_bound| *on_bound);
-    if let Some(weak) = weakest_direction(&best).filter(|_| !ends && (stays || hops == Hops::Always)) {
+    // Below the resolution no other minimum can be told to be better, nor below what an accelerometer can tell where the
+    // descent did not lead to the exact model.
+    let ends = best.cost <= observed.unresolved().max(problem.fine()) || best.on_bound.iter().any(|on_bound| *on_bound);
+    let hardly_rises = |weak: &Vec<f64>| {
+        let step = DMatrix::from_column_slice(weak.len(), 1, weak) * LEAST_HOP;
+        (&best.r * step).norm_squared() <= SHARP * best.cost
+    };
+    let weak = weakest_direction(&best).filter(hardly_rises);
+    if let Some(weak) = weak.filter(|_| !ends && (stays || hops == Hops::Always)) {
         let hop = Bounds { cost_tolerance: WORTH_A_HOP, max_iterations: STEPS_OF_A_HOP, ..problem.bounds() };
         let hopped: Vec<Optimum> = HOPS
             .par_iter()
