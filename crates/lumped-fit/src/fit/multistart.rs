@@ -10,9 +10,6 @@ use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Respons
 
 /// Relative residual below which a minimum is the exact model: rounding of a response of size one.
 const EXACT: f64 = 1e-14;
-/// A descent of the search that lowers the cost by less than this share in twenty steps ends: what it would still gain
-/// the fit as measured finds.
-const SLOW: f64 = 1e-3;
 /// So many of the best starts are followed to convergence.
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
@@ -22,7 +19,7 @@ const ROUNDS: usize = 6;
 
 /// Where the descents of a search stay, and when they end.
 pub(crate) fn bounds_of_search(coordinates: &Coordinates<impl Parametric>) -> Bounds {
-    Bounds { slow: SLOW, ..bounds(coordinates, 200, 1e-15) }
+    bounds(coordinates, 200, 1e-15)
 }
 
 /// The distinct minima found, best first, and the evaluations spent.

@@ -87,7 +87,7 @@ impl<M: Parametric> Response for Problem<'_, M> {
 
     /// Sum of squares of a residual that counts as none.
     fn fine(&self) -> f64 {
-        FINE * FINE * self.rows() as f64
+        if self.exact > 0.0 { FINE * FINE * self.rows() as f64 } else { 0.0 }
     }
 
     fn exact(&self) -> f64 {

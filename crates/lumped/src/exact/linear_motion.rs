@@ -14,7 +14,7 @@ use pulp::Arch;
 
 use crate::exact::derivatives::{ABREAST, DerivativesAbreast};
 use crate::exact::linear_system::LinearSystem;
-use crate::exact::scaling::{INVERSE_FACTORIALS, POWERS, TERMS, squarings_of};
+use crate::exact::scaling::{TERMS, squarings_of};
 use crate::motion::mass_motion::Waves;
 use crate::structure::connected_masses::Place;
 use crate::{Instants, Motion, Sensitivity, Start};
@@ -72,8 +72,7 @@ pub(crate) fn sensitivity(
             start_by.iter_mut().zip(state).for_each(|(lanes, value)| lanes[lane] = value);
         }
         let (a, start) = (a.as_slice(), motion.start.as_slice());
-        let (masses, filled) = (system.masses, places.len());
-        let (da, start_by) = (&*da, &*start_by);
+        let (masses, filled, da, start_by) = (system.masses, places.len(), &*da, &*start_by);
         let abreast = DerivativesAbreast { masses, tau_s, a, da, start, start_by, filled, at, waves };
         let (motions, derivatives) = arch.dispatch(abreast);
         sensitivity.motions = motions;
@@ -117,17 +116,11 @@ where
         let t = t_s / self.tau_s;
         let squarings = squarings_of(self.a.column_iter().map(|c| c.lp_norm(1)).fold(0.0, f64::max) * t.abs());
         let x = &self.a * (t * 0.5_f64.powi(squarings));
-        let second = &x * &x;
-        let powers: [Square<D>; POWERS] = [x.clone(), second.clone(), &second * &x, &second * &second];
-        let mut phi = &powers[POWERS - 1] * INVERSE_FACTORIALS[TERMS];
-        for first in (0..TERMS).step_by(POWERS).rev() {
-            if first + POWERS < TERMS {
-                phi = &phi * &powers[POWERS - 1];
-            }
-            phi += Square::<D>::identity_generic(size, size) * INVERSE_FACTORIALS[first];
-            for (power, factor) in powers.iter().zip(&INVERSE_FACTORIALS[first + 1..first + POWERS]) {
-                phi += power * *factor;
-            }
+        let mut phi = Square::<D>::identity_generic(size, size) + &x;
+        let mut term = x.clone();
+        for k in 2..=TERMS {
+            term = &term * &x * (1.0 / k as f64);
+            phi += &term;
         }
         for _ in 0..squarings {
             phi = &phi * &phi;
