@@ -54,8 +54,8 @@ enum Choice {
     True,
     /// Another, whose criterion is not worse by more than [`TOLD_APART`].
     NotToldApart,
-    /// Another, where the record has too few independent samples for the numbers of that model: its criterion grows
-    /// without limit towards them.
+    /// Another, where the record has too few independent samples for the numbers of that model, so that its corrected
+    /// criterion is infinite, and where the uncorrected one is not worse by more than [`TOLD_APART`] either.
     TooFewSamples,
     /// Another.
     Other,
@@ -117,15 +117,26 @@ impl Choices {
             of.filter_map(|candidate| candidate["aicc"].as_f64()).min_by(f64::total_cmp)
         };
         let truth = criterion(&|id| model_of(id) == model);
-        let is_true = |candidate: &&Value| candidate["id"].as_str().is_some_and(|id| model_of(id) == model);
-        let mut of_truth = candidates.iter().filter(is_true);
-        let is_too_short = truth.is_none() && of_truth.any(|candidate| candidate["misfit"].is_number());
+        // `N ln V + 2 p`, Akaike's criterion without a correction for short records.
+        let samples = recommendation["evidence"]["effective_samples"].as_f64();
+        let uncorrected = |of: &dyn Fn(&str) -> bool| {
+            let of = candidates.iter().filter(|candidate| candidate["id"].as_str().is_some_and(of));
+            let value = |candidate: &Value| {
+                let (misfit, parameters) = (candidate["misfit"].as_f64()?, candidate["parameters"].as_f64()?);
+                Some(2.0 * samples? * misfit.ln() + 2.0 * parameters)
+            };
+            of.filter_map(value).min_by(f64::total_cmp)
+        };
+        let too_short = uncorrected(&|id| model_of(id) == model).filter(|_| truth.is_none());
         let choice = |name: &str| match recommendation[name].as_str() {
             None => Choice::Nothing,
             Some(id) if model_of(id) == model => Choice::True,
             Some(id) => match criterion(&|other| other == id).zip(truth) {
                 Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::NotToldApart,
-                None if is_too_short => Choice::TooFewSamples,
+                None => match uncorrected(&|other| other == id).zip(too_short) {
+                    Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::TooFewSamples,
+                    _ => Choice::Other,
+                },
                 _ => Choice::Other,
             },
         };
@@ -143,7 +154,7 @@ impl Choices {
     }
 
     /// Share of records, %, with the true model or one not told apart as recommended or simplest, with those that have
-    /// too few independent samples for that model.
+    /// too few independent samples for that model and do not tell it apart by the uncorrected criterion.
     pub fn held_percent(&self) -> f64 {
         100.0 * (self.held + self.too_short) as f64 / self.records as f64
     }
@@ -189,13 +200,19 @@ mod tests {
         }
         choices.count(&serde_json::json!({ "recommended": null, "simplest": null }), "a");
         // A criterion of the true model that nobody can state: too many numbers for the samples.
-        let too_many = serde_json::json!({ "id": "a/fit/1", "aicc": null, "misfit": 0.1 });
-        choices.count(
-            &serde_json::json!({
-                "recommended": "c/fit/1", "simplest": null, "candidates": [too_many, candidate("c/fit/1", 11.0)]
-            }),
-            "a",
-        );
-        assert_eq!(choices.row("a"), "| a | 40.0 | 60.0 | 1 / 1 / 1 / 1 / 1 | 0 / 1 / 0 / 2 / 2 | c 1 |\n");
+        let too_many = serde_json::json!({ "id": "a/fit/1", "aicc": null, "misfit": 0.1, "parameters": 9 });
+        // 9 ln V + 2 p: 7 numbers less are worth a misfit larger by exp(7/9), and 10 more one by exp(12/9).
+        for ratio in [1.3_f64, 1.4] {
+            let misfit = 0.1 * ratio.exp();
+            let other = serde_json::json!({ "id": "c/fit/1", "aicc": 11.0, "misfit": misfit, "parameters": 2 });
+            choices.count(
+                &serde_json::json!({
+                    "recommended": "c/fit/1", "simplest": null, "candidates": [too_many, other],
+                    "evidence": { "effective_samples": 9.0 }
+                }),
+                "a",
+            );
+        }
+        assert_eq!(choices.row("a"), "| a | 33.3 | 50.0 | 1 / 1 / 1 / 2 / 1 | 0 / 1 / 0 / 2 / 3 | c 2 |\n");
     }
 }
