@@ -66,6 +66,18 @@ pub fn criterion(misfit: &[f64], record_rms: f64, samples: f64, parameters: usiz
     Some(InformationCriteria::new(loss, samples, charged).aicc).filter(|aicc| aicc.is_finite())
 }
 
+/// Akaike's criterion of a misfit where the level of the noise is known, `N V/s² + 2 p`: nothing is estimated from the
+/// misfit that a short record would have to be corrected for. `None` where it is not finite.
+pub fn criterion_of_known_noise(
+    misfit: &[f64],
+    record_rms: f64,
+    (samples, noise): (f64, f64),
+    parameters: usize,
+) -> Option<f64> {
+    let ratio = visible_misfit(misfit, record_rms) / noise;
+    Some(samples * ratio * ratio + 2.0 * parameters as f64).filter(|criterion| criterion.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,12 +1,18 @@
 //! What speaks for and against each candidate, in numbers: whether it is adequate, its criterion, what priors add.
 
 use crate::selection::compared_candidate::ComparedCandidate;
-use crate::selection::evidence::{criterion, fewest_samples, independent_samples, visible_misfit};
+use crate::selection::evidence::{
+    criterion, criterion_of_known_noise, fewest_samples, independent_samples, visible_misfit,
+};
 use crate::selection::prior::SelectionRules;
 
 /// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
 /// smooth.
 const COMPARABLE: f64 = 1.1;
+
+/// Misfit over the noise before the event up to which that noise explains it: twice, with 10 to 20 degrees of freedom
+/// on both sides exceeded by noise alone in 1 % of the records (F distribution of the squares).
+const EXPLAINED: f64 = 2.0;
 
 /// What all candidates are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +21,8 @@ pub struct ComparedRecord {
     pub rms: f64,
     /// Independent samples that its filter lets through at most; infinite where it is not known.
     pub most_samples: f64,
+    /// Standard deviation of the record's noise, as it was before the event; `None`: not known.
+    pub noise: Option<f64>,
     /// Restitution that the test shows.
     pub restitution: Option<f64>,
 }
@@ -60,9 +68,15 @@ pub(super) fn rate_all(
             difference_with_priors: None,
         })
         .collect();
-    let samples = shared_samples(candidates, &rated, record);
+    let least = least_misfit(candidates, &rated, record);
+    // Noise that explains the best misfit is a level that nobody has to estimate from misfits.
+    let noise = record.noise.map(|noise| noise.hypot(visible_misfit(&[0.0], record.rms)));
+    let noise = noise.filter(|noise| least.is_some_and(|least| least <= EXPLAINED * noise));
+    let noise = noise.filter(|_| record.most_samples.is_finite());
+    let shared = || shared_samples(candidates, &rated, record, least?);
+    let samples = if noise.is_some() { Some(record.most_samples) } else { shared() };
     if let Some(samples) = samples {
-        rate(candidates, &mut rated, record, samples);
+        rate(candidates, &mut rated, record, (samples, noise));
     }
     (rated, samples)
 }
@@ -92,13 +106,24 @@ fn not_adequate(candidate: &ComparedCandidate, rules: &SelectionRules) -> Option
     }
 }
 
+/// The least misfit of an adequate candidate, with what no sensor knows.
+fn least_misfit(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
+    let adequate = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
+    let misfits = adequate.filter_map(|(candidate, _)| candidate.misfit.as_deref());
+    misfits.map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)
+}
+
 /// The smallest number of independent samples among adequate candidates with comparable misfits, at least as many as
 /// the adequate candidate with the fewest numbers needs: where a misfit is all zero level, all of it is worth one
 /// sample, and there is still a choice among those.
-fn shared_samples(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
+fn shared_samples(
+    candidates: &[ComparedCandidate],
+    rated: &[Rated],
+    record: &ComparedRecord,
+    least: f64,
+) -> Option<f64> {
     let adequate = || candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
     let misfits: Vec<&[f64]> = adequate().filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
-    let least = misfits.iter().map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)?;
     let fewest = adequate().map(|(candidate, _)| candidate.parameters).min()?;
     misfits
         .iter()
@@ -109,10 +134,19 @@ fn shared_samples(candidates: &[ComparedCandidate], rated: &[Rated], record: &Co
 }
 
 /// Fills in the criteria.
-fn rate(candidates: &[ComparedCandidate], rated: &mut [Rated], record: &ComparedRecord, samples: f64) {
+fn rate(
+    candidates: &[ComparedCandidate],
+    rated: &mut [Rated],
+    record: &ComparedRecord,
+    (samples, noise): (f64, Option<f64>),
+) {
     for (candidate, rated) in candidates.iter().zip(rated.iter_mut()) {
         let misfit = candidate.misfit.as_deref();
-        rated.aicc = misfit.and_then(|misfit| criterion(misfit, record.rms, samples, candidate.parameters));
+        let parameters = candidate.parameters;
+        rated.aicc = misfit.and_then(|misfit| match noise {
+            Some(noise) => criterion_of_known_noise(misfit, record.rms, (samples, noise), parameters),
+            None => criterion(misfit, record.rms, samples, parameters),
+        });
     }
     let with_priors = |rated: &Rated| Some(rated.aicc? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
     let least = |of: &dyn Fn(&Rated) -> Option<f64>| {

@@ -125,6 +125,10 @@ impl Comparison {
         ComparedRecord {
             rms: if self.tests.len() == 1 { self.tests[0].wave().size() } else { 1.0 },
             most_samples: self.tests.iter().map(ComparedTest::most_samples).sum(),
+            noise: match &self.tests[..] {
+                [test] => test.noise(),
+                _ => None,
+            },
             restitution: geometric_mean(self.tests.iter().filter_map(|test| test.tested_restitution)),
         }
     }
@@ -224,6 +228,12 @@ impl ComparedTest {
     fn window_s(&self) -> (f64, f64) {
         let wave = self.wave();
         (wave.time_s(0), wave.time_s(wave.samples.len() - 1))
+    }
+
+    /// Standard deviation of the acceleration before the event, behind the filter.
+    fn noise(&self) -> Option<f64> {
+        let before = self.wave().measurement.before_event?;
+        Some(before.noise).filter(|noise| *noise > 0.0 && before.noise_samples > 1)
     }
 
     /// Independent samples that the filter lets through at most.
