@@ -58,8 +58,8 @@ pub struct CandidateSelection {
 /// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
 /// physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
-    let (rated, samples) = rate_all(candidates, record, rules);
-    let all = ComparedCandidates { candidates, rated: &rated, rules };
+    let (rated, samples, is_noise_known) = rate_all(candidates, record, rules);
+    let all = ComparedCandidates { candidates, rated: &rated, rules, is_noise_known };
     let (recommended, simplest, closest) = (all.recommended(samples), all.simplest(), all.closest());
     CandidateSelection { recommended, simplest, closest, rated, samples, priors: rules.priors(record.restitution) }
 }
@@ -69,6 +69,8 @@ struct ComparedCandidates<'a> {
     candidates: &'a [ComparedCandidate],
     rated: &'a [Rated],
     rules: &'a SelectionRules,
+    /// Whether the noise before the event explains the best misfit.
+    is_noise_known: bool,
 }
 
 impl ComparedCandidates<'_> {
@@ -108,7 +110,7 @@ impl ComparedCandidates<'_> {
     fn decides(&self, k: usize, others: &[usize]) -> bool {
         let candidate = &self.candidates[k];
         let criterion = |k: usize| self.rated[k].aicc.unwrap_or(f64::INFINITY);
-        2 * candidate.open_and_felt.len() <= candidate.parameters
+        (self.is_noise_known || 2 * candidate.open_and_felt.len() <= candidate.parameters)
             && others.iter().all(|other| criterion(k) + DECISIVE < criterion(*other))
             && others.iter().all(|other| self.total(k) < self.total(*other))
             && self.misses_the_force(k).is_none()

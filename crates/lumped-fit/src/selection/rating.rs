@@ -56,7 +56,7 @@ pub(super) fn rate_all(
     candidates: &[ComparedCandidate],
     record: &ComparedRecord,
     rules: &SelectionRules,
-) -> (Vec<Rated>, Option<f64>) {
+) -> (Vec<Rated>, Option<f64>, bool) {
     let mut rated: Vec<Rated> = candidates
         .iter()
         .map(|candidate| Rated {
@@ -78,7 +78,7 @@ pub(super) fn rate_all(
     if let Some(samples) = samples {
         rate(candidates, &mut rated, record, (samples, noise));
     }
-    (rated, samples)
+    (rated, samples, noise.is_some())
 }
 
 fn rms(misfit: &[f64]) -> Option<f64> {
