@@ -87,8 +87,7 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
     let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
     let stays = redescribed(free, &coordinates.model(&best.theta)?).is_none();
-    // Below the resolution no other minimum can be told to be better, nor below what an accelerometer can tell where the
-    // descent did not lead to the exact model.
+    // Below the resolution no other minimum can be told to be better, nor below what an accelerometer can tell.
     let ends = best.cost <= observed.unresolved().max(problem.fine()) || best.on_bound.iter().any(|on_bound| *on_bound);
     let hardly_rises = |weak: &Vec<f64>| {
         let step = DMatrix::from_column_slice(weak.len(), 1, weak) * LEAST_HOP;

@@ -50,13 +50,13 @@ impl Rated {
     }
 }
 
-/// Rates the candidates, in their order, and the number of independent samples that all were compared with; `None`:
-/// none is adequate.
+/// Rates the candidates, in their order; with the number of independent samples that all were compared with, `None`:
+/// none is adequate, and the level of the noise where that before the event explains the least misfit.
 pub(super) fn rate_all(
     candidates: &[ComparedCandidate],
     record: &ComparedRecord,
     rules: &SelectionRules,
-) -> (Vec<Rated>, Option<f64>, bool) {
+) -> (Vec<Rated>, Option<f64>, Option<f64>) {
     let mut rated: Vec<Rated> = candidates
         .iter()
         .map(|candidate| Rated {
@@ -78,7 +78,7 @@ pub(super) fn rate_all(
     if let Some(samples) = samples {
         rate(candidates, &mut rated, record, (samples, noise));
     }
-    (rated, samples, noise.is_some())
+    (rated, samples, noise)
 }
 
 fn rms(misfit: &[f64]) -> Option<f64> {

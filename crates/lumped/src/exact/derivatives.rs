@@ -54,8 +54,8 @@ impl WithSimd for DerivativesAbreast<'_> {
 }
 
 impl DerivativesAbreast<'_> {
-    /// `N`: number of states, or [`UNKNOWN`]. A sensitivity goes `s(t+dt) = phi s + dphi z`. The first instant is reached by one step of its own;
-    /// accelerations come from `A z` and `A s + dA z`, not from differences.
+    /// `N`: number of states, or [`UNKNOWN`]. A sensitivity goes `s(t+dt) = phi s + dphi z`. The first instant is
+    /// reached by one step of its own; accelerations come from `A z` and `A s + dA z`, not from differences.
     #[inline(always)]
     fn march<const N: usize>(&self) -> <Self as WithSimd>::Output {
         let (n, masses, at, per_tau) = (known::<N>(self.start.len()), self.masses, self.at, self.tau_s.recip());

@@ -43,6 +43,10 @@ pub struct RecommendationEvidenceV1 {
     pub samples: u64,
     /// Independent samples that all candidates are compared with.
     pub effective_samples: f64,
+    /// Standard deviation of the noise, with what no sensor knows, where that before the event explains the least
+    /// misfit: all candidates are compared with it. `null`: its level is in the misfits.
+    #[serde(default)]
+    pub noise: Option<f64>,
 }
 
 /// One piece of prior knowledge.
@@ -79,7 +83,8 @@ pub struct RatedCandidateV1 {
     pub coefficient_of_restitution: Option<f64>,
     /// Misfit of the wall's force, percent of its root mean square, where the record has one.
     pub force_misfit_percent: Option<f64>,
-    /// Corrected Akaike criterion as measured, without priors; `null`: too few independent samples for its parameters.
+    /// Akaike criterion as measured, without priors: `N V/s² + 2 p` with a known noise `s`, else corrected for short
+    /// records; `null`: too few independent samples for its parameters.
     pub aicc: Option<f64>,
     /// The same above the lowest of the adequate candidates.
     pub aicc_difference: Option<f64>,
