@@ -106,7 +106,6 @@ fn recommendation() -> RecommendationV1 {
             to_s: 0.0742,
             samples: 743,
             effective_samples: 15.5,
-            noise: Some(0.75),
         }),
         priors: vec![PriorV1 { name: "class".to_owned(), statement: "plastic".to_owned(), source: "tests".to_owned() }],
         candidates: vec![RatedCandidateV1 {

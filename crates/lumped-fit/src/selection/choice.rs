@@ -178,7 +178,8 @@ impl ComparedCandidates<'_> {
                 None => "the only adequate candidate that qualifies".to_owned(),
             }
         );
-        because.push_str(&format!(" (evidence as measured with priors, {samples:.0} independent samples)"));
+        let noise = if self.is_noise_known { ", known noise" } else { "" };
+        because.push_str(&format!(" (evidence as measured with priors, {samples:.0} independent samples{noise})"));
         let passed_over = self
             .adequate()
             .filter(|k| self.total(*k) < self.total(best))

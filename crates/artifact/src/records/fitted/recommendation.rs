@@ -43,10 +43,6 @@ pub struct RecommendationEvidenceV1 {
     pub samples: u64,
     /// Independent samples that all candidates are compared with.
     pub effective_samples: f64,
-    /// Standard deviation of the noise, with what no sensor knows, where that before the event explains the least
-    /// misfit: all candidates are compared with it. `null`: its level is in the misfits.
-    #[serde(default)]
-    pub noise: Option<f64>,
 }
 
 /// One piece of prior knowledge.

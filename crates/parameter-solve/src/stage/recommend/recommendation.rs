@@ -115,7 +115,6 @@ fn recommendation_record(
         to_s,
         samples: comparison.samples() as u64,
         effective_samples,
-        noise: selection.noise,
     });
     let priors = selection.priors.iter().map(|prior| PriorV1 {
         name: prior.name.to_owned(),
