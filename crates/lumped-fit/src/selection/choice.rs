@@ -43,8 +43,6 @@ pub struct CandidateSelection {
     pub rated: Vec<Rated>,
     /// Independent samples that all were compared with; `None`: none is adequate.
     pub samples: Option<f64>,
-    /// Level of the noise, where that before the event explains the least misfit; `None`: it is in the misfits.
-    pub noise: Option<f64>,
     /// Priors in use.
     pub priors: Vec<Prior>,
 }
@@ -61,18 +59,10 @@ pub struct CandidateSelection {
 /// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
 /// physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
-    let (rated, samples, noise) = rate_all(candidates, record, rules);
-    let all = ComparedCandidates { candidates, rated: &rated, rules, is_noise_known: noise.is_some() };
+    let (rated, samples, is_noise_known) = rate_all(candidates, record, rules);
+    let all = ComparedCandidates { candidates, rated: &rated, rules, is_noise_known };
     let (recommended, simplest, closest) = (all.recommended(samples), all.simplest(), all.closest());
-    CandidateSelection {
-        recommended,
-        simplest,
-        closest,
-        rated,
-        samples,
-        noise,
-        priors: rules.priors(record.restitution),
-    }
+    CandidateSelection { recommended, simplest, closest, rated, samples, priors: rules.priors(record.restitution) }
 }
 
 /// All that the three names are chosen from.
@@ -339,7 +329,9 @@ mod tests {
         let known = choice(Some(1.0));
         assert_eq!((known.recommended.candidate, known.samples), (Some(1), Some(20.0)));
         assert!((known.rated[1].aicc.unwrap() - (20.0 * 0.82 / 1.01 + 24.0)).abs() < 1e-9, "{:?}", known.rated);
-        assert_eq!((choice(Some(0.4)).recommended.candidate, choice(Some(0.4)).noise), (Some(0), None));
+        assert!(known.recommended.because.contains("known noise"), "{}", known.recommended.because);
+        let unexplained = choice(Some(0.4)).recommended;
+        assert_eq!((unexplained.candidate, unexplained.because.contains("known noise")), (Some(0), false));
     }
 
     #[test]

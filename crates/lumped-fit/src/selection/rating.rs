@@ -51,12 +51,12 @@ impl Rated {
 }
 
 /// Rates the candidates, in their order; with the number of independent samples that all were compared with, `None`:
-/// none is adequate, and the level of the noise where that before the event explains the least misfit.
+/// none is adequate, and whether the noise before the event explains the least misfit, so that its level is known.
 pub(super) fn rate_all(
     candidates: &[ComparedCandidate],
     record: &ComparedRecord,
     rules: &SelectionRules,
-) -> (Vec<Rated>, Option<f64>, Option<f64>) {
+) -> (Vec<Rated>, Option<f64>, bool) {
     let mut rated: Vec<Rated> = candidates
         .iter()
         .map(|candidate| Rated {
@@ -78,7 +78,7 @@ pub(super) fn rate_all(
     if let Some(samples) = samples {
         rate(candidates, &mut rated, record, (samples, noise));
     }
-    (rated, samples, noise)
+    (rated, samples, noise.is_some())
 }
 
 fn rms(misfit: &[f64]) -> Option<f64> {
