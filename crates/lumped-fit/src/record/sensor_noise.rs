@@ -19,7 +19,7 @@ const NEXT: f64 = 0.8;
 const DIGITS: f64 = 1e-5;
 /// Mean square of a misfit, over that of the noise, up to which the noise explains it: with the 10 to 20 degrees of
 /// freedom that both have in a window through CFC 60, noise alone exceeds it in 1 % of the records (F distribution).
-const EXPLAINED: f64 = 4.0;
+pub(crate) const EXPLAINED: f64 = 4.0;
 
 /// Stationary noise of an acceleration, white before the channel filter, and the error of the zero level that was read
 /// from it.

@@ -1,5 +1,6 @@
 //! What speaks for and against each candidate, in numbers: whether it is adequate, its criterion, what priors add.
 
+use crate::record::sensor_noise::EXPLAINED;
 use crate::selection::compared_candidate::ComparedCandidate;
 use crate::selection::evidence::{
     criterion, criterion_of_known_noise, fewest_samples, independent_samples, visible_misfit,
@@ -9,10 +10,6 @@ use crate::selection::prior::SelectionRules;
 /// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
 /// smooth.
 const COMPARABLE: f64 = 1.1;
-
-/// Misfit over the noise before the event up to which that noise explains it: twice, with 10 to 20 degrees of freedom
-/// on both sides exceeded by noise alone in 1 % of the records (F distribution of the squares).
-const EXPLAINED: f64 = 2.0;
 
 /// What all candidates are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +68,7 @@ pub(super) fn rate_all(
     let least = least_misfit(candidates, &rated, record);
     // Noise that explains the best misfit is a level that nobody has to estimate from misfits.
     let noise = record.noise.map(|noise| noise.hypot(visible_misfit(&[0.0], record.rms)));
-    let noise = noise.filter(|noise| least.is_some_and(|least| least <= EXPLAINED * noise));
+    let noise = noise.filter(|noise| least.is_some_and(|least| least * least <= EXPLAINED * noise * noise));
     let noise = noise.filter(|_| record.most_samples.is_finite());
     let shared = || shared_samples(candidates, &rated, record, least?);
     let samples = if noise.is_some() { Some(record.most_samples) } else { shared() };
