@@ -12,9 +12,9 @@ texts! { CandidateTexts
     of: "{determined} of {parameters}", "{determined} von {parameters}";
     evidence_against: "Evidence against", "Spricht dagegen";
     evidence_definition:
-        "Corrected Akaike criterion with what is known beside the record, above the lowest of the adequate models: \
+        "Akaike criterion with what is known beside the record, above the lowest of the adequate models: \
          below 2 says nothing, above 10 decides.",
-        "Korrigiertes Akaike-Kriterium samt Vorwissen, über dem kleinsten der angemessenen Modelle: unter 2 sagt es \
+        "Akaike-Kriterium samt Vorwissen, über dem kleinsten der angemessenen Modelle: unter 2 sagt es \
          nichts, über 10 entscheidet es.";
     crush_at: "C at {speed}, mm", "C bei {speed}, mm";
     crush_at_definition:
@@ -80,9 +80,9 @@ texts! { CandidateTexts
         "Kraft auf die Wand: Modell minus Messung, Effektivwert bezogen auf den der Messung, vom Kontakt bis zur \
          Trennung, beide gleich gefiltert.";
     evidence_caption:
-        "Evidence is the corrected Akaike criterion of the {quantity}{filtered}, over {effective} independent samples \
+        "Evidence is the Akaike criterion of the {quantity}{filtered}, over {effective} independent samples \
          of {samples}; a difference below 2 says nothing, above 10 it decides. ",
-        "Maßstab ist das korrigierte Akaike-Kriterium ({quantity}{filtered}) über {effective} unabhängige Werte von \
+        "Maßstab ist das Akaike-Kriterium ({quantity}{filtered}) über {effective} unabhängige Werte von \
          {samples}; ein Unterschied unter 2 sagt nichts, über 10 entscheidet er. ";
     filtered_alike: ", the models filtered as the record was", ", die Modelle gefiltert wie die Aufzeichnung";
     no_priors: "none.", "keines.";
