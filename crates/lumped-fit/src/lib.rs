@@ -68,6 +68,7 @@ pub use extraction::problem::{
 };
 pub use fit::as_measured::fit_as_measured;
 pub use fit::at_crush::conditions_at_crush;
+pub use fit::least_misfit::{LeastMisfit, least_misfit};
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
 pub use fit::nonlinear::nonlinear2::search_nonlinear2;
 pub use fit::options::SingleMassFitOptions;

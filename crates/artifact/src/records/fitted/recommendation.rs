@@ -71,7 +71,8 @@ pub struct RatedCandidateV1 {
     pub parameters: u32,
     /// Of these, how many the record determines, to better than an order of magnitude.
     pub determined: u32,
-    /// Root mean square misfit as measured, unit of the quantity of the evidence.
+    /// Root mean square misfit as measured, unit of the quantity of the evidence; of springs and dampers at its least,
+    /// if noise might explain that.
     pub misfit: Option<f64>,
     /// Displacement fit as measured, percent.
     pub fit_as_measured_percent: Option<f64>,
