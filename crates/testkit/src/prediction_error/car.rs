@@ -3,7 +3,7 @@
 use crumple_estimation::random::RandomNumbers;
 
 use super::channel_class::behind_class;
-use super::motion::{Motion, Structure};
+use super::motion::{Motion, Part, Structure};
 
 /// Sample interval of records and truths, s.
 pub(super) const DT_S: f64 = 1e-4;
@@ -45,6 +45,19 @@ impl Car {
             *compartment += more;
         }
         structure.impact(speed, DT_S, AFTER, FINER)
+    }
+
+    /// The car as who knows it wholly could know it from tests at these speeds, m/s: each curve up to its deepest crush
+    /// in them, from there on with its mean slope.
+    pub fn known_from(&self, speeds: impl Iterator<Item = f64>) -> Self {
+        let tests: Vec<Motion> = speeds.map(|speed| self.test(speed, 1.0)).collect();
+        let mut known = self.clone();
+        for (k, joint) in known.structure.joints.iter_mut().enumerate() {
+            if let Part::Plastic { known_to_m, .. } = &mut joint.part {
+                *known_to_m = tests.iter().map(|test| test.deepest_m[k]).fold(0.0, f64::max);
+            }
+        }
+        known
     }
 
     /// What such a test shows.

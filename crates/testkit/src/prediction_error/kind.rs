@@ -95,7 +95,7 @@ fn plastic(curve: CrushCurve, mass_kg: f64, scale_m: f64, rate_s_per_m: f64, res
     let force = curve.at(scale_m);
     let from_restitution = force * force / (mass_kg * (TESTED_M_PER_S * restitution).powi(2));
     let unloading_n_per_m = from_restitution.max(1.1 * curve.steepest(1.5 * scale_m));
-    Part::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m: 0.0 }
+    Part::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m: 0.0, known_to_m: f64::INFINITY }
 }
 
 fn linear(mass_kg: f64, scale_m: f64, between: &mut impl FnMut(f64, f64) -> f64) -> Structure {
@@ -148,12 +148,10 @@ fn engine_gap(mass_kg: f64, scale_m: f64, mean_n: f64, between: &mut impl FnMut(
     let face = plastic(buckling(mean_n * 0.8, 0.3 * scale_m, None, between), mass_kg, 0.4 * scale_m, rate, restitution);
     let rails = plastic(buckling(mean_n * 0.8, 0.8 * scale_m, None, between), mass_kg, scale_m, rate, restitution);
     let block = buckling(mean_n * between(0.5, 1.0), 0.2 * scale_m, None, between);
-    let block = match plastic(block, engine, 0.3 * scale_m, rate, restitution) {
-        Part::Plastic { curve, unloading_n_per_m, rate_s_per_m, .. } => {
-            Part::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m: scale_m * between(0.35, 0.6) }
-        }
-        linear => linear,
-    };
+    let mut block = plastic(block, engine, 0.3 * scale_m, rate, restitution);
+    if let Part::Plastic { gap_m, .. } = &mut block {
+        *gap_m = scale_m * between(0.35, 0.6);
+    }
     let firewall = buckling(mean_n * between(0.3, 0.6), 0.3 * scale_m, None, between);
     let firewall = plastic(firewall, engine, 0.4 * scale_m, rate, restitution);
     Structure {

@@ -15,6 +15,9 @@ pub(super) enum Part {
         rate_s_per_m: f64,
         /// Way before it is touched, m.
         gap_m: f64,
+        /// Deflection up to which its curve is known, m; from there the force goes on with its mean slope. Infinite for
+        /// the car itself.
+        known_to_m: f64,
     },
     /// A linear spring, N/m, and damper, N·s/m, in parallel.
     Linear(f64, f64),
@@ -46,6 +49,8 @@ pub(super) struct Motion {
     pub time_s: f64,
     /// Largest speed of the rebound over the speed of the impact.
     pub restitution: f64,
+    /// Largest deflection of each joint, from the touch of its part on, m.
+    pub deepest_m: Vec<f64>,
 }
 
 /// What a plastic part remembers: its set, and whether it is being crushed.
@@ -56,13 +61,26 @@ struct Memory {
 }
 
 impl Part {
+    /// Way before it is touched, m.
+    fn gap_m(&self) -> f64 {
+        match *self {
+            Self::Linear(..) => 0.0,
+            Self::Plastic { gap_m, .. } => gap_m,
+        }
+    }
+
+    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on.
+    fn static_force(curve: CrushCurve, known_to_m: f64, d: f64) -> f64 {
+        if d <= known_to_m { curve.at(d) } else { curve.at(known_to_m) * d / known_to_m }
+    }
+
     /// Force, N, at deflection `d` and rate `w`.
     fn force(&self, memory: Memory, d: f64, w: f64) -> f64 {
         match *self {
             Self::Linear(k, c) => k * d + c * w,
-            Self::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m } => {
+            Self::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m, known_to_m } => {
                 let d = d - gap_m;
-                let crushing = curve.at(d) * (1.0 + rate_s_per_m * w.max(0.0));
+                let crushing = Self::static_force(curve, known_to_m, d) * (1.0 + rate_s_per_m * w.max(0.0));
                 let elastic = (unloading_n_per_m * (d - memory.set_m)).max(0.0);
                 if memory.crushing || elastic > crushing { crushing } else { elastic }
             }
@@ -71,14 +89,15 @@ impl Part {
 
     /// What it remembers after a step that ended at `d` and `w`.
     fn after(&self, memory: Memory, d: f64, w: f64) -> Memory {
-        let Self::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m } = *self else {
+        let Self::Plastic { curve, unloading_n_per_m, rate_s_per_m, gap_m, known_to_m } = *self else {
             return memory;
         };
         let d = d - gap_m;
+        let static_n = Self::static_force(curve, known_to_m, d);
         if memory.crushing && w < 0.0 {
-            return Memory { set_m: (d - curve.at(d) / unloading_n_per_m).max(memory.set_m), crushing: false };
+            return Memory { set_m: (d - static_n / unloading_n_per_m).max(memory.set_m), crushing: false };
         }
-        let meets = unloading_n_per_m * (d - memory.set_m) >= curve.at(d) * (1.0 + rate_s_per_m * w.max(0.0));
+        let meets = unloading_n_per_m * (d - memory.set_m) >= static_n * (1.0 + rate_s_per_m * w.max(0.0));
         Memory { crushing: memory.crushing || (w >= 0.0 && d > 0.0 && meets), ..memory }
     }
 }
@@ -110,8 +129,13 @@ impl Structure {
         let h = dt_s / finer as f64;
         let (mut x, mut v) = (vec![0.0; n], vec![speed; n]);
         let mut memory = vec![Memory { set_m: 0.0, crushing: true }; self.joints.len()];
-        let mut motion =
-            Motion { acceleration: Vec::with_capacity(samples), crush_m: 0.0, time_s: 0.0, restitution: 0.0 };
+        let mut motion = Motion {
+            acceleration: Vec::with_capacity(samples),
+            crush_m: 0.0,
+            time_s: 0.0,
+            restitution: 0.0,
+            deepest_m: vec![0.0; self.joints.len()],
+        };
         let shifted =
             |a: &[f64], by: f64, b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + by * b).collect() };
         for k in 0..samples {
@@ -133,8 +157,9 @@ impl Structure {
                     motion.time_s = k as f64 * dt_s + (step + 1) as f64 * h;
                 }
                 motion.restitution = motion.restitution.max(-v[n - 1] / speed);
-                for (joint, memory) in self.joints.iter().zip(&mut memory) {
+                for ((joint, memory), deepest_m) in self.joints.iter().zip(&mut memory).zip(&mut motion.deepest_m) {
                     let (d, w) = self.deflection(joint, &x, &v);
+                    *deepest_m = deepest_m.max(d - joint.part.gap_m());
                     *memory = joint.part.after(*memory, d, w);
                 }
             }
@@ -163,6 +188,21 @@ mod tests {
         assert!((motion.restitution - 1.0).abs() < 1e-6);
     }
 
+    #[test]
+    fn a_curve_goes_on_with_its_mean_slope_from_where_it_is_known() {
+        let curve = CrushCurve::Foam { plateau_n: 1e5, bend_m: 0.2, thickness_m: 1.0 };
+        let part =
+            |known_to_m| Part::Plastic { curve, unloading_n_per_m: 1e8, rate_s_per_m: 0.0, gap_m: 0.1, known_to_m };
+        assert_eq!(Part::static_force(curve, 0.3, 0.3), curve.at(0.3));
+        assert!((Part::static_force(curve, 0.3, 0.6) / curve.at(0.3) - 2.0).abs() < 1e-12);
+        let whole = one(part(f64::INFINITY)).impact(8.0, 1e-4, 2000, 5);
+        let known = one(part(whole.deepest_m[0])).impact(8.0, 1e-4, 2000, 5);
+        // The last step reaches beyond the deepest crush between its ends.
+        assert!((whole.crush_m - known.crush_m).abs() < 1e-6);
+        assert!((whole.deepest_m[0] + 0.1 - whole.crush_m).abs() < 1e-12);
+        assert_ne!(one(part(0.5 * whole.deepest_m[0])).impact(8.0, 1e-4, 2000, 5).crush_m, whole.crush_m);
+    }
+
     /// Work of the curve up to the crush is the kinetic energy; what comes back is `F²/2k_u`.
     #[test]
     fn a_plastic_part_takes_the_energy_and_gives_back_what_the_unloading_holds() {
@@ -177,7 +217,8 @@ mod tests {
             bottom_n_per_m2: 0.0,
         };
         let ku = 2.5e7;
-        let part = Part::Plastic { curve, unloading_n_per_m: ku, rate_s_per_m: 0.0, gap_m: 0.0 };
+        let part =
+            Part::Plastic { curve, unloading_n_per_m: ku, rate_s_per_m: 0.0, gap_m: 0.0, known_to_m: f64::INFINITY };
         let motion = one(part).impact(15.0, 1e-4, 2000, 10);
         let step = motion.crush_m / 1e5;
         let work: f64 = (0..100_000).map(|i| curve.at((i as f64 + 0.5) * step) * step).sum();

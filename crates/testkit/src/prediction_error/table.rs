@@ -8,7 +8,8 @@ use crumple_estimation::statistics::quantile;
 use super::kind::KINDS;
 use super::score::{ASKED, Answer, Outcome, Prediction};
 
-/// All tables: what is recommended by kind, its errors by kind and question, its intervals, and every candidate.
+/// All tables: what is recommended by kind, its errors and those of the car itself by kind and question, its intervals,
+/// and every candidate.
 pub fn tables(outcomes: &[Outcome]) -> String {
     let mut groups: Vec<(String, Vec<&Outcome>)> = KINDS
         .iter()
@@ -18,7 +19,10 @@ pub fn tables(outcomes: &[Outcome]) -> String {
     groups.push(("**all that one test can tell**".to_owned(), outcomes.iter().filter(told).collect()));
     groups.push(("**all**".to_owned(), outcomes.iter().collect()));
     groups.retain(|(_, cars)| !cars.is_empty());
-    [recommended(&groups), crush(&groups), other(&groups), intervals(&groups), by_candidate(outcomes)].join("\n")
+    let of_recommended = crush(&groups, &Answer::Recommended, "of what is recommended");
+    let of_the_car = crush(&groups, &Answer::CarItself, "of the car itself, its curves known as far as it was crushed");
+    [recommended(&groups), of_recommended, of_the_car, other(&groups), intervals(&groups), by_candidate(outcomes)]
+        .join("\n")
 }
 
 /// The predictions of an answer at the question of this number.
@@ -58,16 +62,16 @@ fn questions() -> String {
     })
 }
 
-fn crush(groups: &[(String, Vec<&Outcome>)]) -> String {
+fn crush(groups: &[(String, Vec<&Outcome>)], who: &Answer, of_whom: &str) -> String {
     let mut table = format!(
-        "Error of dynamic crush of what is recommended, %: median, nine in ten within\n\n| kind |{}\n|---|{}\n",
+        "Error of dynamic crush {of_whom}, %: median, nine in ten within\n\n| kind |{}\n|---|{}\n",
         questions(),
         "---|".repeat(ASKED.len())
     );
     for (name, cars) in groups {
         let _infallible = write!(table, "| {name} |");
         for question in 0..ASKED.len() {
-            let answers = of(cars, &Answer::Recommended, question);
+            let answers = of(cars, who, question);
             let at = |share| percent(answers.iter().map(|p| p.crush), share);
             let _infallible = write!(table, " {}, {} |", at(0.5), at(0.9));
         }
@@ -130,6 +134,7 @@ fn by_candidate(outcomes: &[Outcome]) -> String {
     for who in names {
         let name = match who {
             Answer::Recommended => "**recommended**",
+            Answer::CarItself => "the car itself, as far as it was crushed",
             Answer::Candidate(name) => name,
         };
         let _infallible = write!(table, "| {name} | {} |", of(&cars, who, 0).len());

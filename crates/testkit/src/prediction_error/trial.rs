@@ -6,7 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::Value;
 
-use super::car::Truth;
+use super::car::{Car, Truth};
 use super::kind::Kind;
 use super::record::record;
 use super::score::{ASKED, Answer, Outcome, Prediction};
@@ -91,13 +91,31 @@ fn trial(kind: &Kind, number: usize, tests: &[f64], programs: &Steps<'_>) -> Res
         kind: kind.name,
         number,
         recommended: recommended.map(|id| id.rsplit_once('/').map_or(id, |(method, _)| method).to_owned()),
-        predictions: vec![(Answer::Recommended, scored(&answers, mass_kg, &truths))],
+        predictions: vec![
+            (Answer::Recommended, scored(&answers, mass_kg, &truths)),
+            (Answer::CarItself, of_the_car(&car.known_from(tests.iter().map(|km_per_h| km_per_h / 3.6)), &truths)),
+        ],
     };
     for (method, id) in first {
         let answers = predictions(programs, inputs, Some(&id), mass_kg)?;
         outcome.predictions.push((Answer::Candidate(method), scored(&answers, mass_kg, &truths)));
     }
     Ok(outcome)
+}
+
+/// What a car that is known so far answers, beside the truth.
+fn of_the_car(known: &Car, truths: &[Truth]) -> Vec<Option<Prediction>> {
+    let answer = |((speed, factor), truth): (&(f64, f64), &Truth)| {
+        let known = known.truth(speed / 3.6, *factor);
+        Some(Prediction {
+            crush: known.crush_m / truth.crush_m - 1.0,
+            time: known.time_s / truth.time_s - 1.0,
+            peak: Some(known.peak_m_per_s2 / truth.peak_m_per_s2 - 1.0),
+            restitution: Some(known.restitution - truth.restitution),
+            interval: None,
+        })
+    };
+    ASKED.iter().zip(truths).map(answer).collect()
 }
 
 /// The answers in the order in which they are asked, beside the truth.
