@@ -68,7 +68,6 @@ pub use extraction::problem::{
 };
 pub use fit::as_measured::fit_as_measured;
 pub use fit::at_crush::conditions_at_crush;
-pub use fit::least_misfit::{LeastMisfit, least_misfit};
 pub use fit::nonlinear::nonlinear1::fit_nonlinear1;
 pub use fit::nonlinear::nonlinear2::search_nonlinear2;
 pub use fit::options::SingleMassFitOptions;
@@ -105,6 +104,7 @@ pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, asse
 pub use uncertainty::block_bootstrap::BlockBootstrap;
 pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
 pub use uncertainty::conditioned_propagation::propagate_conditioned;
+pub use uncertainty::least_misfit::LeastMisfit;
 pub use uncertainty::likelihood::profile_likelihood::Profile;
 pub use uncertainty::mass_division::mixture::widen_by_mass_split;
 pub use uncertainty::propagation::{

@@ -5,7 +5,6 @@ pub mod as_measured;
 pub mod at_crush;
 pub mod descents;
 pub mod halton_starts;
-pub mod least_misfit;
 pub mod multistart;
 pub mod nonlinear;
 pub mod options;

@@ -19,6 +19,7 @@ use crate::record::observation::Observation;
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
 use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
+use crate::uncertainty::least_misfit::LeastMisfit;
 use crate::uncertainty::likelihood::curve_posterior::curve_intervals;
 use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled};
 use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends, holding};
@@ -60,6 +61,9 @@ pub struct Assessment {
     pub profile: Vec<Profile>,
     /// Bootstrap, where asked for.
     pub bootstrap: Option<BlockBootstrap>,
+    /// Where the accelerations are met best, near the minimum; `None` for a model with knots, and where the noise of a
+    /// sensor is not known.
+    pub least_misfit: Option<LeastMisfit>,
 }
 
 /// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
@@ -149,6 +153,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
             let ends = around(fitted, half, free[i].is_logarithmic(), slope);
             interval.insert(names[i].clone(), holding(&free[i], (theta[i], theta[i] + away), ends));
         }
+        let least_misfit = source.as_ref().map(|source| source.least_misfit(&names));
         if let Some(source) = source.filter(|source| given.is_none() && source.explains()) {
             let curved = source.curved(&names, (theta, &kept), &covariance);
             interval.extend(curved.into_iter().map(|(i, ends)| (names[i].clone(), ends)));
@@ -195,6 +200,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
             effective_samples: covariance.effective_samples,
             profile: if options.profile { self.profiles(&names, (&kept, &covariance), &rest_name) } else { Vec::new() },
             bootstrap: (options.bootstrap > 0).then(|| self.bootstrap(options.bootstrap, names, rest_name)).flatten(),
+            least_misfit,
         })
     }
 

@@ -7,6 +7,7 @@ pub mod block_bootstrap;
 pub mod closed_form_propagation;
 pub mod conditioned_propagation;
 pub mod identifiability;
+pub mod least_misfit;
 pub mod likelihood;
 pub mod mass_division;
 pub mod propagation;

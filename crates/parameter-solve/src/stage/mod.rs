@@ -32,6 +32,7 @@ use crate::stage::inputs::record::Record;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::StageSettings;
+use crate::stage::recommend::compared_candidates::Submitted;
 use crate::stage::recommend::recommendation::recommend;
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::matching::matching_record;
@@ -99,8 +100,8 @@ impl Stage for ParameterSolve {
         assessments.resize(candidates.len(), None);
         warn_of_flags_without_effect(settings, &candidates, &assessments, out);
         warn_of_bounds(&candidates, out);
-        let mut records = Vec::with_capacity(candidates.len());
-        for (candidate, assessed) in candidates.iter().zip(&assessments) {
+        let mut submitted = Vec::with_capacity(candidates.len());
+        for (candidate, assessed) in candidates.iter().zip(assessments) {
             let record = record(candidate, assessed.as_ref(), &channel);
             out.put(&format!("/parameters/{}", candidate.id()), &record)?;
             out.summary(parameters_line(&candidate.id(), &record));
@@ -109,18 +110,22 @@ impl Stage for ParameterSolve {
             if let Some(text) = text.filter(|text| !text.is_empty()) {
                 out.summary(text);
             }
-            records.push((candidate.id(), record));
+            submitted.push(Submitted {
+                id: candidate.id(),
+                record,
+                division_undecided: false,
+                least_misfit: assessed.and_then(|assessed| assessed.assessment.least_misfit),
+            });
         }
         let chains = fit_chains(settings, input, out)?;
-        let mut undecided = Vec::new();
         for chain in chains {
             out.put(&format!("/parameters/{}", chain.id), &chain.record)?;
             out.summary(parameters_line(&chain.id, &chain.record));
-            undecided.extend(chain.division_undecided.then(|| chain.id.clone()));
-            records.push((chain.id, chain.record));
+            let (id, record, division_undecided) = (chain.id, chain.record, chain.division_undecided);
+            submitted.push(Submitted { id, record, division_undecided, least_misfit: None });
         }
-        recommend(settings, input, &records, &undecided, out)?;
-        Ok(if records.is_empty() {
+        recommend(settings, input, &submitted, out)?;
+        Ok(if submitted.is_empty() {
             out.no_result("no model could be solved for", "leave models and method out, so that all are tried")
         } else {
             Outcome::Done

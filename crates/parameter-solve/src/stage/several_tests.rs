@@ -14,7 +14,7 @@ use crate::stage::from_events::{not_slowed, sensors_of, test_data};
 use crate::stage::inputs::motions::motion;
 use crate::stage::inputs::record::Record;
 use crate::stage::options::settings::StageSettings;
-use crate::stage::recommend::compared_candidates::Comparison;
+use crate::stage::recommend::compared_candidates::{Comparison, Submitted};
 use crate::stage::recommend::recommendation::{chosen, without};
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::uncertainty::summary_text;
@@ -62,7 +62,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     let candidates =
         fit_together(&joint, &settings.solve, out.notes()).refuse_with_hint("see --models, --fit-from and --fit-to")?;
     let assessed: Vec<Option<CandidateAssessment>> = candidates.par_iter().map(|c| assessment(settings, c)).collect();
-    let mut records = Vec::with_capacity(candidates.len());
+    let mut submitted = Vec::with_capacity(candidates.len());
     for (candidate, assessed) in candidates.iter().zip(&assessed) {
         let record = record(candidate, assessed.as_ref(), &names.join(" and "));
         out.put(&format!("/parameters/{}", candidate.id()), &record)?;
@@ -70,9 +70,9 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
         let words = |name: &str| in_words(&candidate.model, name);
         let text = assessed.as_ref().map(|assessed| summary_text(&candidate.id(), assessed, words));
         text.into_iter().filter(|text| !text.is_empty()).for_each(|text| out.summary(text));
-        records.push((candidate.id(), record));
+        submitted.push(Submitted { id: candidate.id(), record, division_undecided: false, least_misfit: None });
     }
-    if records.is_empty() {
+    if submitted.is_empty() {
         let reason = "no model could be fitted to all tests; the notes say why";
         return Ok(Outcome::NoAcceptableResult(reason.to_owned()));
     }
@@ -81,7 +81,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
         .map(|test| Comparison::read(settings, test.input, &test.events, of_impact(&test.record)))
         .collect::<anyhow::Result<Option<Vec<_>>>>()?;
     let choice = match compared {
-        Some(each) => chosen(&following_all(settings), &Comparison::of_several(each), &records, &[], out),
+        Some(each) => chosen(&following_all(settings), &Comparison::of_several(each), &submitted, out),
         None => {
             let because = "no acceleration and displacement of every pulse up to dynamic crush";
             out.summary(format!("none recommended: {because}"));

@@ -1,9 +1,9 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record leaves open.
 
-use crumple_lumped::{Model, ParameterKind, parameter_kind, structure_of};
+use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement, Observation,
-    ObservedWave, WallForce, crush_error_at_lower_speeds, least_misfit,
+    ObservedWave, WallForce, crush_error_at_lower_speeds,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
@@ -17,7 +17,7 @@ use crate::stage::recommend::felt::is_felt;
 /// A crash is over in two seconds or never.
 const HORIZON_S: f64 = 2.0;
 
-/// Share of the largest force of a curve below which a force at a knot is none.
+/// Share of the largest force at a knot, spring or damper of a model below which another is none.
 const NO_FORCE: f64 = 1e-3;
 
 /// A misfit beyond so many times the noise before the event is not explained by it wherever its least lies: fits to the
@@ -31,11 +31,13 @@ const ORDERED: [(&str, &str); 3] =
 
 /// A candidate with what its record does not say.
 #[derive(Debug)]
-pub struct Submitted<'a> {
-    pub id: &'a str,
-    pub record: &'a CandidateV1,
+pub struct Submitted {
+    pub id: String,
+    pub record: CandidateV1,
     /// Whether masses were fitted that this record does not divide.
     pub division_undecided: bool,
+    /// Where the acceleration is met best, where that is known.
+    pub least_misfit: Option<LeastMisfit>,
 }
 
 /// The records that all candidates are compared with, from contact to dynamic crush: one test, or several whose
@@ -138,14 +140,14 @@ impl Comparison {
     }
 
     /// What the candidates bring, in their order.
-    pub fn candidates(&self, submitted: &[Submitted<'_>]) -> Vec<ComparedCandidate> {
+    pub fn candidates(&self, submitted: &[&Submitted]) -> Vec<ComparedCandidate> {
         submitted.par_iter().map(|candidate| self.candidate(candidate)).collect()
     }
 
-    fn candidate(&self, candidate: &Submitted<'_>) -> ComparedCandidate {
-        let record = candidate.record;
+    fn candidate(&self, candidate: &Submitted) -> ComparedCandidate {
+        let record = &candidate.record;
         let class = EnergyClass::of(&record.model, &record.parameters);
-        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(record, class)).collect();
+        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(candidate, class)).collect();
         let one = self.tests.len() == 1;
         let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
             let unit = if one { 1.0 } else { test.wave().size() };
@@ -158,16 +160,28 @@ impl Comparison {
         let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
         let force_misfits: Vec<f64> = each.iter().filter_map(|in_test| in_test.force_misfit_percent).collect();
         let speeds: Vec<f64> = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).collect();
-        // A force at a knot has zero as its limit, which the search in logarithms only comes near to.
+        // Forces at knots, springs and dampers end at zero, which a search in logarithms only comes near to.
         let size = |name: &str| record.parameters.get(name).map(|value| value.abs());
-        let is_force = |name: &str| parameter_kind(&record.model, name) == Some(ParameterKind::Force);
-        let forces = record.parameters.keys().filter(|name| is_force(name)).filter_map(|name| size(name));
-        let smallest = NO_FORCE * forces.fold(0.0, f64::max);
-        let is_zero = |name: &str| size(name).is_some_and(|v| v == 0.0 || is_force(name) && v <= smallest);
+        let kind = |name: &str| parameter_kind(&record.model, name);
+        let ends_at_zero = |kind: &ParameterKind| {
+            matches!(kind, ParameterKind::Force | ParameterKind::Stiffness | ParameterKind::Damping)
+        };
+        let largest = |of: ParameterKind| {
+            record
+                .parameters
+                .keys()
+                .filter(|name| kind(name) == Some(of))
+                .filter_map(|name| size(name))
+                .fold(0.0, f64::max)
+        };
+        let is_zero = |name: &str| {
+            let smallest = kind(name).filter(ends_at_zero).map_or(0.0, |of| NO_FORCE * largest(of));
+            size(name).is_some_and(|value| value <= smallest)
+        };
         let is_limit = |name: &str| is_zero(name) || ORDERED.contains(&(record.model.as_str(), name));
-        let bounds = bounds_of(record);
+        let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         // What the misfit of the displacement leaves on a bound, a sum of errors, that of the acceleration may know.
-        let is_inside = |name: &str| each.iter().any(|in_test| in_test.inside.contains(&name));
+        let is_inside = |name: &str| each.iter().any(|in_test| in_test.inside.iter().any(|inside| inside == name));
         let mut open: Vec<String> = record.undetermined().into_iter().map(str::to_owned).collect();
         // A rate factor is free in a fit to several tests alone: however little they say of it, it is more than the
         // prior of one test, and its deviation is in the intervals of predictions.
@@ -215,17 +229,12 @@ fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     }
 }
 
-/// Parameters that a bound of the search holds.
-fn bounds_of(record: &CandidateV1) -> &[String] {
-    record.fit.as_ref().map_or(&[], |fit| &fit.active_bounds)
-}
-
 /// A candidate in one test.
 struct InTest {
     /// Of the acceleration, at its least where noise might explain it.
     misfit: Option<Vec<f64>>,
     /// Parameters that stand on no bound at the least misfit.
-    inside: Vec<&'static str>,
+    inside: Vec<String>,
     force_misfit_percent: Option<f64>,
     fit_percent: Option<f64>,
     restitution: Option<f64>,
@@ -258,7 +267,8 @@ impl ComparedTest {
         most.unwrap_or(f64::INFINITY)
     }
 
-    fn candidate(&self, record: &CandidateV1, class: EnergyClass) -> InTest {
+    fn candidate(&self, candidate: &Submitted, class: EnergyClass) -> InTest {
+        let record = &candidate.record;
         let structure = structure_of(&record.model, &record.parameters).ok();
         let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
         let impact = self.acceleration.impact_of(self.wave());
@@ -271,11 +281,8 @@ impl ComparedTest {
         let crush = of_compartment.and_then(|events| events.dynamic_crush_m);
         let of_displacement = misfit(&self.displacement);
         let of_acceleration = misfit(&self.acceleration);
-        let least = of_acceleration.as_deref().and_then(|misfit| self.least(record, misfit, crush_m));
-        let (misfit, inside) = match least {
-            Some(LeastMisfit { misfit, inside }) => (Some(misfit), inside),
-            None => (of_acceleration, Vec::new()),
-        };
+        let least = of_acceleration.as_deref().and_then(|misfit| self.least(candidate, misfit));
+        let (misfit, inside) = least.map_or((of_acceleration, Vec::new()), |(least, inside)| (Some(least), inside));
         InTest {
             misfit,
             inside,
@@ -293,17 +300,19 @@ impl ComparedTest {
         }
     }
 
-    /// The least misfit of the acceleration, where it is below this one and the noise before the event is not far from
-    /// it.
-    fn least(&self, record: &CandidateV1, misfit: &[f64], crush_m: f64) -> Option<LeastMisfit> {
+    /// The least misfit of the acceleration and what stands on no bound there, where it is below this one and the noise
+    /// before the event is not far from that.
+    fn least(&self, candidate: &Submitted, misfit: &[f64]) -> Option<(Vec<f64>, Vec<String>)> {
         let sum = |misfit: &[f64]| misfit.iter().map(|e| e * e).sum::<f64>();
         let near = NEAR_NOISE * self.noise()?;
         if sum(misfit) > misfit.len() as f64 * near * near {
             return None;
         }
-        let model = Model::from_parameters(record.model.parse().ok()?, &record.parameters).ok()?;
-        let least = least_misfit(&model, bounds_of(record), &self.acceleration, crush_m)?;
-        (sum(&least.misfit) < sum(misfit)).then_some(least)
+        let LeastMisfit { parameters, inside } = candidate.least_misfit.as_ref()?;
+        let mut there = candidate.record.parameters.clone();
+        there.extend(parameters.clone());
+        let least = self.acceleration.misfit_of(&structure_of(&candidate.record.model, &there).ok()?)?;
+        (sum(&least) < sum(misfit)).then(|| (least, inside.clone()))
     }
 
     fn crush_error_at_lower_speeds(&self, misfit: &[f64]) -> Option<f64> {

@@ -10,12 +10,11 @@ use crumple_stage::{Inputs, Output};
 use crate::stage::options::settings::StageSettings;
 use crate::stage::recommend::compared_candidates::{Comparison, Submitted};
 
-/// Chooses and writes `/recommendation`. `undecided`: ids of chains whose masses were fitted and not divided.
+/// Chooses and writes `/recommendation`.
 pub fn recommend(
     settings: &StageSettings,
     input: &Inputs,
-    candidates: &[(String, CandidateV1)],
-    undecided: &[String],
+    candidates: &[Submitted],
     out: &mut Output,
 ) -> anyhow::Result<()> {
     if candidates.is_empty() {
@@ -28,7 +27,7 @@ pub fn recommend(
             return out.put("/recommendation", &without(&because));
         }
     };
-    let record = chosen(settings, &comparison, candidates, undecided, out);
+    let record = chosen(settings, &comparison, candidates, out);
     out.put("/recommendation", &record)
 }
 
@@ -36,15 +35,14 @@ pub fn recommend(
 pub fn chosen(
     settings: &StageSettings,
     comparison: &Comparison,
-    candidates: &[(String, CandidateV1)],
-    undecided: &[String],
+    candidates: &[Submitted],
     out: &mut Output,
 ) -> RecommendationV1 {
-    let submitted: Vec<Submitted<'_>> = candidates
+    let submitted: Vec<&Submitted> = candidates
         .iter()
         .enumerate()
-        .filter(|(k, (_, record))| !is_dual(record, &candidates[..*k]))
-        .map(|(_, (id, record))| Submitted { id, record, division_undecided: undecided.contains(id) })
+        .filter(|(k, candidate)| !is_dual(&candidate.record, &candidates[..*k]))
+        .map(|(_, candidate)| candidate)
         .collect();
     let candidates = comparison.candidates(&submitted);
     let selection = choose(&candidates, &comparison.record(), &settings.selection);
@@ -87,8 +85,8 @@ fn compared(settings: &StageSettings, input: &Inputs) -> anyhow::Result<Result<C
 }
 
 /// Whether an earlier candidate gives exactly the same record.
-fn is_dual(record: &CandidateV1, earlier: &[(String, CandidateV1)]) -> bool {
-    record.equivalent_to.as_ref().is_some_and(|other| earlier.iter().any(|(id, _)| id == other))
+fn is_dual(record: &CandidateV1, earlier: &[Submitted]) -> bool {
+    record.equivalent_to.as_ref().is_some_and(|other| earlier.iter().any(|candidate| candidate.id == *other))
 }
 
 /// No choice, and why.
