@@ -69,9 +69,16 @@ impl Part {
         }
     }
 
-    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on.
+    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on; none of a part that is not known
+    /// at all.
     fn static_force(curve: CrushCurve, known_to_m: f64, d: f64) -> f64 {
-        if d <= known_to_m { curve.at(d) } else { curve.at(known_to_m) * d / known_to_m }
+        if d <= known_to_m {
+            curve.at(d)
+        } else if known_to_m > 0.0 {
+            curve.at(known_to_m) * d / known_to_m
+        } else {
+            0.0
+        }
     }
 
     /// Force, N, at deflection `d` and rate `w`.
@@ -195,6 +202,7 @@ mod tests {
             |known_to_m| Part::Plastic { curve, unloading_n_per_m: 1e8, rate_s_per_m: 0.0, gap_m: 0.1, known_to_m };
         assert_eq!(Part::static_force(curve, 0.3, 0.3), curve.at(0.3));
         assert!((Part::static_force(curve, 0.3, 0.6) / curve.at(0.3) - 2.0).abs() < 1e-12);
+        assert_eq!(Part::static_force(curve, 0.0, 0.3), 0.0);
         let whole = one(part(f64::INFINITY)).impact(8.0, 1e-4, 2000, 5);
         let known = one(part(whole.deepest_m[0])).impact(8.0, 1e-4, 2000, 5);
         // The last step reaches beyond the deepest crush between its ends.
