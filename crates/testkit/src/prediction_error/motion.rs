@@ -69,8 +69,8 @@ impl Part {
         }
     }
 
-    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on; none of a part that is not known
-    /// at all.
+    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on; none of a part that is not
+    /// known at all.
     fn static_force(curve: CrushCurve, known_to_m: f64, d: f64) -> f64 {
         if d <= known_to_m {
             curve.at(d)
