@@ -55,16 +55,16 @@ fn printed(output: &Output) -> String {
 }
 
 #[test]
-fn the_recommended_curve_is_written_and_goes_on_with_its_mean_slope() {
+fn the_recommended_curve_is_written_and_goes_on_with_its_trend() {
     let folder = tempfile::tempdir().unwrap();
     let artifact = artifact(folder.path(), Some("force-deflection/direct-fit/1"));
     let text = printed(&curve(&artifact, &[]));
     assert!(text.starts_with("# force-deflection/direct-fit/1, element 1 between the wall and mass 1\n"), "{text}");
     assert!(text.ends_with("deflection (m),static force (N)\n0,0\n0.1,200000\n0.5,300000\n"), "{text}");
-    // 3e5 N over 0.5 m beyond the last knot: its last piece is flatter.
+    // From 0.1 to 0.5 m a line, 250 kN in the middle and 50 kN more at the end; usual are 125 kN more.
     let beyond = printed(&curve(&artifact, &["--to", "0.75m"]));
     let force: f64 = beyond.lines().last().unwrap().strip_prefix("0.75,").unwrap().parse().unwrap();
-    assert!((force / 450e3 - 1.0).abs() < 1e-12, "{force}");
+    assert!((force / 430e3 - 1.0).abs() < 1e-12, "{force}");
     assert!(printed(&curve(&artifact, &["--format", "pc-crash"])).ends_with("0.500000\t300.000000\n"));
     let spring = ["--candidate", "kelvin/direct-fit/1", "--to", "0.5m"];
     assert!(printed(&curve(&artifact, &spring)).ends_with("0,0\n0.5,300000\n"));

@@ -52,10 +52,11 @@ pub fn static_curves(
     let record = artifact
         .record::<CandidateV1>(&format!("/parameters/{id}"))?
         .ok_or_else(|| CurveError::NoCandidate { id: id.clone(), candidates: ids(artifact) })?;
-    let structure = structure_of(&record.model, &record.parameters)?.with_trends_beyond();
+    let tested = structure_of(&record.model, &record.parameters)?;
+    let structure = tested.clone().with_trends_beyond();
     let mut needs_end = false;
     let mut curves = Vec::new();
-    for (k, connection) in structure.connections().iter().enumerate() {
+    for (k, (connection, tested)) in structure.connections().iter().zip(tested.connections()).enumerate() {
         let bare = |points: Vec<(f64, f64)>| StaticCurve {
             candidate: id.clone(),
             element: k + 1,
@@ -67,9 +68,11 @@ pub fn static_curves(
         };
         let curve = match (&connection.element, to_m) {
             (Element::ForceDeflection(element), _) => {
-                let last_m = element.knots().last().map_or(0.0, |knot| knot.0);
+                let last_m = last_knot_m(&tested.element);
                 let beyond = to_m.filter(|to| *to > last_m);
-                let ends = element.knots().iter().map(|knot| knot.0).chain(beyond);
+                let to_m = beyond.unwrap_or(last_m);
+                let knots = element.knots().iter().map(|knot| knot.0);
+                let ends = knots.filter(|d| *d <= last_m || *d < to_m).chain(beyond);
                 StaticCurve {
                     unloading_n_per_m: Some(element.unloading_n_per_m()),
                     rate_s_per_m: element.rate_s_per_m(),
@@ -99,6 +102,12 @@ pub fn static_curves(
         (true, true) => Err(CurveError::NoEnd { id }),
         (true, false) => Err(CurveError::NoStaticForce { id, model: record.model }),
     }
+}
+
+/// Deflection of the last knot of a curve, m; zero of another element.
+fn last_knot_m(element: &Element) -> f64 {
+    let Element::ForceDeflection(curve) = element else { return 0.0 };
+    curve.knots().last().map_or(0.0, |knot| knot.0)
 }
 
 fn between(front: Node, rear: Node) -> String {

@@ -123,14 +123,12 @@ impl Structure {
     }
 
     /// The structure for impacts beyond what its curves were read from: each force-deflection element that goes on with
-    /// the slope of its last piece goes on with its [trend](ForceDeflection::trend_beyond_n_per_m) instead.
+    /// the slope of its last piece goes on with its [trend](ForceDeflection::with_trend_beyond) instead.
     pub fn with_trends_beyond(mut self) -> Self {
         for connection in &mut self.connections {
             let Element::ForceDeflection(element) = &mut connection.element else { continue };
             if element.extrapolation() == Extrapolation::Slope {
-                let trend = Extrapolation::Stiffness(element.trend_beyond_n_per_m());
-                // Not steeper than the steepest piece: the unloading stiffness is above it.
-                if let Ok(extrapolated) = element.clone().with_extrapolation(trend) {
+                if let Ok(extrapolated) = element.with_trend_beyond() {
                     *element = extrapolated;
                 }
             }

@@ -88,7 +88,7 @@ impl Candidate {
                 "constant stiffness and damping"
             }
             "chain" => "the last values of its stiffnesses and dampings",
-            _ => "its mean slope, or that of its last piece where its force rises all the way",
+            _ => "the trend of its curve",
         }
     }
 }

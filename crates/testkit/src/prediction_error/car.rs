@@ -48,7 +48,7 @@ impl Car {
     }
 
     /// The car as who knows it wholly could know it from tests at these speeds, m/s: each curve up to its deepest crush
-    /// in them, from there on with its mean slope.
+    /// in them, from there on its mean without waves.
     pub fn known_from(&self, speeds: impl Iterator<Item = f64>) -> Self {
         let tests: Vec<Motion> = speeds.map(|speed| self.test(speed, 1.0)).collect();
         let mut known = self.clone();

@@ -34,6 +34,16 @@ pub(super) enum CrushCurve {
 }
 
 impl CrushCurve {
+    /// The same without waves: what goes on of it where nobody knows in which phase it folds.
+    pub fn smooth(self) -> Self {
+        match self {
+            Self::Buckling { force_n, rise_n_per_m, bend_m, length_m, phase, bottom_m, bottom_n_per_m2, .. } => {
+                Self::Buckling { force_n, rise_n_per_m, bend_m, wave: 0.0, length_m, phase, bottom_m, bottom_n_per_m2 }
+            }
+            foam @ Self::Foam { .. } => foam,
+        }
+    }
+
     /// Static force, N, at a deflection, m; zero without contact.
     pub fn at(self, d: f64) -> f64 {
         if d <= 0.0 {

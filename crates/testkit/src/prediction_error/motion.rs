@@ -15,8 +15,8 @@ pub(super) enum Part {
         rate_s_per_m: f64,
         /// Way before it is touched, m.
         gap_m: f64,
-        /// Deflection up to which its curve is known, m; from there the force goes on with its mean slope. Infinite for
-        /// the car itself.
+        /// Deflection up to which its curve is known, m; from there the force goes on without waves. Infinite for the
+        /// car itself.
         known_to_m: f64,
     },
     /// A linear spring, N/m, and damper, N·s/m, in parallel.
@@ -69,16 +69,9 @@ impl Part {
         }
     }
 
-    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on; none of a part that is not
-    /// known at all.
+    /// Static force of a plastic part while it is crushed, N, at `d` from its touch on.
     fn static_force(curve: CrushCurve, known_to_m: f64, d: f64) -> f64 {
-        if d <= known_to_m {
-            curve.at(d)
-        } else if known_to_m > 0.0 {
-            curve.at(known_to_m) * d / known_to_m
-        } else {
-            0.0
-        }
+        if d <= known_to_m { curve.at(d) } else { curve.smooth().at(d) }
     }
 
     /// Force, N, at deflection `d` and rate `w`.
@@ -196,13 +189,24 @@ mod tests {
     }
 
     #[test]
-    fn a_curve_goes_on_with_its_mean_slope_from_where_it_is_known() {
-        let curve = CrushCurve::Foam { plateau_n: 1e5, bend_m: 0.2, thickness_m: 1.0 };
+    fn a_curve_goes_on_without_waves_from_where_it_is_known() {
+        let curve = CrushCurve::Buckling {
+            force_n: 1e5,
+            rise_n_per_m: 2e5,
+            bend_m: 0.02,
+            wave: 0.2,
+            length_m: 0.1,
+            phase: 0.0,
+            bottom_m: 0.4,
+            bottom_n_per_m2: 1e6,
+        };
         let part =
             |known_to_m| Part::Plastic { curve, unloading_n_per_m: 1e8, rate_s_per_m: 0.0, gap_m: 0.1, known_to_m };
         assert_eq!(Part::static_force(curve, 0.3, 0.3), curve.at(0.3));
-        assert!((Part::static_force(curve, 0.3, 0.6) / curve.at(0.3) - 2.0).abs() < 1e-12);
-        assert_eq!(Part::static_force(curve, 0.0, 0.3), 0.0);
+        // 0.525 m are a quarter of a wave.
+        let (known, smooth) = (curve.at(0.525), Part::static_force(curve, 0.3, 0.525));
+        assert!((smooth - (1e5 + 2e5 * 0.525) - 1e6 * 0.125_f64.powi(2)).abs() < 1e-4, "{smooth}");
+        assert!((known - smooth - 0.2 * (1e5 + 2e5 * 0.525)).abs() < 1e-4, "{known}");
         let whole = one(part(f64::INFINITY)).impact(8.0, 1e-4, 2000, 5);
         let known = one(part(whole.deepest_m[0])).impact(8.0, 1e-4, 2000, 5);
         // The last step reaches beyond the deepest crush between its ends.

@@ -8,3 +8,4 @@ pub mod piecewise_linear;
 pub mod plastic_spring;
 pub mod secant;
 pub mod series_spring_damper;
+pub mod trend;
