@@ -127,10 +127,10 @@ impl Structure {
     pub fn with_trends_beyond(mut self) -> Self {
         for connection in &mut self.connections {
             let Element::ForceDeflection(element) = &mut connection.element else { continue };
-            if element.extrapolation() == Extrapolation::Slope {
-                if let Ok(extrapolated) = element.with_trend_beyond() {
-                    *element = extrapolated;
-                }
+            if element.extrapolation() == Extrapolation::Slope
+                && let Ok(extrapolated) = element.with_trend_beyond()
+            {
+                *element = extrapolated;
             }
         }
         self
