@@ -68,11 +68,9 @@ pub fn static_curves(
         };
         let curve = match (&connection.element, to_m) {
             (Element::ForceDeflection(element), _) => {
-                let last_m = last_knot_m(&tested.element);
-                let beyond = to_m.filter(|to| *to > last_m);
-                let to_m = beyond.unwrap_or(last_m);
+                let end_m = to_m.unwrap_or(0.0).max(last_knot_m(&tested.element));
                 let knots = element.knots().iter().map(|knot| knot.0);
-                let ends = knots.filter(|d| *d <= last_m || *d < to_m).chain(beyond);
+                let ends = knots.filter(|d| *d < end_m).chain([end_m]);
                 StaticCurve {
                     unloading_n_per_m: Some(element.unloading_n_per_m()),
                     rate_s_per_m: element.rate_s_per_m(),

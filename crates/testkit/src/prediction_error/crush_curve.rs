@@ -35,13 +35,11 @@ pub(super) enum CrushCurve {
 
 impl CrushCurve {
     /// The same without waves: what goes on of it where nobody knows in which phase it folds.
-    pub fn smooth(self) -> Self {
-        match self {
-            Self::Buckling { force_n, rise_n_per_m, bend_m, length_m, phase, bottom_m, bottom_n_per_m2, .. } => {
-                Self::Buckling { force_n, rise_n_per_m, bend_m, wave: 0.0, length_m, phase, bottom_m, bottom_n_per_m2 }
-            }
-            foam @ Self::Foam { .. } => foam,
+    pub fn smooth(mut self) -> Self {
+        if let Self::Buckling { wave, .. } = &mut self {
+            *wave = 0.0;
         }
+        self
     }
 
     /// Static force, N, at a deflection, m; zero without contact.
