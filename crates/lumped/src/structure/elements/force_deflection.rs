@@ -86,7 +86,7 @@ impl ForceDeflection {
     }
 
     /// The element with its [trend](crate::structure::elements::trend) beyond the last knot, as further knots and a
-    /// stiffness behind them. Errors: none that a curve of this element can have.
+    /// stiffness behind them. Errors: forces beyond the range of numbers.
     pub fn with_trend_beyond(&self) -> Result<Self, LumpedError> {
         let (knots, stiffness) = trend::beyond(&self.curve.knots, self.unloading_n_per_m);
         let knots = self.curve.knots.iter().copied().chain(knots).collect();
