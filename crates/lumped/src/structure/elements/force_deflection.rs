@@ -85,8 +85,9 @@ impl ForceDeflection {
         Self { curve, ..self }.checked()
     }
 
-    /// The element with the trend of its whole curve beyond the last knot, as further knots and a stiffness behind them:
-    /// a parabola by least squares, to which a trough returns; it never falls. Errors: forces beyond the range of numbers.
+    /// The element with the trend of its whole curve beyond the last knot, as further knots and a stiffness behind
+    /// them: a parabola by least squares, to which a trough returns; it never falls. Errors: forces beyond the range of
+    /// numbers.
     pub fn with_trend_beyond(&self) -> Result<Self, LumpedError> {
         let (knots, stiffness) = trend::beyond(&self.curve.knots, self.unloading_n_per_m);
         let knots = self.curve.knots.iter().copied().chain(knots).collect();
