@@ -8,6 +8,8 @@ use crate::free::parametric::Parametric;
 
 /// Samples that a search runs on; its results are followed on all samples of the window.
 pub(crate) const SEARCH_SAMPLES: usize = 64;
+/// Samples on which starts are sorted, which needs no more than the shape of a crush.
+pub(crate) const SCREENING_SAMPLES: usize = 32;
 /// Iterations that sort starts into hopeful and hopeless.
 pub(crate) const SCREENING_ITERATIONS: u32 = 24;
 /// Sets that a fit reports at most; twice as many minima are kept for further steps.
@@ -41,6 +43,23 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
     let evaluations = ends.iter().map(|m| m.evaluations).sum();
     ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     (ends, evaluations)
+}
+
+/// Descends from every point on a part of the samples, `coarse`: by `sorting` from all, by `to_the_end` from the best
+/// `followed`; from the best of these on all samples. That end, and the evaluations spent by all of them.
+pub(crate) fn best_of_starts(
+    [coarse, problem]: [&impl Response; 2],
+    points: Vec<Vec<f64>>,
+    [sorting, to_the_end]: [&Bounds; 2],
+    followed: usize,
+) -> (Option<Optimum>, u64) {
+    let (mut ends, mut evaluations) = all(coarse, points, sorting);
+    for (problem, followed) in [(coarse, followed), (problem, 1)] {
+        let points = ends.into_iter().take(followed).map(|m| m.theta).collect();
+        let (next, spent) = all(problem, points, to_the_end);
+        (ends, evaluations) = (next, evaluations + spent);
+    }
+    (ends.into_iter().next(), evaluations)
 }
 
 /// The best ends that are not at the place of a better one, the numbers of a place all nearer than [`APART`], twice as

@@ -14,6 +14,9 @@ const EXACT: f64 = 1e-14;
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
 const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
+/// Relative decrease of the cost for which a hop is worth following, and of which a step of it has to promise a part.
+const WORTH_A_HOP: f64 = 1e-3;
+const PART_OF_A_HOP: f64 = 0.01;
 /// Rounds of such steps.
 const ROUNDS: usize = 6;
 
@@ -24,11 +27,16 @@ pub(crate) fn bounds_of_search(coordinates: &Coordinates<impl Parametric>) -> Bo
 
 /// The distinct minima found, best first, and the evaluations spent.
 ///
-/// A few iterations from every point; the best are followed to convergence; then [`hops`](hop).
-pub(crate) fn multistart(problem: &Problem<'_, impl Parametric>, points: Vec<Vec<f64>>) -> (Vec<Optimum>, u64) {
+/// A few iterations from every point, on a part of the samples; the best are followed to convergence; then
+/// [`hops`](hop).
+pub(crate) fn multistart<M: Parametric>(
+    coarse: &Problem<'_, M>,
+    problem: &Problem<'_, M>,
+    points: Vec<Vec<f64>>,
+) -> (Vec<Optimum>, u64) {
     let bounds = bounds_of_search(problem.coordinates);
     let screening = Bounds { max_iterations: SCREENING_ITERATIONS, cost_tolerance: 1e-6, ..bounds.clone() };
-    let (screened, mut evaluations) = all(problem, points, &screening);
+    let (screened, mut evaluations) = all(coarse, points, &screening);
     let hopeful = distinct(problem.coordinates, screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
     let (minima, spent) = all(problem, hopeful, &bounds);
     evaluations += spent;
@@ -53,12 +61,18 @@ pub(crate) fn hop(problem: &Problem<'_, impl Parametric>, minima: Vec<Optimum>) 
         }
         let Some(weak) = weakest_direction(best) else { break };
         let from = |hop: &f64| best.theta.iter().zip(&weak).map(|(x, w)| x + hop * w).collect();
-        let (more, spent) = all(problem, HOPS.iter().map(from).collect(), &bounds_of_search(coordinates));
+        let to_the_end = bounds_of_search(coordinates);
+        let near = Bounds { cost_tolerance: PART_OF_A_HOP * WORTH_A_HOP, ..to_the_end.clone() };
+        let (more, spent) = all(problem, HOPS.iter().map(from).collect(), &near);
         evaluations += spent;
-        minima.extend(more);
+        let lower = more.first().filter(|end| end.cost <= (1.0 - WORTH_A_HOP) * before).map(|end| end.theta.clone());
+        let gained = lower.is_some();
+        let (lowest, spent) = all(problem, lower.into_iter().collect(), &to_the_end);
+        evaluations += spent;
+        minima.extend(lowest.into_iter().chain(more));
         minima.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         minima = distinct(coordinates, minima);
-        if minima[0].cost > 0.999 * before {
+        if !gained {
             break;
         }
     }

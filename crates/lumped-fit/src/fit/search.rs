@@ -7,7 +7,7 @@ use crumple_estimation::minimise::StopReason;
 use crumple_estimation::minimise::l_shade::{LShadeOptions, l_shade};
 use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
-use crate::fit::descents::{SEARCH_SAMPLES, all, distinct};
+use crate::fit::descents::{SCREENING_SAMPLES, SEARCH_SAMPLES, all, distinct};
 use crate::fit::halton_starts::start;
 use crate::fit::multistart::{bounds_of_search, hop, multistart};
 use crate::fit::problem::Problem;
@@ -46,7 +46,7 @@ pub(crate) struct Searched {
 /// Minimises `sum_i sum_k (w_i (model - record))²`, `w_i` the weight of wave i. The weights are those of the noise
 /// levels: stated, or the root mean square residual of each wave, found in turn with the minimum until no weight
 /// changes by 0.1 %: at its end that is the maximum of the likelihood of independent normal noise. Descents are bounded
-/// Levenberg-Marquardt on analytic sensitivities, first on a thinned window, then on all its samples.
+/// Levenberg-Marquardt on analytic sensitivities, first on thinned windows, then on all samples.
 ///
 /// Deterministic for any number of threads. A global minimum is likely, not proven. `None` without any finite
 /// response.
@@ -59,11 +59,11 @@ pub(crate) fn search(
     let mut observed = observed.clone().exact();
     let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
     observed.weigh(&sizes, 0.0);
-    let thin = observed.clone().thinned(SEARCH_SAMPLES);
-    let coarse = Problem::new(coordinates, &thin, 0.0);
+    let [thinnest, thin] = [SCREENING_SAMPLES, SEARCH_SAMPLES].map(|limit| observed.clone().thinned(limit));
+    let [coarse, problem] = [&thinnest, &thin].map(|observed| Problem::new(coordinates, observed, 0.0));
     let (ends, mut evaluations) = match how {
-        Search::Starts(count, given) => multi_start(&coarse, *count, given),
-        Search::LShade(options) => global(&coarse, options, &mut remarks),
+        Search::Starts(count, given) => multi_start(&coarse, &problem, *count, given),
+        Search::LShade(options) => global(&problem, options, &mut remarks),
     };
     let settings = bounds_of_search(coordinates);
     let mut follow = |observed: &Observation, ends: Vec<Optimum>| {
@@ -85,11 +85,16 @@ pub(crate) fn search(
 }
 
 /// Descents from given points and from Halton points in the box of the starts.
-fn multi_start(problem: &Problem<'_, impl Parametric>, count: usize, given: &[Vec<f64>]) -> (Vec<Optimum>, u64) {
+fn multi_start<M: Parametric>(
+    coarse: &Problem<'_, M>,
+    problem: &Problem<'_, M>,
+    count: usize,
+    given: &[Vec<f64>],
+) -> (Vec<Optimum>, u64) {
     let axes = problem.coordinates.free.iter().map(|number| number.axis);
     let (lower, upper): (Vec<f64>, Vec<f64>) = axes.map(|axis| (axis.box_lower, axis.box_upper)).unzip();
     let points = given.iter().cloned().chain((0..count).map(|k| start(k, &lower, &upper))).collect();
-    multistart(problem, points)
+    multistart(coarse, problem, points)
 }
 
 /// L-SHADE over the box of the starts, half as wide again on each side within the bounds, then a descent from its

@@ -58,7 +58,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     let how = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
         _ => {
-            let starts = settings.fit_starts.max(6 * coordinates.free.len());
+            let starts = (settings.fit_starts * coordinates.free.len()).div_ceil(STARTED_NUMBERS);
             Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s))
         }
     };
@@ -127,6 +127,8 @@ fn window_end(task: &Task<'_>) -> Option<f64> {
     })
 }
 
+/// Free numbers for which the starts of the settings are meant: those of a double model.
+const STARTED_NUMBERS: usize = 4;
 /// Springs and dampers elsewhere than at the soft place of [`one_soft_pair`], as multiples of those there.
 const NEARLY_RIGID: f64 = 100.0;
 /// Least damper of [`one_soft_pair`], in units of mass over time of crush: searches in logarithms cannot start at

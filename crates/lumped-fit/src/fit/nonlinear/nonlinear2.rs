@@ -5,7 +5,7 @@ use crumple_lumped::{Model, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 
-use crate::fit::descents::{all, bounds};
+use crate::fit::descents::{SEARCH_SAMPLES, best_of_starts, bounds};
 use crate::fit::nonlinear::coordinates::{coordinates, record_of_fit};
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::options::SingleMassFitOptions;
@@ -24,8 +24,9 @@ const SORTING_STEPS: u32 = 10;
 /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
 /// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least
 /// squares on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt
-/// on the simulated displacement, the best two to the end. Deterministic. From the exact displacement of the paper's
-/// own parameters all ten come back. A real record determines fewer.
+/// on a part of the samples of the simulated displacement, the best two to the end, the better of them then on all
+/// samples. Deterministic. From the exact displacement of the paper's own parameters all ten come back. A real record
+/// determines fewer.
 ///
 /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
 pub fn search_nonlinear2(
@@ -66,15 +67,14 @@ pub fn search_nonlinear2(
         vec![v[0], v[1], v[2], start.knots[0], v[3], v[4], v[5], v[6], start.knots[1], start.knots[2]]
     };
     let coordinates = shares(options);
-    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+    let thin = observed.clone().thinned(SEARCH_SAMPLES);
+    let [coarse, problem] = [&thin, &observed]
+        .map(|observed| Problem { unit: options.crush_m, ..Problem::new(&coordinates, observed, 0.0) });
     let points = starts.iter().map(to_theta).collect();
-    let (mut ends, mut evaluations) = all(&problem, points, &bounds(&coordinates, SORTING_STEPS, 1e-4));
-    ends.truncate(FOLLOWED);
-    let ends = ends.into_iter().map(|m| m.theta).collect();
-    let follow = Bounds { slow: SLOW, ..bounds(&coordinates, 60, 1e-9) };
-    let (ends, more) = all(&problem, ends, &follow);
-    evaluations += more;
-    let best = ends.first().ok_or(SolveError::NoFit { starts: REFINED })?;
+    let sorting = bounds(&coordinates, SORTING_STEPS, 1e-4);
+    let to_the_end = Bounds { slow: SLOW, ..bounds(&coordinates, 60, 1e-9) };
+    let (best, evaluations) = best_of_starts([&coarse, &problem], points, [&sorting, &to_the_end], FOLLOWED);
+    let best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
     // The knots of the damper stand in rising order in the model.
     let mut ordered = best.clone();
     if best.theta[8] > best.theta[9] {
