@@ -17,8 +17,8 @@ const ONE_MASS_DEVIATION: f64 = 0.006;
 /// What a rate effect that the model lacks, or does not know better, does to crush at another speed: `2 r/3` for each
 /// m/s. A curve read at one speed holds the mean factor `1 + 2 r v0/3` of that speed (one mass, constant force).
 const CRUSH_BY_RATE: f64 = 2.0 / 3.0;
-/// Beyond the tested crush it does twice as much: towards its end the curve read at one speed is too flat.
-const BEYOND_TESTED: f64 = 2.0;
+/// Beyond the tested crush it does half as much again: towards its end the curve read at one speed is too flat.
+const BEYOND_TESTED: f64 = 1.5;
 /// Masses in front of the compartment, which one mass leaves out, are stopped before it: part of the early force of the
 /// test is missing from its curve, another part at another speed. So the crush at lower speeds is off by 0.04 `q` +
 /// 0.02 `q²`, with `q` the tested crush over this one, less 1: made cars of two and three masses, a front mass of 12 to
@@ -97,7 +97,7 @@ pub(crate) fn interval(value: f64, variances: &Variances, left_out: f64) -> Opti
 }
 
 /// Relative standard deviation of the crush by a rate effect that the model lacks, `sqrt(r² + s²) 2/3 |v - v_test|`,
-/// doubled beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses `s` alone.
+/// half as much again beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses `s` alone.
 pub(crate) fn by_rate_effect(speed: f64, tested: f64, beyond: bool, has_one: bool, one_mass: bool) -> f64 {
     let (effect, deviation) =
         if one_mass { (ONE_MASS_RATE_S_PER_M, ONE_MASS_DEVIATION) } else { (RATE_PRIOR_S_PER_M, RATE_DEVIATION) };
