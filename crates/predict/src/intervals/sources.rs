@@ -97,7 +97,8 @@ pub(crate) fn interval(value: f64, variances: &Variances, left_out: f64) -> Opti
 }
 
 /// Relative standard deviation of the crush by a rate effect that the model lacks, `sqrt(r² + s²) 2/3 |v - v_test|`,
-/// half as much again beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses `s` alone.
+/// half as much again beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses
+/// `s` alone.
 pub(crate) fn by_rate_effect(speed: f64, tested: f64, beyond: bool, has_one: bool, one_mass: bool) -> f64 {
     let (effect, deviation) =
         if one_mass { (ONE_MASS_RATE_S_PER_M, ONE_MASS_DEVIATION) } else { (RATE_PRIOR_S_PER_M, RATE_DEVIATION) };
