@@ -8,7 +8,7 @@ use crate::free::parametric::Parametric;
 
 /// Samples that a search runs on; its results are followed on all samples of the window.
 pub(crate) const SEARCH_SAMPLES: usize = 64;
-/// Samples on which starts are sorted, which needs no more than the shape of a crush.
+/// Samples on which starts are only sorted; the best of them are followed on more.
 pub(crate) const SCREENING_SAMPLES: usize = 32;
 /// Iterations that sort starts into hopeful and hopeless.
 pub(crate) const SCREENING_ITERATIONS: u32 = 24;
@@ -46,7 +46,8 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
 }
 
 /// Descends from every point on a part of the samples, `coarse`: by `sorting` from all, by `to_the_end` from the best
-/// `followed`; from the best of these on all samples. That end, and the evaluations spent by all of them.
+/// `followed`; from the best of these on all samples. That end, whose steps are those of the last descent, and the
+/// evaluations spent by all.
 pub(crate) fn best_of_starts(
     [coarse, problem]: [&impl Response; 2],
     points: Vec<Vec<f64>>,
@@ -54,9 +55,9 @@ pub(crate) fn best_of_starts(
     followed: usize,
 ) -> (Option<Optimum>, u64) {
     let (mut ends, mut evaluations) = all(coarse, points, sorting);
-    for (problem, followed) in [(coarse, followed), (problem, 1)] {
-        let points = ends.into_iter().take(followed).map(|m| m.theta).collect();
-        let (next, spent) = all(problem, points, to_the_end);
+    for (compared, count) in [(coarse, followed), (problem, 1)] {
+        let points = ends.into_iter().take(count).map(|m| m.theta).collect();
+        let (next, spent) = all(compared, points, to_the_end);
         (ends, evaluations) = (next, evaluations + spent);
     }
     (ends.into_iter().next(), evaluations)

@@ -14,8 +14,9 @@ const EXACT: f64 = 1e-14;
 const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
 const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
-/// Relative decrease of the cost for which a hop is worth following, and of which a step of it has to promise a part.
+/// Relative decrease of the cost from which a hop is followed to the end.
 const WORTH_A_HOP: f64 = 1e-3;
+/// Until then a descent ends at steps that gain less than this share of it.
 const PART_OF_A_HOP: f64 = 0.01;
 /// Rounds of such steps.
 const ROUNDS: usize = 6;
@@ -48,7 +49,8 @@ pub(crate) fn multistart<M: Parametric>(
 /// minima lie: from points on both sides of it the descent starts again, as long as that lowers the cost by 0.1 %.
 ///
 /// On exact records of double models with four real poles the last three of twelve digits of error are won by
-/// these hops. The distinct minima, best first, and the evaluations spent.
+/// these hops. The distinct minima, best first, and the evaluations spent; of hops that were not followed, the ends as
+/// they are: the caller follows all.
 pub(crate) fn hop(problem: &Problem<'_, impl Parametric>, minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let (coordinates, exact) = (problem.coordinates, EXACT * EXACT * problem.rows() as f64);
     let mut minima = distinct(coordinates, minima);

@@ -55,15 +55,13 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     };
     let coordinates = Coordinates::of_search(kind, &masses_kg, settings.mass_fit, &scale);
     let Some(coordinates) = coordinates else { return Ok(Vec::new()) };
+    let starts = (settings.fit_starts * coordinates.free.len()).div_ceil(STARTED_NUMBERS);
     let how = match task.method {
         Method::LShade => Search::LShade(settings.l_shade),
-        _ => {
-            let starts = (settings.fit_starts * coordinates.free.len()).div_ceil(STARTED_NUMBERS);
-            Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s))
-        }
+        _ => Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s)),
     };
     let Some(mut searched) = search(&coordinates, &fitting.observed, &how) else {
-        notes.warning(format!("{kind}: {}", SolveError::NoFit { starts: settings.fit_starts }));
+        notes.warning(format!("{kind}: {}", SolveError::NoFit { starts }));
         return Ok(Vec::new());
     };
     let mut remarks = Vec::new();

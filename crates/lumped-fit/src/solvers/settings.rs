@@ -31,7 +31,7 @@ pub struct SolveSettings {
     pub fit_to_s: Option<f64>,
     /// Most samples fitted.
     pub fit_samples: usize,
-    /// Starts of the fit.
+    /// Starts of a fit of four free numbers; others have theirs in proportion.
     pub fit_starts: usize,
     /// The firefly search.
     pub firefly: FireflyOptions,

@@ -17,7 +17,7 @@ const ONE_MASS_DEVIATION: f64 = 0.006;
 /// What a rate effect that the model lacks, or does not know better, does to crush at another speed: `2 r/3` for each
 /// m/s. A curve read at one speed holds the mean factor `1 + 2 r v0/3` of that speed (one mass, constant force).
 const CRUSH_BY_RATE: f64 = 2.0 / 3.0;
-/// Beyond the tested crush it does half as much again: towards its end the curve read at one speed is too flat.
+/// Beyond the tested crush it does 1.5 times that: towards its end the curve read at one speed is too flat.
 const BEYOND_TESTED: f64 = 1.5;
 /// Masses in front of the compartment, which one mass leaves out, are stopped before it: part of the early force of the
 /// test is missing from its curve, another part at another speed. So the crush at lower speeds is off by 0.04 `q` +
@@ -97,7 +97,7 @@ pub(crate) fn interval(value: f64, variances: &Variances, left_out: f64) -> Opti
 }
 
 /// Relative standard deviation of the crush by a rate effect that the model lacks, `sqrt(r² + s²) 2/3 |v - v_test|`,
-/// half as much again beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses
+/// 1.5 times that beyond the tested crush. A model with the mean effect as a prior of its own (`has_one`) misses
 /// `s` alone.
 pub(crate) fn by_rate_effect(speed: f64, tested: f64, beyond: bool, has_one: bool, one_mass: bool) -> f64 {
     let (effect, deviation) =
@@ -154,6 +154,9 @@ mod tests {
         let at_40 = by_rate_effect(40.0 / 3.6, 56.0 / 3.6, false, false, false);
         assert!((at_40 - 0.89e-4_f64.sqrt() * 2.0 / 3.0 * 16.0 / 3.6).abs() < 1e-12, "{at_40}");
         assert_eq!(by_rate_effect(15.0, 15.0, true, false, true), 0.0);
+        // Beyond the tested crush 1.5 times that.
+        let beyond = by_rate_effect(40.0 / 3.6, 56.0 / 3.6, true, false, false);
+        assert!((beyond / at_40 - 1.5).abs() < 1e-12, "{beyond}");
         // One mass with the prior of its own: 0.6 %.
         let of_one = by_rate_effect(40.0 / 3.6, 56.0 / 3.6, false, true, true);
         assert!((of_one / at_40 - 0.6 / 0.89_f64.sqrt()).abs() < 1e-12);
