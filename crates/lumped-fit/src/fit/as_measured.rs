@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::candidate::minimum::Minimum;
-use crate::fit::multistart::weakest_direction;
+use crate::fit::multistart::{WORTH_A_HOP, weakest_direction};
 use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::FreeParameter;
@@ -27,8 +27,6 @@ const LEAST_HOP: f64 = 0.05;
 /// A minimum whose cost rises by so many times itself over the least hop, as its sensitivities say, has no valley in
 /// which a lower one could lie.
 const SHARP: f64 = 10.0;
-/// Relative decrease of the cost for which a hop is worth following.
-const WORTH_A_HOP: f64 = 1e-3;
 /// Steps in which a hop has to come lower: those after which a descent is asked whether it gets anywhere.
 const STEPS_OF_A_HOP: u32 = Bounds::SLOW_STEPS;
 /// A model that agrees with its dual to this share is its own dual. The error is flat to fourth order there, so a

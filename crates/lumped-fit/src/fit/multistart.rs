@@ -15,7 +15,7 @@ const FOLLOWED: usize = 4;
 /// Steps along the weakest direction, in the coordinates, from which a descent starts once more.
 const HOPS: [f64; 6] = [-0.6, 0.6, -0.2, 0.2, -0.05, 0.05];
 /// Relative decrease of the cost from which a hop is followed to the end.
-const WORTH_A_HOP: f64 = 1e-3;
+pub(crate) const WORTH_A_HOP: f64 = 1e-3;
 /// Until then a descent ends at steps that gain less than this share of it.
 const PART_OF_A_HOP: f64 = 0.01;
 /// Rounds of such steps.
