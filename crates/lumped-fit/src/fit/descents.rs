@@ -45,24 +45,6 @@ pub(crate) fn all(problem: &impl Response, points: Vec<Vec<f64>>, bounds: &Bound
     (ends, evaluations)
 }
 
-/// Descends from every point on a part of the samples, `coarse`: by `sorting` from all, by `to_the_end` from the best
-/// `followed`; from the best of these on all samples. That end, whose steps are those of the last descent, and the
-/// evaluations spent by all.
-pub(crate) fn best_of_starts(
-    [coarse, problem]: [&impl Response; 2],
-    points: Vec<Vec<f64>>,
-    [sorting, to_the_end]: [&Bounds; 2],
-    followed: usize,
-) -> (Option<Optimum>, u64) {
-    let (mut ends, mut evaluations) = all(coarse, points, sorting);
-    for (compared, count) in [(coarse, followed), (problem, 1)] {
-        let points = ends.into_iter().take(count).map(|m| m.theta).collect();
-        let (next, spent) = all(compared, points, to_the_end);
-        (ends, evaluations) = (next, evaluations + spent);
-    }
-    (ends.into_iter().next(), evaluations)
-}
-
 /// The best ends that are not at the place of a better one, the numbers of a place all nearer than [`APART`], twice as
 /// many as are reported at most; `sorted` by cost, and so is the result.
 pub(crate) fn distinct(coordinates: &Coordinates<impl Parametric>, sorted: Vec<Optimum>) -> Vec<Optimum> {

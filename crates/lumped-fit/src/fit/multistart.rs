@@ -2,7 +2,7 @@
 
 use crumple_linalg::jacobi_svd;
 
-use crate::fit::descents::{SCREENING_ITERATIONS, all, bounds, distinct};
+use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
 use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;
 use crate::free::parametric::Parametric;
@@ -43,6 +43,26 @@ pub(crate) fn multistart<M: Parametric>(
     evaluations += spent;
     let (minima, spent) = hop(problem, minima);
     (minima, evaluations + spent)
+}
+
+/// The best end of descents from every point: by `sorting` from all and by `to_the_end` from the best `followed`, on at
+/// most [`SEARCH_SAMPLES`] of each wave, then from the best of these on all samples. That end, whose steps are those of
+/// the last descent, and the evaluations spent by all.
+pub(crate) fn best_of_starts(
+    problem: &Problem<'_, impl Parametric>,
+    points: Vec<Vec<f64>>,
+    [sorting, to_the_end]: [&Bounds; 2],
+    followed: usize,
+) -> (Option<Optimum>, u64) {
+    let thin = problem.observed.clone().thinned(SEARCH_SAMPLES);
+    let coarse = Problem { unit: problem.unit, ..Problem::new(problem.coordinates, &thin, problem.exact) };
+    let (mut ends, mut evaluations) = all(&coarse, points, sorting);
+    for (compared, count) in [(&coarse, followed), (problem, 1)] {
+        let points = ends.into_iter().take(count).map(|m| m.theta).collect();
+        let (next, spent) = all(compared, points, to_the_end);
+        (ends, evaluations) = (next, evaluations + spent);
+    }
+    (ends.into_iter().next(), evaluations)
 }
 
 /// Leaves the best minimum along its weakest direction, along which the error hardly rises and beyond which other

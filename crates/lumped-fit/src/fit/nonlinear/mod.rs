@@ -1,5 +1,6 @@
 //! Both nonlinear models of a single mass fitted to its displacement, from starts by the momentum.
-//! May use `fit/at_crush`, `fit/problem`, `fit/descents`, `fit/options`, `candidate`, `free` and `record`.
+//! May use `fit/at_crush`, `fit/problem`, `fit/multistart`, `fit/descents`, `fit/options`, `candidate`, `free` and
+//! `record`.
 
 pub mod coordinates;
 pub mod momentum_starts;

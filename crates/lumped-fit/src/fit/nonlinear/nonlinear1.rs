@@ -5,7 +5,8 @@ use crumple_lumped::{Model, Nonlinear1};
 use crumple_signal::{Displacement, Signal};
 
 use crate::fit::at_crush::AtCrush;
-use crate::fit::descents::{SEARCH_SAMPLES, best_of_starts, bounds};
+use crate::fit::descents::bounds;
+use crate::fit::multistart::best_of_starts;
 use crate::fit::nonlinear::coordinates::{coordinates, record_of_fit};
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::options::SingleMassFitOptions;
@@ -56,12 +57,10 @@ pub fn fit_nonlinear1(
     // Of the dampers the smallest first, on which the others stand.
     let point = |s: &Start| [0, 1, 4, 3, 2].map(|i| s.values[i] / rate).into_iter().chain([s.knots[0]]).collect();
     let coordinates = parts(options);
-    let thin = observed.clone().thinned(SEARCH_SAMPLES);
-    let [coarse, problem] = [&thin, &observed]
-        .map(|observed| Problem { unit: options.crush_m, ..Problem::new(&coordinates, observed, 0.0) });
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
     let points = starts.iter().map(point).collect();
     let [sorting, to_the_end] = [(30, 1e-4), (120, 1e-10)].map(|(steps, worth)| bounds(&coordinates, steps, worth));
-    let (best, mut evaluations) = best_of_starts([&coarse, &problem], points, [&sorting, &to_the_end], FOLLOWED);
+    let (best, mut evaluations) = best_of_starts(&problem, points, [&sorting, &to_the_end], FOLLOWED);
     let mut best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
     if constrained {
         if let Some((end, spent, _)) = descend_to_conditions(&problem, options, &best.theta, (1e-10, 1e-9)) {

@@ -5,7 +5,8 @@ use crumple_lumped::{Model, Nonlinear2};
 use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 
-use crate::fit::descents::{SEARCH_SAMPLES, best_of_starts, bounds};
+use crate::fit::descents::bounds;
+use crate::fit::multistart::best_of_starts;
 use crate::fit::nonlinear::coordinates::{coordinates, record_of_fit};
 use crate::fit::nonlinear::momentum_starts::{DAMPER_KNOTS, FOLLOWED, Momentum, REFINED, Start};
 use crate::fit::options::SingleMassFitOptions;
@@ -67,13 +68,11 @@ pub fn search_nonlinear2(
         vec![v[0], v[1], v[2], start.knots[0], v[3], v[4], v[5], v[6], start.knots[1], start.knots[2]]
     };
     let coordinates = shares(options);
-    let thin = observed.clone().thinned(SEARCH_SAMPLES);
-    let [coarse, problem] = [&thin, &observed]
-        .map(|observed| Problem { unit: options.crush_m, ..Problem::new(&coordinates, observed, 0.0) });
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
     let points = starts.iter().map(to_theta).collect();
     let sorting = bounds(&coordinates, SORTING_STEPS, 1e-4);
     let to_the_end = Bounds { slow: SLOW, ..bounds(&coordinates, 60, 1e-9) };
-    let (best, evaluations) = best_of_starts([&coarse, &problem], points, [&sorting, &to_the_end], FOLLOWED);
+    let (best, evaluations) = best_of_starts(&problem, points, [&sorting, &to_the_end], FOLLOWED);
     let best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
     // The knots of the damper stand in rising order in the model.
     let mut ordered = best.clone();
