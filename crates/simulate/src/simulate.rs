@@ -1,7 +1,7 @@
 //! Simulates a model on the grid of a test and compares the two.
 
 use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, Structure};
-use crumple_lumped_fit::FitQuantity;
+use crumple_lumped_fit::{FitQuantity, Observation, ObservedWave};
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
 
@@ -102,18 +102,16 @@ fn check_speed(speed_m_per_s: f64, excitation: &Excitation<'_>) -> Result<(), Si
     if positive || !excitation.starts_at_impact_speed() { Ok(()) } else { Err(SimulateError::Speed(speed_m_per_s)) }
 }
 
-/// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: the samples of
-/// the record from time zero to the end of the window. `None` without two samples, or without a response.
+/// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: over the
+/// samples of the record from time zero to the end of the window, wherever on the clock the record begins. `None` with
+/// fewer samples than a fit takes, or without a response.
 fn fit_as_measured(test: &Measured<'_>, simulation: &Simulation, v0: f64, structure: &Structure) -> Option<f64> {
-    let measurement = &test.measurement;
-    let first = measurement.contact_index();
-    let last = (first..test.displacement.len())
-        .take_while(|&k| measurement.time_s(k) <= simulation.comparison.to_s + 1e-6 * measurement.dt_s)
-        .last()?;
     let behind = simulation.masses.len() > simulation.compartment + 1;
     let what = (behind.then_some(simulation.compartment), FitQuantity::Displacement);
-    let modelled = measurement.of_structure(what, v0, last, structure).ok()?;
-    fit_percent(test.displacement.samples().get(first..=last)?, modelled.get(first..=last)?)
+    let window_s = (0.0, simulation.comparison.to_s);
+    let wave = ObservedWave::new(test.displacement, what, test.time_zero_s, test.measurement, window_s, usize::MAX);
+    let observed = Observation { impact_speed_m_per_s: v0, waves: vec![wave.ok()?] };
+    observed.fit_percent(&observed.misfit_of(structure)?)
 }
 
 /// How far the events of a chain are sought, s: a crash is over in two seconds or never. A chain that creeps has no

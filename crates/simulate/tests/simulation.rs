@@ -58,6 +58,22 @@ fn the_model_of_the_record_fits_it_to_rounding() {
     assert_eq!((s.motion.displacement_m[0], s.motion.velocity_m_per_s[0]), (0.0, 9.7));
 }
 
+/// A motion that is integrated from contact on, beside an acceleration that was recorded long before it.
+#[test]
+fn the_fit_is_the_same_wherever_the_records_begin() {
+    let whole = record(0.0, displacement);
+    let from_contact = Sampled::new(0.0, DT, whole.samples()[500..].to_vec()).unwrap();
+    for first_s in [0.0, -0.001, -0.01, -0.05, -0.3] {
+        let samples = from_contact.len() + (-first_s / DT).round() as usize;
+        let measurement = Measurement { first_s, samples, ..Measurement::of_samples(&from_contact, 0.0) };
+        let test = Measured { measurement, ..measured(&from_contact, None) };
+        let s = simulate(&Model::Kelvin(model()), &test, Window::default()).unwrap();
+        let fit = s.comparison.fit_as_measured_percent.unwrap();
+        // As above: 1e-14 m of half a metre.
+        assert!((fit - 100.0).abs() < 1e-10, "{first_s}: {fit}");
+    }
+}
+
 #[test]
 fn a_time_zero_between_samples_costs_the_interpolation_only() {
     let x = record(0.4 * DT, displacement);

@@ -303,6 +303,17 @@ impl Observation {
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
     }
 
+    /// Fit of the first wave, `100 (1 - |ŷ - y|/|y - ȳ|)` percent with the norms over its samples and ȳ their mean, of a
+    /// misfit as [`Self::misfit_of`] gives it. `None` for a wave that is constant.
+    pub fn fit_percent(&self, misfit: &[f64]) -> Option<f64> {
+        let samples = &self.waves[0].samples;
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
+        let size = norm(&mut samples.iter().map(|x| x - mean));
+        let error = norm(&mut misfit.iter().take(samples.len()).map(|x| x / self.waves[0].weight));
+        (size > 0.0).then(|| 100.0 * (1.0 - error / size))
+    }
+
     /// The part of each wave in rows that stand one wave after the other.
     pub fn split<'a>(&self, rows: &'a [f64]) -> Vec<&'a [f64]> {
         let mut remaining = rows;

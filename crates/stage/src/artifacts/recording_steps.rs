@@ -13,6 +13,12 @@ pub(crate) fn class_filter(record: &ChannelFilterV1) -> Option<([f64; 5], usize)
     (is_class && record.cfc.is_some()).then_some((coefficients, record.samples_added as usize))
 }
 
+/// Whether both have one interval, and samples at the same instants where they overlap.
+fn is_on_grid_of(wave: &Sampled, motion: &Sampled) -> bool {
+    let apart = (motion.t0_s() - wave.t0_s()) / wave.dt_s();
+    (wave.dt_s() - motion.dt_s()).abs() <= 1e-9 * wave.dt_s() && (apart - apart.round()).abs() <= 1e-3
+}
+
 impl Inputs {
     /// The steps from the acceleration of this channel to its motion. Time zero, start and rule are those of the
     /// events: all channels are integrated alike.
@@ -31,7 +37,7 @@ impl Inputs {
             .map(crumple_artifact::Wave::signal::<Acceleration>)
             .transpose()
             .refuse()?
-            .filter(|wave| (wave.dt_s() - motion.dt_s()).abs() <= 1e-9 * wave.dt_s());
+            .filter(|wave| is_on_grid_of(wave, motion));
         let (dt_s, t0_s, samples) = match &acceleration {
             Some(wave) => (wave.dt_s(), wave.t0_s(), wave.len()),
             None => (motion.dt_s(), motion.t0_s(), motion.len()),

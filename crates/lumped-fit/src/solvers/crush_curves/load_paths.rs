@@ -239,19 +239,19 @@ impl Motions {
     /// The accelerations of both in the window, as measured, and the force on the wall where that is fitted; `None`
     /// where they cannot be compared.
     fn observed(&self, task: &Task<'_>) -> Option<Observation> {
+        let after_contact_s = |k: usize| self.first_s + k as f64 * self.dt_s;
+        let window_s = (after_contact_s(self.window.0), after_contact_s(self.window.1));
         let wave = |mass: usize| {
             let from = self.window.0 - 1;
-            let first_s = task.test.time_zero_s + self.first_s + from as f64 * self.dt_s;
+            let first_s = task.test.time_zero_s + after_contact_s(from);
             let wave = Sampled::new(first_s, self.dt_s, self.of[mass][2][from..].to_vec()).ok()?;
             let measurement = task.test.measurement?;
-            let window_s = (measurement.time_s(self.window.0), measurement.time_s(self.window.1));
             let what = (Some(mass), FitQuantity::Acceleration);
             ObservedWave::new(&wave, what, task.test.time_zero_s, measurement, window_s, usize::MAX).ok()
         };
         let wall = task.test.sensors.iter().find(|sensor| sensor.place == SensorPlace::Wall).and_then(|wall| {
             let measurement = wall.measurement?;
-            let window_s =
-                (measurement.time_s(measurement.contact_index()), self.window.1 as f64 * self.dt_s + self.first_s);
+            let window_s = (measurement.time_s(measurement.contact_index()), window_s.1);
             let what = (Some(2), FitQuantity::Force);
             ObservedWave::new(wall.record, what, task.test.time_zero_s, measurement, window_s, usize::MAX).ok()
         });

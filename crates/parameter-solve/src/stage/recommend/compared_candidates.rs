@@ -286,7 +286,7 @@ impl ComparedTest {
         InTest {
             misfit,
             inside,
-            fit_percent: of_displacement.as_ref().and_then(|misfit| self.fit_percent(misfit)),
+            fit_percent: of_displacement.as_ref().and_then(|misfit| self.displacement.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
             crush_error: crush.map(|crush| (crush / crush_m - 1.0).abs()).filter(|error| error.is_finite()),
             force_misfit_percent: self
@@ -320,15 +320,6 @@ impl ComparedTest {
         let model: Vec<f64> = wave.samples.iter().zip(misfit).map(|(x, misfit)| x + misfit).collect();
         let spacing_s = wave.time_s(1) - wave.time_s(0);
         crush_error_at_lower_speeds(&wave.samples, &model, spacing_s, self.displacement.impact_speed_m_per_s)
-    }
-
-    /// `100 (1 - |x - xh| / |x - mean x|)` of the displacement.
-    fn fit_percent(&self, misfit: &[f64]) -> Option<f64> {
-        let samples = &self.displacement.waves[0].samples;
-        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
-        let norm = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
-        let size = norm(&mut samples.iter().map(|x| x - mean));
-        (size > 0.0).then(|| 100.0 * (1.0 - norm(&mut misfit.iter().copied()) / size))
     }
 }
 

@@ -97,11 +97,12 @@ fn branches(displacement: &Sampled, ordinate: &Ordinate, t_m: Option<f64>, t_end
 
 /// Force of a model over the displacement of its compartment, up to where it is compared.
 fn model_line(candidate: &CandidateResult, per_g: f64) -> Option<Vec<[f64; 2]>> {
-    let (x, a) = (candidate.displacement.as_ref()?, candidate.acceleration.as_ref()?);
+    let (displacement, a) = (candidate.displacement.as_ref()?, candidate.acceleration.as_ref()?);
     let to_s = candidate.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
-    let last = x.index_at_or_after(to_s).saturating_add(1).min(x.len()).min(a.len());
-    let pairs = x.samples()[..last].iter().zip(a.samples());
-    Some(pairs.map(|(x, a)| [MILLI * x, per_g * G_PER_M_PER_S2 * a]).collect())
+    let last = displacement.index_at_or_after(to_s).saturating_add(1).min(displacement.len());
+    let samples = displacement.samples()[..last].iter().enumerate();
+    let point = |(k, x): (usize, &f64)| Some([MILLI * x, per_g * G_PER_M_PER_S2 * a.at(displacement.time_s(k))?]);
+    Some(samples.filter_map(point).collect())
 }
 
 /// The barrier force as its load cells measured it, up to `t_end`.
