@@ -17,7 +17,7 @@ fn the_model_of_a_record_is_chosen() {
     // to the displacement that end on bounds.
     for name in ["elastoplastic", "nonlinear-1", "nonlinear-2", "triple"] {
         let drawn = DRAWN.iter().find(|drawn| drawn.name == name).unwrap();
-        let choices = choices_of(drawn, 3010..3020, (bin.parent().unwrap(), &pipeline), folder.path()).unwrap();
+        let choices = choices_of(drawn, 3010..3020, false, (bin.parent().unwrap(), &pipeline), folder.path()).unwrap();
         assert!(choices.held_percent() >= 80.0, "{}\n{}", Choices::HEAD, choices.row(name));
     }
 }

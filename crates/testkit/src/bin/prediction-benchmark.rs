@@ -32,7 +32,7 @@ fn benchmark() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
-            "--bin" => bin = PathBuf::from(arguments.next().ok_or(USAGE)?),
+            "--bin" => bin = std::path::absolute(arguments.next().ok_or(USAGE)?)?,
             "--cars" => cars = arguments.next().ok_or(USAGE)?.parse()?,
             "--first" => first = arguments.next().ok_or(USAGE)?.parse()?,
             "--tests" => {
@@ -48,14 +48,11 @@ fn benchmark() -> Result<(), Failure> {
     let folder = keep.clone().unwrap_or_else(|| made_here.clone());
     let pipeline = workspace().join("pipelines/default.toml");
     let asked = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()));
-    let mut all = Vec::new();
-    for kind in KINDS.iter().filter(|kind| asked(kind.name)) {
-        let folder = folder.join(kind.name.replace([',', ' '], "-"));
-        all.extend(outcomes(kind, first..first + cars, &tests, (&bin, &pipeline), &folder)?);
-    }
-    if all.is_empty() {
+    let kinds: Vec<_> = KINDS.iter().filter(|kind| asked(kind.name)).collect();
+    if kinds.is_empty() {
         return Err(format!("no kind has one of these in its name: {}", wanted.join(", ")).into());
     }
+    let all = outcomes(&kinds, &(first..first + cars), &tests, (&bin, &pipeline), &folder)?;
     print!("{}", tables(&all));
     if keep.is_none() {
         std::fs::remove_dir_all(&made_here)?;

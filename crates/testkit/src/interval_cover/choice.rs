@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::car::Draw;
-use super::trial::{CoverError, measured};
+use super::cover::Cover;
+use super::trial::{CoverError, count, measured};
 use crate::programs::steps::{Steps, records};
 
 /// A model that cars are made of.
@@ -39,6 +40,11 @@ pub const DRAWN: &[Drawn] = &[
         model: "double-spring-mass-damper",
         draw: Draw::Double { front: (0.15, 0.35), engine: false },
     },
+    Drawn {
+        name: "double-two-sensors, split 18 to 33 % taken as 25 %",
+        model: "double-spring-mass-damper",
+        draw: Draw::Double { front: (0.18, 0.33), engine: true },
+    },
     Drawn { name: "triple", model: "triple-spring-mass-damper", draw: Draw::Triple },
     Drawn { name: "force-deflection", model: "force-deflection", draw: Draw::ForceDeflection },
 ];
@@ -64,7 +70,7 @@ enum Choice {
 }
 
 /// Counts of choices.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Choices {
     records: usize,
     /// Records with the true model, or one not told apart, as recommended or simplest.
@@ -75,31 +81,40 @@ pub struct Choices {
     counts: BTreeMap<(&'static str, Choice), usize>,
     /// Models recommended where the record tells them from the true one.
     others: BTreeMap<String, usize>,
+    /// Intervals of the fitted candidate of the true model.
+    cover: Cover,
 }
 
 /// The choices over the cars of these numbers, by the programs in `bin` with a pipeline.
 ///
-/// A car and its noise follow from its number and model alone. Errors: a program that is missing or fails.
+/// A car and its noise follow from its number and model alone. `clean`: trigger and stated speed without error, a filter
+/// without phase. Errors: a program that is missing or fails.
 pub fn choices_of(
     drawn: &Drawn,
     numbers: Range<usize>,
+    clean: bool,
     (bin, pipeline): (&Path, &Path),
     folder: &Path,
 ) -> Result<Choices, CoverError> {
-    let recommendations = numbers.into_par_iter().map(|number| -> Result<Value, CoverError> {
+    let recommendations = numbers.into_par_iter().map(|number| -> Result<(Value, Cover), CoverError> {
         let folder = folder.join(number.to_string());
         let programs = Steps { bin, folder: &folder, pipeline: None };
-        measured(drawn.name, drawn.draw, number, &programs)?;
+        let car = measured((drawn.name, drawn.draw, number), clean, &programs)?;
         let programs = Steps { pipeline: Some(pipeline), ..programs };
         programs.run("identify", &["2.mcap", "3.mcap", "-o", "4.mcap"])?;
-        let printed = programs.run("parameter-solve", &["2.mcap", "3.mcap", "4.mcap", "--json", "-o", "5.mcap"])?;
+        let mut arguments = vec!["2.mcap", "3.mcap", "4.mcap", "--json", "-o", "5.mcap"];
+        arguments.extend(if car.engine { &["--sensors", "compartment=accel,engine=engine"][..] } else { &[] });
+        let printed = programs.run("parameter-solve", &arguments)?;
         programs.remove_folder()?;
-        Ok(records(&printed, "/recommendation").next().map(|(_, record)| record).unwrap_or_default())
+        let cover = count(&format!("{}/direct-fit", drawn.model), number, &car, &printed)?;
+        let recommendation = records(&printed, "/recommendation").next().map(|(_, record)| record);
+        Ok((recommendation.unwrap_or_default(), cover))
     });
-    let recommendations: Vec<Value> = recommendations.collect::<Result<_, _>>()?;
+    let recommendations: Vec<(Value, Cover)> = recommendations.collect::<Result<_, _>>()?;
     let mut choices = Choices::default();
-    for recommendation in &recommendations {
+    for (recommendation, cover) in &recommendations {
         choices.count(recommendation, drawn.model);
+        choices.cover.add(cover);
     }
     Ok(choices)
 }
@@ -162,12 +177,13 @@ impl Choices {
     /// Head of the table of [`Choices::row`].
     pub const HEAD: &str = "\
 | made of | held, % | held, or too few samples, % | recommended: it / not told apart / too few samples / other / none \
-| simplest | others |
-|---|---|---|---|---|---|";
+| simplest | others | intervals that hold | width of stiffnesses, % |
+|---|---|---|---|---|---|---|---|";
 
     /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, the same with
     /// the records that have too few independent samples for that model, then the counts of the recommended and of the
-    /// simplest: true, not told apart, too few samples, other, none; others that are recommended.
+    /// simplest: true, not told apart, too few samples, other, none; others that are recommended; of the closed 95 %
+    /// intervals of the fitted true model those that hold the truth, and the median width of those of stiffnesses.
     pub fn row(&self, name: &str) -> String {
         let held = 100.0 * self.held as f64 / self.records as f64;
         let mut row = format!("| {name} | {held:.1} | {:.1} |", self.held_percent());
@@ -178,7 +194,8 @@ impl Choices {
             let _infallible = write!(row, " {truth} / {not_told_apart} / {too_few} / {other} / {nothing} |");
         }
         let others: Vec<String> = self.others.iter().map(|(model, count)| format!("{model} {count}")).collect();
-        let _infallible = writeln!(row, " {} |", others.join(", "));
+        let (held, closed, width) = self.cover.held("k");
+        let _infallible = writeln!(row, " {} | {held} of {closed} | {width} |", others.join(", "));
         row
     }
 }
@@ -213,6 +230,9 @@ mod tests {
                 "a",
             );
         }
-        assert_eq!(choices.row("a"), "| a | 33.3 | 50.0 | 1 / 1 / 1 / 2 / 1 | 0 / 1 / 0 / 2 / 3 | c 2 |\n");
+        assert_eq!(
+            choices.row("a"),
+            "| a | 33.3 | 50.0 | 1 / 1 / 1 / 2 / 1 | 0 / 1 / 0 / 2 / 3 | c 2 | 0 of 0 | - |\n"
+        );
     }
 }

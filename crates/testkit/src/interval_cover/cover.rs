@@ -104,6 +104,22 @@ impl Cover {
         }
     }
 
+    /// All closed intervals: how many hold the truth, of how many, and the median width in percent of the truth of
+    /// those of parameters whose name begins so.
+    pub(super) fn held(&self, prefix: &str) -> (usize, usize, String) {
+        let mut all = Closed::default();
+        let mut of_prefix = Closed::default();
+        for (name, counts) in &self.parameters {
+            for closed in [&counts.determined, &counts.not_determined] {
+                all.add(closed);
+                if name.starts_with(prefix) {
+                    of_prefix.add(closed);
+                }
+            }
+        }
+        (all.held, all.widths.len(), of_prefix.width())
+    }
+
     /// What stands over the [`rows`](Self::rows).
     pub const HEAD: &str = "| family | parameter | determined | cover, % | median width, % | closed, not determined | \
                             cover, % | open | records without a candidate |\n|---|---|---|---|---|---|---|---|---|";
@@ -151,6 +167,8 @@ mod tests {
         let counts = &cover.parameters["k"];
         assert_eq!(counts.determined, Closed { held: 1, widths: vec![1.0, 0.5] });
         assert_eq!((counts.not_determined.held, counts.open), (1, 1));
+        assert_eq!(cover.held("k"), (2, 3, "100.0".to_owned()));
+        assert_eq!(cover.held("c"), (2, 3, "-".to_owned()));
         assert_eq!(cover.rows("x"), "| x | k | 2 | 50.0 | 100.0 | 1 | 100.0 | 1 | 0 |\n");
         assert_eq!(both.rows("x"), "| x | k | 4 | 50.0 | 100.0 | 2 | 100.0 | 2 | 0 |\n");
         assert_eq!(cover.misses[0].to_string(), "record 1: k = 4.000000e0 is not in 1.000000e0 to 3.000000e0");

@@ -63,11 +63,17 @@ impl From<LumpedError> for CoverError {
 /// The cover of a family's intervals over the cars of these numbers.
 ///
 /// Cars run beside each other; a car and its noise follow from its number and the family alone, so the counts are the
-/// same for any number of threads. Errors: a program that is missing or fails.
-pub fn cover_of(family: &Family, records: Range<usize>, bin: &Path, folder: &Path) -> Result<Cover, CoverError> {
+/// same for any number of threads. `clean`: trigger and stated speed without error, a filter without phase. Errors: a
+/// program that is missing or fails.
+pub fn cover_of(
+    family: &Family,
+    records: Range<usize>,
+    clean: bool,
+    (bin, folder): (&Path, &Path),
+) -> Result<Cover, CoverError> {
     let trials = records.into_par_iter().map(|number| {
         let folder = folder.join(number.to_string());
-        trial(family, number, &Steps { bin, folder: &folder, pipeline: None })
+        trial(family, number, clean, &Steps { bin, folder: &folder, pipeline: None })
     });
     let covers: Vec<Cover> = trials.collect::<Result<_, _>>()?;
     Ok(covers.iter().fold(Cover::default(), |mut total, one| {
@@ -77,21 +83,25 @@ pub fn cover_of(family: &Family, records: Range<usize>, bin: &Path, folder: &Pat
 }
 
 /// Draws a car, records its test, solves for its parameters and counts their intervals.
-fn trial(family: &Family, number: usize, programs: &Steps<'_>) -> Result<Cover, CoverError> {
-    let car = measured(family.name, family.draw, number, programs)?;
+fn trial(family: &Family, number: usize, clean: bool, programs: &Steps<'_>) -> Result<Cover, CoverError> {
+    let car = measured((family.name, family.draw, number), clean, programs)?;
     let mut arguments = vec!["2.mcap", "3.mcap", "--json", "-o", "5.mcap"];
     arguments.extend(family.flags);
     let printed = programs.run("parameter-solve", &arguments)?;
     programs.remove_folder()?;
-    count(family, number, &car, &printed)
+    count(family.id, number, &car, &printed)
 }
 
 /// Draws a car and measures its test: `2.mcap` and `3.mcap` in the folder of the programs. Without a pipeline no
 /// input's uncertainty is propagated, so that the intervals are those of the fits.
-pub(super) fn measured(name: &str, draw: Draw, number: usize, programs: &Steps<'_>) -> Result<Car, CoverError> {
+pub(super) fn measured(
+    (name, draw, number): (&str, Draw, usize),
+    clean: bool,
+    programs: &Steps<'_>,
+) -> Result<Car, CoverError> {
     let mut random = RandomNumbers::seeded(blend(name, number));
     let car = draw.car(&mut random)?;
-    programs.write("crash.csv", &record(&car, &mut random)?)?;
+    programs.write("crash.csv", &record(&car, clean, &mut random)?)?;
     programs.run("ingest", &["crash.csv", "--time-zero", "0s", "--channel", "accel", "-o", "1.mcap"])?;
     programs.run("filter", &["1.mcap", "-o", "2.mcap"])?;
     let channels = if car.engine { "all,engine" } else { "all" };
@@ -104,11 +114,11 @@ fn blend(name: &str, number: usize) -> u64 {
     name.bytes().fold(number as u64, |seed, byte| seed.wrapping_mul(1_099_511_628_211) ^ u64::from(byte))
 }
 
-/// Counts the intervals of the candidate whose masses move most like those of the car: a record cannot tell duals
+/// Counts the intervals of the candidate of a model and method whose masses move most like those of the car: a record cannot tell duals
 /// apart, and both are given; their springs and dampers may be near each other, the motion of the front is not.
-fn count(family: &Family, number: usize, car: &Car, printed: &str) -> Result<Cover, CoverError> {
+pub(super) fn count(id: &str, number: usize, car: &Car, printed: &str) -> Result<Cover, CoverError> {
     let truth = car.model.parameters();
-    let below = format!("/parameters/{}/", family.id);
+    let below = format!("/parameters/{id}/");
     let candidates = records(printed, &below).map(|(_, candidate)| candidate);
     let displacements = |model: &Model| {
         let response = model.respond(car.impact_speed_m_per_s, INTERVAL_S, INSTANTS).ok()?;

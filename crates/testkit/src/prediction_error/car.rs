@@ -2,17 +2,14 @@
 
 use crumple_estimation::random::RandomNumbers;
 
-use super::channel_class::behind_class;
-use super::motion::{Motion, Part, Structure};
+use super::motion::{Motion, Structure};
+use super::part::Part;
+use crate::records::{FINE_S, LowPass};
 
-/// Sample interval of records and truths, s.
-pub(super) const DT_S: f64 = 1e-4;
-/// Samples from contact on: 0.2 s, beyond the rebound.
-const AFTER: usize = 2001;
-/// Steps of the simulator between two samples.
-const FINER: usize = 5;
-/// Samples before contact in a record, and of rest around a truth while it is filtered: 50 ms.
-pub(super) const BEFORE: usize = 500;
+/// Steps of the simulator from contact on, [`FINE_S`] each: 0.2 s, beyond the rebound.
+pub(super) const STEPS: usize = 20_000;
+/// Samples of rest before a truth that is filtered: 50 ms.
+const REST: usize = 5000;
 
 /// A car before its test.
 #[derive(Debug, Clone)]
@@ -22,13 +19,15 @@ pub(super) struct Car {
     pub random: RandomNumbers,
 }
 
-/// What a test without error shows of the compartment.
+/// What a test without error shows of the mass with the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Truth {
     pub crush_m: f64,
     pub time_s: f64,
     /// Largest deceleration behind CFC 60, m/s².
     pub peak_m_per_s2: f64,
+    /// Impact speed and rebound together, m/s.
+    pub delta_v_m_per_s: f64,
     pub restitution: f64,
 }
 
@@ -37,14 +36,11 @@ impl Car {
         self.structure.masses_kg.iter().sum()
     }
 
-    /// A test at a speed, m/s, with the car's mass changed by a factor: what is added or taken is in the compartment.
+    /// A test at a speed, m/s, with the car's mass changed by a factor.
     pub fn test(&self, speed: f64, mass_factor: f64) -> Motion {
         let mut structure = self.structure.clone();
-        let more = (mass_factor - 1.0) * self.mass_kg();
-        if let Some(compartment) = structure.masses_kg.last_mut() {
-            *compartment += more;
-        }
-        structure.impact(speed, DT_S, AFTER, FINER)
+        structure.masses_kg[structure.loaded] += (mass_factor - 1.0) * self.mass_kg();
+        structure.impact(speed, FINE_S, STEPS)
     }
 
     /// The car as who knows it wholly could know it from tests at these speeds, m/s: each curve up to its deepest crush
@@ -53,8 +49,8 @@ impl Car {
         let tests: Vec<Motion> = speeds.map(|speed| self.test(speed, 1.0)).collect();
         let mut known = self.clone();
         for (k, joint) in known.structure.joints.iter_mut().enumerate() {
-            if let Part::Plastic { known_to_m, .. } = &mut joint.part {
-                *known_to_m = tests.iter().map(|test| test.deepest_m[k]).fold(0.0, f64::max);
+            if let Part::Plastic(plastic) = &mut joint.part {
+                plastic.known_to_m = tests.iter().map(|test| test.deepest_m[k]).fold(0.0, f64::max);
             }
         }
         known
@@ -63,19 +59,14 @@ impl Car {
     /// What such a test shows.
     pub fn truth(&self, speed: f64, mass_factor: f64) -> Truth {
         let motion = self.test(speed, mass_factor);
-        let behind_filter = filtered(&motion.acceleration, 60.0);
+        let wave = std::iter::repeat_n(0.0, REST).chain(motion.acceleration.iter().copied());
+        let behind_filter = LowPass::of_class(60.0).both_ways(wave, FINE_S);
         Truth {
             crush_m: motion.crush_m,
             time_s: motion.time_s,
             peak_m_per_s2: behind_filter.iter().fold(0.0, |peak, a| peak.max(-a)),
+            delta_v_m_per_s: speed * (1.0 + motion.restitution),
             restitution: motion.restitution,
         }
     }
-}
-
-/// An acceleration after contact behind a channel frequency class, 50 ms of rest before it.
-pub(super) fn filtered(acceleration: &[f64], class: f64) -> Vec<f64> {
-    let mut wave = vec![0.0; BEFORE];
-    wave.extend_from_slice(acceleration);
-    behind_class(class, &wave, DT_S)
 }

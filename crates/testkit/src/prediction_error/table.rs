@@ -6,40 +6,93 @@ use std::fmt::Write as _;
 use crumple_estimation::statistics::quantile;
 
 use super::kind::KINDS;
-use super::score::{ASKED, Answer, Outcome, Prediction};
+use super::score::{ASKED, Answer, COUNTED, LOWER, OWN_TEST, Outcome, Prediction, Quantity, Scored};
 
-/// All tables: what is recommended by kind, its errors and those of the car itself by kind and question, its intervals,
-/// and every candidate.
+/// A status of `summary.json` that says a model may be relied on.
+const USABLE: &str = "usable";
+/// Place in [`ASKED`] of the speed above the tested one.
+const HIGHER: usize = 4;
+
+/// All tables: counts and what is recommended by kind; errors and intervals of each quantity by kind and question; the
+/// cover of all intervals; errors of the car itself; every candidate.
 pub fn tables(outcomes: &[Outcome]) -> String {
-    let mut groups: Vec<(String, Vec<&Outcome>)> = KINDS
-        .iter()
-        .map(|kind| (kind.name.to_owned(), outcomes.iter().filter(|o| o.kind == kind.name).collect()))
-        .collect();
-    let told = |outcome: &&Outcome| KINDS.iter().any(|kind| kind.name == outcome.kind && kind.told_by_one_test);
-    groups.push(("**all that one test can tell**".to_owned(), outcomes.iter().filter(told).collect()));
-    groups.push(("**all**".to_owned(), outcomes.iter().collect()));
+    let kind_of = |outcome: &Outcome| KINDS.iter().find(|kind| kind.name == outcome.kind);
+    let is_plastic = |outcome: &&Outcome| kind_of(outcome).is_some_and(|kind| kind.is_plastic);
+    let mut groups: Vec<(String, Vec<&Outcome>)> = vec![
+        ("**all**".to_owned(), outcomes.iter().collect()),
+        ("**plastic**".to_owned(), outcomes.iter().filter(is_plastic).collect()),
+    ];
+    groups.extend(
+        KINDS
+            .iter()
+            .map(|kind| (kind.name.to_owned(), outcomes.iter().filter(|outcome| outcome.kind == kind.name).collect())),
+    );
     groups.retain(|(_, cars)| !cars.is_empty());
-    let of_recommended = crush(&groups, &Answer::Recommended, "of what is recommended");
-    let of_the_car = crush(&groups, &Answer::CarItself, "of the car itself, its curves known as far as it was crushed");
-    [recommended(&groups), of_recommended, of_the_car, other(&groups), intervals(&groups), by_candidate(outcomes)]
-        .join("\n")
+    let mut tables = vec![counts(outcomes, &outcomes.iter().filter(is_plastic).collect::<Vec<_>>())];
+    tables.push(recommended(&groups));
+    tables.extend(Quantity::ALL.map(|quantity| errors(&groups, &Answer::Recommended, quantity)));
+    tables.extend([cover(&groups), errors(&groups, &Answer::CarItself, Quantity::Crush), candidates(outcomes)]);
+    tables.join("\n")
 }
 
-/// The predictions of an answer at the question of this number.
-fn of(cars: &[&Outcome], who: &Answer, question: usize) -> Vec<Prediction> {
-    let answers = cars.iter().flat_map(|car| car.predictions.iter().filter(|(answer, _)| answer == who));
-    answers.filter_map(|(_, predictions)| predictions[question]).collect()
+/// What is recommended, and what should not be.
+fn counts(outcomes: &[Outcome], plastic: &[&Outcome]) -> String {
+    let damped: Vec<&&Outcome> = plastic.iter().filter(|car| car.is_damped()).collect();
+    let not_repeated = damped.iter().filter(|car| !car.repeats_own_test()).count();
+    let none = outcomes.iter().filter(|car| car.recommended.is_none()).count();
+    let usable: Vec<&Outcome> = outcomes.iter().filter(|car| car.status.as_deref() == Some(USABLE)).collect();
+    let off = usable.iter().filter(|car| car.error(Quantity::Crush, LOWER).is_none_or(|e| e.abs() > 0.1)).count();
+    let status = outcomes.iter().filter(|car| car.status.is_some()).count();
+    format!(
+        "| count | cars | of |\n|---|---|---|\n\
+         | plastic cars with a damped model | {} | {} |\n\
+         | ... that does not repeat its own test | {not_repeated} | {} |\n\
+         | cars without a recommendation | {none} | {} |\n\
+         | runs that state a status | {status} | {} |\n\
+         | ... \"{USABLE}\" for a crush at 40 km/h that is off by more than 10 % | {off} | {} |\n",
+        damped.len(),
+        plastic.len(),
+        plastic.len(),
+        outcomes.len(),
+        outcomes.len(),
+        usable.len(),
+    )
 }
 
-/// Quantile of sizes, in percent.
-fn percent(sizes: impl Iterator<Item = f64>, share: f64) -> String {
+/// Numbers of a quantity that an answer predicts at a question.
+fn scored<'a>(
+    cars: &'a [&Outcome],
+    who: &'a Answer,
+    question: usize,
+    quantity: Quantity,
+) -> impl Iterator<Item = Scored> + 'a {
+    let predictions = cars.iter().filter_map(move |car| car.prediction(who, question));
+    predictions.filter_map(move |prediction: Prediction| prediction[quantity as usize])
+}
+
+/// Quantiles of sizes, in percent.
+fn percent(sizes: impl Iterator<Item = f64>, shares: &[f64]) -> Vec<String> {
     let mut sorted: Vec<f64> = sizes.map(f64::abs).collect();
     sorted.sort_by(f64::total_cmp);
-    quantile(&sorted, share).map_or_else(|| "-".to_owned(), |size| format!("{:.1}", 100.0 * size))
+    let at =
+        |share: &f64| quantile(&sorted, *share).map_or_else(|| "-".to_owned(), |size| format!("{:.1}", 100.0 * size));
+    shares.iter().map(at).collect()
+}
+
+/// How many in a hundred intervals hold the truth, and their median width in percent of it.
+fn held(scored: impl Iterator<Item = Scored>) -> Option<String> {
+    let intervals: Vec<(bool, f64)> = scored.filter_map(|scored| scored.interval).collect();
+    let held = intervals.iter().filter(|(held, _)| *held).count();
+    let share = 100.0 * held as f64 / intervals.len() as f64;
+    let width = percent(intervals.iter().map(|(_, width)| *width), &[0.5]);
+    (!intervals.is_empty()).then(|| format!("{share:.0} {}", width[0]))
 }
 
 fn recommended(groups: &[(String, Vec<&Outcome>)]) -> String {
-    let mut table = String::from("| kind | cars | recommended |\n|---|---|---|\n");
+    let mut table = String::from(
+        "Crush and peak at 40 km/h over those at 56, medians of the cars themselves; what is recommended\n\n\
+         | kind | cars | crush | peak | recommended |\n|---|---|---|---|---|\n",
+    );
     for (name, cars) in groups {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for car in cars {
@@ -48,7 +101,14 @@ fn recommended(groups: &[(String, Vec<&Outcome>)]) -> String {
         let mut counts: Vec<_> = counts.into_iter().collect();
         counts.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
         let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
-        let _infallible = writeln!(table, "| {name} | {} | {} |", cars.len(), counts.join(", "));
+        let ratio = |which: usize| {
+            let mut ratios: Vec<f64> = cars.iter().map(|car| car.lower_ratios[which]).collect();
+            ratios.sort_by(f64::total_cmp);
+            quantile(&ratios, 0.5).unwrap_or_default()
+        };
+        let (crush, peak) = (ratio(0), ratio(1));
+        let _infallible =
+            writeln!(table, "| {name} | {} | {crush:.2} | {peak:.2} | {} |", cars.len(), counts.join(", "));
     }
     table
 }
@@ -62,61 +122,45 @@ fn questions() -> String {
     })
 }
 
-fn crush(groups: &[(String, Vec<&Outcome>)], who: &Answer, of_whom: &str) -> String {
+/// Errors of a quantity by question; of what is recommended with the intervals.
+fn errors(groups: &[(String, Vec<&Outcome>)], who: &Answer, quantity: Quantity) -> String {
+    let of_whom = match who {
+        Answer::Recommended => "median (nine in ten, worst); cover and median width of the 90 % intervals",
+        _ => "of the car itself, its curves known as far as it was crushed: median (nine in ten, worst)",
+    };
     let mut table = format!(
-        "Error of dynamic crush {of_whom}, %: median, nine in ten within\n\n| kind |{}\n|---|{}\n",
+        "Error of {}, %, {of_whom}\n\n| kind |{}\n|---|{}\n",
+        quantity.name(),
         questions(),
         "---|".repeat(ASKED.len())
     );
     for (name, cars) in groups {
         let _infallible = write!(table, "| {name} |");
         for question in 0..ASKED.len() {
-            let answers = of(cars, who, question);
-            let at = |share| percent(answers.iter().map(|p| p.crush), share);
-            let _infallible = write!(table, " {}, {} |", at(0.5), at(0.9));
+            let sizes = percent(scored(cars, who, question, quantity).map(|scored| scored.error), &[0.5, 0.9, 1.0]);
+            let held = held(scored(cars, who, question, quantity)).map_or_else(String::new, |held| format!("; {held}"));
+            let _infallible = write!(table, " {} ({}, {}){held} |", sizes[0], sizes[1], sizes[2]);
         }
         table.push('\n');
     }
     table
 }
 
-fn other(groups: &[(String, Vec<&Outcome>)]) -> String {
+/// Cover and median width of every quantity's intervals over all questions beside the own test.
+fn cover(groups: &[(String, Vec<&Outcome>)]) -> String {
     let mut table = String::from(
-        "Median errors of what is recommended at 40 and 64 km/h: time of crush and peak behind CFC 60 in %, \
-         coefficient of restitution\n\n| kind | time | peak | restitution |\n|---|---|---|---|\n",
-    );
-    for (name, cars) in groups {
-        let answers: Vec<Prediction> =
-            [2, 4].iter().flat_map(|question| of(cars, &Answer::Recommended, *question)).collect();
-        let mut restitution: Vec<f64> = answers.iter().filter_map(|p| p.restitution).map(f64::abs).collect();
-        restitution.sort_by(f64::total_cmp);
-        let restitution = quantile(&restitution, 0.5).map_or_else(|| "-".to_owned(), |e| format!("{e:.3}"));
-        let _infallible = writeln!(
-            table,
-            "| {name} | {} | {} | {restitution} |",
-            percent(answers.iter().map(|p| p.time), 0.5),
-            percent(answers.iter().filter_map(|p| p.peak), 0.5)
-        );
-    }
-    table
-}
-
-fn intervals(groups: &[(String, Vec<&Outcome>)]) -> String {
-    let mut table = format!(
-        "90 % intervals of dynamic crush: held in %, median width in % of the crush\n\n| kind |{} all |\n|---|{}---|\n",
-        questions(),
-        "---|".repeat(ASKED.len())
+        "Cover and median width of the 90 % intervals, %, at 40, 48 and 64 km/h and both masses; at the own test\n\n\
+         | kind | crush | time | peak | delta-v | restitution |\n|---|---|---|---|---|---|\n",
     );
     for (name, cars) in groups {
         let _infallible = write!(table, "| {name} |");
-        let each = (0..ASKED.len()).map(|question| of(cars, &Answer::Recommended, question));
-        let all = (0..ASKED.len()).flat_map(|question| of(cars, &Answer::Recommended, question)).collect();
-        for answers in each.chain([all]) {
-            let held: Vec<bool> = answers.iter().filter_map(|p| p.interval).map(|(held, _)| held).collect();
-            let share = 100.0 * held.iter().filter(|held| **held).count() as f64 / held.len() as f64;
-            let width = percent(answers.iter().filter_map(|p| p.interval).map(|(_, width)| width), 0.5);
-            let _infallible =
-                if held.is_empty() { write!(table, " - |") } else { write!(table, " {share:.0}, {width} |") };
+        for quantity in Quantity::ALL {
+            let of = |questions: &[usize]| {
+                let who = &Answer::Recommended;
+                let scored = questions.iter().flat_map(|question| scored(cars, who, *question, quantity));
+                held(scored).unwrap_or_else(|| "-".to_owned())
+            };
+            let _infallible = write!(table, " {}; {} |", of(&COUNTED), of(&[OWN_TEST]));
         }
         table.push('\n');
     }
@@ -124,7 +168,7 @@ fn intervals(groups: &[(String, Vec<&Outcome>)]) -> String {
 }
 
 /// Every candidate over all cars, at the tested speed and away from it.
-fn by_candidate(outcomes: &[Outcome]) -> String {
+fn candidates(outcomes: &[Outcome]) -> String {
     let mut table = String::from(
         "Error of dynamic crush by candidate, %: median (worst)\n\n\
          | candidate | cars | at 56 km/h | at 40 | at 64 | peak at 40 and 64, median |\n|---|---|---|---|---|---|\n",
@@ -137,14 +181,15 @@ fn by_candidate(outcomes: &[Outcome]) -> String {
             Answer::CarItself => "the car itself, as far as it was crushed",
             Answer::Candidate(name) => name,
         };
-        let _infallible = write!(table, "| {name} | {} |", of(&cars, who, 0).len());
-        for question in [0, 2, 4] {
-            let answers = of(&cars, who, question);
-            let at = |share| percent(answers.iter().map(|p| p.crush), share);
-            let _infallible = write!(table, " {} ({}) |", at(0.5), at(1.0));
+        let count = scored(&cars, who, OWN_TEST, Quantity::Crush).count();
+        let _infallible = write!(table, "| {name} | {count} |");
+        for question in [OWN_TEST, LOWER, HIGHER] {
+            let errors = scored(&cars, who, question, Quantity::Crush).map(|scored| scored.error);
+            let sizes = percent(errors, &[0.5, 1.0]);
+            let _infallible = write!(table, " {} ({}) |", sizes[0], sizes[1]);
         }
-        let peaks = [2, 4].iter().flat_map(|question| of(&cars, who, *question)).filter_map(|p| p.peak);
-        let _infallible = writeln!(table, " {} |", percent(peaks, 0.5));
+        let peaks = [LOWER, HIGHER].into_iter().flat_map(|question| scored(&cars, who, question, Quantity::Peak));
+        let _infallible = writeln!(table, " {} |", percent(peaks.map(|scored| scored.error), &[0.5])[0]);
     }
     table
 }

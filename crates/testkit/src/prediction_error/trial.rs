@@ -9,134 +9,143 @@ use serde_json::Value;
 use super::car::{Car, Truth};
 use super::kind::Kind;
 use super::record::record;
-use super::score::{ASKED, Answer, Outcome, Prediction};
+use super::score::{ASKED, Answer, LOWER, OWN_TEST, Outcome, Prediction, scored, scored_truth};
 use crate::programs::steps::{StepError, Steps, records};
 
-/// Cars of a kind, those of the numbers given, through the programs in `bin` with the pipeline in `pipeline`.
+/// Cars of these kinds and numbers, through the programs in `bin` with the pipeline in `pipeline`.
 ///
 /// `tests`: speeds at which each is tested, km/h; with several, one model is fitted to all of them. Every car leaves
-/// its records and artifacts in a folder of its own. A car and its noise follow from its kind and number alone. Errors:
-/// a program that is missing or fails.
+/// its records and artifacts in a folder of its own below that of its kind. A car and its noise follow from its kind
+/// and number alone. Errors: a program that is missing or fails.
 pub fn outcomes(
-    kind: &Kind,
-    numbers: std::ops::Range<usize>,
+    kinds: &[&Kind],
+    numbers: &std::ops::Range<usize>,
     tests: &[f64],
     (bin, pipeline): (&Path, &Path),
     folder: &Path,
 ) -> Result<Vec<Outcome>, StepError> {
-    numbers
-        .into_par_iter()
-        .map(|number| {
-            let folder = folder.join(number.to_string());
-            let programs = Steps { bin, folder: &folder, pipeline: Some(pipeline) };
-            trial(kind, number, tests, &programs)
-        })
-        .collect()
+    let cars: Vec<(&Kind, usize)> =
+        kinds.iter().flat_map(|kind| numbers.clone().map(move |number| (*kind, number))).collect();
+    let trial_of = |(kind, number): (&Kind, usize)| {
+        let folder = folder.join(kind.name.replace([',', ' '], "-")).join(number.to_string());
+        trial(kind, number, tests, &Steps { bin, folder: &folder, pipeline: Some(pipeline) })
+    };
+    cars.into_par_iter().map(trial_of).collect()
 }
 
-/// Predictions at every speed and mass that is asked for, by a candidate or by the one that is recommended.
-fn predictions(
-    programs: &Steps<'_>,
-    inputs: &[&str],
-    candidate: Option<&str>,
+/// A car, the programs, and what they are given to predict from.
+struct Trial<'a> {
+    programs: &'a Steps<'a>,
+    inputs: &'a [&'a str],
     mass_kg: f64,
-) -> Result<Vec<Value>, StepError> {
-    let mut answers = Vec::new();
-    for factor in [1.0, 0.8, 1.25] {
-        let speeds: Vec<String> =
-            ASKED.iter().filter(|asked| asked.1 == factor).map(|asked| format!("{}km/h", asked.0)).collect();
-        let (speeds, mass) = (speeds.join(","), format!("{}kg", mass_kg * factor));
-        let mut arguments = inputs.to_vec();
+    speed_factor: f64,
+    truths: Vec<Truth>,
+}
+
+impl Trial<'_> {
+    /// Records of predictions at some speeds, km/h, and a factor of the mass, by a candidate or those that are chosen.
+    fn predicted(&self, speeds: &[f64], mass_factor: f64, candidate: Option<&str>) -> Result<Vec<Value>, StepError> {
+        let speeds: Vec<String> = speeds.iter().map(|speed| format!("{}km/h", self.speed_factor * speed)).collect();
+        let (speeds, mass) = (speeds.join(","), format!("{}kg", self.mass_kg * mass_factor));
+        let mut arguments = self.inputs.to_vec();
         arguments.extend(["--json", "--force", "-o", "7.mcap", "--speed", &speeds, "--mass", &mass]);
         arguments.extend(candidate.iter().flat_map(|id| ["--candidate", id]));
-        answers.extend(records(&programs.run("predict", &arguments)?, "/prediction/").map(|(_, data)| data));
+        let printed = self.programs.run("predict", &arguments)?;
+        Ok(records(&printed, "/prediction/").map(|(_, record)| record).collect())
     }
-    Ok(answers)
+
+    /// The same at every speed and mass that is asked for.
+    fn all_predicted(&self, candidate: Option<&str>) -> Result<Vec<Value>, StepError> {
+        let mut answers = Vec::new();
+        for factor in [1.0, 0.8, 1.2] {
+            let speeds: Vec<f64> = ASKED.iter().filter(|asked| asked.1 == factor).map(|asked| asked.0).collect();
+            answers.extend(self.predicted(&speeds, factor, candidate)?);
+        }
+        Ok(answers)
+    }
+
+    /// The answers in the order in which they are asked, beside the truth.
+    fn scored(&self, answers: &[Value]) -> Vec<Option<Prediction>> {
+        let near = |value: &Value, wanted: f64| value.as_f64().is_some_and(|value| (value / wanted - 1.0).abs() < 1e-6);
+        let answer = |(speed, factor): (f64, f64)| {
+            answers.iter().find(|answer| {
+                near(&answer["impact_speed_m_per_s"], self.speed_factor * speed / 3.6)
+                    && near(&answer["mass_kg"], self.mass_kg * factor)
+            })
+        };
+        ASKED.iter().zip(&self.truths).map(|(asked, truth)| Some(scored(answer(*asked)?, truth))).collect()
+    }
+
+    /// Status of the run, asked at the lower speed.
+    fn status(&self) -> Result<Option<String>, StepError> {
+        self.predicted(&[ASKED[LOWER].0], 1.0, None)?;
+        let artifacts = ["1", "2", "3", "4", "5", "6"].map(|stage| format!("0/{stage}.mcap"));
+        let mut arguments: Vec<&str> = artifacts.iter().map(String::as_str).collect();
+        arguments.extend(["7.mcap", "-o", "report.html", "--summary", "summary.json", "--json"]);
+        let summary: Value = serde_json::from_str(&self.programs.run("report", &arguments)?).unwrap_or_default();
+        let status = ["conclusion", "verdict"].iter().find_map(|key| summary[key]["status"].as_str());
+        Ok(status.map(str::to_owned))
+    }
 }
 
-fn trial(kind: &Kind, number: usize, tests: &[f64], programs: &Steps<'_>) -> Result<Outcome, StepError> {
-    let car = kind.car(number);
+/// Records the tests of a car and solves for its models: what the solver printed.
+fn solved(car: &Car, tests: &[f64], programs: &Steps<'_>) -> Result<String, StepError> {
     let mut of_all: Vec<String> = Vec::new();
     for (k, km_per_h) in tests.iter().enumerate() {
         let [crash, raw, filtered, integrated] =
             ["crash.csv", "1.mcap", "2.mcap", "3.mcap"].map(|f| format!("{k}/{f}"));
-        programs.write(&crash, &record(&car, km_per_h / 3.6, k))?;
+        programs.write(&crash, &record(car, km_per_h / 3.6, k))?;
         programs.run("ingest", &[&crash, "--time-zero", "0s", "-o", &raw])?;
         programs.run("filter", &[&raw, "-o", &filtered])?;
-        // A made record begins when it says and has no error of gain; its zero level is off.
-        let exact = ["--gain-uncertainty", "0 % uniform", "--time-zero-uncertainty", "0 s uniform"];
-        programs.run("integrate", &[&[filtered.as_str(), "-o", &integrated], &exact[..]].concat())?;
+        programs.run("integrate", &[&filtered, "-o", &integrated])?;
         of_all.extend([filtered, integrated].map(|path| format!("{k}:{path}")));
     }
-    let (mut arguments, inputs) = if let [_] = tests {
-        programs.run("identify", &["0/2.mcap", "0/3.mcap", "-o", "4.mcap"])?;
-        (vec!["0/2.mcap", "0/3.mcap", "4.mcap"], &["0/3.mcap", "5.mcap"][..])
-    } else {
-        (of_all.iter().map(String::as_str).collect(), &["5.mcap"][..])
-    };
-    arguments.extend(["--json", "-o", "5.mcap"]);
-    let solved = programs.run("parameter-solve", &arguments)?;
+    if tests.len() > 1 {
+        let mut arguments: Vec<&str> = of_all.iter().map(String::as_str).collect();
+        arguments.extend(["--json", "-o", "0/5.mcap"]);
+        return programs.run("parameter-solve", &arguments);
+    }
+    programs.run("identify", &["0/2.mcap", "0/3.mcap", "-o", "0/4.mcap"])?;
+    let solved = programs.run("parameter-solve", &["0/2.mcap", "0/3.mcap", "0/4.mcap", "--json", "-o", "0/5.mcap"])?;
+    programs.run("simulate", &["0/2.mcap", "0/3.mcap", "0/5.mcap", "-o", "0/6.mcap"])?;
+    Ok(solved)
+}
+
+fn trial(kind: &Kind, number: usize, tests: &[f64], programs: &Steps<'_>) -> Result<Outcome, StepError> {
+    let car = kind.car(number);
+    let speed_factor = kind.speed_factor();
+    let tests: Vec<f64> = tests.iter().map(|km_per_h| speed_factor * km_per_h).collect();
+    let solved = solved(&car, &tests, programs)?;
     // The first candidate of each model and method.
     let mut first: BTreeMap<String, String> = BTreeMap::new();
     for (id, _) in records(&solved, "/parameters/") {
         let method = id.rsplit_once('/').map_or(id.as_str(), |(method, _)| method).to_owned();
         first.entry(method).or_insert(id);
     }
-    let truths: Vec<Truth> = ASKED.iter().map(|(speed, factor)| car.truth(speed / 3.6, *factor)).collect();
-    let mass_kg = car.mass_kg();
-    let mut answers: Vec<Value> = predictions(programs, inputs, None, mass_kg)?;
+    let recommendation = records(&solved, "/recommendation").next().map(|(_, record)| record).unwrap_or_default();
+    let recommended = recommendation["recommended"].as_str();
+    let truths_of = |car: &Car| -> Vec<Truth> {
+        ASKED.iter().map(|(speed, factor)| car.truth(speed_factor * speed / 3.6, *factor)).collect()
+    };
+    let inputs: &[&str] = if tests.len() > 1 { &["0/5.mcap"] } else { &["0/3.mcap", "0/5.mcap"] };
+    let trial = Trial { programs, inputs, mass_kg: car.mass_kg(), speed_factor, truths: truths_of(&car) };
+    let status = if tests.len() > 1 { None } else { trial.status()? };
+    let mut answers = trial.all_predicted(None)?;
     answers.retain(|answer| answer["recommended"] == true);
-    let recommended = answers.first().and_then(|answer| answer["candidate"].as_str());
+    let known = truths_of(&car.known_from(tests.iter().map(|km_per_h| km_per_h / 3.6)));
+    let known = known.iter().zip(&trial.truths).map(|(known, truth)| Some(scored_truth(known, truth)));
+    let (lower, own) = (&trial.truths[LOWER], &trial.truths[OWN_TEST]);
     let mut outcome = Outcome {
         kind: kind.name,
         number,
+        lower_ratios: [lower.crush_m / own.crush_m, lower.peak_m_per_s2 / own.peak_m_per_s2],
         recommended: recommended.map(|id| id.rsplit_once('/').map_or(id, |(method, _)| method).to_owned()),
-        predictions: vec![
-            (Answer::Recommended, scored(&answers, mass_kg, &truths)),
-            (Answer::CarItself, of_the_car(&car.known_from(tests.iter().map(|km_per_h| km_per_h / 3.6)), &truths)),
-        ],
+        status,
+        predictions: vec![(Answer::Recommended, trial.scored(&answers)), (Answer::CarItself, known.collect())],
     };
     for (method, id) in first {
-        let answers = predictions(programs, inputs, Some(&id), mass_kg)?;
-        outcome.predictions.push((Answer::Candidate(method), scored(&answers, mass_kg, &truths)));
+        let answers = trial.all_predicted(Some(&id))?;
+        outcome.predictions.push((Answer::Candidate(method), trial.scored(&answers)));
     }
     Ok(outcome)
-}
-
-/// What a car that is known so far answers, beside the truth.
-fn of_the_car(known: &Car, truths: &[Truth]) -> Vec<Option<Prediction>> {
-    let answer = |((speed, factor), truth): (&(f64, f64), &Truth)| {
-        let known = known.truth(speed / 3.6, *factor);
-        Some(Prediction {
-            crush: known.crush_m / truth.crush_m - 1.0,
-            time: known.time_s / truth.time_s - 1.0,
-            peak: Some(known.peak_m_per_s2 / truth.peak_m_per_s2 - 1.0),
-            restitution: Some(known.restitution - truth.restitution),
-            interval: None,
-        })
-    };
-    ASKED.iter().zip(truths).map(answer).collect()
-}
-
-/// The answers in the order in which they are asked, beside the truth.
-fn scored(answers: &[Value], mass_kg: f64, truths: &[Truth]) -> Vec<Option<Prediction>> {
-    let answer = |(speed, factor): (f64, f64), truth: &Truth| -> Option<Prediction> {
-        let near = |value: &Value, wanted: f64| value.as_f64().is_some_and(|value| (value / wanted - 1.0).abs() < 1e-6);
-        let answer = answers.iter().find(|answer| {
-            near(&answer["impact_speed_m_per_s"], speed / 3.6) && near(&answer["mass_kg"], mass_kg * factor)
-        })?;
-        let interval = answer["intervals"].as_array().into_iter().flatten().find(|i| i["name"] == "dynamic_crush_m");
-        let interval = interval.and_then(|i| {
-            let (low, high) = (i["low"].as_f64()?, i["high"].as_f64()?);
-            Some((low <= truth.crush_m && truth.crush_m <= high, (high - low) / truth.crush_m))
-        });
-        Some(Prediction {
-            crush: answer["dynamic_crush_m"].as_f64()? / truth.crush_m - 1.0,
-            time: answer["time_of_dynamic_crush_s"].as_f64()? / truth.time_s - 1.0,
-            peak: answer["peak_acceleration_m_per_s2"].as_f64().map(|peak| peak.abs() / truth.peak_m_per_s2 - 1.0),
-            restitution: answer["coefficient_of_restitution"].as_f64().map(|e| e - truth.restitution),
-            interval,
-        })
-    };
-    ASKED.iter().zip(truths).map(|(asked, truth)| answer(*asked, truth)).collect()
 }

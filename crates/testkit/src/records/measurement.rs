@@ -1,0 +1,169 @@
+//! The measurement of a test: what lies between the motion of a mass and the numbers of its record.
+
+use std::fmt::Write as _;
+
+use crumple_estimation::random::RandomNumbers;
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+
+use super::low_pass::LowPass;
+
+/// Sample interval of the motions that are measured, s.
+pub(crate) const FINE_S: f64 = 1e-5;
+/// Sample intervals of records, s: 10 to 20 kHz.
+const INTERVALS_S: [f64; 4] = [1e-4, 8e-5, 6.25e-5, 5e-5];
+/// Corner of the anti-alias filter, Hz.
+const ANTI_ALIAS_HZ: f64 = 1650.0;
+/// How far time zero of the record may be from contact, s.
+const TRIGGER_S: f64 = 1e-4;
+/// How far the stated impact speed may be off: 0.1 km/h.
+const SPEED_M_PER_S: f64 = 0.1 / 3.6;
+/// How far the zero level may be off, g.
+const ZERO_LEVEL_G: f64 = 0.5;
+/// The range of the digitiser over the largest value of the pulse.
+const RANGE: f64 = 2.0;
+/// The end of a motion that is not recorded: there the filter without phase has no wave to look ahead at, s.
+const END_S: f64 = 0.005;
+
+/// How one test is measured, the same for all of its sensors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measurement {
+    /// Sample interval of the record, s.
+    interval_s: f64,
+    /// What is recorded before time zero, s: 20 to 100 ms.
+    before_s: f64,
+    /// Contact on the clock of the record, s.
+    contact_s: f64,
+    /// Whether the anti-alias filter is causal, of four poles; else two poles both ways.
+    is_causal: bool,
+    /// Resolution of the digitiser: 12 to 16 bit.
+    bits: i32,
+    /// What the speed of the impact is above the stated one, m/s.
+    pub speed_error_m_per_s: f64,
+}
+
+impl Measurement {
+    /// Draws a measurement. A `clean` one has a trigger and a stated speed without error and a filter without phase.
+    pub fn drawn(random: &mut RandomNumbers, clean: bool) -> Self {
+        let errors = if clean { 0.0 } else { 1.0 };
+        let interval_s = INTERVALS_S[random.below(INTERVALS_S.len())];
+        let before_s = (0.02 + 0.08 * random.uniform()) / interval_s;
+        Self {
+            interval_s,
+            before_s: before_s.round() * interval_s,
+            contact_s: errors * TRIGGER_S * (2.0 * random.uniform() - 1.0),
+            is_causal: random.below(2) == 0 && !clean,
+            bits: [12, 13, 14, 15, 16][random.below(5)],
+            speed_error_m_per_s: errors * SPEED_M_PER_S * (2.0 * random.uniform() - 1.0),
+        }
+    }
+
+    /// The record as CSV below its `head`: time and one column a sensor, its name and its acceleration, m/s², from
+    /// contact on in steps of [`FINE_S`].
+    ///
+    /// Each sensor behind the anti-alias filter of 1650 Hz, with white noise of 0.5 to 1 % of its peak and a zero level
+    /// off by up to 0.5 g, digitised over twice its peak.
+    pub fn csv(&self, head: &str, sensors: &[(&str, &[f64])], random: &mut RandomNumbers) -> String {
+        let mut csv = format!("{head}time_s");
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        for (name, acceleration) in sensors {
+            let _infallible = write!(csv, ",{name} (g)");
+            columns.push(self.digitised(acceleration, random));
+        }
+        csv.push('\n');
+        for k in 0..columns.first().map_or(0, Vec::len) {
+            let _infallible = write!(csv, "{:.7}", k as f64 * self.interval_s - self.before_s);
+            columns.iter().for_each(|column| {
+                let _infallible = write!(csv, ",{}", column[k]);
+            });
+            csv.push('\n');
+        }
+        csv
+    }
+
+    /// What the digitiser gives of an acceleration, g, at the instants of the record.
+    fn digitised(&self, acceleration: &[f64], random: &mut RandomNumbers) -> Vec<f64> {
+        let filtered = self.sampled(acceleration);
+        let peak = filtered.iter().fold(0.0_f64, |peak, a| peak.max(a.abs())) / G;
+        let noise = (0.005 + 0.005 * random.uniform()) * peak;
+        let zero_level = ZERO_LEVEL_G * (2.0 * random.uniform() - 1.0);
+        let step = 2.0 * RANGE * peak / 2.0_f64.powi(self.bits);
+        let measured = |a: &f64| ((a / G + zero_level + noise * random.normal()) / step).round() * step + 0.0;
+        filtered.iter().map(measured).collect()
+    }
+
+    /// The acceleration behind the anti-alias filter at the instants of the record, m/s²; linear between its samples,
+    /// which errs by 0.13 % of what it has at 1650 Hz.
+    fn sampled(&self, acceleration: &[f64]) -> Vec<f64> {
+        let rest = ((self.before_s + 2.0 * TRIGGER_S) / FINE_S).ceil();
+        let wave = std::iter::repeat_n(0.0, rest as usize).chain(acceleration.iter().copied());
+        let filtered = if self.is_causal {
+            let [first, second] = LowPass::four_poles(ANTI_ALIAS_HZ);
+            second.forward(first.forward(wave, FINE_S).into_iter(), FINE_S)
+        } else {
+            LowPass::two_poles(ANTI_ALIAS_HZ).both_ways(wave, FINE_S)
+        };
+        let recorded_s = self.before_s + acceleration.len() as f64 * FINE_S - END_S;
+        let at = |k: usize| {
+            let place = rest + (k as f64 * self.interval_s - self.before_s - self.contact_s) / FINE_S;
+            let (first, share) = (place.floor(), place.fract());
+            filtered[first as usize] * (1.0 - share) + filtered[first as usize + 1] * share
+        };
+        (0..=(recorded_s / self.interval_s) as usize).map(at).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The instant, s on the clock of the record, at which half of a step at contact is reached.
+    fn middle_s(measurement: &Measurement) -> f64 {
+        let step = vec![100.0; 5000];
+        let sampled = measurement.sampled(&step);
+        let after = sampled.iter().position(|a| *a >= 50.0).unwrap_or_default();
+        let share = (50.0 - sampled[after - 1]) / (sampled[after] - sampled[after - 1]);
+        (after as f64 - 1.0 + share) * measurement.interval_s - measurement.before_s
+    }
+
+    #[test]
+    fn a_causal_filter_and_a_late_trigger_move_the_record() {
+        let mut random = RandomNumbers::seeded(7);
+        let clean = Measurement { interval_s: 5e-5, ..Measurement::drawn(&mut random, true) };
+        assert_eq!((clean.contact_s, clean.speed_error_m_per_s, clean.is_causal), (0.0, 0.0, false));
+        // The step lies between two samples of the motion.
+        assert!((middle_s(&clean) + 0.5 * FINE_S).abs() < 1e-6, "{}", middle_s(&clean));
+        let late = Measurement { contact_s: 8e-5, ..clean };
+        assert!((middle_s(&late) - middle_s(&clean) - 8e-5).abs() < 2e-6);
+        // The step response of four poles after Butterworth reaches a half at 2.61 / omega within 10 %.
+        let causal = Measurement { is_causal: true, ..clean };
+        let delay = middle_s(&causal) - middle_s(&clean);
+        assert!((delay - 2.52e-4).abs() < 2.5e-5, "{delay}");
+    }
+
+    #[test]
+    fn drawn_measurements_keep_their_ranges_and_half_of_them_are_causal() {
+        let mut random = RandomNumbers::seeded(8);
+        let drawn: Vec<Measurement> = (0..400).map(|_| Measurement::drawn(&mut random, false)).collect();
+        for one in &drawn {
+            assert!((0.0199..0.1001).contains(&one.before_s) && (12..=16).contains(&one.bits), "{one:?}");
+            assert!(one.contact_s.abs() <= TRIGGER_S && one.speed_error_m_per_s.abs() <= SPEED_M_PER_S, "{one:?}");
+        }
+        // Five standard deviations of 400 throws of a coin.
+        let causal = drawn.iter().filter(|one| one.is_causal).count();
+        assert!((150..=250).contains(&causal), "{causal}");
+    }
+
+    #[test]
+    fn noise_and_zero_level_of_a_record_are_those_of_a_laboratory() {
+        let mut random = RandomNumbers::seeded(9);
+        let measurement = Measurement { bits: 16, ..Measurement::drawn(&mut random, false) };
+        let record = measurement.digitised(&vec![-300.0; 5000], &mut random);
+        let rest = &record[..(0.9 * measurement.before_s / measurement.interval_s) as usize];
+        let mean = rest.iter().sum::<f64>() / rest.len() as f64;
+        let deviation = (rest.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / rest.len() as f64).sqrt();
+        let peak = 300.0 / G;
+        // Noise of 0.5 to 1 % of a peak that the filter passes by up to 11 %; its deviation from 300 samples is known to
+        // 10 %.
+        assert!(mean.abs() < 0.52 && (0.0045..0.0125).contains(&(deviation / peak)), "{mean} {}", deviation / peak);
+    }
+}
