@@ -16,8 +16,8 @@ pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
 pub use crumple_findings::{
     CandidateResult, Certainties, Conclusion, Element, JointTests, Kind, LeftOut, MeasuredWaves, Model, Number,
-    OverviewLine, Ranking, Run, SensorMotion, StageNote, StageRecord, Standing, Summary, TestOfJointModel, compare_ids,
-    conclusion, overview, summary, summary_schema,
+    OverviewLine, Ranking, Run, SensorMotion, StageNote, StageRecord, Standing, Status, StatusReason, Summary,
+    TestOfJointModel, compare_ids, conclusion, overview, summary, summary_schema,
 };
 pub use crumple_phrases::language::{Language, fill};
 pub use figures::all::all_figures;

@@ -9,7 +9,7 @@ use crumple_artifact::records::{
     PredictedIntervalV1, PredictionV1, RecommendationV1, SimulationV1, UncertaintyV1,
 };
 use crumple_report::{
-    CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, conclusion, overview, summary,
+    CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, Status, conclusion, overview, summary,
 };
 use crumple_signal::{ANOTHER_VEHICLE, Axis, Channel, QuantityKind};
 use serde_json::{Value, json};
@@ -35,7 +35,8 @@ fn car() -> Run {
         channel: "93".to_owned(),
         dynamic_crush_m: Some(0.44764),
         time_of_dynamic_crush_s: Some(0.0772),
-        coefficient_of_restitution: Some(0.7963),
+        coefficient_of_restitution: Some(0.1963),
+        rebound_velocity_m_per_s: Some(-1.9085),
         delta_v_m_per_s: Some(17.517),
         impact_speed_m_per_s: Some(9.7222),
         intervals: vec![EventIntervalV1 {
@@ -140,76 +141,136 @@ fn shown_in_si(shown: &str) -> (f64, f64) {
 fn assert_numbers_are_those_of_the_summary(run: &Run, names: &[&str]) -> Vec<String> {
     let summary = summary_of(run);
     let (said, _) = conclusion(run, &Ranking::of_run(run));
-    let mut sentences = said.sentences.join(" ");
+    let mut sentences = format!("{} {}", said.status_because, said.sentences.join(" "));
     for name in names {
         sentences = sentences.replace(name, "");
     }
     for number in &said.numbers {
         let there = summary.pointer(&number.at).unwrap_or_else(|| panic!("{} is not in the summary", number.at));
         assert_eq!(there.as_f64(), Some(number.value), "{}", number.at);
-        // Ends of intervals have their unit behind the other end.
-        let unit = number.at.ends_with("/low").then(|| format!("{}\u{a0}mm", number.shown));
+        // Ends of intervals have the unit of the value before them.
+        let is_end = number.at.ends_with("/low") || number.at.ends_with("/high");
+        let unit = is_end.then(|| format!("{}\u{a0}mm", number.shown));
         let (value, factor) = shown_in_si(unit.as_deref().unwrap_or(&number.shown));
         let places = number.shown.split(['\u{a0}']).next().unwrap().split(['.', ',']).nth(1).map_or(0, str::len);
         let half = 0.5 * 10_f64.powi(-i32::try_from(places).unwrap());
-        assert!((value - factor * number.value).abs() <= 1.000_001 * half, "{number:?}");
+        // A rebound is a speed.
+        let value_in_unit = if number.at.contains("rebound") { number.value.abs() } else { number.value };
+        assert!((value - factor * value_in_unit).abs() <= 1.000_001 * half, "{number:?}");
         assert!(sentences.contains(&number.shown), "{} in {sentences}", number.shown);
         sentences = sentences.replacen(&number.shown, "", 1);
     }
-    // The level of an interval is its name.
-    let sentences = sentences.replace("(90\u{a0}%: ", "");
     assert!(!sentences.chars().any(|c| c.is_ascii_digit()), "a number that no record backs: {sentences}");
     assert_eq!(summary["verdict"]["sentences"], json!(said.sentences));
+    assert_eq!(summary["verdict"]["status"], json!(said.status_reason.status()));
     let page = page_of(run);
     let top = &page[..page.find("<dl>").unwrap()];
-    for sentence in &said.sentences {
+    for sentence in said.sentences.iter().chain([&said.status_because]) {
         assert!(top.contains(&sentence.replace('\'', "&#39;")), "{sentence} stands on top of the page");
     }
     said.sentences
 }
 
+/// The status of a run as a person reads it.
+fn status_of(run: &Run) -> String {
+    conclusion(run, &Ranking::of_run(run)).0.status_line(run.language).replace('\u{a0}', " ")
+}
+
 #[test]
-fn a_barrier_test_says_crush_model_prediction_and_what_to_distrust() {
-    let sentences = assert_numbers_are_those_of_the_summary(&car(), &["direct fit 1"]);
+fn a_barrier_test_says_crush_model_and_prediction() {
+    let sentences = assert_numbers_are_those_of_the_summary(&car(), &[]);
     let plain: Vec<String> = sentences.iter().map(|text| text.replace('\u{a0}', " ")).collect();
     assert_eq!(
         plain,
         [
-            "The vehicle was crushed by 447.6 mm (90 %: 440.1 to 455.3 mm) within 77.2 ms of an impact at 35.0 km/h \
-             and rebounded with 0.80 of that speed.",
-            "For predictions use Kelvin, direct fit 1 (2 of 2 numbers determined): it follows the \
-             displacement to 99.9 %; within what was tested it may be used: at 28.8 km/h it predicts a crush of \
-             368.3 mm (90 %: 348.3 to 388.3 mm); distrust it above the 35.0 km/h of the test, where it extrapolates.",
+            "The vehicle was crushed by 448 mm within 77 ms and rebounded at 7 km/h.",
+            "For other speeds use the Kelvin model: at 28.8 km/h it gives 368 mm (348 to 388).",
+            "Above 35 km/h, the speed of the test, it extrapolates.",
         ]
     );
+    assert_eq!(status_of(&car()), "USABLE: its crush is good to 6 % at 28.8 km/h.");
+}
+
+#[test]
+fn a_prediction_known_to_more_than_a_tenth_is_said_with_its_width() {
+    let mut run = car();
+    // 36.831 mm is a tenth of the crush.
+    (run.predictions[1].intervals[0].low, run.predictions[1].intervals[0].high) = (0.33148, 0.40514);
+    assert_eq!(status_of(&run), "USABLE: its crush is good to 10 % at 28.8 km/h.");
+    run.predictions[1].intervals[0].high = 0.40515;
+    assert_eq!(status_of(&run), "USABLE WITH CARE: its crush is good to 11 % at 28.8 km/h.");
+    run.predictions[1].intervals.clear();
+    assert_eq!(status_of(&run), "USABLE WITH CARE: its crush at other speeds has no interval.");
+    run.predictions.clear();
+    assert_eq!(status_of(&run), "USABLE WITH CARE: its crush at other speeds has no interval.");
 }
 
 #[test]
 fn a_speed_beyond_the_test_is_answered_as_one_and_so_is_one_that_was_asked_for() {
     let mut run = car();
     run.predictions.remove(1);
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    let answer =
-        "; beyond what was tested, at 54.0\u{a0}km/h, it predicts a crush of 690.0\u{a0}mm (90\u{a0}%: 670.0 to";
-    assert!(said[1].contains(answer) && !said[1].contains("may be used"), "{said:?}");
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert!(said[1].ends_with("at 54\u{a0}km/h, beyond the test, it gives 690\u{a0}mm (670 to 710)."), "{said:?}");
+    let status = "USABLE WITH CARE: at 54 km/h it is asked beyond the test, its crush is good to 3 %.";
+    assert_eq!(status_of(&run), status);
     // Asked for, it goes before one within what was tested.
     let mut run = car();
-    run.asked_speeds_m_per_s = vec![15.0];
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(said[1].contains(answer), "{said:?}");
-    // Where all of it is doubtful the number is there, with that.
+    run.predictions[0].asked = true;
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert!(said[1].contains("at 54\u{a0}km/h, beyond the test"), "{said:?}");
+    assert_eq!(status_of(&run), status);
+    // Where all of it is doubtful nothing of it is to be used.
     run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(said[1].contains(answer) && said[1].ends_with("distrust all of it until the first warning is settled."));
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert_eq!(said[1], "Do not use these results: see warning 1.");
+    let answer = "Asked for: at 54 km/h the Kelvin model gives 690 mm (670 to 710).";
+    assert_eq!(said[2].replace('\u{a0}', " "), answer);
+    assert_eq!(status_of(&run), "DO NOT USE: see warning 1.");
 }
 
 #[test]
-fn a_crush_that_other_sensors_dispute_stands_beside_what_they_say() {
+fn a_mass_and_a_partner_that_were_asked_for_are_named() {
+    let mut run = car();
+    run.predictions.push(PredictionV1 { asked: true, mass_kg: 1000.0, ..prediction(8.0, 0.4, false) });
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert!(said[1].contains(": at 28.8\u{a0}km/h with 1000\u{a0}kg it gives 400\u{a0}mm"), "{said:?}");
+    assert_eq!(status_of(&run), "USABLE: its crush is good to 5 % at 28.8 km/h with 1000 kg.");
+    run.predictions[2].partner = Some("a van".to_owned());
+    run.predictions[2].collision = Some(PredictedCollisionV1::default());
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert!(said[1].contains(" with 1000\u{a0}kg against a van it gives 400\u{a0}mm"), "{said:?}");
+}
+
+#[test]
+fn a_crush_that_other_sensors_dispute_is_good_to_what_they_are_apart() {
     let mut run = car();
     run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    let interval = "447.6\u{a0}mm (90\u{a0}%: 440.1 to 455.3\u{a0}mm; 430.0 to 447.7\u{a0}mm over the sensors there)";
-    assert!(said[0].contains(interval), "{said:?}");
+    assert_numbers_are_those_of_the_summary(&run, &[]);
+    let because = "the crush is good to 17.6 mm, not to 7.6 mm: 3 sensors of the compartment differ";
+    assert_eq!(status_of(&run), format!("USABLE WITH CARE: {because}."));
+    let page = page_of(&run).replace('\u{a0}', " ");
+    assert!(page.contains("3 sensors of the compartment give a crush of 430 mm to 448 mm: quote the range"), "{page}");
+}
+
+#[test]
+fn a_recommended_model_that_does_not_follow_the_record_is_recommended_by_nobody() {
+    let mut run = car();
+    run.candidates = vec![candidate(BEST, 71.3)];
+    run.predictions[1].names = vec!["recommended".to_owned()];
+    run.withdraw_poor_recommendation();
+    let said = assert_numbers_are_those_of_the_summary(&run, &["71.3\u{a0}%, below 90.0\u{a0}%", "direct fit 1"]);
+    assert!(
+        said[1].starts_with("No model is recommended: the displacement fit of Kelvin, direct fit 1 is"),
+        "{said:?}"
+    );
+    assert_eq!(status_of(&run), "DO NOT USE: the fit of the best model is 71.3 %, below 90 %.");
+    let summary = summary_of(&run);
+    assert!(summary["recommended"].is_null() && summary["predictions"][1]["recommended"] == false, "{summary}");
+    // One that was not simulated is judged by nobody.
+    let mut run = car();
+    run.candidates[0].simulation = None;
+    run.withdraw_poor_recommendation();
+    assert_eq!(run.recommendation.unwrap().recommended.as_deref(), Some(BEST));
 }
 
 #[test]
@@ -221,28 +282,30 @@ fn a_knot_of_a_curve_is_named_by_its_deflection() {
     let uncertainty = record.uncertainty.as_mut().unwrap();
     uncertainty.standard_deviation.insert("knot1_n".to_owned(), 2e5);
     uncertainty.interval_low.insert("knot1_n".to_owned(), None);
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(said[1].contains("the force at 97\u{a0}mm"), "{said:?}");
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert_eq!(said[1].split(':').next(), Some("For other speeds use the force-deflection curve"));
+    assert_eq!(said[2], "Not identifiable from this record: the force at 97\u{a0}mm.");
+    let because = "use its crush, not its parameters: the record determines 2 of 3";
+    assert_eq!(status_of(&run), format!("USABLE WITH CARE: {because}."));
 }
 
 #[test]
-fn open_numbers_and_mirror_images_are_what_to_distrust() {
+fn open_numbers_and_mirror_images_are_said() {
     let mut run = car();
     let open = &mut run.candidates[0].record;
     open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(
-        said[1].contains("(1 of 2 numbers determined, 1 open)")
-            && said[1].ends_with(
-                "distrust c, which this record \
-        leaves open."
-            ),
-        "{said:?}"
-    );
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert_eq!(said[2], "Not identifiable from this record: c.");
+    assert!(status_of(&run).ends_with("the record determines 1 of 2."), "{}", status_of(&run));
+    // Both at once: the status says the one, a sentence the other.
+    run.candidates[0].record.equivalent_to = Some("kelvin/direct-fit/2".to_owned());
+    assert_eq!(assert_numbers_are_those_of_the_summary(&run, &[])[2], said[2]);
     let mut run = car();
     run.candidates[0].record.equivalent_to = Some("kelvin/direct-fit/2".to_owned());
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(said[1].ends_with("its mirror image gives the same record."), "{said:?}");
+    assert!(status_of(&run).ends_with("use its crush, not its mass split: one sensor cannot identify the split."));
+    run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94") }];
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert!(said[2].ends_with("a mirrored (dual) model fits equally well."), "{said:?}");
 }
 
 #[test]
@@ -254,11 +317,10 @@ fn a_vehicle_that_does_not_stop_has_a_change_of_velocity_and_no_model() {
     run.recommendation.as_mut().unwrap().recommended = None;
     let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
     assert!(said[0].contains("did not stop within the record: it lost 63.1\u{a0}km/h in 144.0\u{a0}ms"), "{said:?}");
-    assert!(
-        said[1].starts_with("No model is recommended, use none at another speed: the vehicle was not seen to stop"),
-        "{said:?}"
-    );
-    assert!(said[1].contains("the closest, Kelvin, direct fit 1, follows the displacement to 99.9\u{a0}%"), "{said:?}");
+    assert_eq!(said[1], "No model is recommended: the vehicle was not seen to stop.");
+    let closest = "The closest, Kelvin, direct fit 1, has a displacement fit of 99.9\u{a0}% up to 77\u{a0}ms.";
+    assert_eq!(said[2], closest);
+    assert_eq!(status_of(&run), "USABLE WITH CARE: use its delta-v: the vehicle did not stop within the record.");
     assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.standing, Standing::NoneRecommended);
 }
 
@@ -266,21 +328,13 @@ fn a_vehicle_that_does_not_stop_has_a_change_of_velocity_and_no_model() {
 fn of_two_vehicles_the_way_over_ground_is_no_crush() {
     let mut run = car();
     run.test.barrier = Some(ANOTHER_VEHICLE.to_owned());
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert!(said[0].starts_with("Two vehicles collided: this one lost 63.1\u{a0}km/h"), "{said:?}");
-    assert!(said[1].contains("and predicts a crush of 368.3") && !said[1].contains("may be used"), "{said:?}");
-    assert!(said[1].ends_with("distrust it against anything but this other vehicle, which it takes for a rigid wall."));
+    assert_eq!(said[2], "It takes the other vehicle for a rigid wall: do not use it against anything else.");
+    assert_eq!(status_of(&run), "USABLE WITH CARE: use its delta-v: its motion over ground is not its crush.");
     let (_, concerns) = conclusion(&run, &Ranking::of_run(&run));
     assert!(concerns[0].about == "motion" && concerns[0].weight == 9, "{concerns:?}");
     assert!(page_of(&run).contains("<dt>Motion over ground</dt>") && !page_of(&run).contains("<dt>Dynamic crush"));
-
-    // A partner that was asked for stands in the place of the wall.
-    let mut run = car();
-    let collision = Some(PredictedCollisionV1::default());
-    run.predictions =
-        vec![PredictionV1 { partner: Some("a van".to_owned()), collision, ..prediction(14.0, 0.5, false) }];
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(said[1].contains("predicts against a van a crush of 500.0\u{a0}mm"), "{said:?}");
 }
 
 fn metric(name: &str, value: f64, channel: &str) -> MetricV1 {
@@ -301,7 +355,10 @@ fn a_sensor_in_an_occupant_has_criteria_and_no_model() {
     run.concerns = vec![concern("integrate", "occupants", 2, "criteria are lower bounds")];
     let said = assert_numbers_are_those_of_the_summary(&run, &["HIC15", "3 ms clip"]);
     assert!(said[0].contains("(driver, head), not in the vehicle: HIC15 246, 3 ms clip 50.7\u{a0}g."), "{said:?}");
-    assert!(said[1].contains("use none for the vehicle; the criteria are lower bounds"), "{said:?}");
+    assert!(
+        said[1].ends_with("for the vehicle; the criteria are lower bounds, since not all axes were measured."),
+        "{said:?}"
+    );
 }
 
 #[test]
@@ -327,8 +384,11 @@ fn a_recorders_table_has_its_change_of_velocity_and_no_peak() {
     let mut run = car();
     run.metrics = vec![metric("maximum_delta_v", 6.9444, "93"), metric("peak_acceleration", 90.0, "93")];
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
-    assert!(said[0].contains("a change of velocity of 25.0\u{a0}km/h, reached at 110\u{a0}ms"), "{said:?}");
-    assert!(said[1].starts_with("No peak and no force") && said[1].contains("is rough"), "{said:?}");
+    assert!(said[0].contains("a delta-v of 25.0\u{a0}km/h, reached at 110\u{a0}ms"), "{said:?}");
+    assert!(
+        said[1].starts_with("Its table is too coarse for peak and force") && said[1].contains("is rough"),
+        "{said:?}"
+    );
 }
 
 fn identified() -> Vec<Model> {
@@ -354,7 +414,7 @@ fn inputs_and_outputs_have_the_closest_identified_model() {
     let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
     assert!(
         said[0].starts_with(
-            "n4sid-4 follows 88.3\u{a0}% of the record; its slowest mode is at 3.19\u{a0}Hz, \
+            "The closest identified model, n4sid-4, has a fit of 88.3\u{a0}%; its slowest mode is at 3.19\u{a0}Hz, \
         damping ratio 0.050"
         ),
         "{said:?}"
@@ -416,8 +476,17 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
     run.events = None;
     (run.test.mass_kg, run.test.impact_speed_m_per_s) = (None, None);
     let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
-    assert!(said[0].starts_with("The record states neither mass nor impact speed, as allowed"), "{said:?}");
-    assert!(said[1].starts_with("A linear model alone was identified: n4sid-4 follows 88.3\u{a0}%"), "{said:?}");
+    assert_eq!(said[0], "This report holds no motion of a vehicle.");
+    assert!(said[1].starts_with("The closest identified model, n4sid-4, has a fit of 88.3\u{a0}%"), "{said:?}");
+    assert!(said[2].starts_with("Mass and impact speed are missing") && said.len() == 3, "{said:?}");
+    assert!(status_of(&run).starts_with("USABLE WITH CARE: neither mass nor impact speed is stated"));
+    // What the pulse gives is said first.
+    let of_pulse = MetricV1 { to_s: Some(0.11), ..metric("delta_v", 17.5, "93") };
+    run.metrics = vec![of_pulse, metric("peak_acceleration", 245.17, "93")];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
+    let first = "The record gives a delta-v of 63.0\u{a0}km/h within 110\u{a0}ms, a peak of 25.0\u{a0}g.";
+    assert_eq!(said[0], first);
+    run.metrics.clear();
     assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.kind, Kind::LinearModel);
     // Without a linear model either there is nothing.
     run.models.clear();
@@ -443,11 +512,9 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
     assert_eq!(texts[3], "dropouts");
     assert_eq!(texts.last(), Some(&"questionable"));
     assert_eq!(concerns[0].weight, 9);
-    assert!(said.sentences[1].ends_with("distrust all of it until the first warning is settled."), "{said:?}");
+    assert_eq!((said.status, said.sentences.len()), (Status::DoNotUse, 2), "{said:?}");
     let page = page_of(&run);
     let before_use = &page[page.find("class=\"before-use\"").unwrap()..];
-    // What makes the numbers doubtful stands before them.
-    assert!(before_use.contains("id=\"numbers\""), "{before_use}");
     let before_use = &before_use[..before_use.find("</section>").unwrap()];
     assert_eq!(before_use.matches("<li ").count(), 3);
     assert!(before_use.contains("<a href=\"#notes\">4 more warnings</a>"), "{before_use}");
@@ -465,11 +532,12 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
 #[test]
 fn german_has_its_own_sentences_and_a_comma() {
     let run = Run { language: Language::German, ..car() };
-    let said = assert_numbers_are_those_of_the_summary(&run, &["direct fit 1"]);
-    assert!(
-        said[0].starts_with("Das Fahrzeug wurde bei einem Aufprall mit 35,0\u{a0}km/h in 77,2\u{a0}ms um 447,6"),
-        "{said:?}"
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert_eq!(
+        said[0].replace('\u{a0}', " "),
+        "Das Fahrzeug wurde in 77 ms um 448 mm eingedrückt und prallte mit 7 km/h zurück."
     );
+    assert_eq!(status_of(&run), "BRAUCHBAR: seine Eindrückung ist bei 28,8 km/h auf 6 % genau.");
     assert!(page_of(&run).contains("<h2 id=\"before-use-title\">Vor dem Gebrauch</h2>"));
     assert_eq!(summary_of(&run)["verdict"]["language"], "de");
     // What a stage wrote is quoted, what the report says is not.
@@ -488,20 +556,20 @@ fn the_console_repeats_no_warning_that_the_verdict_says() {
         let ranking = Ranking::of_run(run);
         let (said, concerns) = conclusion(run, &ranking);
         let lines = overview(run, &ranking, &said, &concerns, Path::new("runs/car"));
-        (said.sentences[1].clone(), lines.into_iter().map(|line| line.text).collect::<Vec<_>>().join("\n"))
+        (said.sentences.join(" "), lines.into_iter().map(|line| line.text).collect::<Vec<_>>().join("\n"))
     };
     // It extrapolates: the verdict says so, and the console not once more.
     let (said, lines) = warnings(&car());
-    assert!(said.contains("where it extrapolates") && !lines.contains("go beyond what was tested"), "{said} {lines}");
-    // Open numbers are distrusted instead, so the other is new.
+    assert!(said.contains("it extrapolates") && !lines.contains("go beyond the test"), "{said} {lines}");
+    // Open numbers are said instead, so the other is new.
     let mut run = car();
     let open = &mut run.candidates[0].record;
     open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
     let (said, lines) = warnings(&run);
-    assert!(said.contains("distrust c") && !lines.contains("may be anything"), "{said} {lines}");
-    assert!(lines.contains("go beyond what was tested"), "{lines}");
+    assert!(said.contains("Not identifiable") && !lines.contains("not identifiable"), "{said} {lines}");
+    assert!(lines.contains("go beyond the test"), "{lines}");
     // Where all of it is doubtful nothing of this was said.
     run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
     let (_, lines) = warnings(&run);
-    assert!(lines.contains("is the impact speed right?") && lines.contains("may be anything"), "{lines}");
+    assert!(lines.contains("is the impact speed right?") && lines.contains("not identifiable"), "{lines}");
 }

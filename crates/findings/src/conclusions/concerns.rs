@@ -5,7 +5,7 @@ use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::fill;
 use crumple_signal::{About, Severity, Weight};
 
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers, true_places};
 use crate::conclusions::kind::Kind;
 use crate::conclusions::several_tests::missed;
 use crate::text::names::candidate_name;
@@ -18,9 +18,17 @@ pub const SHOWN_FIRST: usize = 3;
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
 
-/// Whether what the page shows first may be another thing than it is taken for, as a stage says.
-pub fn first_is_decisive(concerns: &[ConcernV1]) -> bool {
-    concerns.first().is_some_and(|first| first.weight == LARGEST_WEIGHT && first.stage != "report")
+/// The number, from 1, of the first warning of a stage that what the page shows first may be another thing than it is
+/// taken for. That mass or speed is not stated makes nothing else of what is shown.
+pub fn decisive_warning(run: &Run, concerns: &[ConcernV1]) -> Option<usize> {
+    let is_absent = |about: &str| match about.parse() {
+        Ok(About::Mass) => run.test.mass_kg.is_none(),
+        Ok(About::ImpactSpeed) => run.test.impact_speed_m_per_s.is_none(),
+        _ => false,
+    };
+    let mut warnings = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT);
+    let is_decisive = |c: &ConcernV1| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(&c.about);
+    warnings.position(is_decisive).map(|index| index + 1)
 }
 
 /// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`, gravest first: the diagnosis of a stage without a
@@ -159,8 +167,9 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     }
     let crush = numbers.into_iter().find(|number| number.name == "dynamic_crush");
     if let Some(spread) = crush.filter(KeyNumber::interval_misses_a_sensor).and_then(|crush| crush.spread) {
-        let mm = |m: f64| language.quantity(MILLI * m, 1, "mm");
-        let text = fill(phrases.sensors_differ, &[("low", &mm(spread.low)), ("high", &mm(spread.high))]);
+        let mm = |m: f64| language.quantity(MILLI * m, true_places(MILLI * m), "mm");
+        let texts = [("count", spread.sensors().to_string()), ("low", mm(spread.low)), ("high", mm(spread.high))];
+        let text = fill(phrases.sensors_differ, &texts);
         found.push((About::Motion, Weight::Marked, text));
     }
     if let Some(tests) = run.joint.as_ref().and_then(|joint| missed(joint, language)) {
@@ -182,20 +191,6 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
                 let names = symbols(&best.record, &names, language);
                 found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
             }
-        }
-    }
-    let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
-    if let Some(closest) = closest.filter(|id| Some(*id) != ranking.best.as_deref()).and_then(|id| run.candidate(id)) {
-        let certainties = closest.certainties();
-        let (open, parameters) = (certainties.open.len(), certainties.parameters);
-        if open > 0 {
-            let texts = [
-                ("model", candidate_name(&closest.id)),
-                ("open", open.to_string()),
-                ("parameters", parameters.to_string()),
-            ];
-            let texts = texts.each_ref().map(|(name, text)| (*name, text.as_str()));
-            found.push((About::Model(closest.id.clone()), Weight::Marked, fill(phrases.warn_closest, &texts)));
         }
     }
     let beyond = run.predictions.iter().any(|p| p.recommended && p.extrapolates);

@@ -1,19 +1,22 @@
-//! The result of a run in two sentences, made by rules from its records.
+//! The result of a run in a word and a few sentences, made by rules from its records.
 
-use crumple_artifact::records::{ConcernV1, EventIntervalV1, PredictedIntervalV1, PredictionV1};
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, PredictedIntervalV1, PredictionV1};
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::{Language, fill};
 use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::conclusions::concerns::{concerns, first_is_decisive};
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers, level_percent, sign_of};
+use crate::conclusions::concerns::concerns;
+use crate::conclusions::key_numbers::{sign_of, true_places};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
-use crate::text::names::candidate_name;
+use crate::conclusions::status::{
+    Status, StatusReason, answer, closest_identified, has_only_forces, interval_of_crush, status_reason,
+};
+use crate::text::names::{candidate_name, model_name};
 use crate::text::parameters::{DEFLECTION, deflection_of_knot, symbols};
-use crate::{CandidateResult, Certainties, Model, Ranking, Run};
+use crate::{CandidateResult, Ranking, Run};
 
 /// Whether what was asked for is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -47,7 +50,13 @@ pub struct Conclusion {
     pub standing: Standing,
     /// ISO 639-1 code of its language.
     pub language: &'static str,
-    /// What happened; which model, how sure, what to distrust.
+    /// Whether the results may be used.
+    pub status: Status,
+    /// Its one reason, typed.
+    pub status_reason: StatusReason,
+    /// The reason in words.
+    pub status_because: String,
+    /// What happened; which model, what it gives, what it does not.
     pub sentences: Vec<String>,
     /// The numbers in them.
     pub numbers: Vec<Number>,
@@ -65,13 +74,33 @@ pub struct Conclusion {
     pub remedy: Option<String>,
 }
 
+impl Conclusion {
+    /// The word of its status.
+    pub fn status_word(&self, language: Language) -> &'static str {
+        let phrases = &language.phrases().conclusion;
+        match self.status {
+            Status::Usable => phrases.usable,
+            Status::UsableWithCare => phrases.usable_with_care,
+            Status::DoNotUse => phrases.do_not_use,
+        }
+    }
+
+    /// `USABLE WITH CARE: its crush is good to 16 % at 40 km/h.`
+    pub fn status_line(&self, language: Language) -> String {
+        let texts = [("status", self.status_word(language).to_uppercase()), ("reason", self.status_because.clone())];
+        fill(language.phrases().conclusion.status, &texts)
+    }
+}
+
 /// The verdict on a run and its concerns.
 pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
     let language = run.language;
     let kind = kind_of(run);
     let concerns = concerns(run, ranking, kind);
     let mut text = Text { run, ranking, language, numbers: Vec::new() };
-    let sentences = text.sentences(kind, &concerns);
+    let reason = status_reason(run, ranking, kind, &concerns);
+    let status_because = text.because(&reason);
+    let sentences = text.sentences(kind, &reason, &concerns);
     let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
     let best = text.best();
     let standing = match kind {
@@ -83,6 +112,9 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
         kind,
         standing,
         language: language.code(),
+        status: reason.status(),
+        status_reason: reason,
+        status_because,
         sentences,
         numbers: text.numbers,
         parameters: best.map(|best| best.certainties().parameters),
@@ -111,99 +143,160 @@ impl<'a> Text<'a> {
         shown
     }
 
-    fn sentences(&mut self, kind: Kind, concerns: &[ConcernV1]) -> Vec<String> {
+    /// `its crush is good to 16 % at 40 km/h`.
+    fn because(&mut self, reason: &StatusReason) -> String {
+        use StatusReason as Reason;
         let phrases = &self.language.phrases().conclusion;
-        let (first, second) = match kind {
-            Kind::Barrier => (self.crushed(), self.use_model(kind, concerns)),
-            Kind::NoStop => (self.no_stop(), self.use_model(kind, concerns)),
-            Kind::TwoVehicles => (self.two_vehicles(), self.use_model(kind, concerns)),
-            Kind::SeveralTests => (
-                self.run.joint.as_ref().map_or_else(String::new, |joint| several_tests(joint, self.language)),
-                self.use_model(kind, concerns),
-            ),
-            Kind::Occupant => (self.occupant(), self.occupant_use(concerns)),
-            Kind::Recorder => (self.recorded(), self.recorder_use()),
-            Kind::InputOutput => (self.identified(phrases.identified), Some(phrases.identified_use.to_owned())),
-            Kind::LinearModel => (not_stated(self.run).to_owned(), Some(self.identified(phrases.not_stated_use))),
+        let (percent, mm) = ((1.0, 0, "%"), |m: f64| (MILLI, true_places(MILLI * m), "mm"));
+        let at = |name: &str| format!("/verdict/status_reason/{name}");
+        match reason {
+            Reason::GoodTo { good_to_percent, prediction } | Reason::Beyond { good_to_percent, prediction } => {
+                let good_to = self.number(&at("good_to_percent"), *good_to_percent, percent);
+                let scenario = self.scenario(*prediction);
+                let is_beyond = matches!(reason, Reason::Beyond { .. });
+                let template = if is_beyond { phrases.because_beyond } else { phrases.because_good_to };
+                fill(template, &[("good_to", &good_to), ("scenario", &scenario)])
+            }
+            Reason::SensorsDiffer { sensors, apart_m, half_width_m } => {
+                let texts = [
+                    ("apart", self.number(&at("apart_m"), *apart_m, mm(*apart_m))),
+                    ("half_width", self.number(&at("half_width_m"), *half_width_m, mm(*half_width_m))),
+                    ("count", self.number(&at("sensors"), *sensors as f64, (1.0, 0, ""))),
+                ];
+                fill(phrases.because_sensors, &texts)
+            }
+            Reason::FewDetermined { determined, parameters, are_forces } => {
+                let template = if *are_forces { phrases.because_few_forces } else { phrases.because_few_parameters };
+                let texts = [
+                    ("determined", self.number(&at("determined"), *determined as f64, (1.0, 0, ""))),
+                    ("parameters", self.number(&at("parameters"), *parameters as f64, (1.0, 0, ""))),
+                ];
+                fill(template, &texts)
+            }
+            Reason::DecisiveWarning { number } => {
+                let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
+                fill(phrases.because_decisive, &[("number", number)])
+            }
+            Reason::PoorFit { fit_percent, limit_percent } => {
+                let texts = [
+                    ("fit", self.number(&at("fit_percent"), *fit_percent, (1.0, 1, "%"))),
+                    ("limit", self.number(&at("limit_percent"), *limit_percent, percent)),
+                ];
+                fill(phrases.because_poor_fit, &texts)
+            }
+            Reason::OtherAxis { axis } => fill(phrases.because_other_axis, &[("axis", axis)]),
+            Reason::Unassessed => phrases.because_unassessed.to_owned(),
+            Reason::Dual => phrases.because_dual.to_owned(),
+            Reason::NoInterval => phrases.because_no_interval.to_owned(),
+            Reason::TestsDisagree => phrases.because_tests_disagree.to_owned(),
+            Reason::NoStop => phrases.because_no_stop.to_owned(),
+            Reason::TwoVehicles => phrases.because_two_vehicles.to_owned(),
+            Reason::Occupant => phrases.because_occupant.to_owned(),
+            Reason::Recorder => phrases.because_recorder.to_owned(),
+            Reason::Identified => phrases.because_identified.to_owned(),
+            Reason::NoMass => phrases.because_no_mass.to_owned(),
+            Reason::NoSpeed => phrases.because_no_speed.to_owned(),
+            Reason::NoMassNorSpeed => phrases.because_no_mass_nor_speed.to_owned(),
+            Reason::MeasuredOnly => phrases.because_measured_only.to_owned(),
+            Reason::NoneRecommended => phrases.because_none_recommended.to_owned(),
+            Reason::NoResult => phrases.because_no_result.to_owned(),
+            Reason::NotAdequate => phrases.because_not_adequate.to_owned(),
+        }
+    }
+
+    /// `at 40 km/h with 2000 kg against mpdb`: the mass where it is not that of the test.
+    fn scenario(&mut self, place: usize) -> String {
+        let phrases = &self.language.phrases().conclusion;
+        let Some(prediction) = self.run.predictions.get(place) else { return String::new() };
+        let PredictionV1 { impact_speed_m_per_s, mass_kg, partner, .. } = prediction;
+        let speed = self.speed(&format!("/predictions/{place}/impact_speed_m_per_s"), *impact_speed_m_per_s);
+        // Masses are kept in full; a test's own comes back as it was.
+        let is_tested = self.run.test.mass_kg.is_none_or(|tested_kg| (tested_kg - mass_kg).abs() < 1e-6);
+        let mass = (!is_tested).then(|| {
+            let mass = self.number(&format!("/predictions/{place}/mass_kg"), *mass_kg, (1.0, 0, "kg"));
+            fill(phrases.with_mass, &[("mass", mass)])
+        });
+        let partner = partner.as_ref().map(|partner| fill(phrases.against_partner, &[("partner", partner)]));
+        let texts = [("speed", speed), ("mass", mass.unwrap_or_default()), ("partner", partner.unwrap_or_default())];
+        fill(phrases.scenario, &texts)
+    }
+
+    /// A speed in km/h, with a decimal where it has one.
+    fn speed(&mut self, at: &str, speed_m_per_s: f64) -> String {
+        let km_per_h = KM_PER_H_PER_M_PER_S * speed_m_per_s;
+        let places = usize::from((km_per_h - km_per_h.round()).abs() >= 0.05);
+        self.number(at, speed_m_per_s, (KM_PER_H_PER_M_PER_S, places, "km/h"))
+    }
+
+    fn sentences(&mut self, kind: Kind, reason: &StatusReason, concerns: &[ConcernV1]) -> Vec<String> {
+        let phrases = &self.language.phrases().conclusion;
+        match kind {
             Kind::NoModel => {
                 let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
                 let reason = diagnosis.map_or("", |concern| concern.text.as_str());
                 let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
-                (fill(phrases.no_model, &[("reason", reason)]), Some(fill(phrases.what_to_do, &[("remedy", remedy)])))
+                vec![fill(phrases.no_model, &[("reason", reason)]), fill(phrases.what_to_do, &[("remedy", remedy)])]
             }
-            Kind::MeasuredOnly if lacks_mass_or_speed(self.run) => {
-                (not_stated(self.run).to_owned(), self.use_model(kind, concerns))
+            Kind::InputOutput => vec![self.identified(), phrases.identified_use.to_owned()],
+            Kind::Occupant => vec![self.occupant(), self.occupant_use(concerns)],
+            Kind::Recorder => vec![self.recorded(), self.recorder_use()],
+            _ => {
+                let happened = match kind {
+                    Kind::Barrier => self.crushed(),
+                    Kind::NoStop => self.no_stop(),
+                    Kind::TwoVehicles => self.two_vehicles(),
+                    Kind::SeveralTests => {
+                        self.run.joint.as_ref().map_or_else(String::new, |joint| several_tests(joint, self.language))
+                    }
+                    _ => self.changed().unwrap_or_else(|| phrases.measured_only.to_owned()),
+                };
+                let mut sentences = vec![happened];
+                sentences.extend(self.what_to_use(kind, reason));
+                sentences
             }
-            Kind::MeasuredOnly => (phrases.measured_only.to_owned(), self.use_model(kind, concerns)),
-        };
-        std::iter::once(first).chain(second).collect()
+        }
     }
 
     fn best(&self) -> Option<&'a CandidateResult> {
         self.run.candidate(self.ranking.best.as_deref()?)
     }
 
-    /// ` (739.8 to 759.1 mm)` of an event; nothing without an interval.
-    fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
+    /// ` (739.8 to 759.1)` of an event; nothing without an interval.
+    fn interval_of_event(&mut self, name: &str, shown: (f64, usize)) -> String {
         let mut intervals = self.run.events.iter().flat_map(|events| events.intervals.iter()).enumerate();
         let Some((index, found)) = intervals.find(|(_, interval)| interval.name == name) else { return String::new() };
-        let EventIntervalV1 { low, high, interval_by, .. } = found;
-        self.interval(&format!("/events/intervals/{index}"), *low, *high, level_percent(interval_by), shown)
+        let EventIntervalV1 { low, high, .. } = found;
+        self.interval(&format!("/events/intervals/{index}"), *low, *high, shown)
     }
 
-    /// ` (90 %: 739.8 to 759.1 mm)`, without a level where there is none.
-    fn interval(&mut self, at: &str, low: f64, high: f64, level: Option<u8>, shown: (f64, usize, &str)) -> String {
-        let (factor, places, unit) = shown;
+    /// ` (739.8 to 759.1)`.
+    fn interval(&mut self, at: &str, low: f64, high: f64, (factor, places): (f64, usize)) -> String {
         let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
-        let high = self.number(&format!("{at}/high"), high, (factor, places, unit));
-        let texts = [("level", self.language.level(level)), ("low", low), ("high", high)];
-        fill(self.language.phrases().conclusion.interval, &texts)
+        let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
+        fill(self.language.phrases().conclusion.interval, &[("low", low), ("high", high)])
     }
 
     fn crushed(&mut self) -> String {
         let phrases = &self.language.phrases().conclusion;
         let Some(events) = &self.run.events else { return String::new() };
-        let mm = (MILLI, 1, "mm");
-        let crush = events.dynamic_crush_m.map_or_else(String::new, |c| self.number("/events/dynamic_crush_m", c, mm));
-        let interval = self.interval_of_crush(mm);
-        let time = events
-            .time_of_dynamic_crush_s
-            .map_or_else(String::new, |t| self.number("/events/time_of_dynamic_crush_s", t, (MILLI, 1, "ms")));
-        let rebound = match events.coefficient_of_restitution {
-            Some(e) if e > 0.0 => {
-                let e = self.number("/events/coefficient_of_restitution", e, (1.0, 2, ""));
-                fill(phrases.rebounded, &[("restitution", &e)])
+        let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
+            return phrases.measured_only.to_owned();
+        };
+        let shown = |si: f64, unit| (MILLI, true_places(MILLI * si), unit);
+        let crush = self.number("/events/dynamic_crush_m", crush_m, shown(crush_m, "mm"));
+        let time = self.number("/events/time_of_dynamic_crush_s", time_s, shown(time_s, "ms"));
+        let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
+            (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
+                let km_per_h = KM_PER_H_PER_M_PER_S * velocity_m_per_s.abs();
+                let shown = self.language.quantity(km_per_h, usize::from(km_per_h < 3.0), "km/h");
+                let at = "/events/rebound_velocity_m_per_s".to_owned();
+                self.numbers.push(Number { at, value: velocity_m_per_s, shown: shown.clone() });
+                fill(phrases.rebounded, &[("speed", shown)])
             }
-            Some(_) => phrases.no_rebound.to_owned(),
-            None => String::new(),
+            (Some(e), _) if e <= 0.0 => phrases.no_rebound.to_owned(),
+            _ => String::new(),
         };
-        let speed = self.impact_speed().map_or_else(String::new, |speed| fill(phrases.at_speed, &[("speed", speed)]));
-        let texts = [("crush", crush), ("interval", interval), ("time", time), ("speed", speed), ("rebound", rebound)];
-        fill(phrases.crushed, &texts.each_ref().map(|(name, text)| (*name, text.as_str())))
-    }
-
-    /// The interval of the crush; where a sensor at the same place lies outside of it, what they all say too.
-    fn interval_of_crush(&mut self, shown: (f64, usize, &str)) -> String {
-        let numbers = key_numbers(self.run);
-        let found = numbers.iter().enumerate().find(|(_, number)| number.name == "dynamic_crush");
-        let Some((place, KeyNumber { low: Some(low), high: Some(high), spread: Some(spread), interval_by, .. })) =
-            found.filter(|(_, number)| number.interval_misses_a_sensor())
-        else {
-            return self.interval_of_event("dynamic_crush_m", shown);
-        };
-        let (at, (factor, places, unit)) = (format!("/key_numbers/{place}"), shown);
-        let low = self.number(&format!("{at}/low"), *low, (factor, places, ""));
-        let high = self.number(&format!("{at}/high"), *high, (factor, places, unit));
-        let lowest = self.number(&format!("{at}/spread/low"), spread.low, (factor, places, ""));
-        let highest = self.number(&format!("{at}/spread/high"), spread.high, (factor, places, unit));
-        let level = self.language.level(interval_by.as_deref().and_then(level_percent));
-        let texts = [("level", level), ("low", low), ("high", high), ("lowest", lowest), ("highest", highest)];
-        fill(self.language.phrases().conclusion.interval_and_sensors, &texts)
-    }
-
-    fn impact_speed(&mut self) -> Option<String> {
-        let speed = self.run.test.impact_speed_m_per_s?;
-        Some(self.number("/test/impact_speed_m_per_s", speed, (KM_PER_H_PER_M_PER_S, 1, "km/h")))
+        fill(phrases.crushed, &[("crush", crush), ("time", time), ("rebound", rebound)])
     }
 
     /// The change of velocity and its time.
@@ -237,6 +330,25 @@ impl<'a> Text<'a> {
         }
     }
 
+    /// The change of velocity, the peak and the OLC of a pulse without a crush; `None` without a change.
+    fn changed(&mut self) -> Option<String> {
+        let phrases = &self.language.phrases().conclusion;
+        let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
+        let (delta_v, peak, olc) = (metric("delta_v")?, metric("peak_acceleration"), metric("olc"));
+        let change = self.number("/metrics/delta_v/value", delta_v.1, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
+            let time = self.number("/metrics/delta_v/to_s", time_s, (MILLI, true_places(MILLI * time_s), "ms"));
+            fill(phrases.within, &[("time", time)])
+        });
+        let mut in_g = |at: &str, found: Option<(&MetricV1, f64)>, template: &str, name: &str| {
+            let number = found.map(|(_, value)| self.number(at, value, (G_PER_M_PER_S2, 1, "g")));
+            number.map_or_else(String::new, |number| fill(template, &[(name, number)]))
+        };
+        let peak = in_g("/metrics/peak_acceleration/value", peak, phrases.and_peak, "peak");
+        let olc = in_g("/metrics/olc/value", olc, phrases.and_olc, "olc");
+        Some(fill(phrases.changed, &[("change", change), ("time", time), ("peak", peak), ("olc", olc)]))
+    }
+
     fn occupant(&mut self) -> String {
         let mut criteria = Vec::new();
         for (name, label, unit) in [
@@ -254,10 +366,10 @@ impl<'a> Text<'a> {
         fill(self.language.phrases().conclusion.occupant, &[("place", place), ("criteria", &criteria)])
     }
 
-    fn occupant_use(&self, concerns: &[ConcernV1]) -> Option<String> {
+    fn occupant_use(&self, concerns: &[ConcernV1]) -> String {
         let phrases = &self.language.phrases().conclusion;
         let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
-        Some(fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })]))
+        fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })])
     }
 
     fn recorded(&mut self) -> String {
@@ -272,25 +384,21 @@ impl<'a> Text<'a> {
         fill(self.language.phrases().conclusion.recorded, &[("change", &change), ("time", &time)])
     }
 
-    fn recorder_use(&mut self) -> Option<String> {
+    fn recorder_use(&mut self) -> String {
         let phrases = &self.language.phrases().conclusion;
-        let mm = (MILLI, 0, "mm");
         let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
-            let crush = self.number("/events/dynamic_crush_m", crush_m, mm);
-            let interval = self.interval_of_event("dynamic_crush_m", mm);
+            let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
+            let interval = self.interval_of_event("dynamic_crush_m", (MILLI, 0));
             fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
         });
         let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
-        Some(fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)]))
+        fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)])
     }
 
     /// The identified model that follows the record closest.
-    fn identified(&mut self, template: &str) -> String {
-        let (phrases, run) = (&self.language.phrases().conclusion, self.run);
-        let fit_of = |model: &Model| model.identification.as_ref().and_then(|i| i.fit_percent);
-        let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, fit_of(model)?)));
-        let best = fitted.max_by(|(a, _, x), (b, _, y)| x.total_cmp(y).then(b.cmp(a)));
-        let Some((k, model, fit)) = best else { return phrases.measured_only.to_owned() };
+    fn identified(&mut self) -> String {
+        let phrases = &self.language.phrases().conclusion;
+        let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.measured_only.to_owned() };
         let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
         let modes = model.modes.iter().enumerate().filter(|(_, mode)| mode.im_rad_per_s > 0.0);
         let slowest =
@@ -305,44 +413,88 @@ impl<'a> Text<'a> {
             });
             fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
         });
-        fill(template, &[("model", &model.id), ("fit", &fit), ("mode", &mode)])
+        fill(phrases.identified, &[("model", &model.id), ("fit", &fit), ("mode", &mode)])
     }
 
-    /// Which model to use, how sure it is and what to distrust; that none is recommended, and why.
-    fn use_model(&mut self, kind: Kind, concerns: &[ConcernV1]) -> Option<String> {
+    /// Which model to use, what it gives and what it does not; that none is recommended, and why.
+    fn what_to_use(&mut self, kind: Kind, reason: &StatusReason) -> Vec<String> {
         let phrases = &self.language.phrases().conclusion;
-        if self.run.candidates.is_empty() {
-            return Some(phrases.no_models_here.to_owned());
+        if let StatusReason::DecisiveWarning { number } = reason {
+            let number = self.number("/verdict/status_reason/number", *number as f64, (1.0, 0, ""));
+            return std::iter::once(fill(phrases.decisive, &[("number", number)])).chain(self.asked_for()).collect();
         }
-        let Some(best) = self.best() else { return Some(self.none_recommended()) };
-        let certainties = best.certainties();
-        let determined = certainties.words(self.language).map(|text| {
-            let Certainties { parameters, determined, order_of_magnitude, open } = &certainties;
-            for (at, count) in [
-                ("determined", *determined),
-                ("parameters", *parameters),
-                ("order_of_magnitude", order_of_magnitude.len()),
-                ("open", open.len()),
-            ] {
-                if count > 0 || matches!(at, "determined" | "parameters") {
-                    self.number(&format!("/verdict/{at}"), count as f64, (1.0, 0, ""));
-                }
-            }
-            format!(" ({text})")
+        let is_lacking = lacks_mass_or_speed(self.run);
+        let mut sentences = Vec::new();
+        if let Some(best) = self.best() {
+            sentences.extend(self.one_spring(best));
+            sentences.push(self.use_model(best));
+            sentences.extend(self.caution(kind, best, reason));
+        } else if !self.run.candidates.is_empty() {
+            sentences.push(self.none_recommended());
+            sentences.extend(self.closest());
+        } else if kind == Kind::LinearModel || (is_lacking && !self.run.models.is_empty()) {
+            sentences.push(self.identified());
+        } else if !is_lacking {
+            sentences.push(phrases.no_models_here.to_owned());
+        }
+        if is_lacking && self.run.candidates.is_empty() {
+            sentences.push(not_stated(self.run).to_owned());
+        }
+        sentences
+    }
+
+    /// One stiffness for a curve on one mass: that of the spring with the energy and the crush of the test.
+    fn one_spring(&mut self, best: &CandidateResult) -> Option<String> {
+        let is_curve = best.record.parameters.keys().any(|name| name.starts_with("knot"));
+        let metric = self.run.metric("average_stiffness")?;
+        let value = metric.value.filter(|_| is_curve && best.record.parameters.contains_key("mass_kg"))?;
+        let at = "/metrics/average_stiffness";
+        let mut stiffness = self.number(&format!("{at}/value"), value, (KILO, 0, "kN/m"));
+        if let Some((low, high)) = metric.low.zip(metric.high) {
+            stiffness.push_str(&self.interval(at, low, high, (KILO, 0)));
+        }
+        Some(fill(self.language.phrases().conclusion.one_spring, &[("stiffness", stiffness)]))
+    }
+
+    /// The recommended model and what it gives for the impact that was asked for.
+    fn use_model(&mut self, best: &CandidateResult) -> String {
+        let phrases = &self.language.phrases().conclusion;
+        let predicts = self.given(best).map(|(prediction, texts)| {
+            fill(if prediction.extrapolates { phrases.predicts_beyond } else { phrases.predicts }, &texts)
         });
-        let follows = self.follows(best).map(|fit| fill(phrases.follows, &[("fit", &fit)]));
-        let of_two = kind == Kind::TwoVehicles;
-        let predicts = self.predicts(best, of_two || first_is_decisive(concerns));
-        let what = if of_two { Some(phrases.other_partner.to_owned()) } else { self.distrust(best, concerns) };
-        let distrust = what.map(|what| fill(phrases.distrust, &[("what", &what)]));
-        let texts = [
-            ("model", candidate_name(&best.id)),
-            ("determined", determined.unwrap_or_default()),
-            ("follows", follows.unwrap_or_default()),
-            ("predicts", predicts.unwrap_or_default()),
-            ("distrust", distrust.unwrap_or_default()),
-        ];
-        Some(fill(phrases.use_model, &texts.each_ref().map(|(name, text)| (*name, text.as_str()))))
+        let texts = [("model", self.named(best)), ("predicts", predicts.unwrap_or_default())];
+        fill(phrases.use_model, &texts)
+    }
+
+    /// What the recommended model gives for an impact that a person asked for, whatever speaks against its use.
+    fn asked_for(&mut self) -> Option<String> {
+        let best = self.best()?;
+        answer(self.run, best).filter(|(_, prediction)| prediction.asked)?;
+        let (_, [scenario, crush, interval]) = self.given(best)?;
+        let texts = [scenario, ("model", self.named(best)), crush, interval];
+        Some(fill(self.language.phrases().conclusion.asked_for, &texts))
+    }
+
+    fn named(&self, candidate: &CandidateResult) -> String {
+        let phrases = &self.language.phrases().conclusion;
+        match candidate.record.model.as_str() {
+            "force-deflection" => phrases.force_deflection_curve.to_owned(),
+            other => fill(phrases.named_model, &[("model", model_name(other))]),
+        }
+    }
+
+    /// The prediction that answers, and its impact, crush and interval in words.
+    fn given(&mut self, best: &CandidateResult) -> Option<(&'a PredictionV1, [(&'static str, String); 3])> {
+        let (place, prediction) = answer(self.run, best)?;
+        let crush_m = prediction.dynamic_crush_m?;
+        let (at, places) = (format!("/predictions/{place}"), true_places(MILLI * crush_m));
+        let scenario = self.scenario(place);
+        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, (MILLI, places, "mm"));
+        let interval = interval_of_crush(prediction).map(|(j, &PredictedIntervalV1 { low, high, .. })| {
+            self.interval(&format!("{at}/intervals/{j}"), low, high, (MILLI, places))
+        });
+        let texts = [("scenario", scenario), ("crush", crush), ("interval", interval.unwrap_or_default())];
+        Some((prediction, texts))
     }
 
     /// How closely a candidate follows the displacement.
@@ -354,65 +506,40 @@ impl<'a> Text<'a> {
         Some(self.number(&at, candidate.fit_percent()?, (1.0, 1, "%")))
     }
 
-    /// What it predicts: against a partner where one was asked for, else of the impacts on the wall one that was asked
-    /// for before others, one within what was tested before one beyond, the slowest before faster ones. Within what was
-    /// tested the model may be used, unless all of it is doubtful.
-    fn predicts(&mut self, best: &CandidateResult, doubtful: bool) -> Option<String> {
-        let (phrases, run) = (&self.language.phrases().conclusion, self.run);
-        let of_best = || run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
-        let crush = |(k, p): (usize, &'a PredictionV1)| Some((k, p, p.dynamic_crush_m?));
-        let mm = (MILLI, 1, "mm");
-        let of_crush = |text: &mut Self, (k, prediction, crush_m): (usize, &PredictionV1, f64)| {
-            let at = format!("/predictions/{k}");
-            let shown = text.number(&format!("{at}/dynamic_crush_m"), crush_m, mm);
-            let mut intervals = prediction.intervals.iter().enumerate();
-            let found = intervals.find(|(_, interval)| interval.name == "dynamic_crush_m");
-            let interval = found.map(|(j, &PredictedIntervalV1 { low, high, level, .. })| {
-                text.interval(&format!("{at}/intervals/{j}"), low, high, Some((100.0 * level).round() as u8), mm)
-            });
-            (shown, interval.unwrap_or_default())
-        };
-        if let Some(found) = of_best().filter(|(_, p)| p.collision.is_some()).find_map(crush) {
-            let (crush, interval) = of_crush(self, found);
-            let partner = found.1.partner.as_deref().unwrap_or_default();
-            let texts = [("partner", partner), ("crush", &crush), ("interval", &interval)];
-            return Some(fill(phrases.predicts_collision, &texts));
-        }
-        let found = of_best().filter(|(_, p)| p.partner.is_none()).filter_map(crush);
-        let found = found.min_by(|(_, a, _), (_, b, _)| {
-            let order = |p: &PredictionV1| (!run.asks_for(p), p.extrapolates);
-            order(a).cmp(&order(b)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
-        })?;
-        let (crush, interval) = of_crush(self, found);
-        let at = format!("/predictions/{}/impact_speed_m_per_s", found.0);
-        let speed = self.number(&at, found.1.impact_speed_m_per_s, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
-        let words = match (found.1.extrapolates, doubtful) {
-            (true, _) => phrases.predicts_beyond,
-            (false, true) => phrases.predicts,
-            (false, false) => phrases.usable,
-        };
-        Some(fill(words, &[("crush", &crush), ("interval", &interval), ("speed", &speed)]))
-    }
-
-    /// The one thing to distrust before all others.
-    fn distrust(&mut self, best: &CandidateResult, concerns: &[ConcernV1]) -> Option<String> {
+    /// The one thing that the model does not give, before all others; what the status says is not said again.
+    fn caution(&mut self, kind: Kind, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
-        if first_is_decisive(concerns) {
-            return Some(phrases.decisive.to_owned());
+        if kind == Kind::TwoVehicles {
+            return Some(phrases.other_partner.to_owned());
         }
         if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint, self.language)) {
-            return Some(fill(self.language.phrases().joint.distrust, &[("tests", tests)]));
+            return Some(fill(self.language.phrases().joint.tests_disagree, &[("tests", tests)]));
         }
         if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {
             return Some(open);
         }
-        if best.record.equivalent_to.is_some() {
+        if best.record.equivalent_to.is_some() && *reason != StatusReason::Dual {
             return Some(phrases.dual.to_owned());
         }
-        self.with_names(best, phrases.hardly, &best.certainties().order_of_magnitude).or_else(|| {
+        self.few_determined(best).filter(|_| !matches!(reason, StatusReason::FewDetermined { .. })).or_else(|| {
             let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
-            let speed = beyond.then(|| self.impact_speed())??;
-            Some(fill(phrases.extrapolates, &[("speed", &speed)]))
+            let tested = self.run.test.impact_speed_m_per_s.filter(|_| beyond)?;
+            let speed = self.speed("/test/impact_speed_m_per_s", tested);
+            Some(fill(phrases.extrapolates, &[("speed", speed)]))
+        })
+    }
+
+    /// That of the numbers of a model only some are determined.
+    fn few_determined(&mut self, best: &CandidateResult) -> Option<String> {
+        let known = best.certainties();
+        let phrases = &self.language.phrases().conclusion;
+        let template = if has_only_forces(best) { phrases.few_forces } else { phrases.few_parameters };
+        let mut count = |name: &str, count: usize| {
+            (name.to_owned(), self.number(&format!("/verdict/{name}"), count as f64, (1.0, 0, "")))
+        };
+        (known.determined < known.parameters).then(|| {
+            let texts = [count("determined", known.determined), count("parameters", known.parameters)];
+            fill(template, &texts.each_ref().map(|(name, text)| (name.as_str(), text)))
         })
     }
 
@@ -435,15 +562,19 @@ impl<'a> Text<'a> {
             None if no_crush => phrases.no_crush.to_owned(),
             None => self.ranking.because.clone(),
         };
-        let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
-        let closest = closest.and_then(|id| run.candidate(id)).and_then(|candidate| {
-            let fit = self.follows(candidate)?;
-            let place = run.candidates.iter().position(|other| other.id == candidate.id)?;
-            let to_s = candidate.simulation.as_ref()?.to_s;
-            let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, (MILLI, 1, "ms"));
-            let texts = [("model", candidate_name(&candidate.id)), ("fit", fit), ("time", time)];
-            Some(fill(phrases.closest, &texts.each_ref().map(|(name, text)| (*name, text.as_str()))))
-        });
-        fill(phrases.none_recommended, &[("because", &because), ("closest", &closest.unwrap_or_default())])
+        fill(phrases.none_recommended, &[("because", &because)])
+    }
+
+    /// The model closest to the record, and how close up to when.
+    fn closest(&mut self) -> Option<String> {
+        let run = self.run;
+        let id = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref())?;
+        let place = run.candidates.iter().position(|other| other.id == id)?;
+        let to_s = run.candidates[place].simulation.as_ref()?.to_s;
+        let fit = self.follows(&run.candidates[place])?;
+        let shown = (MILLI, true_places(MILLI * to_s), "ms");
+        let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, shown);
+        let texts = [("model", candidate_name(id)), ("fit", fit), ("time", time)];
+        Some(fill(self.language.phrases().conclusion.closest, &texts))
     }
 }

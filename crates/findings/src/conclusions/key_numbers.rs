@@ -52,6 +52,22 @@ pub struct Spread {
     pub channels: String,
 }
 
+impl Spread {
+    /// How many sensors it is over.
+    pub fn sensors(&self) -> usize {
+        self.channels.split('+').count()
+    }
+}
+
+/// Decimals of mm or ms in a sentence: what is true of a crush known to some mm and a time to some tenths of ms.
+pub fn true_places(value: f64) -> usize {
+    match value.abs() {
+        large if large >= 30.0 => 0,
+        middle if middle >= 3.0 => 1,
+        _ => 2,
+    }
+}
+
 impl KeyNumber {
     /// What stands before the value.
     pub fn sign(&self) -> &'static str {
@@ -80,7 +96,7 @@ pub fn key_numbers(run: &Run) -> Vec<KeyNumber> {
     let recorded = of_recorder(run);
     match &run.events {
         Some(events) => of_vehicle(run, events, recorded.first()),
-        None if recorded.is_empty() => peak(run).into_iter().collect(),
+        None if recorded.is_empty() => of_pulse(run),
         None => recorded,
     }
 }
@@ -131,6 +147,15 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
 fn why_no_event(run: &Run, name: &str) -> String {
     let stated = run.metric(name).filter(|metric| metric.value.is_none()).map(|metric| metric.definition.clone());
     stated.unwrap_or_else(|| run.language.phrases().numbers.velocity_never_zero.to_owned())
+}
+
+/// What a pulse without a motion has: change of velocity, peak, OLC.
+fn of_pulse(run: &Run) -> Vec<KeyNumber> {
+    let metric = |name: &'static str, unit| {
+        let metric = run.metric(name).filter(|metric| metric.value.is_some())?;
+        Some(of_metric(run, name, unit, metric))
+    };
+    [metric("delta_v", "m/s"), peak(run), metric("olc", "m/s^2")].into_iter().flatten().collect()
 }
 
 /// Criteria of the occupant whose sensor the pulse channel is.

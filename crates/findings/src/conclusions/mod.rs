@@ -1,4 +1,4 @@
-//! What a run comes to: kind of record, concerns, sentences, key numbers, distinct curves, console, summary.
+//! What a run comes to: kind of record, concerns, status, sentences, key numbers, distinct curves, console, summary.
 //! Uses results and text.
 
 pub mod concerns;
@@ -8,4 +8,5 @@ pub mod key_numbers;
 pub mod kind;
 pub mod overview;
 pub mod several_tests;
+pub mod status;
 pub mod summary;

@@ -8,10 +8,11 @@ use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI
 use crumple_phrases::language::fill;
 use crumple_signal::About;
 
-use crate::conclusions::concerns::{first_is_decisive, first_warnings};
+use crate::conclusions::concerns::{decisive_warning, first_warnings};
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::key_numbers::{key_numbers, level_percent};
 use crate::conclusions::kind::Kind;
+use crate::conclusions::status::StatusReason;
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
@@ -32,7 +33,7 @@ pub struct OverviewLine {
     pub may_be_cut: bool,
 }
 
-/// What the sentences of the verdict say already is left out. `folder`: that of the run, for commands that show more.
+/// Warnings that the sentences of the verdict say already are left out. `folder`: that of the run, for commands that show more.
 pub fn overview(
     run: &Run,
     ranking: &Ranking,
@@ -44,25 +45,20 @@ pub fn overview(
     let phrases = &language.phrases().conclusion;
     let mut lines: Vec<OverviewLine> = Vec::new();
     let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
-    let said = |at: &str| verdict.numbers.iter().any(|number| number.at == at);
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
     for number in key_numbers(run).iter().filter(|_| of_vehicle) {
-        let (label, said_at, (factor, places, unit)) = match number.name {
-            "dynamic_crush" => (crush, "/events/dynamic_crush_m", (MILLI, 1, "mm")),
-            "time_of_dynamic_crush" => (phrases.time_label, "/events/time_of_dynamic_crush_s", (MILLI, 1, "ms")),
-            "delta_v" => (phrases.change_label, "/events/delta_v_m_per_s", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
-            // The verdict says it without its interval.
-            "maximum_delta_v" => (phrases.change_label, "", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
-            "peak_acceleration" => (phrases.peak_label, "", (G_PER_M_PER_S2, 1, "g")),
-            "olc" => (phrases.olc_label, "", (G_PER_M_PER_S2, 1, "g")),
-            "coefficient_of_restitution" => {
-                (phrases.restitution_label, "/events/coefficient_of_restitution", (1.0, 3, ""))
-            }
+        let (label, (factor, places, unit)) = match number.name {
+            "dynamic_crush" => (crush, (MILLI, 1, "mm")),
+            "time_of_dynamic_crush" => (phrases.time_label, (MILLI, 1, "ms")),
+            "delta_v" | "maximum_delta_v" => (phrases.change_label, (KM_PER_H_PER_M_PER_S, 1, "km/h")),
+            "peak_acceleration" => (phrases.peak_label, (G_PER_M_PER_S2, 1, "g")),
+            "olc" => (phrases.olc_label, (G_PER_M_PER_S2, 1, "g")),
+            "coefficient_of_restitution" => (phrases.restitution_label, (1.0, 3, "")),
             _ => continue,
         };
-        let Some(value) = number.value.filter(|_| !said(said_at)) else { continue };
+        let Some(value) = number.value else { continue };
         let mut text = with_interval(
             run,
             value,
@@ -75,14 +71,17 @@ pub fn overview(
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
             let [low, high] = [spread.low, spread.high].map(|end| language.quantity(factor * end, places, ""));
-            text.push_str(&fill(phrases.over_sensors, &[("range", language.between(&low, &high))]));
+            let texts = [("count", spread.sensors().to_string()), ("range", language.between(&low, &high))];
+            text.push_str(&fill(phrases.over_sensors, &texts));
         }
         lines.push(line(label, text));
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
         lines.push(line(phrases.model_label, parameters(run, best, folder)));
     }
-    let said = said_already(ranking, verdict, concerns);
+    let decisive = decisive_warning(run, concerns).is_some();
+    // The verdict names a decisive warning by its number among all.
+    let said = if decisive { Vec::new() } else { said_already(ranking, verdict, concerns) };
     let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c);
     let warnings: Vec<&ConcernV1> = concerns.iter().filter(is_new).collect();
     let (first, others) = first_warnings(&warnings, run, ranking);
@@ -90,7 +89,7 @@ pub fn overview(
         let label = if number == 0 { phrases.warnings_label } else { "" };
         // What makes all doubtful is said whole.
         let text = format!("{}. {}", number + 1, concern.text);
-        lines.push(OverviewLine { may_be_cut: number > 0 || !first_is_decisive(concerns), ..line(label, text) });
+        lines.push(OverviewLine { may_be_cut: number > 0 || !decisive, ..line(label, text) });
     }
     if others > 0 {
         let count = match others {
@@ -107,17 +106,17 @@ pub fn overview(
     lines
 }
 
-/// Concerns of the report itself that the sentences of the verdict say: sensors that dispute the crush, what is to be
-/// distrusted of the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
+/// Concerns of the report itself that status and sentences of the verdict say: sensors that differ, what is not known of
+/// the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
 fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [ConcernV1]) -> Vec<&'a ConcernV1> {
     let about = |what: &About| {
         let what = what.to_string();
         concerns.iter().find(|concern| concern.stage == "report" && concern.about == what)
     };
     let of_two = verdict.kind == Kind::TwoVehicles;
-    let names_sensors = verdict.numbers.iter().any(|number| number.at.ends_with("/spread/low"));
+    let names_sensors = matches!(verdict.status_reason, StatusReason::SensorsDiffer { .. });
     let mut said: Vec<&ConcernV1> = about(&About::Motion).filter(|_| of_two || names_sensors).into_iter().collect();
-    let best = ranking.best.as_deref().filter(|_| !of_two && !first_is_decisive(concerns));
+    let best = ranking.best.as_deref().filter(|_| !of_two);
     said.extend(best.and_then(|id| about(&About::Model(id.to_owned())).or_else(|| about(&About::Predictions))));
     said
 }

@@ -44,8 +44,8 @@ pub struct Run {
     pub recommendation: Option<RecommendationV1>,
     /// Impacts that were predicted, in their order.
     pub predictions: Vec<PredictionV1>,
-    /// Speeds that were asked for beside the standing ones of the pipeline, m/s.
-    pub asked_speeds_m_per_s: Vec<f64>,
+    /// The fit of a recommended candidate whose recommendation was taken back.
+    pub withdrawn: Option<Withdrawn>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<CandidateResult>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
@@ -62,6 +62,18 @@ pub struct Run {
     pub without: Option<String>,
     /// What is not in the report, and which stage would supply it.
     pub missing: Vec<String>,
+}
+
+/// Least displacement fit as measured of an adequate model, percent: the default of parameter-solve's `--adequate-fit`.
+pub const ADEQUATE_FIT_PERCENT: f64 = 90.0;
+
+/// Why a recommendation was taken back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Withdrawn {
+    /// Displacement fit as measured, percent.
+    pub fit_percent: f64,
+    /// What an adequate model has at least.
+    pub limit_percent: f64,
 }
 
 /// The waves of the pulse channel, SI, on the record's time axis.
@@ -319,10 +331,24 @@ impl Run {
         self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
     }
 
-    /// Whether the speed of a prediction was asked for beside the standing ones of the pipeline.
-    pub fn asks_for(&self, prediction: &PredictionV1) -> bool {
-        // Settings hold the speeds of the predictions in full.
-        self.asked_speeds_m_per_s.iter().any(|speed| (speed - prediction.impact_speed_m_per_s).abs() < 1e-9)
+    /// Takes a recommendation back whose candidate has a displacement fit as measured below [`ADEQUATE_FIT_PERCENT`]:
+    /// it may have been made by another program, or of another record.
+    pub fn withdraw_poor_recommendation(&mut self) {
+        let recommended = self.recommendation.as_ref().and_then(|choice| choice.recommended.clone());
+        let Some(candidate) = recommended.as_deref().and_then(|id| self.candidate(id)) else { return };
+        let fit_percent = candidate.simulation.as_ref().and_then(|simulation| simulation.fit_as_measured_percent);
+        let Some(fit_percent) = fit_percent.filter(|fit| *fit < ADEQUATE_FIT_PERCENT) else { return };
+        let [fit, limit] = [fit_percent, ADEQUATE_FIT_PERCENT].map(|x| self.language.quantity(x, 1, "%"));
+        let texts = [("model", candidate_name(&candidate.id)), ("fit", fit), ("limit", limit)];
+        let because = fill(self.language.phrases().conclusion.fit_too_low, &texts);
+        if let Some(choice) = &mut self.recommendation {
+            (choice.recommended, choice.recommended_because) = (None, because);
+        }
+        for prediction in &mut self.predictions {
+            prediction.recommended = false;
+            prediction.names.retain(|name| name != "recommended");
+        }
+        self.withdrawn = Some(Withdrawn { fit_percent, limit_percent: ADEQUATE_FIT_PERCENT });
     }
 
     /// The candidate of this id.

@@ -1,77 +1,137 @@
 //! What verdict, warnings and console say.
 
 texts! { ConclusionTexts
+    usable: "usable", "brauchbar";
+    usable_with_care: "usable with care", "mit Vorsicht brauchbar";
+    do_not_use: "do not use", "nicht verwenden";
+    status: "{status}: {reason}.", "{status}: {reason}.";
+    because_good_to: "its crush is good to {good_to} {scenario}", "seine Eindrückung ist {scenario} auf {good_to} genau";
+    because_beyond:
+        "{scenario} it is asked beyond the test, its crush is good to {good_to}",
+        "{scenario} jenseits des Versuchs ist seine Eindrückung auf {good_to} genau";
+    because_sensors:
+        "the crush is good to {apart}, not to {half_width}: {count} sensors of the compartment differ",
+        "die Eindrückung ist auf {apart} genau, nicht auf {half_width}: {count} Aufnehmer der Fahrgastzelle weichen \
+         voneinander ab";
+    because_few_forces:
+        "use its crush, not its forces: the record determines {determined} of {parameters}",
+        "seine Eindrückung gilt, seine Kräfte nicht: die Aufzeichnung bestimmt {determined} von {parameters}";
+    because_few_parameters:
+        "use its crush, not its parameters: the record determines {determined} of {parameters}",
+        "seine Eindrückung gilt, seine Parameter nicht: die Aufzeichnung bestimmt {determined} von {parameters}";
+    because_unassessed:
+        "the parameters of the model have no intervals",
+        "die Parameter des Modells haben keine Intervalle";
+    because_dual:
+        "use its crush, not its mass split: one sensor cannot identify the split",
+        "seine Eindrückung gilt, seine Massenaufteilung nicht: ein Aufnehmer kann sie nicht identifizieren";
+    because_weak:
+        "the evidence is weak: {model} fits nearly as well",
+        "die Belege sind schwach: {model} passt fast ebenso gut";
+    because_no_interval:
+        "its crush at other speeds has no interval",
+        "seine Eindrückung bei anderer Geschwindigkeit hat kein Intervall";
+    because_tests_disagree: "the tests disagree", "die Versuche widersprechen sich";
+    because_no_stop:
+        "use its delta-v: the vehicle did not stop within the record",
+        "das Delta-v gilt: das Fahrzeug kam in der Aufzeichnung nicht zum Stehen";
+    because_other_axis:
+        "use its delta-v: the pulse is along {axis}, the models are of a crush along x",
+        "das Delta-v gilt: der Puls liegt in {axis}, die Modelle sind solche einer Eindrückung in x";
+    because_two_vehicles:
+        "use its delta-v: its motion over ground is not its crush",
+        "das Delta-v gilt: der Weg über Grund ist nicht die Eindrückung";
+    because_occupant:
+        "use the criteria of the occupant, nothing for the vehicle",
+        "die Kriterien des Insassen gelten, nichts für das Fahrzeug";
+    because_recorder:
+        "use its delta-v, not its forces: the table is coarse",
+        "das Delta-v gilt, die Kräfte nicht: die Tabelle ist grob";
+    because_identified:
+        "for the amplitudes and frequencies that this record excited",
+        "für die Amplituden und Frequenzen, die diese Aufzeichnung anregte";
+    because_no_mass: "no mass is stated: use the motion", "keine Masse ist angegeben: die Bewegung gilt";
+    because_no_speed:
+        "no impact speed is stated: use delta-v and pulse",
+        "keine Aufprallgeschwindigkeit ist angegeben: Delta-v und Puls gelten";
+    because_no_mass_nor_speed:
+        "neither mass nor impact speed is stated: use delta-v and pulse",
+        "weder Masse noch Aufprallgeschwindigkeit ist angegeben: Delta-v und Puls gelten";
+    because_measured_only:
+        "use what was measured: no model was fitted",
+        "das Gemessene gilt: kein Modell wurde angepasst";
+    because_none_recommended:
+        "use what was measured: no model is for other speeds",
+        "das Gemessene gilt: kein Modell ist für andere Geschwindigkeiten";
+    because_no_result: "there is no acceptable result", "es gibt kein annehmbares Ergebnis";
+    because_decisive: "see warning {number}", "siehe Warnung {number}";
+    because_not_adequate: "no model is adequate", "kein Modell ist angemessen";
+    because_poor_fit:
+        "the fit of the best model is {fit}, below {limit}",
+        "die Anpassung des besten Modells ist {fit}, unter {limit}";
+    scenario: "at {speed}{mass}{partner}", "bei {speed}{mass}{partner}";
+    with_mass: " with {mass}", " mit {mass}";
+    against_partner: " against {partner}", " gegen {partner}";
     crushed:
-        "The vehicle was crushed by {crush}{interval} within {time} of an impact{speed}{rebound}.",
-        "Das Fahrzeug wurde bei einem Aufprall{speed} in {time} um {crush}{interval} eingedrückt{rebound}.";
-    at_speed: " at {speed}", " mit {speed}";
+        "The vehicle was crushed by {crush} within {time}{rebound}.",
+        "Das Fahrzeug wurde in {time} um {crush} eingedrückt{rebound}.";
     reached: ", reached at {time}", ", erreicht nach {time}";
-    within: " in {time}", " in {time}";
+    within: " within {time}", " in {time}";
     level: "{percent}\u{a0}%: ", "{percent}\u{a0}%: ";
-    interval: " ({level}{low} to {high})", " ({level}{low} bis {high})";
-    interval_and_sensors:
-        " ({level}{low} to {high}; {lowest} to {highest} over the sensors there)",
-        " ({level}{low} bis {high}; {lowest} bis {highest} über die Sensoren dort)";
-    rebounded:
-        " and rebounded with {restitution} of that speed",
-        " und prallte mit dem {restitution}-Fachen dieser Geschwindigkeit zurück";
+    interval: " ({low} to {high})", " ({low} bis {high})";
+    rebounded: " and rebounded at {speed}", " und prallte mit {speed} zurück";
     no_rebound: " and did not rebound", " und prallte nicht zurück";
     no_stop:
-        "The vehicle did not stop within the record: it lost {change} in {time}, and its dynamic crush cannot be told.",
-        "Das Fahrzeug kam in der Aufzeichnung nicht zum Stehen: Es verlor {change} in {time}, eine dynamische \
-         Eindrückung gibt es nicht.";
+        "The vehicle did not stop within the record: it lost {change} in {time}.",
+        "Das Fahrzeug kam in der Aufzeichnung nicht zum Stehen: Es verlor {change} in {time}.";
     no_stop_no_end:
-        "The vehicle did not stop within the record: its dynamic crush cannot be told.",
-        "Das Fahrzeug kam in der Aufzeichnung nicht zum Stehen: Eine dynamische Eindrückung gibt es nicht.";
+        "The vehicle did not stop within the record.",
+        "Das Fahrzeug kam in der Aufzeichnung nicht zum Stehen.";
     two_vehicles:
-        "Two vehicles collided: this one lost {change}{time}; its motion over ground is not its crush.",
-        "Zwei Fahrzeuge stießen zusammen: Dieses verlor {change}{time}; sein Weg über Grund ist nicht seine \
-         Eindrückung.";
+        "Two vehicles collided: this one lost {change}{time}.",
+        "Zwei Fahrzeuge stießen zusammen: Dieses verlor {change}{time}.";
     occupant:
         "The sensor sits in an occupant ({place}), not in the vehicle{criteria}.",
         "Der Aufnehmer sitzt in einem Insassen ({place}), nicht im Fahrzeug{criteria}.";
     occupant_use:
-        "Crush, stiffness and models of such a record are those of the sensor: use none for the vehicle{bounds}.",
-        "Eindrückung, Steifigkeit und Modelle einer solchen Aufzeichnung sind die des Aufnehmers: Keines gilt für das \
-         Fahrzeug{bounds}.";
+        "Do not use its crush, stiffness and models for the vehicle{bounds}.",
+        "Eindrückung, Steifigkeit und Modelle gelten nicht für das Fahrzeug{bounds}.";
     lower_bounds:
         "; the criteria are lower bounds, since not all axes were measured",
         "; die Kriterien sind untere Schranken, da nicht alle Achsen gemessen wurden";
     recorded:
-        "The recorder kept a change of velocity of {change}{time}.",
-        "Das Aufzeichnungsgerät hielt eine Geschwindigkeitsänderung von {change} fest{time}.";
+        "The recorder kept a delta-v of {change}{time}.",
+        "Das Aufzeichnungsgerät hielt ein Delta-v von {change} fest{time}.";
     recorder_use:
-        "No peak and no force can be taken from such a coarse table{crush}{none}.",
-        "Spitzenwert und Kraft lassen sich aus einer so groben Tabelle nicht ablesen{crush}{none}.";
-    recorder_without_model:
-        "; no model is recommended, use none at another speed",
-        "; kein Modell wird empfohlen, keines gilt bei anderer Geschwindigkeit";
-    rough_crush:
-        "; the crush of {crush}{interval} made from it is rough",
-        "; die daraus gebildete Eindrückung von {crush}{interval} ist grob";
-    identified: "{model} follows {fit} of the record{mode}.", "{model} folgt der Aufzeichnung zu {fit}{mode}.";
+        "Its table is too coarse for peak and force{crush}{none}.",
+        "Seine Tabelle ist zu grob für Spitzenwert und Kraft{crush}{none}.";
+    recorder_without_model: "; no model is recommended", "; kein Modell wird empfohlen";
+    rough_crush: "; its crush of {crush}{interval} is rough", "; ihre Eindrückung von {crush}{interval} ist grob";
+    identified:
+        "The closest identified model, {model}, has a fit of {fit}{mode}.",
+        "Das nächste identifizierte Modell, {model}, hat eine Anpassung von {fit}{mode}.";
     damping: ", damping ratio {ratio}", ", Dämpfungsgrad {ratio}";
     mode:
         "; its slowest mode is at {frequency}{damping}",
         "; die langsamste Eigenschwingung liegt bei {frequency}{damping}";
     identified_use:
-        "It holds for the amplitudes and frequencies that this record excited; what it says beyond is extrapolation.",
-        "Es gilt für die Amplituden und Frequenzen, die diese Aufzeichnung anregte; alles darüber hinaus ist \
-         Extrapolation.";
+        "It holds for the amplitudes and frequencies that this record excited.",
+        "Es gilt für die Amplituden und Frequenzen, die diese Aufzeichnung anregte.";
+    changed:
+        "The record gives a delta-v of {change}{time}{peak}{olc}.",
+        "Die Aufzeichnung gibt ein Delta-v von {change}{time}{peak}{olc}.";
+    and_peak: ", a peak of {peak}", ", einen Spitzenwert von {peak}";
+    and_olc: ", an OLC of {olc}", ", eine OLC von {olc}";
     not_stated_both:
-        "The record states neither mass nor impact speed, as allowed: there is no crush, no force and no stiffness.",
-        "Masse und Aufprallgeschwindigkeit sind nicht angegeben, wie erlaubt: keine Eindrückung, keine Kraft, keine \
-         Steifigkeit.";
+        "Mass and impact speed are missing, so there is no crush and no force: add --mass and --impact-speed.",
+        "Masse und Aufprallgeschwindigkeit fehlen, daher keine Eindrückung und keine Kraft: --mass und \
+         --impact-speed angeben.";
     not_stated_mass:
-        "The record states no mass, as allowed: there is no force and no stiffness.",
-        "Die Masse ist nicht angegeben, wie erlaubt: keine Kraft, keine Steifigkeit.";
+        "The mass is missing, so there is no force and no stiffness: add --mass.",
+        "Die Masse fehlt, daher keine Kraft und keine Steifigkeit: --mass angeben.";
     not_stated_speed:
-        "The record states no impact speed, as allowed: there is no crush, no force and no stiffness.",
-        "Die Aufprallgeschwindigkeit ist nicht angegeben, wie erlaubt: keine Eindrückung, keine Kraft, keine \
-         Steifigkeit.";
-    not_stated_use:
-        "A linear model alone was identified: {model} follows {fit} of the pulse{mode}.",
-        "Nur ein lineares Modell wurde identifiziert: {model} folgt dem Puls zu {fit}{mode}.";
+        "The impact speed is missing, so there is no crush and no stiffness: add --impact-speed.",
+        "Die Aufprallgeschwindigkeit fehlt, daher keine Eindrückung und keine Steifigkeit: --impact-speed angeben.";
     no_model: "There is no model: {reason}.", "Es gibt kein Modell: {reason}.";
     read_the_notes:
         "the notes of the run say more: just notes, and the folder of the run",
@@ -82,77 +142,77 @@ texts! { ConclusionTexts
     no_models_here:
         "It holds no models: their stages did not run.",
         "Er enthält keine Modelle: Deren Stufen liefen nicht.";
-    use_model:
-        "For predictions use {model}{determined}{follows}{predicts}{distrust}.",
-        "Für Vorhersagen gilt {model}{determined}{follows}{predicts}{distrust}.";
+    one_spring:
+        "One spring of {stiffness} has its energy and crush.",
+        "Eine Feder von {stiffness} hat seine Energie und Eindrückung.";
+    use_model: "For other speeds use {model}{predicts}.", "Für andere Geschwindigkeiten gilt {model}{predicts}.";
+    asked_for:
+        "Asked for: {scenario} {model} gives {crush}{interval}.",
+        "Angefragt: {scenario} ergibt {model} {crush}{interval}.";
+    force_deflection_curve: "the force-deflection curve", "die Kraft-Weg-Kurve";
+    named_model: "the {model} model", "das Modell {model}";
+    predicts: ": {scenario} it gives {crush}{interval}", ": {scenario} Eindrückung {crush}{interval}";
+    predicts_beyond:
+        ": {scenario}, beyond the test, it gives {crush}{interval}",
+        ": {scenario}, jenseits des Versuchs, Eindrückung {crush}{interval}";
     determined: "{determined} of {parameters} numbers determined", "{determined} von {parameters} Zahlen bestimmt";
     order_of_magnitude: ", {count} to an order of magnitude", ", {count} der Größenordnung nach";
     open: ", {count} open", ", {count} offen";
-    follows: ": it follows the displacement to {fit}", ": Es folgt dem Weg zu {fit}";
-    predicts:
-        " and predicts a crush of {crush}{interval} at {speed}",
-        " und sagt bei {speed} eine Eindrückung von {crush}{interval} voraus";
-    usable:
-        "; within what was tested it may be used: at {speed} it predicts a crush of {crush}{interval}",
-        "; im erprobten Bereich ist es brauchbar: Bei {speed} sagt es eine Eindrückung von {crush}{interval} voraus";
-    predicts_beyond:
-        "; beyond what was tested, at {speed}, it predicts a crush of {crush}{interval}",
-        "; jenseits des Erprobten, bei {speed}, sagt es eine Eindrückung von {crush}{interval} voraus";
     other_partner:
-        "it against anything but this other vehicle, which it takes for a rigid wall",
-        "jeder andere Partner als dieses zweite Fahrzeug, das es für eine starre Wand nimmt";
-    predicts_collision:
-        " and predicts against {partner} a crush of {crush}{interval}",
-        " und sagt gegen {partner} eine Eindrückung von {crush}{interval} voraus";
-    none_recommended:
-        "No model is recommended, use none at another speed: {because}{closest}.",
-        "Kein Modell wird empfohlen, keines gilt bei anderer Geschwindigkeit: {because}{closest}.";
+        "It takes the other vehicle for a rigid wall: do not use it against anything else.",
+        "Es nimmt das andere Fahrzeug für eine starre Wand: Gegen anderes gilt es nicht.";
+    none_recommended: "No model is recommended: {because}.", "Kein Modell wird empfohlen: {because}.";
+    fit_too_low:
+        "the displacement fit of {model} is {fit}, below {limit}",
+        "die Anpassung des Wegs von {model} ist {fit}, unter {limit}";
     no_crush:
-        "the vehicle was not seen to stop, and what was not measured no model knows",
-        "das Fahrzeug wurde nicht zum Stehen kommend gemessen, und was nicht gemessen ist, weiß kein Modell";
+        "the vehicle was not seen to stop",
+        "das Fahrzeug wurde nicht zum Stehen kommend gemessen";
     other_axis:
         "the pulse is along {axis}, and the models are of a crush along x",
         "der Puls liegt in {axis}, und die Modelle sind solche einer Eindrückung in x";
     closest:
-        "; the closest, {model}, follows the displacement to {fit} up to {time} and says nothing beyond",
-        "; das nächste, {model}, folgt dem Weg zu {fit} bis {time} und sagt darüber hinaus nichts";
-    distrust: "; distrust {what}", "; mit Vorsicht zu nehmen: {what}";
-    open_numbers: "{names}, which this record leaves open", "{names}, von dieser Aufzeichnung offen gelassen";
+        "The closest, {model}, has a displacement fit of {fit} up to {time}.",
+        "Das nächste, {model}, hat bis {time} eine Anpassung des Wegs von {fit}.";
+    open_numbers:
+        "Not identifiable from this record: {names}.",
+        "Aus dieser Aufzeichnung nicht identifizierbar: {names}.";
     dual:
-        "the division of its masses, since its mirror image gives the same record",
-        "die Aufteilung der Massen, denn das Spiegelbild ergibt dieselbe Aufzeichnung";
-    hardly: "{names}, known to an order of magnitude only", "{names}, nur der Größenordnung nach bekannt";
+        "The mass split cannot be identified from one sensor: a mirrored (dual) model fits equally well.",
+        "Die Massenaufteilung ist mit einem Aufnehmer nicht identifizierbar: Ein gespiegeltes (duales) Modell passt \
+         ebenso gut.";
+    few_forces:
+        "Use its crush, not its forces: the record determines only {determined} of {parameters}.",
+        "Seine Eindrückung gilt, seine Kräfte nicht: Die Aufzeichnung bestimmt nur {determined} von {parameters}.";
+    few_parameters:
+        "Use its crush, not its parameters: the record determines only {determined} of {parameters}.",
+        "Seine Eindrückung gilt, seine Parameter nicht: Die Aufzeichnung bestimmt nur {determined} von {parameters}.";
     extrapolates:
-        "it above the {speed} of the test, where it extrapolates",
-        "alles über {speed}, der Geschwindigkeit des Versuchs: Dort wird extrapoliert";
-    decisive: "all of it until the first warning is settled", "alles, bis die erste Warnung geklärt ist";
+        "Above {speed}, the speed of the test, it extrapolates.",
+        "Über {speed}, der Geschwindigkeit des Versuchs, extrapoliert es.";
+    decisive:
+        "Do not use these results: see warning {number}.",
+        "Diese Ergebnisse nicht verwenden: siehe Warnung {number}.";
     and: "and", "und";
     force_at: "the force at {deflection}", "die Kraft bei {deflection}";
     forces_at: "the forces at {deflection}", "die Kräfte bei {deflection}";
     sensors_differ:
-        "the sensors of the compartment give a crush of {low} to {high}: they differ by more than the interval of one \
-         says",
-        "die Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}: Sie weichen stärker \
-         voneinander ab, als das Intervall des einen besagt";
+        "{count} sensors of the compartment give a crush of {low} to {high}: quote the range",
+        "{count} Aufnehmer der Fahrgastzelle ergeben eine Eindrückung von {low} bis {high}: den Bereich angeben";
     warn_open:
-        "{names} of the recommended {model} may be anything as far as this record tells",
-        "{names} des empfohlenen Modells {model} kann nach dieser Aufzeichnung alles sein";
+        "{model}, recommended: not identifiable from this record: {names}",
+        "{model}, empfohlen: aus dieser Aufzeichnung nicht identifizierbar: {names}";
     warn_hardly:
-        "of the recommended {model} the record gives {names} to an order of magnitude only",
-        "vom empfohlenen Modell {model} gibt die Aufzeichnung {names} nur der Größenordnung nach an";
+        "{model}, recommended: known to an order of magnitude only: {names}",
+        "{model}, empfohlen: nur der Größenordnung nach bekannt: {names}";
     warn_dual:
-        "the recommended {model} has a mirror image that gives exactly the same record; a second sensor, on the front \
-         or the engine, decides between them",
-        "das empfohlene Modell {model} hat ein Spiegelbild mit genau derselben Aufzeichnung; ein zweiter Aufnehmer, \
-         am Vorderwagen oder am Motor, entscheidet";
-    warn_closest:
-        "the closest model, {model}, leaves {open} of its {parameters} numbers open: its curve may be used, its \
-         numbers not",
-        "das nächste Modell, {model}, lässt {open} von {parameters} Zahlen offen: Seine Kurve ist brauchbar, seine \
-         Zahlen sind es nicht";
+        "a mirrored (dual) model fits as well as {model}: a second sensor, on the front or the engine, decides between \
+         them",
+        "ein gespiegeltes (duales) Modell passt ebenso gut wie {model}: ein zweiter Aufnehmer, am Vorderwagen oder am \
+         Motor, entscheidet";
     warn_extrapolates:
-        "predictions above {speed} go beyond what was tested",
-        "Vorhersagen über {speed} gehen über das Geprüfte hinaus";
+        "predictions above {speed} go beyond the test",
+        "Vorhersagen über {speed} gehen über den Versuch hinaus";
     warn_two_vehicles:
         "a collision of two vehicles: the displacement over ground is not the crush of either, and the models take \
          the other vehicle for a rigid wall",
@@ -183,7 +243,7 @@ texts! { ConclusionTexts
     curve: "curve of {count} knots to {end}", "Kurve mit {count} Stützstellen bis {end}";
     as_one_spring: "as one spring k {stiffness}", "als eine Feder k {stiffness}";
     given: "given", "vorgegeben";
-    over_sensors: "; {range} over the sensors there", "; {range} über die Sensoren dort";
+    over_sensors: "; {count} sensors of the compartment: {range}", "; {count} Aufnehmer der Fahrgastzelle: {range}";
     model_label: "recommended", "empfohlen";
     warnings_label: "warnings", "Warnungen";
     missing_label: "not in it", "fehlt darin";

@@ -2,6 +2,17 @@
 
 texts! { PredictionTexts
     title: "Predictions", "Vorhersagen";
+    at_other_speeds: "At other speeds", "Bei anderen Geschwindigkeiten";
+    speed_head: "km/h", "km/h";
+    crush_head: "crush, mm", "Eindrückung, mm";
+    interval_head: "90 %", "90 %";
+    peak_head: "peak, g", "Spitze, g";
+    range_head: "asked", "Bereich";
+    inside: "inside the test", "im Versuch";
+    as_tested: "as tested", "wie geprüft";
+    beyond: "beyond the test", "jenseits des Versuchs";
+    another_impact: "{mass} kg{partner}", "{mass} kg{partner}";
+    all_predictions: "all predictions", "alle Vorhersagen";
     speed: "Speed, km/h", "Geschwindigkeit, km/h";
     mass: "Mass, kg", "Masse, kg";
     model: "Model", "Modell";

@@ -23,9 +23,11 @@ texts! { RemarkTexts
         "crash events, velocity, displacement and metrics (crumple-integrate writes them)",
         "Ereignisse des Crashs, Geschwindigkeit, Weg und Kenngrößen (crumple-integrate schreibt sie)";
     no_motion:
-        "crash events, velocity and displacement: no motion of a vehicle was integrated, the notes say why",
-        "Ereignisse des Crashs, Geschwindigkeit und Weg: Keine Fahrzeugbewegung wurde integriert, die Anmerkungen \
-         sagen, warum";
+        "vehicle motion: see the notes of integrate",
+        "Fahrzeugbewegung: siehe die Anmerkungen von integrate";
+    no_motion_without_speed:
+        "vehicle motion: the record has no impact speed (add --impact-speed)",
+        "Fahrzeugbewegung: Die Aufzeichnung hat keine Aufprallgeschwindigkeit (--impact-speed angeben)";
     no_displacement:
         "velocity and displacement (crumple-integrate writes them)",
         "Geschwindigkeit und Weg (crumple-integrate schreibt sie)";
@@ -36,8 +38,8 @@ texts! { RemarkTexts
         "physical parameters (crumple-parameter-solve writes them)",
         "physikalische Parameter (crumple-parameter-solve schreibt sie)";
     no_responses:
-        "responses of the candidates, so there is no ranking and no best (crumple-simulate writes them)",
-        "Antworten der Kandidaten, daher keine Rangfolge und kein bestes Modell (crumple-simulate schreibt sie)";
+        "ranking: the candidates were not simulated (run crumple-simulate)",
+        "Rangfolge: Die Kandidaten wurden nicht simuliert (crumple-simulate aufrufen)";
     without_parameters:
         "the parameters of {count} simulated candidates (crumple-parameter-solve writes them)",
         "die Parameter von {count} simulierten Kandidaten (crumple-parameter-solve schreibt sie)";
@@ -53,8 +55,8 @@ texts! { RemarkTexts
         "die Aufzeichnung zeigt keine Eindrückung, die zu Ende kommt: Die Geschwindigkeit wird nie null";
     notes_title: "Warnings and notes", "Warnungen und Anmerkungen";
     words_of_stages:
-        "Quoted and in English stands what the stages themselves have written.",
-        "In Anführungszeichen und englisch steht, was die Stufen selbst geschrieben haben.";
+        "Remarks of the stages are quoted in English.",
+        "Bemerkungen der Stufen stehen in Anführungszeichen und auf Englisch.";
     one_warning: "1 warning", "1 Warnung";
     of_other_candidates:
         "{count} of them on candidates that are neither recommended nor simplest nor closest",
@@ -87,8 +89,8 @@ texts! { RemarkTexts
         " Verglichen werden Modelle und Versuch von {from} bis {to} ms nach dem Zeitnullpunkt; was sie später tun, \
          ist Extrapolation.";
     read_from_one:
-        "Everything here is read from one sensor, with the vehicle taken for a body that moves as one.",
-        "Alles hier stammt von einem Aufnehmer, das Fahrzeug als ein Körper genommen, der sich als Ganzes bewegt.";
+        "All results come from one sensor and treat the vehicle as a rigid body.",
+        "Alle Ergebnisse stammen von einem Aufnehmer und behandeln das Fahrzeug als starren Körper.";
     read_from_one_fitted_to_channel:
         "Crush and events are read from one sensor (models of several masses were fitted to channel {channels} too), \
          with the vehicle taken for a body that moves as one.",

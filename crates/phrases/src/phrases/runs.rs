@@ -31,11 +31,11 @@ texts! { RunTexts
     no_model: "none", "keines";
     tolerance: "0.1 ms, 1 mm, 0.01 m/s, else 0.5 %", "0,1 ms, 1 mm, 0,01 m/s, sonst 0,5 %";
     nothing_differs:
-        "Nothing differs beyond what an engineer calls the same ({tolerance}).",
-        "Nichts unterscheidet sich um mehr, als ein Ingenieur gleich nennt ({tolerance}).";
+        "Nothing differs by more than {tolerance}.",
+        "Nichts unterscheidet sich um mehr als {tolerance}.";
     differ:
-        "More than an engineer calls the same ({tolerance}) differ: {names}.",
-        "Um mehr, als ein Ingenieur gleich nennt ({tolerance}), unterscheiden sich: {names}.";
+        "These differ by more than {tolerance}: {names}.",
+        "Um mehr als {tolerance} unterscheiden sich: {names}.";
     differs: "differs", "anders";
     curves: "Curves over each other", "Kurven übereinander";
     one_test: "test, the same in all runs", "Versuch, derselbe in allen Läufen";
@@ -133,9 +133,9 @@ texts! { JointTexts
          interval.",
         " Jeder aus den anderen vorhergesagt: Die Eindrückung liegt um höchstens {worst} daneben, {held} von \
          {predicted} liegen im 90-%-Intervall.";
-    distrust:
-        "its predictions, since the others miss the crush of {tests}",
-        "seine Vorhersagen, denn die anderen verfehlen die Eindrückung von {tests}";
+    tests_disagree:
+        "Predicted from the others, the crush of {tests} is missed: do not use its predictions.",
+        "Aus den anderen vorhergesagt wird die Eindrückung von {tests} verfehlt: Seine Vorhersagen gelten nicht.";
     warn_missed:
         "predicted from the others, the crush of {tests} is outside of its 90 % interval: these tests may not be of \
          one structure; predictions of the joint model may be off by as much",

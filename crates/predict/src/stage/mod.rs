@@ -108,6 +108,7 @@ impl Stage for Predict {
                     }
                 };
                 let mut record = record(candidate, &name.names, *scenario, &prediction, partner);
+                record.asked = settings.is_asked(scenario.speed_m_per_s);
                 record.against = other.map(|other| other.beside(&prediction));
                 let n = rows.len() + 1;
                 out.put(&format!("/prediction/{n}"), &record)?;

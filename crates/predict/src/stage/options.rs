@@ -165,6 +165,15 @@ impl Settings {
         self.asked_speeds_m_per_s.iter().any(|asked| (asked - speed_m_per_s).abs() < SAME)
     }
 
+    /// Whether a person asked for an impact at this speed: by the speed, or, where none was asked for beside the
+    /// standing ones, by a mass, a partner or a closing speed.
+    pub fn is_asked(&self, speed_m_per_s: f64) -> bool {
+        if self.asked_speeds_m_per_s.is_empty() {
+            return !self.masses_kg.is_empty() || !self.closing_speeds_m_per_s.is_empty() || !self.partner.is_wall();
+        }
+        self.asks_for(speed_m_per_s)
+    }
+
     /// How uncertain the inputs are.
     pub fn inputs(&self) -> Inputs {
         Inputs {

@@ -35,6 +35,7 @@ pub fn record(
         candidate: candidate.id.clone(),
         recommended: names.contains(&"recommended"),
         names: names.iter().map(|name| (*name).to_owned()).collect(),
+        asked: false,
         impact_speed_m_per_s: scenario.speed_m_per_s,
         mass_kg: prediction.mass_kg,
         partner: partner.words.clone(),

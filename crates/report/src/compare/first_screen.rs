@@ -15,7 +15,7 @@ use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings::record_of;
 use super::table::to_markdown;
 
-/// Conclusion, warnings, key numbers, the recommended model, the candidates, and how to make the run again.
+/// Status, conclusion, warnings, key numbers, the recommended model, the candidates, and how to make the run again.
 ///
 /// `pipeline` is the path of the run's own pipeline file, where there is one; `record` that of its record, where it is
 /// known: the artifacts hold its name alone.
@@ -25,6 +25,7 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     let texts = &phrases.runs;
     let title = if run.run.test.title.is_empty() { phrases.page.untitled } else { &run.run.test.title };
     let mut text = format!("{HEAD}## {}\n\n", markdown(title));
+    text.push_str(&format!("**{}**\n", markdown(&said.status_line(run.run.language))));
     for sentence in &said.sentences {
         text.push_str(&format!("{}\n", markdown(sentence)));
     }

@@ -1,22 +1,35 @@
-//! The verdict on top of the page, and the gravest warnings below it.
+//! Status and verdict on top of the page, and the gravest warnings below them.
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::escape::html;
-use crumple_findings::{Conclusion, Ranking, Run, Standing, first_warnings};
+use crumple_findings::{Conclusion, Ranking, Run, Standing, Status, first_warnings};
 use crumple_phrases::language::{Language, fill};
 use crumple_signal::About;
 
 use crate::frame::stage_words::{sentence_with_words_of_stages, words_of_stage};
 
-/// The two sentences; without a result a bar that says what to do. A bar too where a warning makes them doubtful.
-pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion, is_doubtful: bool) {
-    let phrases = &run.language.phrases().conclusion;
-    let (class, role) = match verdict.standing {
-        Standing::Model if !is_doubtful => ("verdict", ""),
-        Standing::Model | Standing::NoneRecommended => ("verdict none", ""),
-        Standing::NoResult => ("verdict bad", " role=\"alert\""),
+/// The word of the status with its reason, beside the title.
+pub(super) fn write_status(out: &mut String, run: &Run, verdict: &Conclusion) {
+    let class = match verdict.status {
+        Status::Usable => "good",
+        Status::UsableWithCare => "care",
+        Status::DoNotUse => "bad",
     };
-    let because = run.recommendation.as_ref().map(|choice| choice.recommended_because.as_str());
+    let (word, because) = (verdict.status_word(run.language), html(&verdict.status_because));
+    out.push_str(&format!("<p class=\"status {class}\"><strong>{word}</strong> {because}</p>\n"));
+}
+
+/// What happened and what to use; without a result a bar that says what to do.
+pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
+    let phrases = &run.language.phrases().conclusion;
+    let (class, role) = match (verdict.standing, verdict.status) {
+        (Standing::NoResult, _) => ("verdict bad", " role=\"alert\""),
+        (_, Status::DoNotUse) => ("verdict none", ""),
+        _ => ("verdict", ""),
+    };
+    // The report's own reason for taking a recommendation back speaks the language of the page.
+    let choice = run.recommendation.as_ref().filter(|_| run.withdrawn.is_none());
+    let because = choice.map(|choice| choice.recommended_because.as_str());
     let words = [verdict.reason.as_deref(), verdict.remedy.as_deref(), because].map(Option::unwrap_or_default);
     let said = |text: &String| sentence_with_words_of_stages(run.language, text, &words);
     let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", said(text))).collect();
@@ -40,7 +53,7 @@ pub(super) fn write_before_use(
     let warnings: Vec<&ConcernV1> = concerns.iter().filter(|concern| !said(concern)).collect();
     let (first, others) = first_warnings(&warnings, run, ranking);
     let items: String = first.iter().map(|concern| item(run.language, concern)).collect();
-    let list = if items.is_empty() { items } else { format!("<ul>\n{items}</ul>\n") };
+    let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
     let is_of_the_record = |concern: &ConcernV1| about(run.language, concern) == phrases.about_record;
     let has_result = verdict.standing != Standing::NoResult && run.channel().is_some();
     let is_sound = has_result && !concerns.iter().any(is_of_the_record);

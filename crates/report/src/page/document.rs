@@ -6,7 +6,7 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_findings::{Ranking, Run, conclusion, first_is_decisive, summary};
+use crumple_findings::{Ranking, Run, conclusion, summary};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
@@ -62,16 +62,16 @@ impl Page {
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let (said, concerns) = conclusion(run, ranking);
         let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, run, |body| top::write(body, run, &said, first_is_decisive(&concerns)));
+        header::write(&mut body, run, &said);
         body.push_str("<main>\n");
-        body.push_str("<div class=\"answer\">\n");
-        top::write_before_use(&mut body, run, ranking, &said, &concerns);
-        model_picture::write(&mut body, run, ranking);
-        body.push_str("<div class=\"known\">\n");
         if run.joint.is_none() {
             key_numbers::write(&mut body, run);
         }
-        body.push_str("</div>\n</div>\n");
+        body.push_str("<div class=\"answer\">\n");
+        predictions::write_first(&mut body, run, ranking, said.status);
+        top::write_before_use(&mut body, run, ranking, &said, &concerns);
+        model_picture::write(&mut body, run, ranking);
+        body.push_str("</div>\n");
         predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {

@@ -1,11 +1,13 @@
-//! Title and what was tested.
+//! Title, status and what was tested.
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
-use crumple_findings::Run;
+use crumple_findings::{Conclusion, Run};
 use crumple_phrases::language::fill;
 
-pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut String)) {
+use super::conclusion;
+
+pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     let test = &run.test;
     let (language, texts) = (run.language, &run.language.phrases().page);
     let brand = match (&run.joint, run.is_generic()) {
@@ -13,8 +15,11 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: impl FnOnce(&mut Strin
         (None, true) => texts.brand_generic,
         (None, false) => texts.brand,
     };
-    out.push_str(&format!("<header>\n<p class=\"brand\">{brand}</p>\n<h1>{}</h1>\n", html(&title(run))));
-    verdict(out);
+    let title = html(&title(run));
+    out.push_str(&format!("<header>\n<p class=\"brand\">{brand}</p>\n<div class=\"title\"><h1>{title}</h1>\n"));
+    conclusion::write_status(out, run, verdict);
+    out.push_str("</div>\n");
+    conclusion::write(out, run, verdict);
     if run.joint.is_some() {
         // A table has what was tested.
         out.push_str("</header>\n");

@@ -3,11 +3,84 @@
 use crumple_artifact::records::PredictionV1;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_findings::{LeftOut, Run, TestOfJointModel, names::candidate_name};
+use crumple_findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, names::candidate_name};
 use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
 use crate::frame::stage_words::words_of_stage;
+
+/// Predictions on the first screen.
+const SHOWN_FIRST: usize = 5;
+/// Speeds closer than this share are one.
+const SAME_SPEED: f64 = 0.005;
+
+/// What the recommended model gives for the impacts that were asked for, else at the standing speeds, in a few columns;
+/// nothing where nothing is to be used.
+pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status: Status) {
+    let of_best = |p: &&PredictionV1| Some(&p.candidate) == ranking.best.as_ref() && status != Status::DoNotUse;
+    let all: Vec<&PredictionV1> = run.predictions.iter().filter(of_best).collect();
+    let asked: Vec<&PredictionV1> = all.iter().filter(|prediction| prediction.asked).copied().collect();
+    let shown = if asked.is_empty() { &all } else { &asked };
+    if shown.is_empty() {
+        return;
+    }
+    let texts = &run.language.phrases().predictions;
+    let columns = [
+        Column::number(texts.speed_head),
+        Column::number(texts.crush_head),
+        Column::number(texts.interval_head),
+        Column::number(texts.peak_head),
+        Column::text(texts.range_head),
+    ];
+    let title = texts.at_other_speeds;
+    out.push_str(&format!("<section id=\"other-speeds\">\n<h2>{title}</h2>\n{}", table("", &columns)));
+    shown.iter().take(SHOWN_FIRST).for_each(|prediction| first_row(out, run, prediction));
+    let more = if all.len() > SHOWN_FIRST.min(shown.len()) {
+        format!("<p><a href=\"#predictions\">{}</a></p>\n", texts.all_predictions)
+    } else {
+        String::new()
+    };
+    out.push_str(&format!("</tbody>\n</table></div>\n{more}</section>\n"));
+}
+
+fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
+    let (language, texts) = (run.language, &run.language.phrases().predictions);
+    let mm = |m: f64| language.decimals(MILLI * m, 0);
+    let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
+    let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
+    let is_same = |a: f64, b: Option<f64>| b.is_some_and(|b| (a - b).abs() <= SAME_SPEED * b);
+    let is_own_mass = is_same(prediction.mass_kg, run.test.mass_kg);
+    let range = match prediction.extrapolates {
+        true => texts.beyond,
+        false
+            if prediction.partner.is_none()
+                && is_own_mass
+                && is_same(prediction.impact_speed_m_per_s, run.test.impact_speed_m_per_s) =>
+        {
+            texts.as_tested
+        }
+        false => texts.inside,
+    };
+    let partner = prediction
+        .partner
+        .as_ref()
+        .map(|partner| fill(language.phrases().conclusion.against_partner, &[("partner", html(partner))]));
+    let other = (!is_own_mass || partner.is_some()).then(|| {
+        let texts_of_it =
+            [("mass", language.decimals(prediction.mass_kg, 0)), ("partner", partner.unwrap_or_default())];
+        format!("<br><small>{}</small>", fill(texts.another_impact, &texts_of_it))
+    });
+    out.push_str(&format!(
+        "<tr><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+         <td{}>{range}</td></tr>\n",
+        language.at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
+        other.unwrap_or_default(),
+        or_absent(prediction.dynamic_crush_m.map(mm)),
+        or_absent(interval.map(|interval| language.between(&mm(interval.low), &mm(interval.high)))),
+        or_absent(prediction.peak_acceleration_m_per_s2.map(|peak| language.decimals(G_PER_M_PER_S2 * peak, 0))),
+        if prediction.extrapolates { " class=\"no\"" } else { "" },
+    ));
+}
 
 pub(super) fn write(out: &mut String, run: &Run) {
     if run.predictions.is_empty() {
@@ -26,7 +99,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
         Column::number(texts.olc),
         Column::text(texts.remarks_head),
     ];
-    out.push_str(&format!("<section>\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
+    out.push_str(&format!("<section id=\"predictions\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
     for prediction in &run.predictions {
         row(out, run, prediction);
     }
@@ -57,7 +130,7 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     };
     let names: Vec<String> = prediction.names.iter().map(role).collect();
     let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
-    let asked = if run.asks_for(prediction) { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
+    let asked = if prediction.asked { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
     out.push_str(&format!(
         "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}\
          <td>{}</td></tr>\n",

@@ -14,7 +14,6 @@ use crumple_report::{
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
-use serde_json::Value;
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -47,7 +46,7 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
     run.candidates = candidates(inputs, &simulations, time_zero_s)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
-    run.asked_speeds_m_per_s = asked_speeds(&run.provenance);
+    run.withdraw_poor_recommendation();
     collect_notes(inputs, &mut run)?;
     run.concerns = concerns(inputs)?;
     let qualities = inputs.records::<QualityV1>("/quality/")?;
@@ -76,14 +75,6 @@ fn predictions(inputs: &Inputs) -> anyhow::Result<Vec<PredictionV1>> {
     let mut numbered = inputs.records::<PredictionV1>("/prediction/")?;
     numbered.sort_by_key(|(n, _)| (n.parse::<u64>().unwrap_or(u64::MAX), n.clone()));
     Ok(numbered.into_iter().map(|(_, prediction)| prediction).collect())
-}
-
-/// Speeds that were asked for beside those of the pipeline, as the settings of the predictions have them.
-fn asked_speeds(provenance: &[StageRecord]) -> Vec<f64> {
-    let of_predictions = provenance.iter().find(|record| record.stage == "predict");
-    let settings = of_predictions.and_then(|record| serde_json::from_str::<Value>(&record.settings).ok());
-    let speeds = settings.as_ref().and_then(|settings| settings.get("asked_speeds_m_per_s")?.as_array());
-    speeds.map_or_else(Vec::new, |speeds| speeds.iter().filter_map(Value::as_f64).collect())
 }
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
@@ -325,7 +316,9 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     add(run.measured.raw.is_none(), texts.no_raw);
     add(run.measured.filtered.is_none(), texts.no_filtered);
     add(run.events.is_none() && run.metrics.is_empty(), texts.no_events);
-    add(run.events.is_none() && !run.metrics.is_empty(), texts.no_motion);
+    let no_motion =
+        if run.test.impact_speed_m_per_s.is_none() { texts.no_motion_without_speed } else { texts.no_motion };
+    add(run.events.is_none() && !run.metrics.is_empty(), no_motion);
     add(run.events.is_some() && run.measured.displacement.is_none(), texts.no_displacement);
     add(run.models.is_empty(), texts.no_models);
     add(run.candidates.is_empty(), texts.no_parameters);

@@ -4,7 +4,11 @@ use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, TestDesc
 use crumple_stage::{Inputs, Refused};
 
 /// Parts of the vehicle that move apart from its compartment, lower case.
-const PARTS: [&str; 6] = ["engine", "caliper", "brake", "wheel", "steering", "dashboard"];
+const PARTS: [&str; 10] =
+    ["engine", "caliper", "brake", "wheel", "steering", "dashboard", "bumper", "radiator", "subframe", "firewall"];
+
+/// Places of the compartment that have a front of their own: elsewhere "front" is that of the vehicle.
+const WITH_A_FRONT: [&str; 7] = ["seat", "sill", "floor", "pillar", "door", "tunnel", "passenger"];
 
 /// The channels of a list, or with `all` every x acceleration with data, not marked failed, whose location names
 /// nothing that moves apart from the compartment, and those the list names beside it.
@@ -107,4 +111,28 @@ pub fn is_of_compartment(channel: &Channel) -> bool {
         && channel.may_be_on_vehicle()
         && part_of(channel).is_none()
         && !PARTS.iter().any(|word| place.contains(word))
+        && (!place.contains("front") || WITH_A_FRONT.iter().any(|word| place.contains(word)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sensor_on_the_front_is_not_of_the_compartment() {
+        let at = |location: &str| {
+            is_of_compartment(&Channel {
+                location: location.to_owned(),
+                ..Channel::new("a_front", QuantityKind::Acceleration)
+            })
+        };
+        for place in
+            ["vehicle, left rear seat crossmember", "left front sill", "front floor, right", "right front door"]
+        {
+            assert!(at(place), "{place}");
+        }
+        for place in ["", "vehicle, front end", "front crossmember", "bumper beam", "engine top", "firewall, left"] {
+            assert!(!at(place), "{place}");
+        }
+    }
 }

@@ -30,11 +30,17 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         "<section id=\"model\" aria-labelledby=\"model-title\">\n<h2 id=\"model-title\">{}</h2>\n",
         texts.title
     ));
-    out.push_str(if shown.len() == 1 { "<div class=\"models alone\">\n" } else { "<div class=\"models\">\n" });
     for (number, (role, candidate)) in shown.iter().enumerate() {
+        // What nobody is told to use waits.
+        let (open, close) = match number {
+            0 => (String::new(), ""),
+            _ => (format!("<details class=\"no-paper\"><summary>{}</summary>\n", html(role)), "</details>\n"),
+        };
+        out.push_str(&open);
         write_one(out, run, number + 1, role, candidate);
+        out.push_str(close);
     }
-    out.push_str(&format!("</div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
+    out.push_str(&format!("<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
 /// The candidates to show, with what each is: the recommended and the closest, once where they are one; without either
@@ -87,9 +93,15 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     if let Some(simulation) = &candidate.simulation {
         let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
         let error = |value: Option<f64>| or_absent(value.map(|x| language.signed(MILLI * x, 1)));
+        let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
+        let restitution = simulation
+            .coefficient_of_restitution
+            .zip(measured)
+            .map(|(model, test)| fill(texts.and_restitution, &[("restitution", language.signed(model - test, 2))]));
         let filled = [
             ("crush", format!("{}{NBSP}mm", error(simulation.dynamic_crush_error_m))),
             ("time", format!("{}{NBSP}ms", error(simulation.time_of_dynamic_crush_error_s))),
+            ("restitution", restitution.unwrap_or_default()),
             ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| language.decimals(fit, 2))))),
         ];
         // Of a record without a crush there is none to be off.

@@ -1,0 +1,249 @@
+//! Whether the results of a run may be used: one word and its one reason, both decided from records.
+
+use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1};
+use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_signal::Axis;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::conclusions::concerns::decisive_warning;
+use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
+use crate::conclusions::kind::{Kind, lacks_mass_or_speed};
+use crate::results::ranking::WORTH_NAMING_PERCENT;
+use crate::{CandidateResult, Model, Ranking, Run};
+
+/// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
+const NARROW_PERCENT: f64 = 10.0;
+
+/// One word on the results of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// Of an adequate model whose prediction is known to 10 %.
+    Usable,
+    /// For what the reason says.
+    UsableWithCare,
+    /// For nothing.
+    DoNotUse,
+}
+
+/// The one reason of a status: what limits the results most. Numbers in SI; percentages of the value.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "fields are named after what they are")]
+pub enum StatusReason {
+    /// The half width of the interval of the crush that is predicted, in percent rounded up. `prediction`: place among
+    /// those of the summary, of what was asked for, else of the slowest impact inside the test.
+    GoodTo {
+        good_to_percent: f64,
+        prediction: usize,
+    },
+    /// The same of an impact beyond the test.
+    Beyond {
+        good_to_percent: f64,
+        prediction: usize,
+    },
+    /// Sensors of the compartment are further from the pulse's crush than its interval.
+    SensorsDiffer {
+        sensors: usize,
+        apart_m: f64,
+        half_width_m: f64,
+    },
+    /// The record does not determine all numbers of the recommended model.
+    FewDetermined {
+        determined: usize,
+        parameters: usize,
+        are_forces: bool,
+    },
+    /// Nobody says how well the parameters of the recommended model are known.
+    Unassessed,
+    /// The recommended model has a dual.
+    Dual,
+    /// No prediction of the recommended model has an interval of its crush.
+    NoInterval,
+    /// A test lies outside of what the model of the others predicts for it.
+    TestsDisagree,
+    /// The vehicle did not stop within the record.
+    NoStop,
+    /// The pulse is not along x.
+    OtherAxis {
+        axis: String,
+    },
+    /// Two vehicles collided.
+    TwoVehicles,
+    /// The sensor sits in an occupant.
+    Occupant,
+    /// The table of an event data recorder.
+    Recorder,
+    /// A model of inputs and outputs.
+    Identified,
+    /// Mass, impact speed or both are not stated.
+    NoMass,
+    NoSpeed,
+    NoMassNorSpeed,
+    /// The stages of motion or models did not run.
+    MeasuredOnly,
+    /// There are adequate models, none of them for other speeds.
+    NoneRecommended,
+    /// There is no acceptable result.
+    NoResult,
+    /// The warning of this number, counted from 1, puts everything in doubt.
+    DecisiveWarning {
+        number: usize,
+    },
+    /// No model describes the record.
+    NotAdequate,
+    /// The best model has a fit below the limit, percent.
+    PoorFit {
+        fit_percent: f64,
+        limit_percent: f64,
+    },
+}
+
+impl StatusReason {
+    /// The word that it is the reason of.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::GoodTo { good_to_percent, .. } if *good_to_percent <= NARROW_PERCENT => Status::Usable,
+            Self::NoResult | Self::DecisiveWarning { .. } | Self::NotAdequate | Self::PoorFit { .. } => {
+                Status::DoNotUse
+            }
+            _ => Status::UsableWithCare,
+        }
+    }
+}
+
+/// The reason of the status of a run.
+pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[ConcernV1]) -> StatusReason {
+    use StatusReason as Reason;
+    match kind {
+        Kind::NoModel => return Reason::NoResult,
+        // That it is no sensor of the vehicle is the decisive warning of such a record.
+        Kind::Occupant => return Reason::Occupant,
+        _ => {}
+    }
+    if let Some(number) = decisive_warning(run, concerns) {
+        return Reason::DecisiveWarning { number };
+    }
+    match kind {
+        Kind::InputOutput => of_identified(run).unwrap_or(Reason::Identified),
+        Kind::Recorder => Reason::Recorder,
+        _ if kind == Kind::LinearModel || lacks_mass_or_speed(run) => {
+            match (run.test.mass_kg, run.test.impact_speed_m_per_s) {
+                (None, None) => Reason::NoMassNorSpeed,
+                (None, Some(_)) => Reason::NoMass,
+                _ => Reason::NoSpeed,
+            }
+        }
+        Kind::TwoVehicles => Reason::TwoVehicles,
+        Kind::NoStop => Reason::NoStop,
+        _ => of_models(run, ranking, kind),
+    }
+}
+
+/// That not even the closest identified model follows half of the record.
+fn of_identified(run: &Run) -> Option<StatusReason> {
+    let (_, _, fit_percent) = closest_identified(run)?;
+    let limit_percent = WORTH_NAMING_PERCENT;
+    (fit_percent < limit_percent).then_some(StatusReason::PoorFit { fit_percent, limit_percent })
+}
+
+/// The identified model with the highest fit: its place, itself, the fit in percent.
+pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
+    let fit_of = |model: &Model| model.identification.as_ref().and_then(|i| i.fit_percent);
+    let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, fit_of(model)?)));
+    fitted.max_by(|(a, _, x), (b, _, y)| x.total_cmp(y).then(b.cmp(a)))
+}
+
+/// Of a crash whose models were asked for.
+fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
+    use StatusReason as Reason;
+    if let Some(poor) = &run.withdrawn {
+        return Reason::PoorFit { fit_percent: poor.fit_percent, limit_percent: poor.limit_percent };
+    }
+    if run.candidates.is_empty() && run.joint.is_none() {
+        return Reason::MeasuredOnly;
+    }
+    let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else {
+        let axis = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X);
+        if let Some(axis) = axis.filter(|_| kind != Kind::SeveralTests) {
+            return Reason::OtherAxis { axis: axis.to_string() };
+        }
+        let is_adequate = run.recommendation.iter().flat_map(|choice| &choice.candidates).any(|rated| rated.adequate);
+        return if is_adequate { Reason::NoneRecommended } else { Reason::NotAdequate };
+    };
+    let answer = answer(run, best);
+    let good_to_percent = answer.and_then(|(_, prediction)| Some(half_width_percent(prediction)?.ceil()));
+    let good_to =
+        answer.zip(good_to_percent).map(|((prediction, record), good_to_percent)| match record.extrapolates {
+            true => Reason::Beyond { good_to_percent, prediction },
+            false => Reason::GoodTo { good_to_percent, prediction },
+        });
+    let is_limit = |reason: &Reason| reason.status() != Status::Usable;
+    let asked = good_to.clone().filter(|_| answer.is_some_and(|(_, prediction)| prediction.asked));
+    let disagree = run.joint.as_ref().filter(|joint| !joint.missed().is_empty()).map(|_| Reason::TestsDisagree);
+    disagree
+        .or_else(|| asked.filter(is_limit))
+        .or_else(|| sensors_differ(run))
+        .or_else(|| uncertain(best))
+        .or(good_to)
+        .unwrap_or(Reason::NoInterval)
+}
+
+/// What is not known of the parameters of a model.
+fn uncertain(best: &CandidateResult) -> Option<StatusReason> {
+    let known = best.certainties();
+    if known.determined < known.parameters {
+        let (determined, parameters) = (known.determined, known.parameters);
+        return Some(StatusReason::FewDetermined { determined, parameters, are_forces: has_only_forces(best) });
+    }
+    if best.record.uncertainty.is_none() && !best.is_chain() {
+        return Some(StatusReason::Unassessed);
+    }
+    best.record.equivalent_to.as_ref().map(|_| StatusReason::Dual)
+}
+
+/// Whether forces at deflections are all that was asked of the record.
+pub(crate) fn has_only_forces(candidate: &CandidateResult) -> bool {
+    candidate.record.asked().all(|name| {
+        name.starts_with("knot") && parameter_kind(&candidate.record.model, name) == Some(ParameterKind::Force)
+    })
+}
+
+/// That the interval of the crush misses another sensor of the place.
+fn sensors_differ(run: &Run) -> Option<StatusReason> {
+    let crush = key_numbers(run).into_iter().find(|number| number.name == "dynamic_crush")?;
+    let KeyNumber { value: Some(value), low: Some(low), high: Some(high), spread: Some(spread), .. } =
+        Some(crush).filter(KeyNumber::interval_misses_a_sensor)?
+    else {
+        return None;
+    };
+    Some(StatusReason::SensorsDiffer {
+        sensors: spread.sensors(),
+        apart_m: (value - spread.low).max(spread.high - value),
+        half_width_m: 0.5 * (high - low),
+    })
+}
+
+/// What a recommended model says of the impact that was asked for: with its place among the predictions. One that was
+/// asked for goes before others, one inside the test before one beyond it, the slowest before faster ones. `None`: it
+/// predicts no crush.
+pub(crate) fn answer<'a>(run: &'a Run, best: &CandidateResult) -> Option<(usize, &'a PredictionV1)> {
+    let order = |p: &PredictionV1| (!p.asked, p.extrapolates);
+    let of_best = run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
+    of_best.filter(|(_, p)| p.dynamic_crush_m.is_some()).min_by(|(_, a), (_, b)| {
+        order(a).cmp(&order(b)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
+    })
+}
+
+/// The interval of a predicted crush, with its place among the intervals.
+pub(crate) fn interval_of_crush(prediction: &PredictionV1) -> Option<(usize, &PredictedIntervalV1)> {
+    prediction.intervals.iter().enumerate().find(|(_, interval)| interval.name == "dynamic_crush_m")
+}
+
+/// Half of the width of the interval of a predicted crush, percent of it.
+fn half_width_percent(prediction: &PredictionV1) -> Option<f64> {
+    let crush_m = prediction.dynamic_crush_m.filter(|crush_m| *crush_m > 0.0)?;
+    let (_, interval) = interval_of_crush(prediction)?;
+    Some(50.0 * (interval.high - interval.low) / crush_m)
+}
