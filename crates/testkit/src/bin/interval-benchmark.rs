@@ -1,5 +1,5 @@
-//! `interval-benchmark --bin BIN [--choice] [--clean] [--misses] [--records N] [--first K] [FAMILY ...]`: how often the 95 %
-//! intervals of fitted parameters hold the truth, and how wide they are, by the programs in the folder BIN, as a
+//! `interval-benchmark --bin BIN [--choice] [--clean] [--misses] [--records N] [--first K] [FAMILY ...]`: how often the
+//! 95 % intervals of fitted parameters hold the truth, and how wide they are, by the programs in the folder BIN, as a
 //! Markdown table; intervals of parameters that their record determines, as the report says it, apart from other
 //! closed ones and from open ones. Records are numbered from K on, 0 by default: another K draws other cars. A family
 //! is named by a part of its name. With `--choice`: how often the model that the record was made of, or one that the

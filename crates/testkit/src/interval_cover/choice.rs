@@ -87,8 +87,8 @@ pub struct Choices {
 
 /// The choices over the cars of these numbers, by the programs in `bin` with a pipeline.
 ///
-/// A car and its noise follow from its number and model alone. `clean`: trigger and stated speed without error, a filter
-/// without phase. Errors: a program that is missing or fails.
+/// A car and its noise follow from its number and model alone. `clean`: trigger and stated speed without error, a
+/// filter without phase. Errors: a program that is missing or fails.
 pub fn choices_of(
     drawn: &Drawn,
     numbers: Range<usize>,
@@ -194,7 +194,7 @@ impl Choices {
             let _infallible = write!(row, " {truth} / {not_told_apart} / {too_few} / {other} / {nothing} |");
         }
         let others: Vec<String> = self.others.iter().map(|(model, count)| format!("{model} {count}")).collect();
-        let (held, closed, width) = self.cover.held("k");
+        let (held, closed, width) = self.cover.held("_n_per_m");
         let _infallible = writeln!(row, " {} | {held} of {closed} | {width} |", others.join(", "));
         row
     }

@@ -105,19 +105,19 @@ impl Cover {
     }
 
     /// All closed intervals: how many hold the truth, of how many, and the median width in percent of the truth of
-    /// those of parameters whose name begins so.
-    pub(super) fn held(&self, prefix: &str) -> (usize, usize, String) {
+    /// those of parameters whose name ends so.
+    pub(super) fn held(&self, unit: &str) -> (usize, usize, String) {
         let mut all = Closed::default();
-        let mut of_prefix = Closed::default();
+        let mut of_unit = Closed::default();
         for (name, counts) in &self.parameters {
             for closed in [&counts.determined, &counts.not_determined] {
                 all.add(closed);
-                if name.starts_with(prefix) {
-                    of_prefix.add(closed);
+                if name.ends_with(unit) {
+                    of_unit.add(closed);
                 }
             }
         }
-        (all.held, all.widths.len(), of_prefix.width())
+        (all.held, all.widths.len(), of_unit.width())
     }
 
     /// What stands over the [`rows`](Self::rows).

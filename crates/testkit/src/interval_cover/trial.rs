@@ -114,8 +114,9 @@ fn blend(name: &str, number: usize) -> u64 {
     name.bytes().fold(number as u64, |seed, byte| seed.wrapping_mul(1_099_511_628_211) ^ u64::from(byte))
 }
 
-/// Counts the intervals of the candidate of a model and method whose masses move most like those of the car: a record cannot tell duals
-/// apart, and both are given; their springs and dampers may be near each other, the motion of the front is not.
+/// Counts the intervals of the candidate of a model and method whose masses move most like those of the car: a record
+/// cannot tell duals apart, and both are given; their springs and dampers may be near each other, the motion of the
+/// front is not.
 pub(super) fn count(id: &str, number: usize, car: &Car, printed: &str) -> Result<Cover, CoverError> {
     let truth = car.model.parameters();
     let below = format!("/parameters/{id}/");

@@ -69,8 +69,9 @@ impl<'a> Drawing<'a> {
         CrushCurve::Folding(folding)
     }
 
-    /// A front mass of 15 to 35 % behind a structure that folds, the compartment behind one that is half as strong again
-    /// or twice as strong: what stands between engine and occupants is to hold. It bottoms out at a share of the scale.
+    /// A front mass of 15 to 35 % behind a structure that folds, the compartment behind one that is half as strong
+    /// again or twice as strong: what stands between engine and occupants is to hold. It bottoms out at a share of the
+    /// scale.
     pub fn buckling(&mut self, least_rate: f64, most_rate: f64, bottom: Option<(f64, f64)>) -> Structure {
         let (mass_kg, scale_m, mean_n) = (self.mass_kg, self.scale_m, self.mean_n);
         let bottom_m = bottom.map(|(low, high)| scale_m * self.between(low, high));
@@ -210,8 +211,8 @@ impl<'a> Drawing<'a> {
         Structure::row(&[engine, mass_kg - engine], &parts)
     }
 
-    /// Folding rails and, beside them, a subframe that meets the wall after 0.3 to 0.75 of the crush: a short peak, then
-    /// a plateau of 25 to 60 % of the mean force.
+    /// Folding rails and, beside them, a subframe that meets the wall after 0.3 to 0.75 of the crush: a short peak,
+    /// then a plateau of 25 to 60 % of the mean force.
     pub fn late_path(&mut self) -> Structure {
         let (mass_kg, scale_m) = (self.mass_kg, self.scale_m);
         let (gap, plateau) = (self.between(0.3, 0.75), self.between(0.25, 0.6));

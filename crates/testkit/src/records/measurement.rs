@@ -162,8 +162,7 @@ mod tests {
         let mean = rest.iter().sum::<f64>() / rest.len() as f64;
         let deviation = (rest.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / rest.len() as f64).sqrt();
         let peak = 300.0 / G;
-        // Noise of 0.5 to 1 % of a peak that the filter passes by up to 11 %; its deviation from 300 samples is known to
-        // 10 %.
+        // Noise of 0.5 to 1 % of a peak that the filter passes by up to 11 %; 300 samples tell its deviation to 10 %.
         assert!(mean.abs() < 0.52 && (0.0045..0.0125).contains(&(deviation / peak)), "{mean} {}", deviation / peak);
     }
 }
