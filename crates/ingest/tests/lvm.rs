@@ -138,6 +138,33 @@ fn segments_that_continue_are_joined_and_others_kept_apart() {
     has_note(&apart, "2 segments of the file do not continue each other");
 }
 
+/// Two channels whose clocks are 0.1 s apart, with their X0.
+#[test]
+fn channels_that_start_later_by_the_clock_stand_later() {
+    let text = |clocks: [&str; 2], x0: [f64; 2]| {
+        let rows: String = (0..60).map(|k| format!("\t{k}\t{k}\n")).collect();
+        format!(
+            "{}Channels\t2\nSamples\t60\t60\nDate\t2024/01/02\t2024/01/02\nTime\t{}\t{}\nY_Unit_Label\tg\tg\n\
+             X_Dimension\tTime\tTime\nX0\t{}\t{}\nDelta_X\t0.001\t0.001\n***End_of_Header***\t\n\
+             X_Value\ta\tb\tComment\n{rows}\n",
+            HEAD.replace("X_Columns\tOne", "X_Columns\tNo"),
+            clocks[0],
+            clocks[1],
+            x0[0],
+            x0[1]
+        )
+    };
+    let starts = |text: String| -> Vec<f64> { read(text).unwrap().channels.iter().map(|f| grid(f).0).collect() };
+    // Rounding of the seconds of a day: 4e-12.
+    let is_near = |found: Vec<f64>, wanted: [f64; 2]| found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-10);
+    assert!(is_near(starts(text(["10:00:05.0", "10:00:05.1"], [0.0, 0.0])), [0.0, 0.1]));
+    assert!(is_near(starts(text(["10:00:05.1", "10:00:05.0"], [0.0, -0.05])), [0.1, -0.05]));
+    // X0 holds it already.
+    assert!(is_near(starts(text(["10:00:05.0", "10:00:05.1"], [0.0, 0.1])), [0.0, 0.1]));
+    // X0 counts from the start of the program, at 10:00:00.
+    assert!(is_near(starts(text(["10:00:05.0", "10:00:05.1"], [5.0, 5.1])), [0.0, 0.1]));
+}
+
 #[test]
 fn comments_and_special_blocks_are_no_samples() {
     let special = "***Start_Special***\nanything\t1\n***End_Special***\n";

@@ -24,6 +24,9 @@ use lines::Lines;
 /// Difference of clocks that counts as the same, s.
 const CLOCK_SLACK_S: f64 = 1e-3;
 
+/// Channels that start farther apart than this are not of one event, s.
+const ONE_EVENT_S: f64 = 60.0;
+
 /// Reader of LVM files.
 pub struct Lvm;
 
@@ -37,7 +40,7 @@ impl Reader for Lvm {
     }
 
     fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
+        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
@@ -158,37 +161,68 @@ impl Segment {
     }
 
     fn waveforms(mut self, group: &str, file: &FileHeader, notes: &mut Notes) -> Vec<Waveform> {
-        let begin = file.keys.get("Time").and_then(|time| clock_s(time));
-        let date = file.keys.get("Date").map(String::as_str).unwrap_or_default();
-        let mut since_program_start = 0.0;
-        let mut waveforms = Vec::with_capacity(self.values.len());
         let samples = std::mem::take(&mut self.values);
-        for (column, values) in self.header.columns.iter().zip(samples) {
+        let starts = self.starts(&samples, file, notes);
+        let mut waveforms = Vec::with_capacity(samples.len());
+        for ((column, values), start) in self.header.columns.iter().zip(samples).zip(starts) {
             let header = &self.header;
             let mut waveform = Waveform::new(group, header.titles[*column].clone());
             header.text("Y_Unit_Label", *column).clone_into(&mut waveform.unit);
-            let mut start = self.start(*column);
-            // X0 as the time since the program began, which is known from the clock, is no time of the record.
-            let of_day = clock_s(header.text("Time", *column)).filter(|_| header.text("Date", *column) == date);
-            if let (Some(begin), Some(of_day)) = (begin, of_day)
-                && start > 0.0
-                && (of_day - begin - start).abs() < CLOCK_SLACK_S
-            {
-                since_program_start = start;
-                start = 0.0;
-            }
             let steps = self.interval(*column).map(|dt| (start, dt));
             waveform.set_steps(steps, header.text("X_Dimension", *column), header.text("X_Unit_Label", *column));
             waveform.values = Ok(values);
             waveforms.push(waveform);
         }
+        waveforms
+    }
+
+    /// Start of each channel on the axis of the one that starts first: X0, and how much later the channel started by
+    /// its clock, which X0 may hold already.
+    ///
+    /// X0 as the time since the program began, which is known from the clock of the file, is no time of the record.
+    fn starts(&self, samples: &[Vec<f64>], file: &FileHeader, notes: &mut Notes) -> Vec<f64> {
+        let columns = &self.header.columns;
+        let x0: Vec<f64> = columns.iter().map(|column| self.start(*column)).collect();
+        let begin = file.keys.get("Time").and_then(|time| clock_s(time));
+        let date = file.keys.get("Date").map(String::as_str).unwrap_or_default();
+        let clocks: Vec<Option<f64>> = columns
+            .iter()
+            .zip(samples)
+            .map(|(column, values)| {
+                let is_of_day = self.header.text("Date", *column) == date && !values.is_empty();
+                clock_s(self.header.text("Time", *column)).filter(|_| is_of_day)
+            })
+            .collect();
+        let earliest = clocks.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let later = |k: usize| clocks[k].map_or(0.0, |clock| clock - earliest);
+        let known = || (0..columns.len()).filter(|k| clocks[*k].is_some());
+        let apart_s = known().map(later).fold(0.0, f64::max);
+        let first = known().find(|k| later(*k) == 0.0).unwrap_or(0);
+        let since_begin = |k: usize| clocks[k].zip(begin).map(|(clock, begin)| clock - begin);
+        let is_since_begin =
+            |k: usize| x0[k] > 0.0 && since_begin(k).is_some_and(|s| (s - x0[k]).abs() < CLOCK_SLACK_S);
+        // Either X0 grows as the clock does, or the clocks are those of different events.
+        let in_x0 = known().all(|k| (x0[k] - x0[first] - later(k)).abs() < CLOCK_SLACK_S);
+        let by_clock = |k: usize| if apart_s > ONE_EVENT_S { 0.0 } else { later(k) };
+        let since_program_start = (0..columns.len()).filter(|k| is_since_begin(*k)).map(|k| x0[k]).fold(0.0, f64::max);
         if since_program_start > 0.0 {
             notes.info(format!(
                 "X0 = {since_program_start} s is the time since the program began, by the clock: the samples start at \
                  t = 0, and --time-zero counts from there"
             ));
         }
-        waveforms
+        if (0.0..=ONE_EVENT_S).contains(&apart_s) && apart_s > 0.0 {
+            notes.info(format!(
+                "channels start up to {apart_s:.6} s apart by their clocks: all have the axis of the one that starts \
+                 first, and --time-zero counts on it"
+            ));
+        }
+        let start = |k: usize| match (is_since_begin(k), in_x0) {
+            (true, _) => by_clock(k),
+            (false, true) => x0[k],
+            (false, false) => x0[k] + by_clock(k),
+        };
+        (0..columns.len()).map(start).collect()
     }
 }
 

@@ -12,6 +12,43 @@ const NODE_LIMIT: u32 = 5_000_000;
 /// Longest tag, bytes: names of attributes are compared each with each, DIAdem writes three of them.
 const LONGEST_TAG: usize = 8 << 10;
 
+/// The numbers of a sequence and what samples are made of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sequence {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// What they are.
+    pub form: Form,
+}
+
+/// Where the numbers of a sequence stand.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Numbers {
+    /// In the binary file.
+    Block(Block),
+    /// In the header.
+    Here(Vec<f64>),
+}
+
+/// What samples are made of the numbers of a sequence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Form {
+    /// They are the samples.
+    Explicit,
+    /// `offset + slope·number`.
+    RawLinear {
+        /// Added to each.
+        offset: f64,
+        /// Factor of each.
+        slope: f64,
+    },
+    /// The numbers are start and step of so many samples.
+    ImplicitLinear {
+        /// How many there are.
+        count: u64,
+    },
+}
+
 /// Where the samples of a sequence lie in the binary file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Block {
@@ -32,8 +69,8 @@ pub struct TdmChannel {
     pub name: String,
     /// `unit_string`, `description`, and the instance attributes.
     pub attributes: BTreeMap<String, String>,
-    /// Where its samples are, or why they are not to be had.
-    pub block: Result<Block, String>,
+    /// Its samples, or why they are not to be had.
+    pub samples: Result<Sequence, String>,
 }
 
 /// What the header says.
@@ -94,7 +131,7 @@ pub fn parse(text: &str) -> Result<TdmHeader, String> {
             let id = channel.attribute("id").unwrap_or_default();
             let group = group_of.get(id).cloned().or_else(|| group_by_reference(channel, &by_id)).unwrap_or_default();
             let name = child_text(channel, "name").unwrap_or_default().to_owned();
-            TdmChannel { group, name, attributes: attributes(channel), block: block(channel, &by_id) }
+            TdmChannel { group, name, attributes: attributes(channel), samples: sequence(channel, &by_id) }
         })
         .collect();
     Ok(TdmHeader { url, big_endian, root, channels })
@@ -144,16 +181,49 @@ fn attributes(node: Node) -> BTreeMap<String, String> {
     all
 }
 
-/// From a channel by its local column and its sequence to the block.
-fn block<'a, 'i>(channel: Node<'a, 'i>, by_id: &NodeIndex<'a, 'i>) -> Result<Block, String> {
+/// From a channel by its local column to the sequence of its samples.
+fn sequence<'a, 'i>(channel: Node<'a, 'i>, by_id: &NodeIndex<'a, 'i>) -> Result<Sequence, String> {
     let column = referred(channel, "local_columns", by_id).ok_or("no local column belongs to it")?;
-    match child_text(column, "sequence_representation") {
-        Some("explicit") | None => {}
-        Some(other) => return Err(format!("its samples are represented as {other}, only explicit is read")),
+    let parameters = numbers_in(child_text(column, "generation_parameters").unwrap_or_default());
+    let form = match (child_text(column, "sequence_representation"), parameters.as_slice()) {
+        (Some("explicit") | None, _) => Form::Explicit,
+        (Some("raw_linear"), [offset, slope]) => Form::RawLinear { offset: *offset, slope: *slope },
+        (Some("implicit_linear"), _) => {
+            let rows = referred(column, "submatrix", by_id).and_then(|matrix| child_text(matrix, "number_of_rows"));
+            let count = rows.and_then(|rows| rows.parse().ok()).ok_or("its number of rows is not stated")?;
+            Form::ImplicitLinear { count }
+        }
+        (Some(other), _) => {
+            return Err(format!(
+                "its samples are represented as {other}, only explicit, raw_linear with its two parameters and \
+                 implicit_linear are read"
+            ));
+        }
+    };
+    if matches!(form, Form::ImplicitLinear { .. }) && parameters.len() == 2 {
+        return Ok(Sequence { numbers: Numbers::Here(parameters), form });
     }
     let sequence = referred(column, "values", by_id).ok_or("its local column has no values")?;
     let values = child(sequence, "values").ok_or("its sequence has no values")?;
-    let id = values.attribute("external").ok_or("its samples stand in the header, not in the .tdx file")?;
+    let numbers = match values.attribute("external") {
+        Some(id) => Numbers::Block(block(id, by_id)?),
+        None => {
+            let texts = values.children().filter(Node::is_element).map(|value| value.text().unwrap_or_default().trim());
+            let numbers: Option<Vec<f64>> = texts.map(|text| text.parse().ok()).collect();
+            let numbers = numbers.filter(|numbers| !numbers.is_empty());
+            Numbers::Here(numbers.ok_or("its samples stand in the header and are no numbers")?)
+        }
+    };
+    Ok(Sequence { numbers, form })
+}
+
+/// Numbers with blanks between; none if one is no number.
+fn numbers_in(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(str::parse).collect::<Result<_, _>>().unwrap_or_default()
+}
+
+/// A block of the binary file.
+fn block(id: &str, by_id: &NodeIndex) -> Result<Block, String> {
     let block = by_id.get(id).ok_or_else(|| format!("its block {id} is not listed"))?;
     if !block.has_tag_name("block") {
         return Err(format!("its block is a {}, only plain blocks are read", block.tag_name().name()));
@@ -173,7 +243,8 @@ fn block<'a, 'i>(channel: Node<'a, 'i>, by_id: &NodeIndex<'a, 'i>) -> Result<Blo
         "eUInt16Usi" => Type::Unsigned(2),
         "eUInt32Usi" => Type::Unsigned(4),
         "eUInt64Usi" => Type::Unsigned(8),
-        other => return Err(format!("its samples are of type {other}, only real numbers are read")),
+        "eTimeUsi" => Type::Time,
+        other => return Err(format!("its samples are of type {other}, only real numbers and times are read")),
     };
     Ok(Block { offset: number("byteOffset")?, length: number("length")?, kind })
 }

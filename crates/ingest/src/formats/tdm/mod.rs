@@ -6,15 +6,17 @@ mod header;
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::formats::tdms::samples::{Strided, numbers};
+use crate::formats::tdms::metadata::Type;
+use crate::formats::tdms::samples::{Strided, numbers, times};
 use crate::formats::text::lines::{decode, without_mark};
-use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::channel::{Instant, Waveform};
 use crate::formats::waveform::conversion;
+use crate::formats::waveform::date::instant;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::Recording;
 use crate::recording::read_channel::ReadChannel;
 use crate::{IngestError, IngestSettings, Place};
-use header::{Block, TdmChannel, TdmHeader};
+use header::{Block, Form, Numbers, Sequence, TdmChannel, TdmHeader};
 
 /// Largest header, bytes.
 const HEADER_LIMIT: usize = 128 << 20;
@@ -41,7 +43,7 @@ impl Reader for Tdm {
     }
 
     fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
+        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
@@ -72,9 +74,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     let mut samples = 0_u64;
     let mut waveforms = Vec::with_capacity(header.channels.len());
     for channel in &header.channels {
-        if let Ok(block) = &channel.block {
-            samples = samples.saturating_add(block.length.min(tdx.len() as u64));
-        }
+        samples = samples.saturating_add(channel.samples.as_ref().map_or(0, |sequence| sequence.most(tdx)));
         if samples > SAMPLE_LIMIT {
             return Err(IngestError::TooLarge {
                 place: Place::file(file),
@@ -124,11 +124,57 @@ fn waveform(channel: &TdmChannel, tdx_name: &str, tdx: &[u8], big_endian: bool) 
     let interval = number("wf_increment").filter(|dt| *dt > 0.0);
     let start = number("wf_start_offset").unwrap_or(0.0);
     waveform.set_steps(interval.map(|dt| (start, dt)), attribute("wf_xname"), attribute("wf_xunit_string"));
-    waveform.values = channel.block.clone().and_then(|block| values(&block, tdx_name, tdx, big_endian));
+    waveform.origin = instant(attribute("wf_start_time"));
+    waveform.values = channel.samples.clone().and_then(|sequence| {
+        let (samples, first_stamp) = values(&sequence, tdx_name, tdx, big_endian)?;
+        waveform.set_stamps(first_stamp);
+        Ok(samples)
+    });
     waveform
 }
 
-fn values(block: &Block, tdx_name: &str, tdx: &[u8], big_endian: bool) -> Result<Vec<f64>, String> {
+impl Sequence {
+    /// Samples that it makes at most.
+    fn most(&self, tdx: &[u8]) -> u64 {
+        match (self.form, &self.numbers) {
+            (Form::ImplicitLinear { count }, _) => count,
+            (_, Numbers::Block(block)) => block.length.min(tdx.len() as u64),
+            (_, Numbers::Here(numbers)) => numbers.len() as u64,
+        }
+    }
+}
+
+/// The samples; of times those since the first one, and that one.
+fn values(
+    sequence: &Sequence,
+    tdx_name: &str,
+    tdx: &[u8],
+    big_endian: bool,
+) -> Result<(Vec<f64>, Option<Instant>), String> {
+    let (mut numbers, first_stamp) = match &sequence.numbers {
+        Numbers::Block(block) => of_block(block, tdx_name, tdx, big_endian)?,
+        Numbers::Here(numbers) => (numbers.clone(), None),
+    };
+    match sequence.form {
+        Form::Explicit => {}
+        Form::RawLinear { offset, slope } => numbers.iter_mut().for_each(|x| *x = offset + slope * *x),
+        Form::ImplicitLinear { count } => {
+            let [start, step] = numbers.as_slice() else {
+                return Err(format!("{} numbers in place of its start and its step", numbers.len()));
+            };
+            numbers = (0..count).map(|k| start + step * k as f64).collect();
+        }
+    }
+    Ok((numbers, first_stamp))
+}
+
+/// The numbers of a block; of times those since the first one, and that one.
+fn of_block(
+    block: &Block,
+    tdx_name: &str,
+    tdx: &[u8],
+    big_endian: bool,
+) -> Result<(Vec<f64>, Option<Instant>), String> {
     let size = block.kind.size();
     let range =
         usize::try_from(block.offset).ok().zip(usize::try_from(block.length).ok()).and_then(|(offset, count)| {
@@ -143,7 +189,12 @@ fn values(block: &Block, tdx_name: &str, tdx: &[u8], big_endian: bool) -> Result
             tdx.len()
         ));
     };
-    let mut values = Vec::new();
-    numbers(Strided { raw, stride: size, count }, block.kind, big_endian, &mut values);
-    Ok(values)
+    let (mut values, mut first_stamp) = (Vec::new(), None);
+    let raw = Strided { raw, stride: size, count };
+    if block.kind == Type::Time {
+        times(raw, big_endian, &mut first_stamp, &mut values);
+    } else {
+        numbers(raw, block.kind, big_endian, &mut values);
+    }
+    Ok((values, first_stamp))
 }

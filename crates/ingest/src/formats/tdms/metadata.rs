@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::formats::tdms::bytes::{Broken, Cursor};
+use crate::formats::waveform::channel::Instant;
 
 /// A property's value.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +12,8 @@ pub enum Property {
     Text(String),
     /// A number or a truth value (0, 1).
     Number(f64),
-    /// A time, seconds since 1904-01-01 UTC.
-    Time(f64),
+    /// A time since 1904-01-01 UTC.
+    Time(Instant),
     /// Something that is not used.
     Other,
 }
@@ -242,8 +243,8 @@ fn property(cursor: &mut Cursor) -> Result<Property, Broken> {
         0xA | 0x1A => number(f64::from_bits(cursor.u64()?)),
         0x20 => Property::Text(cursor.text()?),
         0x44 => {
-            let (fraction, seconds) = time(cursor)?;
-            Property::Time(seconds as f64 + fraction)
+            let (fraction_s, seconds) = time(cursor)?;
+            Property::Time(Instant { seconds, fraction_s })
         }
         0xB | 0x1B | 0x0010_000D => {
             cursor.take(16)?;

@@ -11,13 +11,14 @@ pub(crate) mod samples;
 mod scaling;
 mod segments;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
-use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::channel::{Instant, Waveform};
 use crate::formats::waveform::conversion;
+use crate::formats::waveform::date::instant;
 use crate::formats::{diadem, iso13499};
 use crate::recording::content::{PulseRule, Recording};
 use crate::recording::read_channel::ReadChannel;
@@ -38,7 +39,7 @@ impl Reader for Tdms {
     }
 
     fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--vehicle-number", "--resample"]
+        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
     }
 
     fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
@@ -62,7 +63,6 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
     };
     let is_nhtsa = details.is_some();
     let details = details.unwrap_or_else(|| diadem::details(&layers.root_texts()));
-    start_times(&layers, &objects, &mut notes);
 
     let mut objects = objects;
     let mut records = Vec::with_capacity(layers.channels.len());
@@ -143,6 +143,17 @@ fn number(properties: &Properties, name: &str) -> Option<f64> {
     }
 }
 
+/// When the time of a channel is 0, if it says so.
+fn start_time(properties: &Properties) -> Option<Instant> {
+    // Years before 1910 stand for no date.
+    const NO_DATE_S: i64 = 200_000_000;
+    match properties.get("wf_start_time") {
+        Some(Property::Time(start)) => Some(*start).filter(|start| start.seconds > NO_DATE_S),
+        Some(Property::Text(text)) => instant(text),
+        _ => None,
+    }
+}
+
 /// A channel with its time and its values, scaled.
 fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<scaling::Linear>, String>) -> Waveform {
     let properties = &object.properties;
@@ -158,12 +169,9 @@ fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<scaling:
     let start = number(properties, "wf_start_offset").unwrap_or(0.0);
     let steps = interval.map(|dt| (start, dt));
     waveform.set_steps(steps, text(properties, "wf_xname"), text(properties, "wf_xunit_string"));
+    waveform.origin = start_time(properties);
     let mut values = object.values;
-    // Times of the day become times since the first.
-    if let (Some(_), Some(first)) = (object.epoch_s, values.first().copied()) {
-        values.iter_mut().for_each(|t| *t -= first);
-        "s".clone_into(&mut waveform.unit);
-    }
+    waveform.set_stamps(object.first_stamp);
     waveform.values = match (object.unread, scales) {
         (Some(what), _) => Err(format!("its samples are not read: {what}")),
         (None, Err(reason)) => Err(reason),
@@ -175,28 +183,6 @@ fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<scaling:
         }
     };
     waveform
-}
-
-/// Channels may have started at different times of the day; they are not aligned.
-fn start_times(layers: &Layers, objects: &[Object], notes: &mut Notes) {
-    // Years before 1910 stand for no date.
-    let starts: BTreeSet<u64> = layers
-        .channels
-        .iter()
-        .filter_map(|(k, ..)| match objects[*k].properties.get("wf_start_time") {
-            Some(Property::Time(s)) if *s > 2e8 && !objects[*k].values.is_empty() => Some((s * 1e6) as u64),
-            _ => None,
-        })
-        .collect();
-    if let (Some(first), Some(last)) = (starts.first(), starts.last())
-        && first != last
-    {
-        notes.warning(format!(
-            "channels start at times of the day up to {:.6} s apart (wf_start_time): they are not aligned, each keeps \
-             its own offset",
-            (last - first) as f64 / 1e6
-        ));
-    }
 }
 
 fn refuse(file: &str, error: SegmentError) -> IngestError {

@@ -2,6 +2,7 @@
 
 use crate::formats::tdms::bytes::Cursor;
 use crate::formats::tdms::metadata::{Type, time};
+use crate::formats::waveform::channel::Instant;
 
 /// `count` samples, each at the start of `stride` bytes; the last may end where `raw` ends.
 #[derive(Debug, Clone, Copy)]
@@ -51,12 +52,12 @@ pub fn numbers(raw: Strided, kind: Type, big_endian: bool, out: &mut Vec<f64>) {
     }
 }
 
-/// Times in seconds since the whole second `epoch_s` of the first one, so that microseconds are kept.
-pub fn times(raw: Strided, big_endian: bool, epoch_s: &mut Option<i64>, out: &mut Vec<f64>) {
+/// Times in seconds since `first`, the first one of all, so that nanoseconds are kept.
+pub fn times(raw: Strided, big_endian: bool, first: &mut Option<Instant>, out: &mut Vec<f64>) {
     out.reserve(raw.count.min(raw.raw.len()));
     for sample in raw.raw.chunks(raw.stride).take(raw.count) {
-        let Ok((fraction, seconds)) = time(&mut Cursor::new(sample, 0, big_endian)) else { continue };
-        let epoch = *epoch_s.get_or_insert(seconds);
-        out.push(seconds.wrapping_sub(epoch) as f64 + fraction);
+        let Ok((fraction_s, seconds)) = time(&mut Cursor::new(sample, 0, big_endian)) else { continue };
+        let instant = Instant { seconds, fraction_s };
+        out.push(instant.since(*first.get_or_insert(instant)));
     }
 }

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use crate::formats::tdms::bytes::{Broken, Cursor};
 use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
 use crate::formats::tdms::samples;
+use crate::formats::waveform::channel::Instant;
 
 /// Most objects in a file.
 const OBJECT_LIMIT: usize = 100_000;
@@ -37,8 +38,8 @@ pub struct Object {
     pub values: Vec<f64>,
     /// Samples are raw values of a card.
     pub is_daqmx: bool,
-    /// Samples are times; they count from this second since 1904.
-    pub epoch_s: Option<i64>,
+    /// Samples are times; they count from this one, since 1904.
+    pub first_stamp: Option<Instant>,
     /// Why samples that the file has are not among the values.
     pub unread: Option<&'static str>,
 }
@@ -256,7 +257,7 @@ impl Walk {
         self.count(raw.count as u64)?;
         let object = &mut self.content.objects[object];
         if kind == Type::Time {
-            samples::times(raw, big_endian, &mut object.epoch_s, &mut object.values);
+            samples::times(raw, big_endian, &mut object.first_stamp, &mut object.values);
         } else {
             samples::numbers(raw, kind, big_endian, &mut object.values);
         }

@@ -3,14 +3,19 @@
 use std::collections::BTreeMap;
 
 use crumple_signal::Notes;
+use crumple_signal::value::Time;
 
 use crate::formats::text::column_names::Unit;
-use crate::formats::waveform::channel::{Waveform, list};
+use crate::formats::waveform::channel::{Instant, Waveform, list};
 use crate::formats::waveform::label::{Label, is_named_time};
 use crate::time::grid::{self, Grid, GridError};
 use crate::time::resampling::{self, LinearInterpolation};
 use crate::time::time_unit;
 use crate::{IngestError, IngestSettings, Place};
+
+/// Longest sampling interval of a crash record, s: 50 samples a second show two or three of a pulse. A longer one is a
+/// default, as LabVIEW and DIAdem write an increment of 1 where they know none.
+const LONGEST_INTERVAL_S: f64 = 0.02;
 
 /// The channel of times of a group.
 struct Clock {
@@ -19,11 +24,17 @@ struct Clock {
     title: String,
     samples: usize,
     grid: Result<Grid, IngestError>,
+    /// When the grid's t = 0 is, where the file says it.
+    origin: Option<Instant>,
     /// Where its channels are brought to a uniform rate.
     resampling: Option<Resampling>,
     /// Channels with another number of samples, by that number.
     cut: BTreeMap<usize, Vec<String>>,
-    /// Channels that have steps of their own which differ.
+    /// Channels whose own steps say something else, and are not used.
+    overruled: Vec<String>,
+    /// Channels whose interval is one that programs write where they know none.
+    defaults: Vec<String>,
+    /// Channels whose own steps say something else, and are used.
     differ: Vec<String>,
 }
 
@@ -36,11 +47,44 @@ struct Resampling {
     used: bool,
 }
 
+/// Where the time of a channel comes from.
+#[derive(Debug, Clone)]
+pub struct TimeOfChannel {
+    /// Its grid.
+    pub grid: Grid,
+    /// When its t = 0 is, where the file says it.
+    pub origin: Option<Instant>,
+}
+
+/// What is asked about the time of a channel.
+pub struct Asked<'a> {
+    /// File, for messages.
+    pub file: &'a str,
+    /// Id of the channel, for messages.
+    pub id: &'a str,
+    /// Its group.
+    pub group: &'a str,
+    /// Start and interval of its own, s.
+    pub steps: Option<(f64, f64)>,
+    /// When the time of these is 0.
+    pub origin: Option<Instant>,
+    /// It is a motion, which is integrated: an interval that no crash is recorded at makes kilometres of it.
+    pub is_motion: bool,
+}
+
 /// The channels of times of a file, by group.
 pub struct Clocks {
     by_group: BTreeMap<String, Clock>,
+    /// Channels of times that cannot be read, by group: title and reason.
+    unread: BTreeMap<String, (String, String)>,
     /// Which waveforms hold times.
     are_times: Vec<bool>,
+    /// Interval that a person states for channels without any, s.
+    stated_interval_s: Option<f64>,
+    /// Whether that was used.
+    is_stated_used: bool,
+    /// A record of anything, or a list: an interval is taken as the file has it.
+    is_any_interval_right: bool,
 }
 
 impl Clocks {
@@ -53,13 +97,28 @@ impl Clocks {
         settings: &IngestSettings,
         notes: &mut Notes,
     ) -> Self {
-        let mut clocks = Self { by_group: BTreeMap::new(), are_times: vec![false; waveforms.len()] };
+        let mut clocks = Self {
+            by_group: BTreeMap::new(),
+            unread: BTreeMap::new(),
+            are_times: vec![false; waveforms.len()],
+            stated_interval_s: settings.sample_time.map(Time::si).filter(|dt| *dt > 0.0 && dt.is_finite()),
+            is_stated_used: false,
+            is_any_interval_right: settings.listing || settings.allow_missing.unwrap_or(false),
+        };
         for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
-            let Ok(values) = &waveform.values else { continue };
             let named = match label.unit {
                 Unit::Time(_) => true,
                 Unit::Unstated => is_named_time(&label.name),
                 Unit::Signal(..) | Unit::Unknown(_) => false,
+            };
+            let values = match &waveform.values {
+                Ok(values) => values,
+                Err(reason) if named => {
+                    let unread = (label.title.clone(), reason.clone());
+                    clocks.unread.entry(waveform.group.clone()).or_insert(unread);
+                    continue;
+                }
+                Err(_) => continue,
             };
             if !named || values.len() < 2 || !values.windows(2).all(|pair| pair[1] > pair[0]) {
                 continue;
@@ -68,18 +127,21 @@ impl Clocks {
             if clocks.by_group.contains_key(&waveform.group) {
                 continue;
             }
-            let fitted = grid_of(file, label, values, settings, notes);
-            let (grid, resampling) = match fitted {
-                Ok((grid, resampling)) => (Ok(grid), resampling),
-                Err(error) => (Err(error), None),
+            let fitted = grid_of(file, label, waveform.first_stamp.is_some(), values, settings, notes);
+            let (grid, first, resampling) = match fitted {
+                Ok(fitted) => (Ok(fitted.grid), fitted.first, fitted.resampling),
+                Err(error) => (Err(error), None, None),
             };
             let clock = Clock {
                 index: k,
                 title: label.title.clone(),
                 samples: values.len(),
                 grid,
+                origin: waveform.first_stamp.or(first).or(waveform.origin),
                 resampling,
                 cut: BTreeMap::new(),
+                overruled: Vec::new(),
+                defaults: Vec::new(),
                 differ: Vec::new(),
             };
             clocks.by_group.insert(waveform.group.clone(), clock);
@@ -92,45 +154,90 @@ impl Clocks {
         self.are_times[k]
     }
 
-    /// The grid of channel `id`: its own steps, else those of the clock of its group; then to the shorter of the two.
-    pub fn grid(
-        &mut self,
-        file: &str,
-        id: &str,
-        group: &str,
-        steps: Option<(f64, f64)>,
-        values: &mut Vec<f64>,
-    ) -> Result<Grid, IngestError> {
-        let clock = self.by_group.get_mut(group);
-        if let Some((t0_s, dt_s)) = steps {
-            if let Some(clock) = clock
-                && let Ok(grid) = &clock.grid
-            {
-                let end = |t0: f64, dt: f64| t0 + (values.len().min(clock.samples) - 1) as f64 * dt;
-                let off = (grid.t0_s - t0_s).abs().max((end(grid.t0_s, grid.dt_s) - end(t0_s, dt_s)).abs());
-                if off > 0.5 * dt_s {
-                    clock.differ.push(id.to_owned());
+    /// Whether any waveform holds times.
+    pub fn are_any(&self) -> bool {
+        !self.by_group.is_empty()
+    }
+
+    /// Whether the interval that a person states was used.
+    pub fn is_stated_interval_used(&self) -> bool {
+        self.is_stated_used
+    }
+
+    /// The time of a channel: of the channel of times in its group where that has as many samples or the channel has
+    /// no steps that make sense, else its own steps, else the interval that a person states. `values` are cut to the
+    /// shorter of both.
+    pub fn grid(&mut self, asked: &Asked, values: &mut Vec<f64>) -> Result<TimeOfChannel, IngestError> {
+        let makes_sense = |dt_s: f64| !asked.is_motion || self.is_any_interval_right || dt_s <= LONGEST_INTERVAL_S;
+        let own = asked.steps.map(|(t0_s, dt_s)| Grid { t0_s, dt_s, jitter: 0.0 });
+        let sensible = own.filter(|grid| makes_sense(grid.dt_s));
+        if let Some(group) = self.group_of_clock(asked, own.is_none() || sensible.is_none(), values.len())
+            && let Some(clock) = self.by_group.get_mut(&group)
+        {
+            let differs = own.is_some_and(|own| clock.differs(&own, values.len()));
+            let may_lead = clock.grid.is_ok() && clock.samples == values.len() && asked.is_motion;
+            match sensible {
+                Some(own) if !(differs && may_lead) => {
+                    if differs {
+                        clock.differ.push(asked.id.to_owned());
+                    }
+                    return Ok(TimeOfChannel { grid: own, origin: asked.origin });
                 }
+                _ if clock.grid.is_ok() || self.stated_interval_s.is_none() => {
+                    let ids = if sensible.is_some() { &mut clock.overruled } else { &mut clock.defaults };
+                    if differs {
+                        ids.push(asked.id.to_owned());
+                    }
+                    return clock.time_of(asked.id, values);
+                }
+                _ => {}
             }
-            return Ok(Grid { t0_s, dt_s, jitter: 0.0 });
         }
-        let Some(clock) = clock else {
-            return Err(IngestError::content(
-                Place::file(file).in_column(id),
-                "no time: neither a sampling interval (wf_increment, Delta_X) nor a channel of times in its group",
-                "one of them",
-                "export the channel with its time",
-            ));
+        if let Some(own) = sensible {
+            return Ok(TimeOfChannel { grid: own, origin: asked.origin });
+        }
+        if let Some(dt_s) = self.stated_interval_s {
+            self.is_stated_used = true;
+            let t0_s = own.map_or(0.0, |own| own.t0_s / own.dt_s * dt_s);
+            return Ok(TimeOfChannel { grid: Grid { t0_s, dt_s, jitter: 0.0 }, origin: asked.origin });
+        }
+        Err(self.no_time(asked, own))
+    }
+
+    /// The group whose channel of times is that of a channel: its own, else, where it needs one, that of the only
+    /// clock of the file, if it has as many samples.
+    fn group_of_clock(&self, asked: &Asked, needs_one: bool, samples: usize) -> Option<String> {
+        if self.by_group.contains_key(asked.group) {
+            return Some(asked.group.to_owned());
+        }
+        let mut clocks = self.by_group.iter().filter(|_| needs_one && !self.unread.contains_key(asked.group));
+        match (clocks.next(), clocks.next()) {
+            (Some((group, clock)), None) if clock.samples == samples => Some(group.clone()),
+            _ => None,
+        }
+    }
+
+    /// The question for the interval of a channel that has none that makes sense.
+    fn no_time(&self, asked: &Asked, own: Option<Grid>) -> IngestError {
+        let unread = self.unread.get(asked.group);
+        let found = match (own, unread) {
+            (_, Some((title, reason))) => format!("the channel of times {title} is not read: {reason}"),
+            (Some(own), None) => format!(
+                "a sampling interval of {} s and no channel of times: no crash is recorded so slowly, and programs \
+                 write an increment of 1 where they know none",
+                own.dt_s
+            ),
+            (None, None) => {
+                "no time: neither a sampling interval (wf_increment, Delta_X) nor a channel of times in its group"
+                    .to_owned()
+            }
         };
-        if clock.samples != values.len() {
-            clock.cut.entry(values.len()).or_default().push(id.to_owned());
-            values.truncate(clock.samples);
-        }
-        if let Some(resampling) = &mut clock.resampling {
-            resampling.used = true;
-            *values = resampling.interpolation.apply(values.len(), |k| values[k]);
-        }
-        clock.grid.clone()
+        IngestError::content(
+            Place::file(asked.file).in_column(asked.id),
+            found,
+            format!("the times of the samples: a channel of times, or an interval of {LONGEST_INTERVAL_S} s at most"),
+            "state the sampling interval, such as --sample-time 100us",
+        )
     }
 
     /// Whether any channels were brought to a uniform rate.
@@ -152,13 +259,23 @@ impl Clocks {
             if let Some(Resampling { words, used: true, .. }) = &clock.resampling {
                 notes.warning(format!("channels timed by {} are resampled {words}", clock.title));
             }
-            if !clock.differ.is_empty() {
-                notes.warning(format!(
-                    "the channel of times {} differs from the steps that {} have of their own: those are used",
-                    clock.title,
-                    list(&clock.differ)
-                ));
+            for (ids, used) in [(&clock.overruled, "the channel of times is used"), (&clock.differ, "those are used")] {
+                if !ids.is_empty() {
+                    notes.warning(format!(
+                        "the channel of times {} differs from the steps that {} have of their own: {used}",
+                        clock.title,
+                        list(ids)
+                    ));
+                }
             }
+        }
+        for clock in self.by_group.values().filter(|clock| !clock.defaults.is_empty()) {
+            notes.info(format!(
+                "{} have an interval that no crash is recorded at (a default of the program that wrote the file): the \
+                 channel of times {} is used",
+                list(&clock.defaults),
+                clock.title
+            ));
         }
         let mut names: Vec<(usize, &str)> = self.by_group.values().map(|c| (c.index, c.title.as_str())).collect();
         names.sort_unstable();
@@ -169,23 +286,69 @@ impl Clocks {
     }
 }
 
+impl Clock {
+    /// Whether a grid of `samples` samples is another one than that of the clock, by half an interval at an end.
+    fn differs(&self, own: &Grid, samples: usize) -> bool {
+        let Ok(grid) = &self.grid else { return false };
+        let end = |grid: &Grid| grid.t0_s + (samples.min(self.samples) as f64 - 1.0) * grid.dt_s;
+        let off = (grid.t0_s - own.t0_s).abs().max((end(grid) - end(own)).abs());
+        off > 0.5 * own.dt_s.min(grid.dt_s)
+    }
+
+    /// The time of a channel by this clock; `values` are cut to its length, and resampled where that is asked for.
+    fn time_of(&mut self, id: &str, values: &mut Vec<f64>) -> Result<TimeOfChannel, IngestError> {
+        if self.samples != values.len() {
+            self.cut.entry(values.len()).or_default().push(id.to_owned());
+            values.truncate(self.samples);
+        }
+        if let Some(resampling) = &mut self.resampling {
+            resampling.used = true;
+            *values = resampling.interpolation.apply(values.len(), |k| values[k]);
+        }
+        Ok(TimeOfChannel { grid: self.grid.clone()?, origin: self.origin })
+    }
+}
+
+/// Times of a calendar are larger than this, s (three years); they count from the first one.
+const CALENDAR_S: f64 = 1e8;
+
+/// The grid of a channel of times.
+struct Fitted {
+    grid: Grid,
+    /// The first one, where they are times of a calendar; the grid counts from it.
+    first: Option<Instant>,
+    resampling: Option<Resampling>,
+}
+
 fn grid_of(
     file: &str,
     label: &Label,
+    are_stamps: bool,
     values: &[f64],
     settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<(Grid, Option<Resampling>), IngestError> {
+) -> Result<Fitted, IngestError> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
+        // Stamps of a clock are made seconds by the reader.
+        _ if are_stamps => 1.0,
         (Some(symbol), _) => time_unit::stated_unit(place(), symbol, "--time-unit or the sidecar")?,
         (None, Unit::Time(factor)) => *factor,
         (None, _) => time_unit::unit_from_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
     };
     let inverse = (1.0 / unit).round();
-    let times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();
+    let mut times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();
     if times.iter().any(|t| !t.is_finite()) {
         return Err(IngestError::content(place(), "a time that is not finite", "finite times", "export it again"));
+    }
+    let mut resolution_s = if are_stamps { resolution_of_stamps(values) } else { single_precision(values) * unit };
+    // Two units in the last place of the printed numbers, which a calendar makes coarse.
+    let first_s = times[0];
+    let first = (first_s.abs() > CALENDAR_S)
+        .then(|| Instant { seconds: first_s.floor() as i64, fraction_s: first_s - first_s.floor() });
+    if first.is_some() {
+        resolution_s = resolution_s.max(2.0 * f64::EPSILON * first_s.abs());
+        times.iter_mut().for_each(|t| *t -= first_s);
     }
     if let Some(rate) = settings.resample {
         let interpolation = resampling::resample(&times, rate.si()).ok_or_else(|| {
@@ -200,9 +363,9 @@ fn grid_of(
         let words =
             format!("to {rate} by linear interpolation, as asked (jitter {jitter:.3}, max|dt - median|/median)");
         let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: resampling::jitter(&times) };
-        return Ok((grid, Some(Resampling { interpolation, words, used: false })));
+        return Ok(Fitted { grid, first, resampling: Some(Resampling { interpolation, words, used: false }) });
     }
-    let fitted = grid::fit(&times, single_precision(values) * unit).map_err(|error| {
+    let grid = grid::fit(&times, resolution_s).map_err(|error| {
         let found = match error {
             GridError::Repeated { index } => format!("sample {index} repeats a time"),
             GridError::Backwards { index } => format!("time runs backwards at sample {index}"),
@@ -225,7 +388,18 @@ fn grid_of(
             ),
         )
     })?;
-    Ok((fitted, None))
+    Ok(Fitted { grid, first, resampling: None })
+}
+
+/// Resolution of stamps, s: the coarsest step, decimal or a power of two, of which all are multiples, down to 0.1 us; 0
+/// if they have a finer one. A clock ticks in decimals; stamps that were numbers of seconds since the year 0 are
+/// multiples of 2^-17 s.
+fn resolution_of_stamps(stamps: &[f64]) -> f64 {
+    let decimals = (3..=7).map(|digits| 10_f64.powi(-digits));
+    let binary = (10..=23).map(|digits| 2_f64.powi(-digits));
+    let are_multiples =
+        |step: &f64| stamps.iter().all(|t| ((t / step).round() * step - t).abs() <= 1e-12 + 1e-6 * step);
+    decimals.chain(binary).filter(are_multiples).fold(0.0, f64::max)
 }
 
 /// Resolution of times that were stored in single precision; 0 if they were not.

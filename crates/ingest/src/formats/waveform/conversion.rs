@@ -5,11 +5,12 @@ use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
 use crate::formats::iso13499;
 use crate::formats::text::column_names::{self, Unit};
 use crate::formats::waveform::channel::{Waveform, list};
-use crate::formats::waveform::clock::Clocks;
+use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
 use crate::formats::waveform::label::{self, Label};
-use crate::formats::waveform::{identity, units};
+use crate::formats::waveform::{common_axis, identity, units};
 use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
+use crate::time::time_unit;
 use crate::{IngestError, IngestSettings, Place};
 
 /// What is noted once for many channels.
@@ -50,13 +51,15 @@ pub fn to_channels(
         }
     }
     let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
-    let own_steps = |(k, w): (usize, &Waveform)| clocks.is_clock(k) || w.steps.is_some();
-    if settings.time_unit.is_some() && waveforms.iter().enumerate().all(own_steps) {
-        unheeded_flags::warn("--time-unit", "every channel states its step in seconds", notes);
+    // The unit is that of the channels of times; without any, that of the steps.
+    if let Some(symbol) = settings.time_unit.as_deref().filter(|_| !clocks.are_any()) {
+        let unit_s = time_unit::stated_unit(Place::file(file), symbol, "--time-unit or the sidecar")?;
+        waveforms.iter_mut().for_each(|waveform| waveform.step_unit_s = unit_s);
     }
     let kinds = units::quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
-    let mut channels = Vec::new();
+    let mut channels: Vec<(usize, ReadChannel)> = Vec::new();
+    let mut origins = Vec::new();
     for (k, waveform) in waveforms.into_iter().enumerate() {
         let (id, aliases, label, (quantity, factor)) = (&ids[k], &aliases[k], &labels[k], kinds[k]);
         let is_wanted = wanted == Some(k);
@@ -67,8 +70,7 @@ pub fn to_channels(
             remarks.empty.push(id.clone());
             continue;
         }
-        let read = samples(file, id, waveform, factor, &mut clocks);
-        let (wave, jitter, comment) = match read {
+        let (wave, time, comment) = match samples(file, id, waveform, (quantity, factor), &mut clocks) {
             Ok(read) => read,
             Err(error) if is_wanted => return Err(error),
             Err(error) => {
@@ -88,8 +90,11 @@ pub fn to_channels(
         let fitness =
             acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
         let aliases = aliases.clone();
+        origins.push(time.origin);
+        let jitter = time.grid.jitter;
         channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
     }
+    common_axis::align(file, &mut channels, &origins, notes)?;
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {
             IngestError::content(
@@ -104,14 +109,23 @@ pub fn to_channels(
         let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
         unheeded_flags::warn("--resample", why, notes);
     }
+    if settings.sample_time.is_some() && !clocks.is_stated_interval_used() {
+        unheeded_flags::warn("--sample-time", "every channel has its time in the file", notes);
+    }
     clocks.notes(notes);
     remarks.notes(notes);
     Ok(channels)
 }
 
-type Read = (Sampled, f64, Option<String>);
+type Read = (Sampled, TimeOfChannel, Option<String>);
 
-fn samples(file: &str, id: &str, waveform: Waveform, factor: f64, clocks: &mut Clocks) -> Result<Read, IngestError> {
+fn samples(
+    file: &str,
+    id: &str,
+    waveform: Waveform,
+    (quantity, factor): (QuantityKind, f64),
+    clocks: &mut Clocks,
+) -> Result<Read, IngestError> {
     let refuse = |found: String, expected: &str, hint: &str| {
         Err(IngestError::content(Place::file(file).in_column(id), found, expected, hint))
     };
@@ -125,7 +139,19 @@ fn samples(file: &str, id: &str, waveform: Waveform, factor: f64, clocks: &mut C
     if let Some(found) = waveform.not_time {
         return refuse(found, "steps of time", "export the channel over time");
     }
-    let grid = clocks.grid(file, id, &waveform.group, waveform.steps, &mut values)?;
+    let unit_s = waveform.step_unit_s;
+    let asked = Asked {
+        file,
+        id,
+        group: &waveform.group,
+        steps: waveform.steps.map(|(start, interval)| (start * unit_s, interval * unit_s)),
+        origin: waveform.origin,
+        is_motion: matches!(
+            quantity,
+            QuantityKind::Acceleration | QuantityKind::Velocity | QuantityKind::VelocityChange
+        ),
+    };
+    let time = clocks.grid(&asked, &mut values)?;
     if let Some(k) = values.iter().position(|x| !x.is_finite()) {
         let what = if values[k].is_nan() { "missing (NaN)" } else { "infinite" };
         return refuse(
@@ -135,8 +161,8 @@ fn samples(file: &str, id: &str, waveform: Waveform, factor: f64, clocks: &mut C
         );
     }
     values.iter_mut().for_each(|x| *x *= factor);
-    match Sampled::new(grid.t0_s, grid.dt_s, values) {
-        Ok(wave) => Ok((wave, grid.jitter, waveform.comment)),
+    match Sampled::new(time.grid.t0_s, time.grid.dt_s, values) {
+        Ok(wave) => Ok((wave, time, waveform.comment)),
         Err(error) => refuse(error.to_string(), "finite numbers on a uniform grid", "export the channel again"),
     }
 }

@@ -66,7 +66,7 @@ pub fn quantities(
         }
         None => None,
     };
-    match ask {
+    match ask.filter(|_| !settings.listing) {
         Some(k) => Err(no_unit(file, &labels[k])),
         None => Ok(kinds),
     }
