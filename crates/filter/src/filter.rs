@@ -1,6 +1,6 @@
 //! Filters one channel: zero level, sampling rate, filter, and what a reader should know.
 
-use crumple_signal::{About, Notes, Sampled, Weight};
+use crumple_signal::{About, FreeFall, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, free_fall};
 use serde::Serialize;
 
 use crate::butterworth::sections::sections_extension;
@@ -233,16 +233,26 @@ fn run_instead(
 /// The level to subtract, unit of the samples. 0 with a warning where the record covers less than 10 ms of the window,
 /// because a level guessed from the pulse would be worse than none; a muted recorder is noted.
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
-    let ZeroLevel::PreEvent(window) = rule else { return Ok(0.0) };
+    let (ZeroLevel::PreEvent(window) | ZeroLevel::AtRest(window)) = rule else { return Ok(0.0) };
     match pre_event(samples, window)? {
         Some(pre_event) => {
-            if pre_event.muted > 0 {
+            let fall = free_fall(samples, &pre_event).filter(|_| matches!(rule, ZeroLevel::AtRest(_)));
+            if pre_event.muted > 0 && fall.is_none() {
                 notes.info(format!(
                     "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
                     pre_event.muted
                 ));
             }
-            Ok(pre_event.zero_level)
+            match fall {
+                Some(FreeFall { rest_level, fall_level }) => {
+                    notes.info(format!(
+                        "free fall before contact ({:+.2} g off the level at rest): zero is the level at rest",
+                        (fall_level - rest_level) / STANDARD_GRAVITY_M_PER_S2
+                    ));
+                    Ok(rest_level)
+                }
+                None => Ok(pre_event.zero_level),
+            }
         }
         None => {
             notes.warning(format!(

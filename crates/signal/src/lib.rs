@@ -21,6 +21,7 @@ pub use description::channel_selection::{is_pattern, resolve_channels};
 pub use description::test_description::{ANOTHER_VEHICLE, PulseError, Source, TestDescription};
 pub use notes::bearing::{About, Bearing, UnknownAbout, Weight};
 pub use notes::note::{Note, Notes, Severity};
+pub use samples::free_fall::{FreeFall, falls_before_event, free_fall, is_gravity};
 pub use samples::pre_event::{PreEvent, PreEventWindow, pre_event};
 pub use samples::recording_steps::{BeforeEvent, RecordingSteps};
 pub use samples::signal::{Sampled, Signal, SignalError};

@@ -13,6 +13,9 @@ pub enum ZeroLevel {
     None,
     /// The mean of the pre-event samples is subtracted.
     PreEvent(PreEventWindow),
+    /// The same for an acceleration: where the window lies in a free fall, the level at rest is subtracted
+    /// ([`free_fall`](crumple_signal::free_fall)).
+    AtRest(PreEventWindow),
 }
 
 impl Default for ZeroLevel {

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crumple_filter::{Cfc, Class, SelectionError, Settings, class_of_body, is_barrier_force, occupants_left, select};
+use crumple_filter::{
+    Cfc, Class, SelectionError, Settings, ZeroLevel, class_of_body, is_barrier_force, occupants_left, select,
+};
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
@@ -44,6 +46,9 @@ pub fn channels_to_filter<'a>(
     let mut channels = Vec::new();
     for channel in selected.into_iter().filter(|channel| !pass.contains(&channel.id)) {
         let mut channel_settings = settings.filter;
+        if let (ZeroLevel::PreEvent(window), true) = (channel_settings.zero_level, channel.may_feel_gravity()) {
+            channel_settings.zero_level = ZeroLevel::AtRest(window);
+        }
         // SAE J211-1 Table 1: barrier force is CFC 60, whatever the structure is filtered to.
         if is_barrier_force(channel) && settings.channels.is_empty() && channel_settings.class != Class::None {
             channel_settings.class = Class::Cfc(Cfc::Cfc60);

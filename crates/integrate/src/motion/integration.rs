@@ -1,6 +1,6 @@
 //! Velocity and displacement from an acceleration and the impact speed.
 
-use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
+use crumple_signal::{Acceleration, Displacement, Signal, Velocity, falls_before_event};
 
 use crate::{IntegrateError, Rule, Start, UsedStart, integrate_twice_into};
 
@@ -99,7 +99,8 @@ pub(crate) fn integrate_from(
         return Err(IntegrateError::TimeZero { time_zero_s, first_s, last_s });
     }
 
-    let start = settings.start.resolve(settings.low_pass_filtered, zero);
+    let falls = falls_before_event(acceleration);
+    let start = settings.start.resolve(settings.low_pass_filtered, zero, falls);
     let from = match start {
         UsedStart::TimeZero => zero,
         UsedStart::RecordStart => 0,

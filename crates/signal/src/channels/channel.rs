@@ -164,6 +164,14 @@ impl Channel {
         }
     }
 
+    /// Whether gravity may change what it reads: an acceleration, but for one along x or y that is coded as one of a
+    /// vehicle's structure, which lies level.
+    pub fn may_feel_gravity(&self) -> bool {
+        let is_level = matches!(self.axis, Some(Axis::X | Axis::Y));
+        let is_of_vehicle = self.code.is_some() && self.may_be_on_vehicle();
+        self.quantity == QuantityKind::Acceleration && !(is_level && is_of_vehicle)
+    }
+
     /// Whether the sensor may sit on the structure of the vehicle: its location does not begin with an occupant,
     /// another road user or the barrier. An unknown location may.
     pub fn may_be_on_vehicle(&self) -> bool {
