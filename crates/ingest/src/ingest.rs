@@ -1,7 +1,9 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
-use crumple_signal::{About, Channel, Notes, Source, TestDescription, Weight, part_of};
+use crumple_metrics::{Exchange, Plausibility, plausibility};
+use crumple_signal::{ANOTHER_VEHICLE, About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
+use crate::checks::exchange_question::{self, Answer};
 use crate::checks::{channel_quality, lost_point, redundant_sensors};
 use crate::files::sidecar;
 use crate::formats::reader::{Bundle, stem};
@@ -28,6 +30,8 @@ pub struct Ingested {
     pub vehicles: Vec<TestVehicle>,
     /// Speed at which they approach each other, m/s.
     pub closing_speed_m_per_s: Option<f64>,
+    /// Whether impact speed and pulse fit together; `None` where nothing is to be held against each other.
+    pub plausibility: Option<Plausibility>,
     /// Remarks.
     pub notes: Notes,
 }
@@ -42,8 +46,51 @@ impl Ingested {
 
 /// Reads a record and applies what is stated about it: `flags` beat the sidecar, which beats the record.
 ///
-/// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for.
+/// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for. Where one
+/// exchange of units, speeds, times or signs makes pulse and impact speed fit, the first note asks for it, with the
+/// flag that was tried and mends it.
 pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
+    let mut ingested = read(bundle, flags)?;
+    let Some(plausibility) = &ingested.plausibility else { return Ok(ingested) };
+    let speed = ingested.test.impact_speed_m_per_s.unwrap_or(0.0);
+    let answers = match plausibility {
+        Plausibility::After(exchange, _) => exchange_question::answers(*exchange, flags, speed),
+        _ => Vec::new(),
+    };
+    let mends = |answer: &Answer| {
+        // A table that is read piece by piece is not read again for a question.
+        bundle.large.is_some()
+            || read(bundle, &answer.settings).is_ok_and(|read| read.plausibility == Some(Plausibility::Consistent))
+    };
+    let answer = answers.iter().find(|answer| mends(answer)).map(|answer| answer.flag.as_str());
+    if let Some((about, question)) = exchange_question::question(plausibility, answer, speed) {
+        refuse_slow_times(bundle, &ingested, answer, &question)?;
+        ingested.notes.concern_first(about, question);
+    }
+    Ok(ingested)
+}
+
+/// Refuses times so far apart that no crash is resolved, where a flag makes a crash of them: no filter would take them.
+fn refuse_slow_times(
+    bundle: &Bundle,
+    ingested: &Ingested,
+    answer: Option<&str>,
+    question: &str,
+) -> Result<(), IngestError> {
+    let is_too_slow = ingested.pulse().is_some_and(channel_quality::is_too_slow);
+    match (&ingested.plausibility, answer) {
+        (Some(Plausibility::After(Exchange::Time(_), _)), Some(flag)) if is_too_slow => Err(IngestError::content(
+            Place::file(&bundle.name),
+            question,
+            "600 samples a second at least (ten times CFC 60)",
+            format!("add {flag}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// [`ingest`] without the question for an exchange.
+fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
     let stated_in_sidecar = sidecar::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
@@ -99,8 +146,10 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
     let from_rest = polarity == Polarity::AsRead
-        && wave_of_pulse
-            .is_some_and(|w| polarity::pushes_forward(&w.samples, w.quality.pre_event.map(|p| p.zero_level)));
+        && wave_of_pulse.is_some_and(|w| polarity::pushes_forward(&w.samples, w.quality.zero_level()));
+    let held = wave_of_pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
+    let plausibility = held.zip(speed).and_then(|(wave, speed)| plausibility(&wave.samples, speed));
+    let polarity = polarity.unless_asked(plausibility.as_ref());
     missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
@@ -134,7 +183,13 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         time_zero,
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
-    Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, notes })
+    Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })
+}
+
+/// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
+fn is_alone(details: &Details) -> bool {
+    let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
+    details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }
 
 /// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record
@@ -180,7 +235,7 @@ fn turn_sign(
 fn take_waves(recording: &mut Recording) -> Vec<Wave> {
     let take = |read: &mut ReadChannel| {
         let samples = read.wave.take()?;
-        let quality = quality::measure(&samples, read.jitter);
+        let quality = quality::measure(&samples, read.jitter, read.channel.may_feel_gravity());
         Some(Wave { id: read.channel.id.clone(), quantity: read.channel.quantity, samples, quality })
     };
     recording.channels.iter_mut().filter_map(take).collect()

@@ -279,10 +279,10 @@ fn without_an_impact_speed_the_metrics_that_need_none_are_those_with_one() {
 fn a_speed_that_does_not_fit_the_pulse_is_questioned_before_anything_else() {
     let folder = tempfile::tempdir().unwrap();
     // 30 m/s are taken off: at 15 m/s the vehicle would leave the wall as fast as it came.
-    for (speed, words) in [(15.0, "rebounds at 1.00 of it"), (40.0, "never comes to rest")] {
+    for (speed, words) in [(15.0, "rebound at 100 % of it"), (40.0, "never stop and go on at")] {
         let artifact = result(&filtered(folder.path(), &constant(Some(speed), Some(900.0), None)), &[]);
         let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
-        assert!(notes.notes[0].starts_with("warning: is the impact speed of"), "{:?}", notes.notes);
+        assert!(notes.notes[0].starts_with("warning: check the impact speed"), "{:?}", notes.notes);
         assert!(notes.notes[0].contains(words) && notes.notes[0].contains("94 km/h would fit"), "{:?}", notes.notes);
     }
 }

@@ -37,6 +37,9 @@ pub use energy::work::energy_equivalent_speed;
 pub use error::MetricsError;
 pub use events::collision::{MutualCrush, TwoVehicleImpact, collision, common_velocity};
 pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
+pub use events::plausibility::{
+    EXCHANGES, Exchange, Impact, Plausibility, largest_restitution, number_typed, plausibility,
+};
 pub use events::separation::{acceleration_after_separation, restitution_of_two_bodies};
 pub use events::time_zero::{
     EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold, time_zero_by_velocity_change,

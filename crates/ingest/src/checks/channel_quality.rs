@@ -3,6 +3,7 @@
 //! | check | figure | noted when |
 //! |---|---|---|
 //! | zero level | mean from -50 to -10 ms | less than 10 ms of it is there |
+//! | free fall | level from -50 to -10 ms against that at rest | 1 g apart, or 1 g where no rest shows |
 //! | muted start | exact zeros at the start of the record | more than ten before the end of the window |
 //! | noise before the event | standard deviation of the same window | above 1 g |
 //! | polarity | change of velocity in 150 ms | positive and more than 5 % of the impact speed; not of an occupant |
@@ -18,7 +19,7 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::QualityV1;
-use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Weight};
+use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Weight, is_gravity};
 
 use crate::pulse::polarity::{self, Polarity};
 use crate::recording::wave::Wave;
@@ -79,8 +80,10 @@ pub fn check(
 
 fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, notes: &mut Notes) {
     let quality = &pulse.quality;
-    let zero_level = quality.pre_event.map(|p| p.zero_level);
-    if zero_level.is_none() {
+    let before_contact = quality.pre_event.map(|p| p.zero_level);
+    if let Some(level) = before_contact {
+        note_fall(pulse, level, notes);
+    } else {
         notes.concern(
             About::Pulse,
             Weight::Marked,
@@ -94,8 +97,8 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
              that of the other samples"
         ));
     }
-    polarity::check(&pulse.samples, zero_level, speed_m_per_s, polarity, notes);
-    time_zero::check(&pulse.samples, zero_level, notes);
+    polarity::check(&pulse.samples, quality.zero_level(), speed_m_per_s, polarity, notes);
+    time_zero::check(&pulse.samples, before_contact, notes);
     if is_too_slow(pulse) {
         notes.concern(
             About::Pulse,
@@ -155,6 +158,31 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     }
 }
 
+/// Names a free fall before contact, and a level that may be one: 1 g, in a record that does not show the sensor at
+/// rest at another level.
+fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
+    if let Some(fall) = pulse.quality.fall {
+        notes.concern(
+            About::Pulse,
+            Weight::Slight,
+            format!(
+                "free fall before contact: the level there is {:+.2} g off the level at rest, which is taken for zero",
+                (fall.fall_level - fall.rest_level) / G
+            ),
+        );
+    } else if pulse.quality.feels_gravity && is_gravity(level) {
+        notes.concern(
+            About::Pulse,
+            Weight::Marked,
+            format!(
+                "the level before contact is {:+.2} g: an offset, or a free fall. It is removed as an offset; in a \
+                 free fall all accelerations are 1 g off: add --set filter.zero-level=none",
+                level / G
+            ),
+        );
+    }
+}
+
 /// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with
 /// it.
 fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
@@ -173,10 +201,11 @@ fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
 }
 
 fn muted_samples(wave: &Wave) -> Option<usize> {
-    wave.quality.pre_event.map(|p| p.muted).filter(|muted| *muted > 0)
+    wave.quality.pre_event.map(|p| p.muted).filter(|muted| *muted > 0 && wave.quality.fall.is_none())
 }
 
-fn is_too_slow(wave: &Wave) -> bool {
+/// Whether the rate is too low for the lowest class.
+pub fn is_too_slow(wave: &Wave) -> bool {
     wave.quality.sample_rate_hz < CFC60_RATE_HZ * (1.0 - 1e-9)
 }
 
@@ -222,7 +251,7 @@ mod tests {
     fn texts_with_polarity(at: impl Fn(f64) -> f64, polarity: Polarity) -> Vec<String> {
         let samples = (0..2500).map(|k| G * at(f64::from(k - 500) * 1e-4)).collect();
         let samples = Sampled::new(-0.05, 1e-4, samples).unwrap();
-        let quality = measure(&samples, 0.0);
+        let quality = measure(&samples, 0.0, true);
         let wave = Wave { id: "a".to_owned(), quantity: QuantityKind::Acceleration, samples, quality };
         let mut written = Notes::new();
         check(&[wave], Some("a"), Some(15.0), polarity, &mut written);

@@ -1,6 +1,7 @@
-//! What is noted about the channels: quality, time grids, sensors that should agree.
+//! What is noted about the channels: quality, time grids, sensors that should agree, units and signs exchanged.
 //! May use pulse, time and recording; corrects nothing.
 
 pub mod channel_quality;
+pub mod exchange_question;
 pub mod lost_point;
 pub mod redundant_sensors;

@@ -1,5 +1,6 @@
 //! Polarity of the pulse: a frontal impact decelerates, so SAE J211 has it negative. Reported, flipped only if asked.
 
+use crumple_metrics::{Exchange, Plausibility};
 use crumple_signal::{About, Axis, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, Weight, pre_event};
 
 use crate::recording::read_channel::ReadChannel;
@@ -57,8 +58,20 @@ pub enum Polarity {
     AsRead,
     /// It was turned.
     Turned,
+    /// It is as in the file, and asked about: it fits the impact speed with the other sign.
+    Questioned,
     /// The pulse is that of an occupant; its criteria are of magnitudes, so that the sign does not matter.
     OfOccupant,
+}
+
+impl Polarity {
+    /// The same, or [`Questioned`](Self::Questioned) where the other sign is asked about.
+    pub fn unless_asked(self, plausibility: Option<&Plausibility>) -> Self {
+        match plausibility {
+            Some(Plausibility::After(Exchange::Polarity, _)) => Self::Questioned,
+            _ => self,
+        }
+    }
 }
 
 /// Warns if the pulse, zero level removed, gains speed over the first 150 ms, with what helps: turning it only where it
@@ -73,7 +86,8 @@ pub fn check(
     let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
     // A vehicle that stands is pushed either way.
-    if change <= clear || polarity == Polarity::OfOccupant || impact_speed_m_per_s == Some(0.0) {
+    let is_silent = matches!(polarity, Polarity::OfOccupant | Polarity::Questioned);
+    if change <= clear || is_silent || impact_speed_m_per_s == Some(0.0) {
         return;
     }
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);

@@ -207,7 +207,7 @@ pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes
         settings.impact_speed.map(Speed::si),
         from,
         "impact speed",
-        |v| format!("{v} m/s"),
+        |v| format!("{} km/h", (3.6e3 * v).round() / 1e3),
         notes,
     );
     overrule(

@@ -1,6 +1,6 @@
 //! What can be measured on a channel before anything touches it. Reported, never applied.
 
-use crumple_signal::{PreEvent, PreEventWindow, Sampled, pre_event};
+use crumple_signal::{FreeFall, PreEvent, PreEventWindow, Sampled, free_fall, pre_event};
 
 /// Dropouts are looked for up to this time, s.
 const ACTIVE_UNTIL_S: f64 = 0.150;
@@ -12,6 +12,10 @@ const END_S: f64 = 0.020;
 pub struct Quality {
     /// `None` without 10 ms of data before the event.
     pub pre_event: Option<PreEvent>,
+    /// Whether gravity may change what it reads.
+    pub feels_gravity: bool,
+    /// Of an acceleration whose level before the event is that of a free fall.
+    pub fall: Option<FreeFall>,
     /// Sampling rate, Hz.
     pub sample_rate_hz: f64,
     /// Largest distance of a time stamp from the uniform grid, in intervals.
@@ -30,19 +34,31 @@ pub struct Quality {
     pub end_level: Option<f64>,
 }
 
+impl Quality {
+    /// The level that is no motion, where the record shows it: that at rest, or before the event.
+    pub fn zero_level(&self) -> Option<f64> {
+        self.fall.map(|fall| fall.rest_level).or(self.pre_event.map(|before| before.zero_level))
+    }
+}
+
 /// Measures a channel whose t = 0 is the event.
 ///
 /// Zero level and noise floor: mean and standard deviation of the raw samples from -50 ms to -10 ms ([`pre_event`]).
-pub fn measure(wave: &Sampled, time_jitter: f64) -> Quality {
+///
+/// `feels_gravity`: it may be in free fall before the event.
+pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality {
     let pre_event = pre_event(wave, PreEventWindow::default());
+    let fall = pre_event.filter(|_| feels_gravity).and_then(|before| free_fall(wave, &before));
     let samples = wave.samples();
     let (minimum, maximum) =
         samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
     let (minimum, maximum) = if samples.is_empty() { (0.0, 0.0) } else { (minimum, maximum) };
-    let zero = pre_event.map_or(0.0, |p| p.zero_level);
+    let zero = fall.map(|fall| fall.rest_level).or(pre_event.map(|p| p.zero_level)).unwrap_or(0.0);
     let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero);
     Quality {
         pre_event,
+        feels_gravity,
+        fall,
         sample_rate_hz: wave.rate_hz(),
         time_jitter,
         minimum,
@@ -102,10 +118,10 @@ mod tests {
     #[test]
     fn flat_tops_are_clipping_and_quiet_starts_are_not() {
         let quiet = Sampled::new(-0.02, 1e-3, vec![0.0, 0.0, 0.0, 0.0, -1.0, -3.0, -1.0]).unwrap();
-        assert_eq!(measure(&quiet, 0.0).clipped_run, 1);
+        assert_eq!(measure(&quiet, 0.0, true).clipped_run, 1);
         let flat = Sampled::new(0.0, 1e-3, vec![0.0, -3.0, -3.0, -3.0, -3.0, 1.0, 0.0]).unwrap();
-        assert_eq!(measure(&flat, 0.0).clipped_run, 4);
+        assert_eq!(measure(&flat, 0.0, true).clipped_run, 4);
         let dead = Sampled::new(0.0, 1e-3, vec![7.0; 60]).unwrap();
-        assert_eq!(measure(&dead, 0.0).clipped_run, 0);
+        assert_eq!(measure(&dead, 0.0, true).clipped_run, 0);
     }
 }

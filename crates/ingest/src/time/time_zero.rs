@@ -137,7 +137,7 @@ mod tests {
             0.35 - if (0.0..=0.09).contains(&t) { 22.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
         };
         let wave = Sampled::new(-0.05, 1e-4, (0..2501).map(|k| g * at(f64::from(k - 500) * 1e-4)).collect()).unwrap();
-        let pre = crate::recording::quality::measure(&wave, 0.0).pre_event.unwrap();
+        let pre = crate::recording::quality::measure(&wave, 0.0, true).pre_event.unwrap();
         assert!((pre.zero_level / g - 0.35).abs() < 1e-9 && pre.samples == 401);
         let crossing = threshold_crossing(&wave, wave.samples(), pre.zero_level).unwrap();
         assert!((crossing - 0.000_651_145_457_828).abs() < 1e-9, "{crossing}");

@@ -1,22 +1,14 @@
 //! Whether the stated impact speed and the pulse can belong together.
 
-use crumple_metrics::{CrashEvents, EventEnd};
+use crumple_metrics::{CrashEvents, EventEnd, Plausibility, largest_restitution, plausibility};
+use crumple_signal::Sampled;
 
 use crate::Motion;
 
-/// Largest coefficient of restitution of a vehicle against a barrier at [`AT_M_PER_S`] and above.
-const LARGEST: f64 = 0.3;
-/// 50 km/h.
-const AT_M_PER_S: f64 = 50.0 / 3.6;
-/// What is usual at such speeds: at most, about, at least.
-const USUAL: [f64; 3] = [LARGEST, 0.15, 0.05];
-
-/// The largest coefficient of restitution that a vehicle is believed at an impact speed: 0.3 at 50 km/h and above, more
-/// at lower speeds, where less of the structure yields: `0.3·sqrt(50 km/h / v0)`, at most 1. A rule of thumb: 0.36 at
-/// 35 km/h, 0.67 at 10 km/h.
-pub fn largest_restitution(impact_speed_m_per_s: f64) -> f64 {
-    (LARGEST * (AT_M_PER_S / impact_speed_m_per_s).sqrt().max(1.0)).min(1.0)
-}
+/// What is usual at 50 km/h and above: a restitution of at most, about, at least.
+const USUAL: [f64; 3] = [0.3, 0.15, 0.05];
+/// Impact speeds of tests, km/h; another one explains no pulse.
+const TESTED_KM_PER_H: std::ops::RangeInclusive<f64> = 5.0..=150.0;
 
 /// A question about the impact speed, with the speed that would fit: the motion rebounds faster than a vehicle does, or
 /// never comes to rest. `None` where the speed may be right, or where nothing stops the motion at all.
@@ -30,29 +22,38 @@ pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_
     }
     let change = events.delta_v_m_per_s(v0)?;
     let [high, usual, low] = USUAL.map(|e| 3.6 * change / (1.0 + e));
-    let fits = format!("{usual:.0} km/h would fit this pulse at a rigid barrier ({high:.0} to {low:.0} km/h)");
-    let stated = format!("{v0:.3} m/s ({:.1} km/h)", 3.6 * v0);
+    let stated = format!("check the impact speed ({:.1} km/h)", 3.6 * v0);
+    let fits = if TESTED_KM_PER_H.contains(&usual) {
+        format!("{usual:.0} km/h would fit ({high:.0} to {low:.0} km/h); if it is right, check")
+    } else {
+        "no speed of a test fits this pulse; check".to_owned()
+    };
     match (events.restitution(v0), events.unstopped) {
         (Some(e), _) if e > largest_restitution(v0) => Some(format!(
-            "is the impact speed of {stated} right? The velocity rebounds at {e:.2} of it, where a vehicle keeps at \
-             most \
-             {:.2}: {fits}; else check unit, zero level and class of the channel",
-            largest_restitution(v0)
+            "{stated}: the car would rebound at {:.0} % of it, real cars stay below {:.0} %. {fits} unit, zero level \
+             and class of the channel",
+            100.0 * e,
+            100.0 * largest_restitution(v0)
         )),
         (None, Some(unstopped)) => {
             let end = motion.velocity.samples().last().copied().unwrap_or(v0);
             let or_else = match unstopped.end {
-                EventEnd::Record => "the record ends before the vehicle stops",
-                EventEnd::Quiet => "the vehicle goes on, as after a glancing impact or with a partner that gives way",
+                EventEnd::Record => "whether the record ends too early",
+                EventEnd::Quiet => "whether the impact was glancing or the partner gave way",
             };
-            Some(format!(
-                "is the impact speed of {stated} right? The velocity never comes to rest and ends at {end:.3} m/s: \
-                 {fits}; \
-                 else {or_else}"
-            ))
+            Some(format!("{stated}: the car would never stop and go on at {:.1} km/h. {fits} {or_else}", 3.6 * end))
         }
         _ => None,
     }
+}
+
+/// Whether one exchange of units, speeds, times or signs makes speed and pulse fit: that is asked by the stage that
+/// read the record. `time_zero_s`: t = 0 of the event on the axis of the motion.
+pub fn is_exchanged(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -> bool {
+    let pulse = &motion.acceleration;
+    let on_axis = Sampled::new(pulse.t0_s() - time_zero_s, pulse.dt_s(), pulse.samples().to_vec());
+    let found = on_axis.ok().and_then(|pulse| plausibility(&pulse, impact_speed_m_per_s));
+    matches!(found, Some(Plausibility::After(..) | Plausibility::AfterAnyOf(_)))
 }
 
 #[cfg(test)]
@@ -83,13 +84,19 @@ mod tests {
         let v0 = 50.0 / 3.6;
         let true_change = 1.15 * v0;
         assert_eq!(question(true_change, v0), None);
-        for (stated_km_per_h, words) in [(35.0, "rebounds at 0.64"), (80.0, "never comes to rest")] {
+        for (stated_km_per_h, words) in [(35.0, "rebound at 64 % of it"), (80.0, "never stop and go on at 22.5 km/h")] {
             let question = question(true_change, stated_km_per_h / 3.6).unwrap();
             assert!(question.contains(words) && question.contains("50 km/h would fit"), "{question}");
         }
         // At walking pace a bumper springs back.
         assert_eq!(question(1.5 * 8.0 / 3.6, 8.0 / 3.6), None);
-        assert!(question(1.4 * v0, v0).unwrap().contains("at most 0.30"));
+        assert!(question(1.4 * v0, v0).unwrap().contains("below 30 %"));
+    }
+
+    #[test]
+    fn no_speed_is_named_that_nobody_tests_at() {
+        let question = question(15.0 * 9.806_65, 13.9).unwrap();
+        assert!(question.contains("no speed of a test fits"), "{question}");
     }
 
     #[test]

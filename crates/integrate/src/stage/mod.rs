@@ -13,7 +13,7 @@ mod without_speed;
 
 use std::path::PathBuf;
 
-use crumple_signal::{About, Channel, TestDescription, Weight};
+use crumple_signal::{About, Channel, Sampled, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV2, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
@@ -28,7 +28,7 @@ use crate::stage::pulse::impact_speed::impact_speed;
 use crate::stage::pulse::integration::{ChannelIntegration, acceleration};
 use crate::stage::pulse::other_channels::{channels_named, other_channels};
 use crate::stage::pulse::records::{events_record, metric_records};
-use crate::stage::pulse::summary::{note_findings, note_warnings, summary, warn_unless_of_the_vehicle};
+use crate::stage::pulse::summary::{SpeedRule, note_findings, note_warnings, summary, warn_unless_of_the_vehicle};
 use crate::stage::pulse::time_zero::time_zero;
 use crate::stage::without_motion::{missing_for_motion, without_motion};
 use crate::stage::without_speed::without_speed;
@@ -83,7 +83,12 @@ impl Stage for Integrate {
         let pulse = task.integrate(&channel, &samples, out)?;
         let vehicles = vehicles(input)?;
         // A partner that gives way leaves speed: the collision is assessed below.
-        note_findings(&pulse, zero.time_s, impact_speed_m_per_s, vehicles.is_empty(), out.notes());
+        let speed_rule = match (vehicles.is_empty(), settings.impact_speed_m_per_s) {
+            (false, _) => SpeedRule::Partner,
+            (true, None) => SpeedRule::AskedBefore,
+            (true, Some(_)) => SpeedRule::New,
+        };
+        note_findings(&pulse, zero.time_s, impact_speed_m_per_s, speed_rule, out.notes());
         warn_unless_of_the_vehicle(&channel, out.notes());
         if let Some(uncertainty) = &settings.uncertainty {
             out.notes().info(options::uncertainty::uncertainty_note(uncertainty, pulse.motion.start));
@@ -163,7 +168,21 @@ fn integrate_others(
     let impact_speed_m_per_s = task.impact_speed_m_per_s.unwrap_or(0.0);
     let mut metrics = Vec::new();
     for other in other_channels(&settings.channels, test, &pulse.id, input, out.notes())? {
-        let motion = task.integrate(other, &acceleration(input, other)?, out)?;
+        let samples = acceleration(input, other)?;
+        if !covers(&samples, time_zero_s) {
+            out.notes().concern(
+                About::Channel(other.id.clone()),
+                Weight::Slight,
+                format!(
+                    "channel {} runs from {:.1} to {:.1} ms and does not contain contact: not integrated",
+                    other.id,
+                    1e3 * samples.t0_s(),
+                    1e3 * samples.end_s()
+                ),
+            );
+            continue;
+        }
+        let motion = task.integrate(other, &samples, out)?;
         // Taken with all the others, of a place that nobody names: that it moves with the vehicle must show.
         let unnamed =
             !settings.channels.iter().any(|name| test.resolve_channels(name).iter().any(|c| c.id == other.id));
@@ -186,6 +205,11 @@ fn integrate_others(
         task.write(&other.id, motion, out)?;
     }
     Ok(metrics)
+}
+
+/// Whether a channel starts no later than one interval after time zero and goes on after it: its speed there is known.
+fn covers(samples: &Sampled, time_zero_s: f64) -> bool {
+    samples.t0_s() <= time_zero_s + samples.dt_s() && samples.index_at_or_after(time_zero_s) + 2 <= samples.len()
 }
 
 /// Whether neither a location nor a code says where a channel sits.

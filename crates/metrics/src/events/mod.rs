@@ -3,6 +3,7 @@
 
 pub mod collision;
 pub mod crash_events;
+pub mod plausibility;
 pub mod separation;
 pub mod time_zero;
 pub mod unstopped;

@@ -1,19 +1,20 @@
 //! The pulse in words: findings, warnings, a line of the summary.
 
-use crumple_integrate::{WRONG_SIGN, findings, question_speed, wrong_sign};
-use crumple_signal::{About, Channel, Notes, Severity, Weight, part_of};
+use crumple_integrate::{WRONG_SIGN, findings, is_exchanged, question_speed, wrong_sign};
+use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
 
 use crate::stage::pulse::integrated::Integrated;
 
 /// Notes what the motion of the pulse shows: first where its sign is wrong or the impact speed does not fit it, because
 /// most other notes follow from that.
 ///
-/// `at_barrier`: nothing but the vehicle gives way, so that its speed can be held against its pulse.
+/// Of a record whose speed was held against its pulse before, and where one exchange of units explains it, nothing more
+/// is asked.
 pub fn note_findings(
     pulse: &Integrated,
     time_zero_s: f64,
     impact_speed_m_per_s: f64,
-    at_barrier: bool,
+    speed_rule: SpeedRule,
     notes: &mut Notes,
 ) {
     let of_pulse = findings(&pulse.motion, &pulse.events, time_zero_s, impact_speed_m_per_s);
@@ -22,11 +23,33 @@ pub fn note_findings(
         notes.extend(before);
         return;
     }
-    notes.extend(of_pulse);
-    let question = question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s);
-    if let Some(question) = question.filter(|_| at_barrier) {
+    let question =
+        question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s).filter(|_| speed_rule != SpeedRule::Partner);
+    let is_asked = question.is_some()
+        && speed_rule == SpeedRule::AskedBefore
+        && is_exchanged(&pulse.motion, time_zero_s, impact_speed_m_per_s);
+    // What follows from the exchange is no finding of its own.
+    for note in of_pulse.iter().filter(|note| !(is_asked && is_decisive(note))) {
+        notes.push(note.clone());
+    }
+    if let Some(question) = question.filter(|_| !is_asked) {
         notes.concern_first(About::ImpactSpeed, question);
     }
+}
+
+/// Whether a speed can be held against a pulse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpeedRule {
+    /// No: a partner gives way, too.
+    Partner,
+    /// Yes, and the stage that read the record did so.
+    AskedBefore,
+    /// Yes: the speed is one that the record does not have.
+    New,
+}
+
+fn is_decisive(note: &Note) -> bool {
+    note.bearing.as_ref().is_some_and(|bearing| bearing.weight == Weight::Decisive)
 }
 
 /// Notes the warnings of the motion of another channel, under its name.
