@@ -369,6 +369,25 @@ mod tests {
     }
 
     #[test]
+    fn after_a_free_fall_zero_is_the_level_at_rest() {
+        let g = STANDARD_GRAVITY_M_PER_S2;
+        let level = |k: i32| if k < 500 { -g } else { 0.0 };
+        let record = Sampled::new(-0.5, 1e-3, (0..1000).map(level).collect()).unwrap();
+        let window = crumple_signal::PreEventWindow::default();
+        let removed = |zero_level| {
+            let settings = Settings { class: Class::None, zero_level, ..Settings::default() };
+            let filtered = filter(&record, None, &settings).unwrap();
+            (filtered.zero_level_removed, filtered.notes.to_texts())
+        };
+        let (level, notes) = removed(ZeroLevel::AtRest(window));
+        assert_eq!(level, 0.0);
+        assert!(notes[0].starts_with("free fall before contact (-1.00 g off the level at rest)"), "{notes:?}");
+        // Of a force the level before the event is zero, whatever comes after.
+        let (level, notes) = removed(ZeroLevel::PreEvent(window));
+        assert!((level + g).abs() < 1e-12 && notes.is_empty(), "{notes:?}");
+    }
+
+    #[test]
     fn a_muted_start_is_left_out_of_the_zero_level_and_said() {
         let at = |k: usize| if k < 200 { 0.0 } else { 2.5 };
         let raw = Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap();

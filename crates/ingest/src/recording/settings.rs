@@ -44,7 +44,7 @@ pub struct IngestSettings {
     /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
-    /// Unit of the time column: s, ms, us. Default: from the header, else inferred from the sampling interval, with
+    /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us. Default: from the header, else inferred from the sampling interval, with
     /// a note.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
@@ -56,7 +56,8 @@ pub struct IngestSettings {
     /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, with a note. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
     pub sign: Option<Sign>,
-    /// Sampling interval of a table without a time column, with its unit: 0.08s, 100us. The first row is at 0 s.
+    /// Sampling interval of a table without a time column, or of TDMS, TDM and LVM channels without a time, with its
+    /// unit: 0.08s, 100us. The first row is at 0 s.
     #[arg(long, value_name = "TIME")]
     pub sample_time: Option<Time>,
     /// Kind of table: edr for the tables of event data recorders (CDR reports), whose velocity columns are changes of

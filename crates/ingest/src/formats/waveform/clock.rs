@@ -111,18 +111,19 @@ impl Clocks {
                 Unit::Unstated => is_named_time(&label.name),
                 Unit::Signal(..) | Unit::Unknown(_) => false,
             };
+            if !named {
+                continue;
+            }
             let values = match &waveform.values {
-                Ok(values) => values,
-                Err(reason) if named => {
-                    let unread = (label.title.clone(), reason.clone());
+                Ok(values) if values.is_empty() => continue,
+                Ok(values) if values.len() > 1 && values.windows(2).all(|pair| pair[1] > pair[0]) => values,
+                unread => {
+                    let reason = unread.as_ref().err().map_or("its values do not increase", String::as_str);
+                    let unread = (label.title.clone(), reason.to_owned());
                     clocks.unread.entry(waveform.group.clone()).or_insert(unread);
                     continue;
                 }
-                Err(_) => continue,
             };
-            if !named || values.len() < 2 || !values.windows(2).all(|pair| pair[1] > pair[0]) {
-                continue;
-            }
             clocks.are_times[k] = true;
             if clocks.by_group.contains_key(&waveform.group) {
                 continue;

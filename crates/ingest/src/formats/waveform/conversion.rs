@@ -7,7 +7,7 @@ use crate::formats::text::column_names::{self, Unit};
 use crate::formats::waveform::channel::{Waveform, list};
 use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
 use crate::formats::waveform::label::{self, Label};
-use crate::formats::waveform::{common_axis, identity, units};
+use crate::formats::waveform::{identity, one_axis, units};
 use crate::recording::read_channel::{Fitness, ReadChannel};
 use crate::recording::unheeded_flags;
 use crate::time::time_unit;
@@ -94,7 +94,7 @@ pub fn to_channels(
         let jitter = time.grid.jitter;
         channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
     }
-    common_axis::align(file, &mut channels, &origins, notes)?;
+    one_axis::align(file, &mut channels, &origins, notes)?;
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {
             IngestError::content(

@@ -3,9 +3,9 @@
 
 pub mod channel;
 mod clock;
-mod common_axis;
 pub mod conversion;
 pub mod date;
 mod identity;
 mod label;
+mod one_axis;
 mod units;
