@@ -186,7 +186,7 @@ fn what_is_missing_is_said_and_the_rest_is_shown() {
     let said = stderr(&output).replace('\u{a0}', " ");
     assert!(
         said.starts_with(
-            "USABLE WITH CARE: use what was measured: no model was fitted.\nThe vehicle was crushed by 448 mm"
+            "usable with care: use what was measured: no model was fitted.\nThe vehicle was crushed by 448 mm"
         ),
         "{said}"
     );

@@ -97,9 +97,9 @@ fn check_sentences(page: &Page, summary: &Value) {
         first.iter().zip(&expected).all(|(a, b)| a == b) && first.len() >= expected.len(),
         "{first:?} {expected:?}"
     );
-    let because = summary["verdict"]["status_because"].as_str().unwrap();
+    let because = summary["verdict"]["status_sentence"].as_str().unwrap();
     let status = texts(page, "body > header .status");
-    assert!(status.len() == 1 && status[0].ends_with(because), "{status:?}: {because}");
+    assert!(status.len() == 1 && status[0] == because, "{status:?}: {because}");
     let mut known = Vec::new();
     for number in summary["verdict"]["numbers"].as_array().unwrap() {
         let (at, shown) = (number["at"].as_str().unwrap(), number["shown"].as_str().unwrap());

@@ -18,17 +18,17 @@ pub const SHOWN_FIRST: usize = 3;
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
 
-/// The number, from 1, of the first warning of a stage that what the page shows first may be another thing than it is
+/// Number, from 1, and subject of the first warning of a stage that what the page shows first may be another thing than it is
 /// taken for. That mass or speed is not stated makes nothing else of what is shown.
-pub fn decisive_warning(run: &Run, concerns: &[ConcernV1]) -> Option<usize> {
+pub fn decisive_warning<'a>(run: &Run, concerns: &'a [ConcernV1]) -> Option<(usize, &'a str)> {
     let is_absent = |about: &str| match about.parse() {
         Ok(About::Mass) => run.test.mass_kg.is_none(),
         Ok(About::ImpactSpeed) => run.test.impact_speed_m_per_s.is_none(),
         _ => false,
     };
-    let mut warnings = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT);
+    let warnings = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT);
     let is_decisive = |c: &ConcernV1| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(&c.about);
-    warnings.position(is_decisive).map(|index| index + 1)
+    warnings.zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
 }
 
 /// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`, gravest first: the diagnosis of a stage without a

@@ -3,7 +3,7 @@
 use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, PredictedIntervalV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::{Language, fill};
-use crumple_signal::Axis;
+use crumple_signal::{About, Axis};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -54,8 +54,8 @@ pub struct Conclusion {
     pub status: Status,
     /// Its one reason, typed.
     pub status_reason: StatusReason,
-    /// The reason in words.
-    pub status_because: String,
+    /// Both in words: `usable with care: its crush is good to 16 % at 40 km/h.`
+    pub status_sentence: String,
     /// What happened; which model, what it gives, what it does not.
     pub sentences: Vec<String>,
     /// The numbers in them.
@@ -74,24 +74,6 @@ pub struct Conclusion {
     pub remedy: Option<String>,
 }
 
-impl Conclusion {
-    /// The word of its status.
-    pub fn status_word(&self, language: Language) -> &'static str {
-        let phrases = &language.phrases().conclusion;
-        match self.status {
-            Status::Usable => phrases.usable,
-            Status::UsableWithCare => phrases.usable_with_care,
-            Status::DoNotUse => phrases.do_not_use,
-        }
-    }
-
-    /// `USABLE WITH CARE: its crush is good to 16 % at 40 km/h.`
-    pub fn status_line(&self, language: Language) -> String {
-        let texts = [("status", self.status_word(language).to_uppercase()), ("reason", self.status_because.clone())];
-        fill(language.phrases().conclusion.status, &texts)
-    }
-}
-
 /// The verdict on a run and its concerns.
 pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
     let language = run.language;
@@ -99,7 +81,7 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
     let concerns = concerns(run, ranking, kind);
     let mut text = Text { run, ranking, language, numbers: Vec::new() };
     let reason = status_reason(run, ranking, kind, &concerns);
-    let status_because = text.because(&reason);
+    let because = text.because(&reason);
     let sentences = text.sentences(kind, &reason, &concerns);
     let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
     let best = text.best();
@@ -113,8 +95,8 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
         standing,
         language: language.code(),
         status: reason.status(),
+        status_sentence: reason.status().sentence(language, &because),
         status_reason: reason,
-        status_because,
         sentences,
         numbers: text.numbers,
         parameters: best.map(|best| best.certainties().parameters),
@@ -173,9 +155,18 @@ impl<'a> Text<'a> {
                 ];
                 fill(template, &texts)
             }
-            Reason::DecisiveWarning { number } => {
+            Reason::DecisiveWarning { number, about } => {
                 let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
-                fill(phrases.because_decisive, &[("number", number)])
+                let subject = match about.parse() {
+                    Ok(About::Pulse) => phrases.the_pulse,
+                    Ok(About::Mass) => phrases.the_mass,
+                    Ok(About::ImpactSpeed) => phrases.the_impact_speed,
+                    Ok(About::Time) => phrases.the_time_axis,
+                    Ok(About::Motion) => phrases.the_motion,
+                    Ok(About::Model(_)) => phrases.the_model,
+                    _ => phrases.the_record,
+                };
+                fill(phrases.because_decisive, &[("subject", subject), ("number", &number)])
             }
             Reason::PoorFit { fit_percent, limit_percent } => {
                 let texts = [
@@ -419,7 +410,7 @@ impl<'a> Text<'a> {
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.
     fn what_to_use(&mut self, kind: Kind, reason: &StatusReason) -> Vec<String> {
         let phrases = &self.language.phrases().conclusion;
-        if let StatusReason::DecisiveWarning { number } = reason {
+        if let StatusReason::DecisiveWarning { number, .. } = reason {
             let number = self.number("/verdict/status_reason/number", *number as f64, (1.0, 0, ""));
             return std::iter::once(fill(phrases.decisive, &[("number", number)])).chain(self.asked_for()).collect();
         }

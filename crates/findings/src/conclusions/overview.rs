@@ -12,7 +12,7 @@ use crate::conclusions::concerns::{decisive_warning, first_warnings};
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::key_numbers::{key_numbers, level_percent};
 use crate::conclusions::kind::Kind;
-use crate::conclusions::status::StatusReason;
+use crate::conclusions::status::{Status, StatusReason};
 use crate::text::names::candidate_name;
 use crate::text::parameters::{parameter, parameter_order};
 use crate::{CandidateResult, Ranking, Run};
@@ -77,7 +77,8 @@ pub fn overview(
         lines.push(line(label, text));
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
-        lines.push(line(phrases.model_label, parameters(run, best, folder)));
+        let label = if verdict.status == Status::DoNotUse { phrases.doubtful_label } else { phrases.model_label };
+        lines.push(line(label, parameters(run, best, folder)));
     }
     let decisive = decisive_warning(run, concerns).is_some();
     // The verdict names a decisive warning by its number among all.

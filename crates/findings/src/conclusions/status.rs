@@ -2,6 +2,7 @@
 
 use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_phrases::language::{Language, fill};
 use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -25,6 +26,23 @@ pub enum Status {
     UsableWithCare,
     /// For nothing.
     DoNotUse,
+}
+
+impl Status {
+    /// Its word.
+    pub fn word(self, language: Language) -> &'static str {
+        let phrases = &language.phrases().conclusion;
+        match self {
+            Self::Usable => phrases.usable,
+            Self::UsableWithCare => phrases.usable_with_care,
+            Self::DoNotUse => phrases.do_not_use,
+        }
+    }
+
+    /// Its word with the reason.
+    pub(crate) fn sentence(self, language: Language, because: &str) -> String {
+        fill(language.phrases().conclusion.status, &[("status", self.word(language)), ("reason", because)])
+    }
 }
 
 /// The one reason of a status: what limits the results most. Numbers in SI; percentages of the value.
@@ -87,9 +105,10 @@ pub enum StatusReason {
     NoneRecommended,
     /// There is no acceptable result.
     NoResult,
-    /// The warning of this number, counted from 1, puts everything in doubt.
+    /// The warning of this number, counted from 1, puts everything in doubt. `about`: as in `concerns`.
     DecisiveWarning {
         number: usize,
+        about: String,
     },
     /// No model describes the record.
     NotAdequate,
@@ -122,8 +141,8 @@ pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Conce
         Kind::Occupant => return Reason::Occupant,
         _ => {}
     }
-    if let Some(number) = decisive_warning(run, concerns) {
-        return Reason::DecisiveWarning { number };
+    if let Some((number, about)) = decisive_warning(run, concerns) {
+        return Reason::DecisiveWarning { number, about: about.to_owned() };
     }
     match kind {
         Kind::InputOutput => of_identified(run).unwrap_or(Reason::Identified),

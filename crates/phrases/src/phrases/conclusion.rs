@@ -64,7 +64,16 @@ texts! { ConclusionTexts
         "use what was measured: no model is for other speeds",
         "das Gemessene gilt: kein Modell ist für andere Geschwindigkeiten";
     because_no_result: "there is no acceptable result", "es gibt kein annehmbares Ergebnis";
-    because_decisive: "see warning {number}", "siehe Warnung {number}";
+    because_decisive:
+        "{subject} is in doubt, see warning {number}",
+        "{subject} steht in Zweifel, siehe Warnung {number}";
+    the_pulse: "the pulse", "der Puls";
+    the_mass: "the mass", "die Masse";
+    the_impact_speed: "the impact speed", "die Aufprallgeschwindigkeit";
+    the_time_axis: "the time axis", "die Zeitachse";
+    the_motion: "the motion", "die Bewegung";
+    the_model: "the model", "das Modell";
+    the_record: "the record", "die Aufzeichnung";
     because_not_adequate: "no model is adequate", "kein Modell ist angemessen";
     because_poor_fit:
         "the fit of the best model is {fit}, below {limit}",
@@ -225,7 +234,7 @@ texts! { ConclusionTexts
     about_model: "Model", "Modell";
     about_predictions: "Predictions", "Vorhersagen";
     about_occupants: "Occupants", "Insassen";
-    about_wall_force: "Wall force", "Wandkraft";
+    about_wall_force: "Wall", "Wand";
     about_identified_models: "Identified models", "Identifizierte Modelle";
     no_fault: "No fault was found in the record.", "Ein Fehler der Aufzeichnung wurde nicht gefunden.";
     before_use: "Before you use this", "Vor dem Gebrauch";
@@ -245,6 +254,7 @@ texts! { ConclusionTexts
     given: "given", "vorgegeben";
     over_sensors: "; {count} sensors of the compartment: {range}", "; {count} Aufnehmer der Fahrgastzelle: {range}";
     model_label: "recommended", "empfohlen";
+    doubtful_label: "model in doubt", "Modell, fraglich";
     warnings_label: "warnings", "Warnungen";
     missing_label: "not in it", "fehlt darin";
     files_label: "report", "Bericht";

@@ -11,6 +11,7 @@ texts! { ModelTexts
          „?“: nicht bestimmt. Zickzack: Feder; Zylinder und Kolben: Dämpfer; kleine Kurve: Kraft über Verformung.";
     recommended_and_closest: "Recommended, and closest to the record", "Empfohlen und der Aufzeichnung am nächsten";
     recommended: "Recommended for predictions", "Für Vorhersagen empfohlen";
+    in_doubt: "In doubt", "Fraglich";
     closest: "Closest to the record", "Der Aufzeichnung am nächsten";
     closest_alone: "Closest to the record; none is recommended", "Der Aufzeichnung am nächsten; keines ist empfohlen";
     no_structure:

@@ -7,10 +7,10 @@ texts! { PredictionTexts
     crush_head: "crush, mm", "Eindrückung, mm";
     interval_head: "90 %", "90 %";
     peak_head: "peak, g", "Spitze, g";
-    range_head: "asked", "Bereich";
-    inside: "inside the test", "im Versuch";
+    range_head: "test", "Versuch";
+    inside: "inside", "darin";
     as_tested: "as tested", "wie geprüft";
-    beyond: "beyond the test", "jenseits des Versuchs";
+    beyond: "beyond", "jenseits";
     another_impact: "{mass} kg{partner}", "{mass} kg{partner}";
     all_predictions: "all predictions", "alle Vorhersagen";
     speed: "Speed, km/h", "Geschwindigkeit, km/h";

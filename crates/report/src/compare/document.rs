@@ -94,7 +94,7 @@ impl<'a> RunComparison<'a> {
                 None => html(&run.name),
             };
             let (said, concerns) = conclusion(&run.run, &run.ranking);
-            let lines = std::iter::once(said.status_line(run.run.language)).chain(said.sentences);
+            let lines = std::iter::once(said.status_sentence).chain(said.sentences);
             let said: String = lines.map(|text| format!("<p>{}</p>\n", html(&text))).collect();
             let warnings = concerns.first().map_or_else(String::new, |first| {
                 let template = if concerns.len() == 1 { texts.one_gravest } else { texts.gravest };

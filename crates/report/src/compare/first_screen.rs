@@ -25,7 +25,7 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     let texts = &phrases.runs;
     let title = if run.run.test.title.is_empty() { phrases.page.untitled } else { &run.run.test.title };
     let mut text = format!("{HEAD}## {}\n\n", markdown(title));
-    text.push_str(&format!("**{}**\n", markdown(&said.status_line(run.run.language))));
+    text.push_str(&format!("**{}**\n", markdown(&said.status_sentence)));
     for sentence in &said.sentences {
         text.push_str(&format!("{}\n", markdown(sentence)));
     }

@@ -15,8 +15,9 @@ pub(super) fn write_status(out: &mut String, run: &Run, verdict: &Conclusion) {
         Status::UsableWithCare => "care",
         Status::DoNotUse => "bad",
     };
-    let (word, because) = (verdict.status_word(run.language), html(&verdict.status_because));
-    out.push_str(&format!("<p class=\"status {class}\"><strong>{word}</strong> {because}</p>\n"));
+    let word = verdict.status.word(run.language);
+    let sentence = html(&verdict.status_sentence).replacen(word, &format!("<strong>{word}</strong>"), 1);
+    out.push_str(&format!("<p class=\"status {class}\">{sentence}</p>\n"));
 }
 
 /// What happened and what to use; without a result a bar that says what to do.
@@ -55,7 +56,7 @@ pub(super) fn write_before_use(
     let items: String = first.iter().map(|concern| item(run.language, concern)).collect();
     let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
     let is_of_the_record = |concern: &ConcernV1| about(run.language, concern) == phrases.about_record;
-    let has_result = verdict.standing != Standing::NoResult && run.channel().is_some();
+    let has_result = verdict.status != Status::DoNotUse && run.channel().is_some();
     let is_sound = has_result && !concerns.iter().any(is_of_the_record);
     let no_fault = if is_sound { format!("<p>{}</p>\n", phrases.no_fault) } else { String::new() };
     if first.is_empty() && !is_sound {

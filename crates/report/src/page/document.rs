@@ -70,7 +70,7 @@ impl Page {
         body.push_str("<div class=\"answer\">\n");
         predictions::write_first(&mut body, run, ranking, said.status);
         top::write_before_use(&mut body, run, ranking, &said, &concerns);
-        model_picture::write(&mut body, run, ranking);
+        model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");
         predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2", run.language);

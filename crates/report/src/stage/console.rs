@@ -9,7 +9,7 @@ use crumple_stage::{columns, labelled, labelled_and_cut, say, wrapped};
 /// Prints the status, the verdict, the numbers, the gravest warnings and where the rest is.
 pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[ConcernV1], report: &Path) {
     let columns = columns();
-    for sentence in std::iter::once(&verdict.status_line(run.language)).chain(&verdict.sentences) {
+    for sentence in std::iter::once(&verdict.status_sentence).chain(&verdict.sentences) {
         wrapped(sentence, columns).iter().for_each(say);
     }
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -8,7 +8,7 @@ mod svg;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use crumple_findings::{CandidateResult, Ranking, Run, level_percent, names::candidate_name};
+use crumple_findings::{CandidateResult, Ranking, Run, Status, level_percent, names::candidate_name};
 use crumple_phrases::language::fill;
 use layout::layout;
 use motion::motion;
@@ -20,7 +20,7 @@ use crate::page::how_well::grade;
 /// What the pictures look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
 
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Status) {
     let shown = shown(run, ranking);
     if shown.is_empty() {
         return;
@@ -31,6 +31,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         texts.title
     ));
     for (number, (role, candidate)) in shown.iter().enumerate() {
+        // Nothing is recommended that is not to be used.
+        let role = if status == Status::DoNotUse && ranking.best.is_some() { &texts.in_doubt } else { role };
         // What nobody is told to use waits.
         let (open, close) = match number {
             0 => (String::new(), ""),
