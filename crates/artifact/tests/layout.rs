@@ -287,7 +287,14 @@ fn the_layout_of_every_record_type_is_frozen() {
         discrete_im: Some(0.05),
     }];
     freeze(&ModesV1(modes.clone()));
-    freeze(&ModesV2 { modes });
+    let pole = OtherPoleV1 {
+        re_per_s: 0.0,
+        im_rad_per_s: 0.1,
+        discrete_re: Some(1.0),
+        discrete_im: None,
+        kind: OtherPoleKindV1::Integrator,
+    };
+    freeze(&ModesV2 { modes, other_poles: vec![pole] });
     freeze(&IdentificationV1 {
         method: "era".into(),
         order: 4,

@@ -10,7 +10,7 @@ mod conclusions;
 mod results;
 mod text;
 
-pub use conclusions::concerns::{concerns, first_warnings, is_of_another_candidate};
+pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate};
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
 pub use conclusions::key_numbers::{KeyNumber, key_numbers, level_percent, true_places};
@@ -21,7 +21,8 @@ pub use conclusions::summary::{Summary, summary, summary_schema};
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
-    CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, Withdrawn,
+    CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, Stability, StageNote, StageRecord,
+    Withdrawn,
 };
 pub use results::{mass_divisions, model_band, ranking, residual};
 pub use text::{markdown, names, parameters};

@@ -88,7 +88,7 @@ fn discrete_methods_and_exponentials_write_their_models() {
     let sum: ExponentialSumV1 = result.record("/model/exponentials-2").unwrap().unwrap();
     // Without an input that moves arx has nothing to go by, which takes nothing from the others.
     let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
-    assert!(notes.notes.iter().any(|n| n.contains("method arx")), "{:?}", notes.notes);
+    assert!(notes.notes.iter().any(|n| n.contains("arx gave no model: ")), "{:?}", notes.notes);
     // After the pulse the oscillator is free: -7.54 +- 36.94i.
     assert!((sum.terms[0].re_per_s + 0.2 * 37.699).abs() < 1e-2, "{sum:?}");
     let run = identify(

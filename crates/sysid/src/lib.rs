@@ -54,6 +54,7 @@ pub use hankel::svd::Decomposition;
 pub use modes::identified_mode::{IdentifiedMode, mode_shapes};
 pub use modes::mode_deviations::response_deviations;
 pub use modes::mode_shape::{modal_assurance, phase_collinearity};
+pub use modes::pole_kind::{PoleKind, PoleRecord, pole_kinds};
 pub use okid::observer_regression::Criterion;
 pub use okid::okid::{Lags, Okid, OkidModel, OkidOptions, OkidRealization};
 pub use order::order_scan::{era_order_scan, era_order_scan_of, subspace_order_scan};
@@ -78,7 +79,7 @@ pub use validation::bootstrap::{
     BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
     bootstrap_outputs,
 };
-pub use validation::caveats::{FilterEdge, caveats, mode_notes, weak_fit};
+pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};
 pub use validation::residual_resampling::Resampling;
 

@@ -186,7 +186,7 @@ fn alternating_record_is_reported_as_having_no_continuous_model() {
     let model = era(&y, given(1, 1e-3)).unwrap();
     let reason = model.continuous.clone().unwrap_err().to_string();
     assert!(reason.contains("negative real axis"), "{reason}");
-    let notes = crumple_sysid::caveats("era", &model, &[]).to_texts();
+    let notes = crumple_sysid::caveats("era", &model, 0.06, &[]).to_texts();
     assert!(notes.iter().any(|n| n.contains("no continuous model")), "{notes:?}");
     assert!(notes.iter().any(|n| n.contains("artefact of sampling")), "{notes:?}");
 }
@@ -197,7 +197,8 @@ fn growing_modes_and_modes_at_the_filter_edge_are_named() {
     let omega = std::f64::consts::TAU * 100.0;
     let y = record(&[(3.0, omega, 50.0, 0.0)], 50.0, 1e-3, 401);
     let model = era(&y, given(2, 1e-3)).unwrap();
-    let notes = |cfc| crumple_sysid::caveats("era", &model, &[crumple_sysid::FilterEdge::of_class(cfc)]).to_texts();
+    let notes =
+        |cfc| crumple_sysid::caveats("era", &model, 0.4, &[crumple_sysid::FilterEdge::of_class(cfc)]).to_texts();
     assert!(notes(60).iter().any(|n| n.contains("100 Hz edge of the CFC 60 filter")), "{:?}", notes(60));
     assert_eq!(notes(60).iter().filter(|n| n.contains("grows")).count(), 1);
     assert_eq!(notes(1000).len(), 1, "{:?}", notes(1000));
@@ -231,7 +232,7 @@ proptest! {
                 let pole = mode.mode.map(|m| m.pole);
                 prop_assert!(pole.is_none_or(|p| p.re.is_finite() && p.im.is_finite()));
             }
-            crumple_sysid::caveats("era",&model, &[crumple_sysid::FilterEdge::of_class(60)]);
+            crumple_sysid::caveats("era", &model, 6e-3, &[crumple_sysid::FilterEdge::of_class(60)]);
         }
     }
 }

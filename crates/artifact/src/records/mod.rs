@@ -20,8 +20,8 @@ pub use fitted::{
 };
 pub use identified::{
     ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeV1, ModesV1,
-    ModesV2, ResponseV1, SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, SpreadV1, StabilizationClusterV1,
-    StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
+    ModesV2, OtherPoleKindV1, OtherPoleV1, ResponseV1, SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, SpreadV1,
+    StabilizationClusterV1, StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 pub use measured::{
     ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MetricsV2,

@@ -46,6 +46,9 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     for (about, weight, text) in of_results(run, ranking, kind) {
         all.push(concern("report", about, weight, text, run, ranking, kind));
     }
+    // Of another record nobody asks for the mass of a vehicle.
+    let is_asked = |concern: &ConcernV1| !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
+    all.retain(|concern| kind != Kind::InputOutput || is_asked(concern));
     // The sort is stable: equals stay in the order of the stages.
     all.sort_by_key(|concern| {
         (concern.severity != ConcernV1::NO_RESULT, std::cmp::Reverse(concern.weight), order_of(&concern.about))
@@ -95,19 +98,21 @@ fn concern(
 }
 
 /// Of warnings in their order those for the first screen: at most `SHOWN_FIRST`, none of a candidate that nobody
-/// recommends while there is any other, and none of what only a crash has where the record is of none; and how many are
-/// left.
+/// recommends while there is any other, no failed method; and how many are left.
 pub fn first_warnings<'a>(warnings: &[&'a ConcernV1], run: &Run, ranking: &Ranking) -> (Vec<&'a ConcernV1>, usize) {
-    let is_prominent = |concern: &&&ConcernV1| {
-        let of_no_crash = run.is_generic() && concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
-        !of_no_crash && !is_of_another_candidate(concern, run, ranking)
-    };
+    let is_prominent =
+        |concern: &&&ConcernV1| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
     let mut first: Vec<&ConcernV1> = warnings.iter().filter(is_prominent).take(SHOWN_FIRST).copied().collect();
     if first.is_empty() && !run.is_generic() {
         first.extend(warnings.iter().take(1));
     }
     let others = warnings.len() - first.len();
     (first, others)
+}
+
+/// Whether a concern says why an identification method gave no model: such concerns have a list of their own.
+pub fn is_of_a_failed_method(concern: &ConcernV1) -> bool {
+    matches!(concern.about.parse(), Ok(About::Method(_)))
 }
 
 /// What only a crash has: of another record nobody asks for it.
@@ -127,13 +132,14 @@ pub fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking
 /// demand.
 fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
     match about {
-        _ if is_of_a_crash(about) && kind == Kind::InputOutput => 1,
+        // Of a record that is no crash the models come first.
+        About::Time if kind == Kind::InputOutput => 2,
         About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion => 3,
         About::Model(name) => prominence_of_model(name, run, ranking),
         About::Predictions | About::WallForce | About::Record => 2,
         About::Occupants => 2 + u8::from(kind == Kind::Occupant),
         About::IdentifiedModels => 1 + 2 * u8::from(matches!(kind, Kind::InputOutput | Kind::LinearModel)),
-        About::Channel(_) => 1,
+        About::Method(_) | About::Channel(_) => 1,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The result of a run in a word and a few sentences, made by rules from its records.
 
-use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, PredictedIntervalV1, PredictionV1};
+use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::{Language, fill};
 use crumple_signal::{About, Axis};
@@ -228,7 +228,12 @@ impl<'a> Text<'a> {
                 let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
                 vec![fill(phrases.no_model, &[("reason", reason)]), fill(phrases.what_to_do, &[("remedy", remedy)])]
             }
-            Kind::InputOutput => vec![self.identified(), phrases.identified_use.to_owned()],
+            Kind::InputOutput => {
+                let is_bad = reason.status() == Status::DoNotUse;
+                let use_of_it = if is_bad { phrases.identified_no_use } else { phrases.identified_use };
+                let has_a_fit = closest_identified(self.run).is_some();
+                std::iter::once(self.identified()).chain(has_a_fit.then(|| use_of_it.to_owned())).collect()
+            }
             Kind::Occupant => vec![self.occupant(), self.occupant_use(concerns)],
             Kind::Recorder => vec![self.recorded(), self.recorder_use()],
             _ => {
@@ -389,9 +394,18 @@ impl<'a> Text<'a> {
     /// The identified model that follows the record closest.
     fn identified(&mut self) -> String {
         let phrases = &self.language.phrases().conclusion;
-        let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.measured_only.to_owned() };
+        let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.identified_none.to_owned() };
         let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
-        let modes = model.modes.iter().enumerate().filter(|(_, mode)| mode.im_rad_per_s > 0.0);
+        let unseen = model.unseen_fit_percent().map_or_else(String::new, |unseen| {
+            let unseen = self.number(&format!("/models/{k}/unseen_fit_percent"), unseen, (1.0, 1, "%"));
+            fill(phrases.unseen, &[("fit", &unseen)])
+        });
+        if !model.holds() {
+            return fill(phrases.identified_fails, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen)]);
+        }
+        // What grows is unstable, and no mode of what was measured.
+        let decays = |mode: &ModeV1| mode.im_rad_per_s > 0.0 && mode.re_per_s < 0.0;
+        let modes = model.modes.iter().enumerate().filter(|(_, mode)| decays(mode));
         let slowest =
             modes.min_by(|(_, a), (_, b)| a.natural_frequency_rad_per_s.total_cmp(&b.natural_frequency_rad_per_s));
         let mode = slowest.map_or_else(String::new, |(j, mode)| {
@@ -404,7 +418,7 @@ impl<'a> Text<'a> {
             });
             fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
         });
-        fill(phrases.identified, &[("model", &model.id), ("fit", &fit), ("mode", &mode)])
+        fill(phrases.identified, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen), ("mode", &mode)])
     }
 
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.

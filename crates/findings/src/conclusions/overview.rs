@@ -8,7 +8,7 @@ use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI
 use crumple_phrases::language::fill;
 use crumple_signal::About;
 
-use crate::conclusions::concerns::{decisive_warning, first_warnings};
+use crate::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::conclusions::conclusion::Conclusion;
 use crate::conclusions::key_numbers::{key_numbers, level_percent};
 use crate::conclusions::kind::Kind;
@@ -83,7 +83,7 @@ pub fn overview(
     let decisive = decisive_warning(run, concerns).is_some();
     // The verdict names a decisive warning by its number among all.
     let said = if decisive { Vec::new() } else { said_already(ranking, verdict, concerns) };
-    let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c);
+    let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c) && !is_of_a_failed_method(c);
     let warnings: Vec<&ConcernV1> = concerns.iter().filter(is_new).collect();
     let (first, others) = first_warnings(&warnings, run, ranking);
     for (number, concern) in first.iter().enumerate() {
@@ -99,6 +99,9 @@ pub fn overview(
         };
         let label = if first.is_empty() { phrases.warnings_label } else { "" };
         lines.push(line(label, format!("{count}: just notes {}", folder.display())));
+    }
+    for (number, concern) in concerns.iter().filter(|c| is_of_a_failed_method(c)).enumerate() {
+        lines.push(line(if number == 0 { phrases.failed_label } else { "" }, concern.text.clone()));
     }
     // Of a run that is whole the verdict says why something is not there.
     if matches!(verdict.kind, Kind::Barrier | Kind::NoStop | Kind::TwoVehicles | Kind::MeasuredOnly) {

@@ -167,11 +167,15 @@ fn of_identified(run: &Run) -> Option<StatusReason> {
     (fit_percent < limit_percent).then_some(StatusReason::PoorFit { fit_percent, limit_percent })
 }
 
-/// The identified model with the highest fit: its place, itself, the fit in percent.
+/// The identified model with the highest fit, one that holds on unseen samples before others, and by the fit of these
+/// where some were kept: its place, itself, the fit in percent.
 pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
-    let fit_of = |model: &Model| model.identification.as_ref().and_then(|i| i.fit_percent);
-    let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, fit_of(model)?)));
-    fitted.max_by(|(a, _, x), (b, _, y)| x.total_cmp(y).then(b.cmp(a)))
+    let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, model.fit_percent()?)));
+    fitted.max_by(|(a, x, x_fit), (b, y, y_fit)| {
+        let unseen = |model: &Model, fit: f64| model.unseen_fit_percent().unwrap_or(fit);
+        let by_fit = unseen(x, *x_fit).total_cmp(&unseen(y, *y_fit));
+        x.holds().cmp(&y.holds()).then(by_fit).then(b.cmp(a))
+    })
 }
 
 /// Of a crash whose models were asked for.

@@ -111,6 +111,10 @@ struct ModelSummary<'a> {
     method: Option<&'a str>,
     order: Option<u32>,
     fit_percent: Option<f64>,
+    /// Fit of samples that it has not seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unseen_fit_percent: Option<f64>,
+    /// All poles, the modes first.
     poles: Vec<PoleSummary>,
     modes: &'a [ModeV1],
     transfer_function: Option<TransferFunctionSummary<'a>>,
@@ -272,13 +276,10 @@ fn model(model: &Model) -> ModelSummary<'_> {
     ModelSummary {
         id: &model.id,
         method: identification.map(|i| i.method.as_str()),
-        order: identification.map(|i| i.order).or(u32::try_from(model.modes.len()).ok().filter(|&n| n > 0)),
-        fit_percent: identification.and_then(|i| i.fit_percent),
-        poles: model
-            .modes
-            .iter()
-            .map(|mode| PoleSummary { re_per_s: mode.re_per_s, im_rad_per_s: mode.im_rad_per_s })
-            .collect(),
+        order: identification.map(|i| i.order).or(u32::try_from(model.poles().count()).ok().filter(|&n| n > 0)),
+        fit_percent: model.fit_percent(),
+        unseen_fit_percent: model.unseen_fit_percent(),
+        poles: model.poles().map(|([re_per_s, im_rad_per_s], _)| PoleSummary { re_per_s, im_rad_per_s }).collect(),
         modes: &model.modes,
         transfer_function: model
             .transfer_function

@@ -2,7 +2,8 @@
 
 use crumple_artifact::records::{
     CandidateV1, Certainty, ChannelFilterV1, ConcernV1, EventsV1, EvidenceV1, IdentificationV1, MatchingV1, MetricV1,
-    ModeV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1, StabilizationV1, TransferFunctionV1,
+    ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1, StabilizationV1,
+    TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_phrases::language::{Language, fill};
@@ -113,12 +114,67 @@ pub struct Model {
     pub identification: Option<IdentificationV1>,
     /// Its continuous transfer function.
     pub transfer_function: Option<TransferFunctionV1>,
-    /// Its modes, one entry a pole.
+    /// Its modes.
     pub modes: Vec<ModeV1>,
+    /// Its poles that are no modes.
+    pub other_poles: Vec<OtherPoleV1>,
     /// Its responses in frequency and time.
     pub response: Option<ResponseV1>,
     /// What speaks for it, with the deviations of its modes where the method gives them.
     pub evidence: Option<EvidenceV1>,
+}
+
+/// Where a pole lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stability {
+    /// Its motion dies down.
+    Stable,
+    /// On the limit: its motion neither dies down nor grows within the record.
+    Marginal,
+    /// Its motion grows.
+    Unstable,
+}
+
+/// Growth or decay of a pole over the whole record below which it is rounding, as identify counts it.
+const MARGINAL: f64 = 1e-6;
+
+impl Model {
+    /// All its poles, the modes first: real part (1/s), imaginary part (rad/s), and where each lies.
+    pub fn poles(&self) -> impl Iterator<Item = ([f64; 2], Stability)> {
+        let modes = self.modes.iter().map(|mode| ([mode.re_per_s, mode.im_rad_per_s], false));
+        let others = self
+            .other_poles
+            .iter()
+            .map(|pole| ([pole.re_per_s, pole.im_rad_per_s], pole.kind == OtherPoleKindV1::Integrator));
+        let limit_per_s =
+            self.identification.as_ref().map_or(0.0, |i| MARGINAL / (i.to_s - i.from_s).max(f64::MIN_POSITIVE));
+        modes.chain(others).map(move |(pole, is_integrator)| {
+            let stability = match pole[0] {
+                _ if is_integrator => Stability::Marginal,
+                re if re > limit_per_s => Stability::Unstable,
+                re if re < -limit_per_s => Stability::Stable,
+                _ => Stability::Marginal,
+            };
+            (pole, stability)
+        })
+    }
+
+    /// Its fit of samples that it has not seen, percent, where such were kept.
+    pub fn unseen_fit_percent(&self) -> Option<f64> {
+        self.evidence.as_ref()?.validation_fit_percent
+    }
+
+    /// Fit of the samples it was identified from, percent.
+    pub fn fit_percent(&self) -> Option<f64> {
+        self.identification.as_ref()?.fit_percent
+    }
+
+    /// Whether it follows its own samples better than their mean does, and unseen ones as [`EvidenceV1`] asks.
+    pub fn holds(&self) -> bool {
+        let fit = self.fit_percent();
+        let unseen = self.evidence.as_ref().and_then(|evidence| evidence.holds_on_unseen(fit));
+        fit.is_some_and(|fit| fit > 0.0) && unseen != Some(false)
+    }
 }
 
 /// One set of physical parameters and what it answers with.

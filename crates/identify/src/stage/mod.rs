@@ -8,8 +8,10 @@ mod options;
 mod records;
 mod waves;
 
+use std::fmt;
 use std::path::PathBuf;
 
+use crumple_signal::{About, Weight};
 use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
 
@@ -21,7 +23,7 @@ use crate::stage::methods::tfest;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::results::Results;
-use crate::stage::records::selection::Comparison;
+use crate::stage::waves::input_output::level_note;
 use crate::stage::waves::source::Source;
 use crate::stage::waves::window::window_start;
 
@@ -52,12 +54,8 @@ impl Stage for Identify {
         if let (_, Some(rule)) = window_start(source)? {
             out.notes().info(rule);
         }
-        // A method that fails does not take the others with it.
-        let mut error = None;
-        let mut reason = None;
-        let mut done = false;
-        let alone = settings.methods.len() == 1;
-        let mut results = Results { comparison: Comparison::default(), out };
+        let mut results = Results::new(out);
+        let mut failures: Vec<(&str, Failure)> = Vec::new();
         for method in &settings.methods {
             let outcome = match method.as_str() {
                 "era" | "era-dc" => era::run(method, source, &mut results),
@@ -67,26 +65,75 @@ impl Stage for Identify {
                 name => dispatch::run(name, source, &mut results),
             };
             match outcome {
-                Ok(Outcome::Done) => done = true,
-                Ok(Outcome::NoAcceptableResult(text)) => {
-                    reason.get_or_insert(if alone { text } else { format!("{method}: {text}") });
-                }
-                Err(failed) => {
-                    error.get_or_insert(if alone { failed } else { failed.context(format!("method {method}")) });
-                }
+                Ok(Outcome::Done) => {}
+                Ok(Outcome::NoAcceptableResult(reason)) => failures.push((method, Failure::NoResult(reason))),
+                Err(error) => failures.push((method, Failure::Refused(error))),
             }
         }
-        let Results { comparison, out } = results;
-        comparison.put(out)?;
-        match (done, error, reason) {
-            (false, Some(error), _) => Err(error),
-            (false, None, Some(reason)) => Ok(Outcome::NoAcceptableResult(reason)),
-            (_, error, reason) => {
-                for text in error.map(|e| format!("{e:#}")).into_iter().chain(reason) {
-                    out.notes().warning(text);
-                }
-                Ok(Outcome::Done)
-            }
+        results.conclude()?;
+        if let Some(note) = level_note(source)? {
+            out.notes().push(note);
         }
+        if failures.len() == settings.methods.len() {
+            return without_a_model(failures);
+        }
+        // A method that fails does not take the others with it.
+        for (method, failure) in failures {
+            out.notes().concern(
+                About::Method(method.to_owned()),
+                Weight::Slight,
+                format!("{method} gave no model: {failure}"),
+            );
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+/// Why a method gave no model.
+enum Failure {
+    /// It does not work on these samples or settings.
+    Refused(anyhow::Error),
+    /// What it found is no acceptable result.
+    NoResult(String),
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Refused(error) => write!(f, "{error:#}"),
+            Self::NoResult(reason) => write!(f, "{reason}"),
+        }
+    }
+}
+
+/// The answer of a run in which every method failed: all of them with their reasons, methods of one reason together.
+/// One that does not work on the input refuses it, as it would alone.
+fn without_a_model(failures: Vec<(&str, Failure)>) -> anyhow::Result<Outcome> {
+    let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+    for (method, failure) in &failures {
+        let reason = failure.to_string();
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, methods)) => methods.push(method),
+            None => reasons.push((reason, vec![method])),
+        }
+    }
+    let several = failures.len() > 1;
+    let all = reasons.iter().map(|(reason, methods)| match several {
+        true => format!("{}: {reason}", methods.join(", ")),
+        false => reason.clone(),
+    });
+    let all = all.collect::<Vec<_>>().join("; ");
+    let refused = failures.into_iter().find_map(|(_, failure)| match failure {
+        Failure::Refused(error) => Some(error),
+        Failure::NoResult(_) => None,
+    });
+    match refused {
+        // One reason is that of the error itself.
+        Some(error) if reasons.len() == 1 && several => {
+            Err(error.context(format!("methods {}", reasons[0].1.join(", "))))
+        }
+        Some(error) if several => Err(error.context(format!("no method gave a model: {all}"))),
+        Some(error) => Err(error),
+        None => Ok(Outcome::NoAcceptableResult(all)),
     }
 }

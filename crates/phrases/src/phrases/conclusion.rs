@@ -117,8 +117,18 @@ texts! { ConclusionTexts
     recorder_without_model: "; no model is recommended", "; kein Modell wird empfohlen";
     rough_crush: "; its crush of {crush}{interval} is rough", "; ihre Eindrückung von {crush}{interval} ist grob";
     identified:
-        "The closest identified model, {model}, has a fit of {fit}{mode}.",
-        "Das nächste identifizierte Modell, {model}, hat eine Anpassung von {fit}{mode}.";
+        "The closest identified model, {model}, has a fit of {fit}{unseen}{mode}.",
+        "Das nächste identifizierte Modell, {model}, hat eine Anpassung von {fit}{unseen}{mode}.";
+    unseen: " (unseen samples: {fit})", " (ungesehene Werte: {fit})";
+    identified_fails:
+        "No identified model holds: the best, {model}, has a fit of {fit}{unseen}.",
+        "Kein identifiziertes Modell hält: Das beste, {model}, hat eine Anpassung von {fit}{unseen}.";
+    identified_none:
+        "No identified model has a defined fit: the record does not vary.",
+        "Kein identifiziertes Modell hat eine definierte Anpassung: Die Aufzeichnung ändert sich nicht.";
+    identified_no_use:
+        "Do not use it: its modes are not known to be those of what was measured.",
+        "Es ist nicht zu verwenden: Seine Eigenschwingungen sind nicht nachweislich die des Gemessenen.";
     damping: ", damping ratio {ratio}", ", Dämpfungsgrad {ratio}";
     mode:
         "; its slowest mode is at {frequency}{damping}",
@@ -256,6 +266,7 @@ texts! { ConclusionTexts
     model_label: "recommended", "empfohlen";
     doubtful_label: "model in doubt", "Modell, fraglich";
     warnings_label: "warnings", "Warnungen";
+    failed_label: "no model", "ohne Modell";
     missing_label: "not in it", "fehlt darin";
     files_label: "report", "Bericht";
 }

@@ -10,6 +10,7 @@ texts! { IdentificationTexts
         "{count} identifizierte Modelle: Pole, Ordnung, Frequenzgang";
     method: "method {method}", "Verfahren {method}";
     order: "order {order}", "Ordnung {order}";
+    output: "output {channel}", "Ausgang {channel}";
     channel_taken_for: "channel {channel} taken for {what}", "Kanal {channel} als {what} genommen";
     stretch: "{times}, {count} samples", "{times}, {count} Werte";
     hankel: "Hankel matrix {rows} × {columns}", "Hankelmatrix {rows} × {columns}";
@@ -33,8 +34,16 @@ texts! { IdentificationTexts
         "± one standard deviation, from the covariance of the fit.",
         "± eine Standardabweichung, aus der Kovarianz der Anpassung.";
     no_deviation:
-        "No uncertainty of these poles is known: the method gives none from one record.",
-        "Eine Unsicherheit dieser Pole ist nicht bekannt: Das Verfahren gibt aus einer Aufzeichnung keine an.";
+        "No uncertainty of these poles is known.",
+        "Eine Unsicherheit dieser Pole ist nicht bekannt.";
+    spread:
+        "± one standard deviation, from the bootstrap.",
+        "± eine Standardabweichung, aus dem Bootstrap.";
+    integrator: "no mode: near zero", "keine Eigenschwingung: nahe null";
+    beyond_nyquist: "no mode: beyond the sampling", "keine Eigenschwingung: jenseits der Abtastung";
+    marginal: "marginal", "grenzstabil";
+    unseen_fit: "unseen samples {fit}", "ungesehene Werte {fit}";
+    failed_methods: "Methods without a model", "Verfahren ohne Modell";
     poles: "Poles and zeros of the identified models", "Pole und Nullstellen der identifizierten Modelle";
     real_part: "real part, 1/s", "Realteil, 1/s";
     imaginary_part: "imaginary part, rad/s", "Imaginärteil, rad/s";
@@ -47,11 +56,17 @@ texts! { IdentificationTexts
          gezeichnet. Strahlen verbinden Pole gleichen Dämpfungsgrads ζ, Kreise solche gleicher Eigenfrequenz.";
     all_stable: " All poles are stable.", " Alle Pole sind stabil.";
     one_unstable:
-        " One pole is unstable (right half plane): it describes the window, not the structure.",
-        " Ein Pol ist instabil (rechte Halbebene): Er beschreibt das Fenster, nicht die Struktur.";
+        " One pole is unstable (right half plane): it describes the window, not what was measured.",
+        " Ein Pol ist instabil (rechte Halbebene): Er beschreibt das Fenster, nicht das Gemessene.";
     several_unstable:
-        " {count} poles are unstable (right half plane): they describe the window, not the structure.",
-        " {count} Pole sind instabil (rechte Halbebene): Sie beschreiben das Fenster, nicht die Struktur.";
+        " {count} poles are unstable (right half plane): they describe the window, not what was measured.",
+        " {count} Pole sind instabil (rechte Halbebene): Sie beschreiben das Fenster, nicht das Gemessene.";
+    one_marginal:
+        " One pole is marginal (on the stability limit): it neither dies down nor grows over the record.",
+        " Ein Pol ist grenzstabil: Er klingt über die Aufzeichnung weder ab noch an.";
+    several_marginal:
+        " {count} poles are marginal (on the stability limit): they neither die down nor grow over the record.",
+        " {count} Pole sind grenzstabil: Sie klingen über die Aufzeichnung weder ab noch an.";
     one_far_zero:
         " {count} zero lies farther out than these poles.",
         " {count} Nullstelle liegt weiter außen als diese Pole.";

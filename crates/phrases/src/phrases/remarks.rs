@@ -6,10 +6,9 @@ texts! { RemarkTexts
         "the test description (crumple-ingest writes it)",
         "die Beschreibung des Versuchs (crumple-ingest schreibt sie)";
     no_crash:
-        "what belongs to a crash (motion, events, physical parameters): the test names no crash pulse (crumple-ingest \
-         --channel does)",
-        "was zu einem Crash gehört (Bewegung, Ereignisse, physikalische Parameter): Der Versuch nennt keinen \
-         Crashpuls (crumple-ingest --channel tut es)";
+        "motion, events and physical parameters: no channel is named as a pulse (crumple-ingest --channel names one)",
+        "Bewegung, Ereignisse und physikalische Parameter: Kein Kanal ist als Puls benannt (crumple-ingest --channel \
+         benennt einen)";
     no_pulse:
         "the crash pulse: the test names none of its channels (crumple-ingest --channel does)",
         "der Crashpuls: Der Versuch nennt keinen seiner Kanäle (crumple-ingest --channel tut es)";

@@ -31,6 +31,8 @@ pub(super) fn write(out: &mut String, run: &Run) {
             ];
             out.push_str(&format!("<p>{}</p>\n", fill(template, &filled)));
         }
+        // Nobody asks for a crash pulse where there is no crash.
+        _ if run.is_generic() => {}
         _ => out.push_str(&format!("<p>{}</p>\n", texts.no_pulse)),
     }
     let folded = channels.len() > OPEN_LIST;

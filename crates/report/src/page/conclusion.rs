@@ -94,7 +94,7 @@ fn about(language: Language, concern: &ConcernV1) -> &'static str {
         Ok(About::Predictions) => phrases.about_predictions,
         Ok(About::Occupants) => phrases.about_occupants,
         Ok(About::WallForce) => phrases.about_wall_force,
-        Ok(About::IdentifiedModels) => phrases.about_identified_models,
+        Ok(About::IdentifiedModels | About::Method(_)) => phrases.about_identified_models,
         _ => phrases.about_record,
     }
 }

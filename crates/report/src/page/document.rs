@@ -75,7 +75,7 @@ impl Page {
         predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2", run.language);
         if run.is_generic() {
-            models::write(&mut body, run, &identification);
+            models::write(&mut body, run, &concerns, &identification);
         }
         what_if::write(&mut body, run, ranking, &files);
         candidates::write(&mut body, run, ranking);
@@ -84,7 +84,7 @@ impl Page {
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);
         if !run.is_generic() {
-            models::write(&mut body, run, &identification);
+            models::write(&mut body, run, &concerns, &identification);
         }
         // Of several tests each has its own report with them.
         if run.joint.is_none() {

@@ -2,21 +2,23 @@
 
 use std::f64::consts::TAU;
 
-use crumple_artifact::records::{EvidenceV1, ModeV1};
+use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
 use crumple_drawing::Figure;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
-use crumple_findings::{Model, Run};
+use crumple_findings::{Model, Run, Stability, is_of_a_failed_method};
 use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
 use crate::frame::stage_words::words_of_stage;
 use crate::page::figures;
 
+/// What the samples of a model between inputs and outputs are taken for, as the record says.
+const BETWEEN: &str = "input-output";
 /// Pole rows of a model that are open to view; the rest is folded.
 const OPEN_ROWS: usize = 12;
 
-pub(super) fn write(out: &mut String, run: &Run, drawn: &[Figure]) {
+pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: &[Figure]) {
     if run.models.is_empty() {
         return;
     }
@@ -32,10 +34,21 @@ pub(super) fn write(out: &mut String, run: &Run, drawn: &[Figure]) {
     for model in &run.models {
         write_model(out, language, model);
     }
+    write_failed_methods(out, language, concerns);
     if !run.is_generic() {
         out.push_str("</details>\n");
     }
     out.push_str("</section>\n");
+}
+
+/// Every method that gave no model, with its reason.
+fn write_failed_methods(out: &mut String, language: Language, concerns: &[ConcernV1]) {
+    let failed = concerns.iter().filter(|concern| is_of_a_failed_method(concern));
+    let items: String = failed.map(|concern| format!("<li>{}</li>", words_of_stage(language, &concern.text))).collect();
+    if !items.is_empty() {
+        let title = language.phrases().identification.failed_methods;
+        out.push_str(&format!("<h3>{title}</h3>\n<ul class=\"remarks\">{items}</ul>\n"));
+    }
 }
 
 fn write_model(out: &mut String, language: Language, model: &Model) {
@@ -43,11 +56,13 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
     out.push_str(&format!("<h3><code>{}</code></h3>\n", html(&model.id)));
     if let Some(i) = &model.identification {
         let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
+        // Between inputs and outputs a channel is what it is.
+        let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
         let stretch = [("times", language.times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
         let mut facts = vec![
             fill(texts.method, &[("method", &i.method)]),
             fill(texts.order, &[("order", i.order.to_string())]),
-            fill(texts.channel_taken_for, &taken_for),
+            fill(template, &taken_for),
             fill(texts.stretch, &stretch),
         ];
         if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
@@ -56,6 +71,9 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
         if let Some(fit) = i.fit_percent {
             facts.push(fill(texts.fit, &[("fit", format!("{} %", language.decimals(fit, 2)))]));
         }
+        if let Some(fit) = model.unseen_fit_percent() {
+            facts.push(fill(texts.unseen_fit, &[("fit", format!("{} %", language.decimals(fit, 2)))]));
+        }
         out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts.join("; ")))));
         if !i.notes.is_empty() {
             let items: String =
@@ -63,14 +81,29 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
             out.push_str(&format!("<ul class=\"remarks\">{items}</ul>\n"));
         }
     }
+    write_poles(out, language, model);
+}
+
+/// What the table of poles has of one pole, or of a conjugate pair.
+struct PoleLine {
+    pole: [f64; 2],
+    stability: Stability,
+    /// The cells after the pole.
+    cells: [String; 4],
+}
+
+/// The table of the poles of a model: its modes, then the poles that are none.
+fn write_poles(out: &mut String, language: Language, model: &Model) {
+    let texts = &language.phrases().identification;
+    let (cells, uncertainty) = cells_of_poles(language, model);
+    let poles: Vec<([f64; 2], Stability)> = model.poles().collect();
     // A conjugate pair is one line; a pole without its partner, which a real model does not have, is its own.
-    let lines: Vec<&ModeV1> = model
-        .modes
+    let is_shown = |[re, im]: [f64; 2]| im >= 0.0 || !poles.iter().any(|(other, _)| *other == [re, -im]);
+    let lines: Vec<PoleLine> = poles
         .iter()
-        .filter(|mode| {
-            let partner = |other: &ModeV1| other.re_per_s == mode.re_per_s && other.im_rad_per_s == -mode.im_rad_per_s;
-            mode.im_rad_per_s >= 0.0 || !model.modes.iter().any(partner)
-        })
+        .zip(cells)
+        .filter(|((pole, _), _)| is_shown(*pole))
+        .map(|((pole, stability), cells)| PoleLine { pole: *pole, stability: *stability, cells })
         .collect();
     if lines.is_empty() {
         return;
@@ -88,48 +121,58 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
         Column::number(texts.share).means(texts.share_definition),
     ];
     out.push_str(&table("", &columns));
-    let deviations = |of: fn(&EvidenceV1) -> &[Option<f64>], mode: &ModeV1| {
-        let place = model.modes.iter().position(|other| std::ptr::eq(other, mode))?;
-        *of(model.evidence.as_ref()?).get(place)?
-    };
-    let with_deviation = |value: Option<f64>, deviation: Option<f64>, factor: f64| {
-        let Some(value) = value else { return ABSENT.to_owned() };
-        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", language.significant(factor * d, 2)));
-        format!("{}{deviation}", language.significant(factor * value, 4))
-    };
-    let mut has_deviations = false;
-    for mode in lines {
-        let frequency = deviations(|evidence| &evidence.frequency_deviations, mode);
-        let damping = deviations(|evidence| &evidence.damping_deviations, mode);
-        has_deviations |= frequency.or(damping).is_some();
-        let unstable = if mode.re_per_s > 0.0 { texts.unstable } else { "" };
-        let unstable =
-            if unstable.is_empty() { String::new() } else { format!(" <span class=\"no\">{unstable}</span>") };
-        let number = |value: Option<f64>, factor: f64| {
-            value.map_or_else(|| ABSENT.to_owned(), |v| language.significant(factor * v, 4))
+    for PoleLine { pole: [re, im], stability, cells } in lines {
+        let word = match stability {
+            Stability::Stable => String::new(),
+            Stability::Marginal => format!(" {}", texts.marginal),
+            Stability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
         };
-        out.push_str(&format!(
-            "<tr><td class=\"n\">{}{unstable}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
-             class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-            pole(language, mode),
-            with_deviation(Some(mode.natural_frequency_rad_per_s), frequency, 1.0 / TAU),
-            with_deviation(mode.damping_ratio, damping, 100.0),
-            number(mode.modal_amplitude_coherence, 1.0),
-            number(mode.mode_singular_value, 1.0),
-        ));
+        let im = if im == 0.0 { String::new() } else { format!(" ± {}i", language.significant(im.abs(), 5)) };
+        let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
+        out.push_str(&format!("<tr><td class=\"n\">{}{im}{word}</td>{cells}</tr>\n", language.significant(re, 5)));
     }
     out.push_str("</tbody>\n</table></div>\n");
-    let words = if has_deviations { texts.deviation } else { texts.no_deviation };
-    out.push_str(&format!("<p class=\"caption\">{words}</p>\n"));
+    out.push_str(&format!("<p class=\"caption\">{uncertainty}</p>\n"));
     if folded {
         out.push_str("</details>\n");
     }
 }
 
-fn pole(language: Language, mode: &ModeV1) -> String {
-    let re = language.significant(mode.re_per_s, 5);
-    if mode.im_rad_per_s == 0.0 {
-        return re;
-    }
-    format!("{re} ± {}i", language.significant(mode.im_rad_per_s.abs(), 5))
+/// Natural frequency, damping ratio, coherence and share of every pole, in the order of [`Model::poles`], and in words
+/// where their uncertainty is from: the covariance of the fit, else the bootstrap, else nowhere.
+fn cells_of_poles(language: Language, model: &Model) -> (Vec<[String; 4]>, &'static str) {
+    let texts = &language.phrases().identification;
+    let number = |value: Option<f64>, deviation: Option<f64>, factor: f64| {
+        let Some(value) = value else { return ABSENT.to_owned() };
+        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", language.significant(factor * d, 2)));
+        format!("{}{deviation}", language.significant(factor * value, 4))
+    };
+    let evidence = model.evidence.as_ref();
+    let by_covariance =
+        |evidence: &EvidenceV1| [evidence.frequency_deviations.clone(), evidence.damping_deviations.clone()];
+    let by_bootstrap = |evidence: &EvidenceV1| {
+        [&evidence.frequency_spreads, &evidence.damping_spreads]
+            .map(|spreads| spreads.iter().map(|spread| spread.as_ref().map(|spread| spread.deviation)).collect())
+    };
+    let is_known = |deviations: &[Vec<Option<f64>>; 2]| deviations.iter().flatten().any(Option::is_some);
+    let sources = [(evidence.map(by_covariance), texts.deviation), (evidence.map(by_bootstrap), texts.spread)];
+    let known = sources.into_iter().find_map(|(deviations, words)| Some((deviations.filter(is_known)?, words)));
+    let ([frequency, damping], words) = known.unwrap_or(([Vec::new(), Vec::new()], texts.no_deviation));
+    let deviation = |of_modes: &[Option<f64>], place: usize| of_modes.get(place).copied().flatten();
+    let modes = model.modes.iter().enumerate().map(|(place, mode): (usize, &ModeV1)| {
+        [
+            number(Some(mode.natural_frequency_rad_per_s), deviation(&frequency, place), 1.0 / TAU),
+            number(mode.damping_ratio, deviation(&damping, place), 100.0),
+            number(mode.modal_amplitude_coherence, None, 1.0),
+            number(mode.mode_singular_value, None, 1.0),
+        ]
+    });
+    let others = model.other_poles.iter().map(|pole| {
+        let why = match pole.kind {
+            OtherPoleKindV1::Integrator => texts.integrator,
+            OtherPoleKindV1::BeyondNyquist => texts.beyond_nyquist,
+        };
+        [why, ABSENT, ABSENT, ABSENT].map(str::to_owned)
+    });
+    (modes.chain(others).collect(), words)
 }

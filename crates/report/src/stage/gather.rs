@@ -129,22 +129,32 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
         with_model(&id, &mut |model| model.identification = Some(identification.clone()));
     }
     for (id, modes) in inputs.records::<ModesV2>("/modes/")? {
-        with_model(&id, &mut |model| model.modes.clone_from(&modes.modes));
+        with_model(&id, &mut |model| {
+            model.modes.clone_from(&modes.modes);
+            model.other_poles.clone_from(&modes.other_poles);
+        });
     }
     for (id, response) in inputs.records::<ResponseV1>("/response/")? {
         with_model(&id, &mut |model| model.response = Some(response.clone()));
     }
+    // One model has several forms: `<id>/discrete`, `<id>/predictor`; of several paths `<id>/2-1/transfer-function`.
+    let split = |topic: &str| {
+        topic.split_once('/').map_or((topic.to_owned(), String::new()), |(id, form)| (id.to_owned(), form.to_owned()))
+    };
     for (topic, tf) in inputs.records::<TransferFunctionV1>("/model/")? {
-        let id = topic.strip_suffix("/transfer-function").unwrap_or(&topic);
-        with_model(id, &mut |model| model.transfer_function = Some(tf.clone()));
+        let (id, form) = split(&topic);
+        let is_whole = !form.contains('/');
+        with_model(&id, &mut |model| model.transfer_function = is_whole.then(|| tf.clone()));
     }
     for (topic, _) in inputs.records::<StateSpaceV1>("/model/")? {
-        let id = topic.strip_suffix("/continuous").or_else(|| topic.strip_suffix("/discrete")).unwrap_or(&topic);
-        with_model(id, &mut |_| {});
+        with_model(&split(&topic).0, &mut |_| {});
     }
-    for (id, evidence) in inputs.records::<EvidenceV1>("/evidence/")? {
-        if let Some(model) = models.get_mut(&id) {
-            model.evidence = Some(evidence.clone());
+    // Of several outputs that which is worst on unseen samples counts.
+    for (topic, evidence) in inputs.records::<EvidenceV1>("/evidence/")? {
+        let Some(model) = models.get_mut(&split(&topic).0) else { continue };
+        let unseen = |evidence: &EvidenceV1| evidence.validation_fit_percent.unwrap_or(f64::INFINITY);
+        if model.evidence.as_ref().is_none_or(|known| unseen(&evidence) < unseen(known)) {
+            model.evidence = Some(evidence);
         }
     }
     Ok(models.into_values().collect())

@@ -18,7 +18,7 @@ pub(super) fn modes(sigma: f64, omega: f64, far: Option<f64>) -> ModesV2 {
     };
     let mut modes = vec![mode(-sigma, -omega), mode(-sigma, omega)];
     modes.extend(far.map(|re| mode(re, 0.0)));
-    ModesV2 { modes }
+    ModesV2 { modes, other_poles: Vec::new() }
 }
 
 pub(super) fn identification(order: u32) -> IdentificationV1 {

@@ -26,6 +26,8 @@ pub enum About {
     WallForce,
     /// Identified models of inputs and outputs.
     IdentifiedModels,
+    /// An identification method that gave no model, or not all that were asked of it, by name.
+    Method(String),
     /// Another channel than the pulse, by id.
     Channel(String),
     /// The file as it was read.
@@ -46,6 +48,7 @@ const PLAIN: [(About, &str); 10] = [
     (About::Record, "record"),
 ];
 const MODEL: &str = "model:";
+const METHOD: &str = "method:";
 const CHANNEL: &str = "channel:";
 
 impl About {
@@ -67,6 +70,7 @@ impl fmt::Display for About {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Model(name) => write!(f, "{MODEL}{name}"),
+            Self::Method(name) => write!(f, "{METHOD}{name}"),
             Self::Channel(id) => write!(f, "{CHANNEL}{id}"),
             plain => f.write_str(PLAIN.iter().find(|(about, _)| about == plain).map_or("record", |(_, word)| word)),
         }
@@ -84,6 +88,9 @@ impl FromStr for About {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         if let Some(name) = text.strip_prefix(MODEL) {
             return Ok(Self::Model(name.to_owned()));
+        }
+        if let Some(name) = text.strip_prefix(METHOD) {
+            return Ok(Self::Method(name.to_owned()));
         }
         if let Some(id) = text.strip_prefix(CHANNEL) {
             return Ok(Self::Channel(id.to_owned()));
@@ -135,7 +142,11 @@ mod tests {
 
     #[test]
     fn text_forms_are_read_back() {
-        let named = [About::Model("kelvin/direct-fit/1".to_owned()), About::Channel("96".to_owned())];
+        let named = [
+            About::Model("kelvin/direct-fit/1".to_owned()),
+            About::Method("okid".to_owned()),
+            About::Channel("96".to_owned()),
+        ];
         for about in PLAIN.iter().map(|(about, _)| about.clone()).chain(named) {
             assert_eq!(about.to_string().parse(), Ok(about));
         }

@@ -156,7 +156,10 @@ pub enum MissReason {
     /// Growing poles were mirrored at the unit circle, so that the model could be simulated.
     #[error("its unstable poles were mirrored into the unit circle, and without them the model does not fit")]
     Mirrored,
-    /// No pole grows.
+    /// A pole lies on the unit circle: it neither grows nor dies down over the record.
+    #[error("a pole of the model is marginal, on the unit circle")]
+    Marginal,
+    /// Every pole dies down.
     #[error("all poles of the model are stable")]
     Stable,
 }

@@ -4,3 +4,4 @@
 pub(crate) mod identified_mode;
 pub(crate) mod mode_deviations;
 pub(crate) mod mode_shape;
+pub(crate) mod pole_kind;

@@ -1,15 +1,16 @@
 //! What a reader should know before believing an identified mode.
 //!
-//! A model of a crash pulse has modes that are not the car's: of the filter, of the sampling, of the length of the
+//! A model has poles that are not those of what was measured: of the filter, of the sampling, of the length of the
 //! record, or of an order that is too high. What can be told from the poles alone is told here, in words for a
 //! reader; nothing is rejected.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crumple_lti::Mode;
+use crumple_lti::{Complex, Mode};
 use crumple_signal::Notes;
 
 use crate::Realization;
+use crate::modes::pole_kind::{PoleKind, PoleRecord, pole_kinds};
 
 /// A mode within this factor of the filter's edge may be the filter's own.
 const EDGE_FACTOR: f64 = 2.0;
@@ -53,9 +54,9 @@ impl FilterEdge {
     }
 }
 
-/// Notes on the realisation `id`, one per mode (conjugates once): growth, artefacts of sampling, and frequencies that
-/// may belong to the filter with these `edges` rather than to the car; on a weakly founded order; and on a weak fit.
-pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
+/// Notes on the realisation `id`: on its poles ([`pole_notes`]), and on a weakly founded order. `edges` are
+/// those of the filter that the record of `duration_s` seconds went through.
+pub fn caveats(id: &str, model: &Realization, duration_s: f64, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     let order = model.order();
     if let Some(gap) = model.chosen {
@@ -69,48 +70,63 @@ pub fn caveats(id: &str, model: &Realization, edges: &[FilterEdge]) -> Notes {
             notes.info(text);
         }
     }
-    if let Some(text) = model.fit_percent.and_then(weak_fit) {
-        notes.warning(format!("{id}: {text}"));
-    }
     if let Err(reason) = &model.continuous {
         notes.warning(format!("{id}: no continuous model: {reason}"));
     }
-    let dt_s = model.discrete.sample_time_s;
-    let duration_s = dt_s.unwrap_or(0.0) * (model.rows + model.columns) as f64;
-    for identified in model.modes.iter().filter(|m| m.discrete_pole.im >= 0.0) {
-        match identified.mode {
-            Some(mode) => mode_caveats(id, &mode, (dt_s, duration_s), edges, &mut notes),
-            None => notes.warning(format!("{id}: a pole at z = 0 is a pure delay and has no frequency")),
+    if model.modes.iter().any(|identified| identified.mode.is_none()) {
+        notes.warning(format!("{id}: a pole at z = 0 is a pure delay and has no frequency"));
+    }
+    let dt_s = model.discrete.sample_time_s.unwrap_or(0.0);
+    let poles: Vec<Complex> = model.modes.iter().filter_map(|identified| Some(identified.mode?.pole)).collect();
+    notes.extend(pole_notes(id, &poles, PoleRecord { dt_s, duration_s, of_motion: false }, edges));
+    notes
+}
+
+/// Notes on single poles of a model of any method: which are no modes, growth by more than rounding, artefacts of
+/// sampling, and frequencies near the `edges` of the filter that the signals went through. Of a conjugate pair the
+/// upper one speaks; of integrators neither, for which of them seems to grow is noise.
+pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[FilterEdge]) -> Notes {
+    let mut notes = Notes::new();
+    let PoleRecord { dt_s, duration_s, of_motion } = record;
+    let kinds = pole_kinds(poles, record);
+    let integrators = kinds.iter().filter(|kind| **kind == PoleKind::Integrator).count();
+    for (pole, kind) in poles.iter().zip(kinds).filter(|(pole, _)| pole.im >= 0.0) {
+        let mode = Mode::continuous(*pole);
+        if pole.re * duration_s > GROWTH && kind != PoleKind::Integrator {
+            notes.warning(format!("{model}: the pole {} grows: the model is unstable", describe(&mode)));
+        }
+        match kind {
+            PoleKind::Mode => mode_caveats(model, &mode, dt_s, edges, &mut notes),
+            PoleKind::BeyondNyquist => notes.warning(format!(
+                "{model}: the pole {} is no mode: it lies at or beyond the Nyquist frequency ({:.4} Hz), an artefact \
+                 of sampling or of too high an order",
+                describe(&mode),
+                0.5 / dt_s
+            )),
+            PoleKind::Integrator => {}
         }
     }
-    notes
-}
-
-/// Notes on single modes of a model of any method: growth over a record of `duration_s` by more than rounding,
-/// artefacts of sampling at `dt_s`, and frequencies near the `edges` of the filter that the signals went through. Of a
-/// conjugate pair the upper one speaks.
-pub fn mode_notes(name: &str, modes: &[Mode], (dt_s, duration_s): (Option<f64>, f64), edges: &[FilterEdge]) -> Notes {
-    let mut notes = Notes::new();
-    for mode in modes.iter().filter(|mode| mode.pole.im >= 0.0) {
-        mode_caveats(name, mode, (dt_s, duration_s), edges, &mut notes);
+    match integrators {
+        0 => {}
+        1 => notes.info(format!(
+            "{model}: one pole lies at or near zero: over this record it makes a constant, and is no mode"
+        )),
+        _ if of_motion => notes.warning(format!(
+            "{model}: {integrators} poles lie at or near zero: the model integrates the acceleration twice, which is \
+             true of any body; they are no modes and tell nothing of stiffness or damping"
+        )),
+        _ => notes.warning(format!(
+            "{model}: {integrators} poles lie at or near zero: over this record they make a constant or a trend, and \
+             are no modes"
+        )),
     }
     notes
 }
 
-/// The notes on one mode; `duration_s` is 0 where it is not known, and no growth is told then.
-fn mode_caveats(
-    model: &str,
-    mode: &Mode,
-    (dt_s, duration_s): (Option<f64>, f64),
-    edges: &[FilterEdge],
-    notes: &mut Notes,
-) {
+/// The notes on one mode.
+fn mode_caveats(model: &str, mode: &Mode, dt_s: f64, edges: &[FilterEdge], notes: &mut Notes) {
     let name = describe(mode);
-    if mode.pole.re * duration_s > GROWTH {
-        notes.warning(format!("{model}: the mode {name} grows; no structure that absorbs a crash does"));
-    }
-    let nyquist_rad_per_s = dt_s.map_or(f64::INFINITY, |dt| PI / dt);
-    if mode.pole.im.abs() > NEAR_NYQUIST * nyquist_rad_per_s {
+    if mode.pole.im.abs() * dt_s > NEAR_NYQUIST * PI {
         notes.warning(format!(
             "{model}: the mode {name} alternates from sample to sample: an artefact of sampling or of too high an order"
         ));
@@ -120,7 +136,7 @@ fn mode_caveats(
         if (1.0 / EDGE_FACTOR..=EDGE_FACTOR).contains(&ratio) {
             notes.warning(format!(
                 "{model}: the mode {name} lies near the {edge:.0} Hz edge of the {filter}; it may belong to the \
-                 filter, not to the car"
+                 filter, not to what was measured"
             ));
         }
     }
@@ -132,7 +148,7 @@ fn describe(mode: &Mode) -> String {
         Some(_) if mode.pole.im == 0.0 => {
             // Rounding is no sign: -0.0000 is 0.
             let re = if mode.pole.re.abs() < 5e-5 { 0.0 } else { mode.pole.re };
-            format!("with the real pole {re:.4} 1/s")
+            format!("at {re:.4} 1/s")
         }
         Some(damping) => format!("at {:.2} Hz (damping ratio {damping:.4})", mode.natural_frequency_hz()),
         None => "at 0 Hz".to_owned(),

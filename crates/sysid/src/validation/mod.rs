@@ -1,5 +1,5 @@
 //! What speaks for and against a model: bootstrap, comparison of models, notes for the reader.
-//! May use era.
+//! May use era and modes.
 
 pub(crate) mod bootstrap;
 pub(crate) mod caveats;

@@ -111,6 +111,21 @@ pub struct EvidenceV1 {
     pub denominator_covariance: Vec<Vec<f64>>,
 }
 
+/// A fit of unseen samples that lies further (percent) below the fit of those that a model was identified from is that
+/// of another system.
+const LARGEST_LOSS_PERCENT: f64 = 30.0;
+
+impl EvidenceV1 {
+    /// Whether the model holds on samples that it has not seen, run on and with its state fitted to them: a fit of at
+    /// least 0, and at most 30 points below `fit_percent`, that of the samples it was identified from. `None`: it has
+    /// seen all.
+    pub fn holds_on_unseen(&self, fit_percent: Option<f64>) -> Option<bool> {
+        let holds = |unseen: f64| unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT);
+        let restarted = self.validation_restarted_fit_percent.is_none_or(holds);
+        Some(holds(self.validation_fit_percent?) && restarted)
+    }
+}
+
 /// Spread of a number over the replicates of a bootstrap.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SpreadV1 {

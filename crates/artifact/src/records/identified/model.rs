@@ -66,8 +66,36 @@ pub struct ExponentialTermV1 {
 /// Modes of a model. Topic `/modes/<id>`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModesV2 {
-    /// One entry a pole.
+    /// One entry a pole that is a mode.
     pub modes: Vec<ModeV1>,
+    /// The poles of the model that are no modes.
+    #[serde(default)]
+    pub other_poles: Vec<OtherPoleV1>,
+}
+
+/// A pole that is no mode of the record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OtherPoleV1 {
+    /// Real part, continuous time, 1/s.
+    pub re_per_s: f64,
+    /// Imaginary part, rad/s.
+    pub im_rad_per_s: f64,
+    /// The discrete pole, real part.
+    pub discrete_re: Option<f64>,
+    /// The discrete pole, imaginary part.
+    pub discrete_im: Option<f64>,
+    /// Why it is none.
+    pub kind: OtherPoleKindV1,
+}
+
+/// Why a pole is no mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OtherPoleKindV1 {
+    /// At or near zero: the model integrates.
+    Integrator,
+    /// At or beyond the Nyquist frequency of the record.
+    BeyondNyquist,
 }
 
 /// Modes of a model as they were written before: a JSON array.
@@ -77,11 +105,11 @@ pub struct ModesV1(pub Vec<ModeV1>);
 
 impl From<ModesV1> for ModesV2 {
     fn from(earlier: ModesV1) -> Self {
-        Self { modes: earlier.0 }
+        Self { modes: earlier.0, other_poles: Vec::new() }
     }
 }
 
-/// One pole of a model, continuous time.
+/// One mode of a model, continuous time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModeV1 {
     /// Real part of the pole, 1/s.

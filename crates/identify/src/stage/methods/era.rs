@@ -1,6 +1,6 @@
 //! The methods `era` and `era-dc`: records taken for impulse responses.
 
-use crumple_signal::QuantityKind;
+use crumple_signal::{About, QuantityKind, Weight};
 use crumple_stage::{Outcome, Output, RefuseExt};
 use crumple_sysid::{
     Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, OrderPoles, Realization, caveats,
@@ -8,6 +8,7 @@ use crumple_sysid::{
 };
 
 use crate::stage::options::hankel::HankelSettings;
+use crate::stage::options::order::OrderOption;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::realization::{RealizationTask, put_realization};
@@ -41,7 +42,7 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
-        let pulse = waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
+        let pulse = source.is_of_a_crash() && waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
         results.out.notes().info(format!(
             "{method}: the record of {names} is taken for an impulse response{}",
             if pulse {
@@ -155,13 +156,12 @@ fn realize_all(
         }
     };
     let before = written.len();
-    let mut first_failure = None;
+    let mut failures = Vec::new();
     for &order in orders {
         let model = match realize(&decomposed, order, results.out) {
             Ok(model) => records.unscaled(model),
             Err(error) => {
-                results.out.notes().warning(error.to_string());
-                first_failure.get_or_insert(error);
+                failures.push((order, error));
                 continue;
             }
         };
@@ -188,12 +188,20 @@ fn realize_all(
             paper: !remarks.is_empty(),
             refit: &refit,
         };
-        let mut notes = caveats(&realization.id(model.order()), &model, filter_edges(waves));
+        let duration_s = dt_s * waves[0].sampled.len() as f64;
+        let mut notes = caveats(&realization.id(model.order()), &model, duration_s, filter_edges(waves));
         results.out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
         put_realization(&model, &realization, &notes, results)?;
     }
-    if let Some(error) = first_failure.filter(|_| written.len() == before) {
+    let mut failures = failures.into_iter();
+    // Where there is no model the first failure is the answer.
+    let answer = if written.len() == before { failures.next() } else { None };
+    for (order, error) in failures {
+        let text = format!("{method} of order {} gave no model: {error}", OrderOption(order));
+        results.out.notes().concern(About::Method(method.to_owned()), Weight::Slight, text);
+    }
+    if let Some((_, error)) = answer {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
     }
     Ok(Outcome::Done)

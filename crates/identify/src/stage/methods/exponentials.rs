@@ -11,8 +11,9 @@ use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    fit_in_words, identification, modes, notes_on_modes, simulation_evidence, validate, validation_summary,
+    fit_in_words, identification, notes_on_poles, pole_record, simulation_evidence, validate, validation_summary,
 };
+use crate::stage::records::poles::Poles;
 use crate::stage::records::responses::{put_spreads, spread};
 use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::{WindowedWave, output};
@@ -124,7 +125,7 @@ fn fit_sum(
         results.out.notes().push(note.clone());
     }
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
-    let mut remarks = notes_on_modes(id, &poles, &[answer]);
+    let mut remarks = notes_on_poles(id, &poles, &[answer]);
     remarks.info(format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it"));
     let terms = fit
         .terms
@@ -142,9 +143,9 @@ fn fit_sum(
         )));
     }
     results.out.put(&format!("/model/{id}"), &ExponentialSumV1 { terms, output: answer.describe() })?;
-    results
-        .out
-        .put(&format!("/modes/{id}"), &modes(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None))))?;
+    let poles_of_sum =
+        Poles::of(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None)), pole_record(&[answer]));
+    poles_of_sum.put(id, results.out)?;
     let mut evidence = simulation_evidence(None, answer, &fit.simulated, fit.criteria.parameters);
     let again = ExponentialOptions { random_starts: 0, given: vec![poles.clone()], ..options.clone() };
     let bootstrap = spread(
@@ -171,8 +172,9 @@ fn fit_sum(
     fill_evidence(task, &fit, &mut evidence);
     let percent = fit_in_words(record.fit_percent);
     results.out.put(&format!("/identification/{id}"), &record)?;
+    poles_of_sum.keep_those_of_modes(std::slice::from_mut(&mut evidence));
     results.out.put(&format!("/evidence/{id}"), &evidence)?;
-    results.comparison.enter(id, answer.sampled.len(), std::slice::from_ref(&evidence));
+    results.enter(id, &record, std::slice::from_ref(&evidence));
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations{}",
         answer.sampled.len(),
@@ -198,8 +200,7 @@ fn fit_notes(task: &SumTask, fit: &ExponentialSumFit, answer: &WindowedWave) -> 
     }
     if fit.condition > 1e8 {
         notes.warning(format!(
-            "{}: condition number {:.1e}: the curve is well determined, its single terms are not; rely on crush, \
-             time and energy only",
+            "{}: condition number {:.1e}: this record does not determine the single terms; use their sum only",
             task.id, fit.condition
         ));
     }

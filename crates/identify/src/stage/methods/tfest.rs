@@ -6,16 +6,17 @@ use crumple_lti::Complex;
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
-    Hold, InitialConditions, IoData, Stop, TransferFunctionFit, TransferFunctionOptions, response_deviations,
-    transfer_function_array, transfer_function_fit,
+    Hold, InitialConditions, IoData, PoleKind, Stop, TransferFunctionFit, TransferFunctionOptions, pole_kinds,
+    response_deviations, transfer_function_array, transfer_function_fit,
 };
 
 use crate::stage::options::paper;
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    INTEGRATOR, fit_in_words, identification, if_determined, modes, notes_on_modes, put_search, put_transfer_functions,
+    fit_in_words, identification, if_determined, notes_on_poles, pole_record, put_search, put_transfer_functions,
     simulation_evidence, validation_summary,
 };
+use crate::stage::records::poles::Poles;
 use crate::stage::records::realization::state_space;
 use crate::stage::records::responses::{Band, ModelResponses, put_spreads, spread};
 use crate::stage::records::results::Results;
@@ -78,9 +79,8 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
 /// What a reader should know before believing the coefficients.
 fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &WindowedWave) -> Notes {
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    let mut notes = notes_on_modes(id, &poles, &[answer, drive]);
-    let duration = answer.sampled.len() as f64 * answer.sampled.dt_s();
-    let slow = poles.iter().filter(|s| s.norm() * duration < INTEGRATOR).count();
+    let mut notes = notes_on_poles(id, &poles, &[answer, drive]);
+    let kinds = pole_kinds(&poles, pole_record(&[answer, drive]));
     let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
     for (zero, deviation) in
         fit.zeros.iter().zip(&fit.zero_deviations).filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0)
@@ -97,7 +97,7 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
         }
     }
     let gain = fit.transfer_function.at(Complex::new(0.0, 0.0)).re;
-    if of_motion && slow == 0 && poles.iter().all(|s| s.re < 0.0) {
+    if of_motion && !kinds.contains(&PoleKind::Integrator) && poles.iter().all(|s| s.re < 0.0) {
         let exact = "the true system is 1/s^2 and has none";
         if gain < 0.0 {
             notes.warning(format!(
@@ -116,8 +116,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     for (power, (b, deviation)) in numerator.iter().rev().zip(shown.iter().rev()).enumerate() {
         if 1.96 * deviation > b.abs() {
             notes.warning(format!(
-                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, is \
-                 not known even in sign"
+                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, may \
+                 have either sign (at 95 %)"
             ));
         }
     }
@@ -140,7 +140,8 @@ fn put_transfer_function(
     results
         .out
         .put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
-    results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    let poles_of_model = Poles::of(fit.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    poles_of_model.put(id, results.out)?;
     let mut evidence = simulation_evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
     put_search(&fit.search, &input_output.hold, settings.paper.as_deref(), &mut evidence);
     evidence.numerator_deviations = if_determined(&fit.numerator_deviations);
@@ -189,9 +190,10 @@ fn put_transfer_function(
     whole.delay_s = record.delay_s;
     let percent = fit_in_words(whole.fit_percent);
     results.out.put(&format!("/identification/{id}"), &whole)?;
+    poles_of_model.keep_those_of_modes(std::slice::from_mut(&mut evidence));
     results.out.put(&format!("/evidence/{id}"), &evidence)?;
     let all = std::slice::from_ref(&evidence);
-    results.comparison.enter(id, answer.sampled.len(), all);
+    results.enter(id, &whole, all);
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),

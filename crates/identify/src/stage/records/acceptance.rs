@@ -8,6 +8,10 @@ use crate::stage::records::discrete_model::DiscreteModel;
 /// A fit below this (percent) gets a warning, or is refused where the model accounts for none of the variance either.
 const LEAST_FIT_PERCENT: f64 = -100.0;
 
+/// A modulus within this of 1 is on the unit circle, as far as the eigenvalues of a double pole are known: their
+/// rounding is the root of that of the numbers.
+const ROUNDING: f64 = 1e-8;
+
 /// A model of an estimated impulse response with its growing poles mirrored at the unit circle, and a note of it;
 /// without the models beside it then, which belong to the poles as they were.
 pub fn mirror_growing_poles(model: DiscreteModel, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
@@ -49,13 +53,15 @@ pub fn simulate_accepted(
 
 /// The error of a model that misses the record, with what is known of its poles.
 fn miss(fit_percent: f64, model: &DiscreteModel) -> IdentifyError {
-    let largest = model.state_space.poles().unwrap_or_default().iter().map(|z| z.norm()).fold(0.0, f64::max);
-    let why = if largest > 1.0 {
-        MissReason::Grows { factor: largest }
-    } else if model.mirrored_poles > 0 {
-        MissReason::Mirrored
-    } else {
-        MissReason::Stable
+    let largest = match model.state_space.poles() {
+        Ok(poles) => poles.iter().map(|z| z.norm()).fold(0.0, f64::max),
+        Err(error) => return error.into(),
+    };
+    let why = match largest {
+        factor if factor > 1.0 + ROUNDING => MissReason::Grows { factor },
+        _ if model.mirrored_poles > 0 => MissReason::Mirrored,
+        modulus if modulus >= 1.0 - ROUNDING => MissReason::Marginal,
+        _ => MissReason::Stable,
     };
     IdentifyError::Misses { fit_percent, limit: LEAST_FIT_PERCENT, why }
 }

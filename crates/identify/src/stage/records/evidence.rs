@@ -1,18 +1,15 @@
 //! Evidence common to the methods beside `era`, as records.
 
-use crumple_lti::{Complex, Mode};
+use crumple_lti::Complex;
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV2, TransferFunctionV1};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, TransferFunctionV1};
 use crumple_sysid::{
-    InformationCriteria, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures, mode_notes,
-    residual_tests,
+    InformationCriteria, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures,
+    pole_notes, residual_tests,
 };
 
 use crate::stage::waves::input_output::{Record, WindowedWave, filter_edges};
-
-/// Poles within this of zero, times the length of the record, are integrators.
-pub const INTEGRATOR: f64 = 0.5;
 
 /// Lags of the whiteness test.
 const LAGS: usize = 20;
@@ -110,27 +107,18 @@ pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [Evi
     }
 }
 
-/// Notes on single modes of a model between waveforms: growth, sampling, and the edge of the filter they went through.
-///
-/// From an acceleration to a displacement two poles at zero are no modes: noise parts them by the root of what it does
-/// to a single one, and one of them then seems to grow. A note says what they are instead.
-pub fn notes_on_modes(id: &str, poles: &[Complex], waves: &[&WindowedWave]) -> Notes {
-    let dt_s = waves.first().map(|wave| wave.sampled.dt_s());
-    let duration_s = waves.first().map_or(0.0, |wave| wave.sampled.dt_s() * wave.sampled.len() as f64);
+/// Notes on single poles of a model between waveforms: which are no modes, growth, sampling, and the edge of the filter
+/// they went through.
+pub fn notes_on_poles(id: &str, poles: &[Complex], waves: &[&WindowedWave]) -> Notes {
+    pole_notes(id, poles, pole_record(waves), filter_edges(waves.iter().copied()))
+}
+
+/// What tells the poles of a model between waveforms apart; the answering ones first.
+pub fn pole_record(waves: &[&WindowedWave]) -> PoleRecord {
+    let (dt_s, samples) = waves.first().map_or((0.0, 0), |wave| (wave.sampled.dt_s(), wave.sampled.len()));
     let quantities: Vec<QuantityKind> = waves.iter().map(|wave| wave.quantity).collect();
     let of_motion = quantities == [QuantityKind::Displacement, QuantityKind::Acceleration];
-    let (slow, others): (Vec<Complex>, Vec<Complex>) = poles.iter().partition(|s| s.norm() * duration_s < INTEGRATOR);
-    let twice = of_motion && slow.len() >= 2;
-    let modes = if twice { &others } else { poles };
-    let modes: Vec<Mode> = modes.iter().copied().map(Mode::continuous).collect();
-    let mut notes = mode_notes(id, &modes, (dt_s, duration_s), filter_edges(waves.iter().copied()));
-    if twice {
-        notes.warning(format!(
-            "{id}: two poles lie at zero: the model integrates the acceleration twice, which is true of any body and \
-             says nothing about this car"
-        ));
-    }
-    notes
+    PoleRecord { dt_s, duration_s: dt_s * samples as f64, of_motion }
 }
 
 /// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.
@@ -253,24 +241,6 @@ pub fn put_transfer_functions(
         }
     }
     Ok(())
-}
-
-/// Modes of continuous poles, with their discrete counterparts where the model is sampled.
-pub fn modes(modes: impl Iterator<Item = (Mode, Option<Complex>)>) -> ModesV2 {
-    let modes = modes
-        .map(|(mode, discrete)| ModeV1 {
-            // Adding zero takes the sign from a zero.
-            re_per_s: mode.pole.re + 0.0,
-            im_rad_per_s: mode.pole.im + 0.0,
-            natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
-            damping_ratio: mode.damping_ratio,
-            modal_amplitude_coherence: None,
-            mode_singular_value: None,
-            discrete_re: discrete.map(|z| z.re),
-            discrete_im: discrete.map(|z| z.im),
-        })
-        .collect();
-    ModesV2 { modes }
 }
 
 /// `99.76 %`, or that there is no such figure.

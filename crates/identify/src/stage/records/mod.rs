@@ -4,6 +4,7 @@
 pub mod acceptance;
 pub mod discrete_model;
 pub mod evidence;
+pub mod poles;
 pub mod realization;
 pub mod responses;
 pub mod results;

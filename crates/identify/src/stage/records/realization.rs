@@ -1,16 +1,19 @@
 //! A realised model (ERA, ERA/DC) as the records of the artifact.
 
+use std::f64::consts::TAU;
+
 use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, Sampled};
 use crumple_stage::records::{
-    EvidenceV1, IdentificationV1, ModeV1, ModesV2, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
+    EvidenceV1, IdentificationV1, ModeV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_sysid::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
 use nalgebra::DMatrix;
 
 use crate::stage::options::evidence::BootstrapSettings;
 use crate::stage::records::acceptance::note_on_fit;
-use crate::stage::records::evidence::{put_evidence, simulation_evidence, validate, validation_summary};
+use crate::stage::records::evidence::{pole_record, put_evidence, simulation_evidence, validate, validation_summary};
+use crate::stage::records::poles::{Poles, entry};
 use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::input_output::{WindowedWave, filter_edges};
@@ -90,10 +93,16 @@ pub fn put_realization(
             Err(error) => notes.info(format!("no transfer function: {error}")),
         }
     }
-    results.out.put(&format!("/modes/{id}"), &modes(model))?;
+    let poles = poles(model, &task.waves[0]);
+    poles.put(&id, results.out)?;
     if !single {
-        let poles: Vec<_> = model.modes.iter().map(|mode| (mode.discrete_pole, mode.mode)).collect();
-        results.out.put(&format!("/shapes/{id}"), &shapes(&poles, &model.mode_shapes, task.waves))?;
+        let mut are_modes = poles.are_modes();
+        let modes = model.modes.iter().map(|identified| {
+            let mode = identified.mode.filter(|_| are_modes.next().unwrap_or(true));
+            (identified.discrete_pole, mode)
+        });
+        let modes: Vec<_> = modes.collect();
+        results.out.put(&format!("/shapes/{id}"), &shapes(&modes, &model.mode_shapes, task.waves))?;
     }
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
@@ -137,10 +146,12 @@ pub fn put_realization(
     }
     notes.extend(remarks.clone());
     results.out.notes().extend(remarks);
-    results.out.put(&format!("/identification/{id}"), &identification(model, task, notes.to_texts()))?;
+    let whole = identification(model, task, notes.to_texts());
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    poles.keep_those_of_modes(&mut evidence);
     put_evidence(&id, &evidence, results.out)?;
-    results.comparison.enter(&id, samples, &evidence);
-    results.out.summary(format!("{}{}", summary(&id, model, samples), validation_summary(&evidence)));
+    results.enter(&id, &whole, &evidence);
+    results.out.summary(format!("{}{}", summary(&id, &whole, &poles), validation_summary(&evidence)));
     Ok(())
 }
 
@@ -228,23 +239,17 @@ fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctio
     })
 }
 
-/// One entry a pole; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of it).
-fn modes(model: &Realization) -> ModesV2 {
+/// The poles with what ERA knows of each; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of
+/// it).
+fn poles(model: &Realization, wave: &WindowedWave) -> Poles {
     let entries = model.modes.iter().filter_map(|identified| {
-        let mode = identified.mode?;
         Some(ModeV1 {
-            // Adding zero takes the sign from a zero.
-            re_per_s: mode.pole.re + 0.0,
-            im_rad_per_s: mode.pole.im + 0.0,
-            natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
-            damping_ratio: mode.damping_ratio,
             modal_amplitude_coherence: identified.modal_amplitude_coherence,
             mode_singular_value: identified.mode_singular_value,
-            discrete_re: Some(identified.discrete_pole.re),
-            discrete_im: Some(identified.discrete_pole.im),
+            ..entry(&identified.mode?, Some(identified.discrete_pole))
         })
     });
-    ModesV2 { modes: entries.collect() }
+    Poles::new(entries.collect(), pole_record(&[wave]))
 }
 
 /// Shapes of the modes, conjugates once, and how alike they are.
@@ -286,22 +291,17 @@ fn identification(model: &Realization, task: &RealizationTask<'_>, notes: Vec<St
 }
 
 /// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
-fn summary(id: &str, model: &Realization, samples: usize) -> String {
+fn summary(id: &str, model: &IdentificationV1, poles: &Poles) -> String {
     let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
-    let modes: Vec<String> = model
-        .modes
-        .iter()
-        .filter_map(|identified| identified.mode)
-        .filter(|mode| mode.pole.im >= 0.0)
-        .map(|mode| {
-            if mode.pole.im == 0.0 {
-                let re = if mode.pole.re.abs() < 5e-5 { 0.0 } else { mode.pole.re };
-                format!("real pole {re:.4} 1/s")
-            } else {
-                let damping = mode.damping_ratio.unwrap_or(0.0);
-                format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_hz())
-            }
-        })
-        .collect();
-    format!("{id}: {fit} of {samples} samples; {}", modes.join(", "))
+    let modes = poles.modes().filter(|mode| mode.im_rad_per_s >= 0.0).map(|mode| {
+        if mode.im_rad_per_s == 0.0 {
+            let re = if mode.re_per_s.abs() < 5e-5 { 0.0 } else { mode.re_per_s };
+            return format!("real pole {re:.4} 1/s");
+        }
+        let damping = mode.damping_ratio.unwrap_or(0.0);
+        format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_rad_per_s / TAU)
+    });
+    let modes: Vec<String> = modes.collect();
+    let modes = if modes.is_empty() { String::new() } else { format!("; {}", modes.join(", ")) };
+    format!("{id}: {fit} of {} samples{modes}", model.samples)
 }

@@ -9,9 +9,10 @@ use crumple_sysid::{IdentifyError, IoData, compare, continued, fit_measures, mod
 use crate::stage::options::evidence::BootstrapSettings;
 use crate::stage::records::discrete_model::DiscreteModel;
 use crate::stage::records::evidence::{
-    fit_in_words, identification_with_evidence, modes, notes_on_modes, prediction_tests, put_evidence,
+    fit_in_words, identification_with_evidence, notes_on_poles, pole_record, prediction_tests, put_evidence,
     put_transfer_functions, validate_all, validation_summary,
 };
+use crate::stage::records::poles::Poles;
 use crate::stage::records::realization::{shapes, state_space};
 use crate::stage::records::responses::{
     Band, ModelResponses, note_limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of,
@@ -59,12 +60,12 @@ pub fn put_discrete_model(
         results.out.notes().warning(format!("{id}: {text}"));
     }
     let continuous = put_models(task, model, &mut notes, results.out)?;
-    let poles = put_modes(task, &model.state_space, results.out)?;
+    let (discrete_poles, poles) = put_modes(task, &model.state_space, results.out)?;
     let responses = responses_of(&model.state_space, continuous.as_ref(), &record.outputs[0], task.delay())?;
-    let mut remarks = notes_on_modes(id, &responses.poles, &record.waves());
+    let mut remarks = notes_on_poles(id, &responses.poles, &record.waves());
     let (mut whole, mut evidence) =
         identification_with_evidence(method, order, record, simulated, model.parameters, Vec::new());
-    fill_evidence(task, model, &poles, &mut evidence, &mut notes);
+    fill_evidence(task, model, &discrete_poles, &mut evidence, &mut notes);
     validate_kept(task, &model.state_space, &mut evidence, &mut remarks)?;
     put_responses(task, (model, simulated), &responses, &mut evidence, &mut remarks, results.out)?;
     notes.extend(remarks.clone());
@@ -80,7 +81,8 @@ pub fn put_discrete_model(
         validation_summary(&evidence)
     ));
     results.out.put(&format!("/identification/{id}"), &whole)?;
-    results.comparison.enter(id, samples, &evidence);
+    poles.keep_those_of_modes(&mut evidence);
+    results.enter(id, &whole, &evidence);
     put_evidence(id, &evidence, results.out)
 }
 
@@ -114,19 +116,22 @@ fn put_models(
     Ok(continuous)
 }
 
-/// Writes the modes, of several outputs their shapes too. Returns the sampled poles that have a continuous counterpart.
-fn put_modes(task: &DiscreteTask<'_>, model: &StateSpace, out: &mut Output) -> anyhow::Result<Vec<Complex>> {
+/// Writes the modes, of several outputs their shapes too. Returns the sampled poles that have a continuous counterpart,
+/// and what each is.
+fn put_modes(task: &DiscreteTask<'_>, model: &StateSpace, out: &mut Output) -> anyhow::Result<(Vec<Complex>, Poles)> {
     let DiscreteTask { id, record, .. } = *task;
     let dt = record.data.sample_time_s();
     let pairs: Vec<(Complex, Mode)> =
         model.poles()?.into_iter().filter_map(|z| Some((z, Mode::discrete(z, dt)?))).collect();
-    out.put(&format!("/modes/{id}"), &modes(pairs.iter().map(|(z, mode)| (*mode, Some(*z)))))?;
+    let poles = Poles::of(pairs.iter().map(|(z, mode)| (*mode, Some(*z))), pole_record(&record.waves()));
+    poles.put(id, out)?;
     let discrete: Vec<Complex> = pairs.iter().map(|(z, _)| *z).collect();
     if record.outputs.len() > 1 {
-        let poles: Vec<_> = pairs.iter().map(|(z, mode)| (*z, Some(*mode))).collect();
-        out.put(&format!("/shapes/{id}"), &shapes(&poles, &mode_shapes(model, &discrete), &record.outputs))?;
+        let modes = pairs.iter().zip(poles.are_modes()).map(|((z, mode), is_mode)| (*z, is_mode.then_some(*mode)));
+        let modes: Vec<_> = modes.collect();
+        out.put(&format!("/shapes/{id}"), &shapes(&modes, &mode_shapes(model, &discrete), &record.outputs))?;
     }
-    Ok(discrete)
+    Ok((discrete, poles))
 }
 
 /// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are

@@ -6,9 +6,10 @@ use crumple_sysid::TransferFunctionArray;
 
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    fit_in_words, identification_with_evidence, if_determined, modes, notes_on_modes, put_evidence, put_search,
+    fit_in_words, identification_with_evidence, if_determined, notes_on_poles, pole_record, put_evidence, put_search,
     put_transfer_functions, validation_summary,
 };
+use crate::stage::records::poles::Poles;
 use crate::stage::records::realization::state_space;
 use crate::stage::records::responses::note_limits;
 use crate::stage::records::results::Results;
@@ -26,7 +27,7 @@ pub fn put_array(
     let TransferFunctionTask { id, settings, input_output, record, .. } = *task;
     notes.extend(preparation(id, record));
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    notes.extend(notes_on_modes(id, &poles, &record.waves()));
+    notes.extend(notes_on_poles(id, &poles, &record.waves()));
     notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
     condition_note(id, fit.search.condition, notes);
     for measures in fit.fits.iter().flatten() {
@@ -45,7 +46,8 @@ pub fn put_array(
         &format!("/model/{id}/continuous"),
         &state_space(&fit.state_space, &record.input(), &record.output(), record.delay_s),
     )?;
-    results.out.put(&format!("/modes/{id}"), &modes(fit.modes.iter().map(|mode| (*mode, None))))?;
+    let poles = Poles::of(fit.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    poles.put(id, results.out)?;
     let (whole, mut evidence) = identification_with_evidence(
         "tfest",
         input_output.poles,
@@ -62,8 +64,9 @@ pub fn put_array(
     validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut evidence)?;
     let percent = fit_in_words(whole.fit_percent);
     results.out.put(&format!("/identification/{id}"), &whole)?;
+    poles.keep_those_of_modes(&mut evidence);
     put_evidence(id, &evidence, results.out)?;
-    results.comparison.enter(id, record.data.samples(), &evidence);
+    results.enter(id, &whole, &evidence);
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         record.data.samples(),

@@ -42,7 +42,7 @@ pub fn preparation(id: &str, record: &Record) -> Notes {
 pub fn condition_note(id: &str, condition: f64, notes: &mut Notes) {
     if condition > 1e8 {
         notes.warning(format!(
-            "{id}: condition number {condition:.1e}: the curve is well determined, its single coefficients are not"
+            "{id}: condition number {condition:.1e}: this record does not determine the single coefficients"
         ));
     }
 }

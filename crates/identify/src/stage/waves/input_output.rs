@@ -1,6 +1,6 @@
 //! Inputs and outputs of a run: waveforms sampled together, in one window.
 
-use crumple_signal::{QuantityKind, Sampled};
+use crumple_signal::{About, Note, QuantityKind, Sampled, Weight};
 use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{RefuseExt, Refused, Wave};
 use crumple_sysid::{FilterEdge, IoData};
@@ -225,4 +225,40 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     let delay_s =
         (input_output.delay > 0 && !inputs.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
     Ok(Record { inputs, outputs, data: used, whole, delay_s, remarks })
+}
+
+/// Levels above this share of the root mean square about them are named.
+const NAMED_LEVEL: f64 = 1.0;
+
+/// What may be wrong with waveforms that lie far from zero: a linear model has no constant. `None` of a crash, where
+/// the level of a motion is its result, and where the mean is removed.
+pub fn level_note(source: Source<'_>) -> anyhow::Result<Option<Note>> {
+    let Some(input_output) = source.settings.input_output.as_ref().filter(|_| !source.is_of_a_crash()) else {
+        return Ok(None);
+    };
+    if input_output.remove_mean {
+        return Ok(None);
+    }
+    // Where the waveforms are refused, the methods have said so.
+    let Ok(record) = record(source, input_output) else { return Ok(None) };
+    let levels: Vec<String> = record.waves().into_iter().filter_map(level_in_words).collect();
+    let text = format!(
+        "the mean of {}: a linear model has no constant; if the level is no part of the motion, add --remove-mean",
+        levels.join(", of ")
+    );
+    Ok((!levels.is_empty()).then(|| Note::warning(text).bears_on(About::IdentifiedModels, Weight::Marked)))
+}
+
+/// `y is 5.1 V, 12 times its standard deviation`, where that is much.
+fn level_in_words(wave: &WindowedWave) -> Option<String> {
+    let samples = wave.sampled.samples();
+    let mean_of = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / samples.len() as f64;
+    let mean = mean_of(&mut samples.iter().copied());
+    let deviation = mean_of(&mut samples.iter().map(|x| (x - mean).powi(2))).sqrt();
+    (deviation > 0.0 && mean.abs() > NAMED_LEVEL * deviation).then(|| {
+        // A number without a unit has the unit 1.
+        let unit = Some(wave.quantity.si_unit()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
+        let (id, times) = (&wave.id, mean.abs() / deviation);
+        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", unit.unwrap_or_default())
+    })
 }

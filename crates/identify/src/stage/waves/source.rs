@@ -2,6 +2,7 @@
 
 use crumple_signal::TestDescription;
 use crumple_stage::Inputs;
+use crumple_stage::records::EventsV1;
 
 use crate::stage::options::settings::Settings;
 
@@ -14,4 +15,11 @@ pub struct Source<'a> {
     pub test: &'a TestDescription,
     /// The artifacts read.
     pub inputs: &'a Inputs,
+}
+
+impl Source<'_> {
+    /// Whether the record is of a crash: it has a pulse, or its events. Any other record has inputs and outputs.
+    pub fn is_of_a_crash(&self) -> bool {
+        self.test.pulse_channel().is_ok() || self.inputs.record_if::<EventsV1>("/events").ok().flatten().is_some()
+    }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
-use crumple_findings::Run;
+use crumple_findings::{Model, Run, Stability};
 use crumple_phrases::language::{Language, fill};
 
 /// Marks of the models, so that they differ without colour too.
@@ -16,8 +16,7 @@ const PLANE_WIDTH: f64 = 480.0;
 
 /// Every model's poles; `None` where no model has any.
 pub fn figure(run: &Run) -> Option<Figure> {
-    let mut moduli: Vec<f64> =
-        run.models.iter().flat_map(|m| &m.modes).map(|p| p.re_per_s.hypot(p.im_rad_per_s)).collect();
+    let mut moduli: Vec<f64> = run.models.iter().flat_map(Model::poles).map(|([re, im], _)| re.hypot(im)).collect();
     if moduli.is_empty() {
         return None;
     }
@@ -33,32 +32,26 @@ pub fn figure(run: &Run) -> Option<Figure> {
     // One length for a unit on both axes, so that circles are round.
     panel.height = PLANE_WIDTH * (high - low) / (right - left);
     guide_lines(&mut panel, language, radius, [low, high]);
-    let unstable = poles(run, &mut figure, &mut panel);
+    poles(run, &mut figure, &mut panel);
     let far_zeros = zeros(run, &mut figure, &mut panel, radius);
-    figure.caption = caption(language, unstable, far_zeros, outside);
+    figure.caption = caption(run, far_zeros, outside);
     figure.panels.push(panel);
     Some(figure.tidy())
 }
 
-/// The poles of every model, stable and unstable apart. Gives how many are unstable.
-fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) -> usize {
+/// The poles of every model, unstable ones apart.
+fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) {
     let texts = &run.language.phrases().identification;
-    let mut unstable = 0;
     for (place, model) in run.models.iter().enumerate() {
         for stable in [true, false] {
-            let poles = || model.modes.iter().filter(|p| (p.re_per_s <= 0.0) == stable);
-            unstable += if stable { 0 } else { poles().count() };
+            let poles = model.poles().filter(|(_, stability)| (*stability != Stability::Unstable) == stable);
             let name = if stable { model.id.clone() } else { fill(texts.unstable_poles, &[("model", &model.id)]) };
             let symbol = if stable { SYMBOLS[place % SYMBOLS.len()] } else { Symbol::Triangle };
             let colour = if stable { Colour::Series(place) } else { Colour::Event };
             let entry = figure.entry(name, Look::marks(colour, symbol), true);
-            panel.points(
-                entry,
-                poles().filter(|p| p.im_rad_per_s >= 0.0).map(|p| [p.re_per_s, p.im_rad_per_s]).collect(),
-            );
+            panel.points(entry, poles.map(|(pole, _)| pole).filter(|[_, im]| *im >= 0.0).collect());
         }
     }
-    unstable
 }
 
 /// The zeros of every model. Gives how many lie outside the first view of this radius.
@@ -94,19 +87,26 @@ fn guide_lines(panel: &mut Panel, language: Language, radius: f64, [low, high]: 
     panel.guides.push(vec![[0.0, low], [0.0, high]]);
 }
 
-fn caption(language: Language, unstable: usize, far_zeros: usize, outside: usize) -> String {
-    let texts = &language.phrases().identification;
+/// What the figure shows, how many poles are not stable, what lies outside of it.
+fn caption(run: &Run, far_zeros: usize, outside: usize) -> String {
+    let texts = &run.language.phrases().identification;
+    let poles = || run.models.iter().flat_map(Model::poles);
+    let [stable, marginal, unstable] = [Stability::Stable, Stability::Marginal, Stability::Unstable]
+        .map(|wanted| poles().filter(|(_, stability)| *stability == wanted).count());
+    // A model whose poles nobody wrote may have any.
+    let all_known = run.models.iter().all(|model| model.poles().next().is_some() || model.identification.is_none());
     let counted = |template: &str, count: usize| fill(template, &[("count", count.to_string())]);
     let mut caption = texts.poles_caption.to_owned();
-    caption.push_str(&match unstable {
-        0 => texts.all_stable.to_owned(),
-        1 => texts.one_unstable.to_owned(),
-        n => counted(texts.several_unstable, n),
-    });
+    if all_known && marginal + unstable == 0 && stable > 0 {
+        caption.push_str(texts.all_stable);
+    }
     // Of the wider side of the view some zeros may still be in sight.
-    for (count, one, several) in
-        [(far_zeros, texts.one_far_zero, texts.far_zeros), (outside, texts.one_far_pole, texts.far_poles)]
-    {
+    for (count, one, several) in [
+        (unstable, texts.one_unstable, texts.several_unstable),
+        (marginal, texts.one_marginal, texts.several_marginal),
+        (far_zeros, texts.one_far_zero, texts.far_zeros),
+        (outside, texts.one_far_pole, texts.far_poles),
+    ] {
         if count > 0 {
             caption.push_str(&counted(if count == 1 { one } else { several }, count));
         }

@@ -1,5 +1,6 @@
 //! Runs one discrete method: every model asked for is identified, simulated and written.
 
+use crumple_signal::{About, Weight};
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{IdentifyError, IoData};
 
@@ -77,7 +78,8 @@ impl<'a> MethodRun<'a> {
         // Where there is no model the first failure is the answer.
         let answer = if written == 0 { failures.next() } else { None };
         for (id, error) in failures {
-            results.out.notes().warning(format!("{id}: {error}"));
+            let about = About::Method(self.method.to_owned());
+            results.out.notes().concern(about, Weight::Slight, format!("{id} gave no model: {error}"));
         }
         match answer.map(|(_, error)| error) {
             // Nothing is passed on, but what was found is written: it is a result.
