@@ -160,9 +160,12 @@ pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Conce
     }
 }
 
-/// That not even the closest identified model follows half of the record.
+/// That not even the closest identified model has a fit, follows half of the record, or holds on unseen samples.
 fn of_identified(run: &Run) -> Option<StatusReason> {
-    let (_, _, fit_percent) = closest_identified(run)?;
+    let Some((_, model, fit_percent)) = closest_identified(run) else { return Some(StatusReason::NotAdequate) };
+    if !model.holds() {
+        return Some(StatusReason::NotAdequate);
+    }
     let limit_percent = WORTH_NAMING_PERCENT;
     (fit_percent < limit_percent).then_some(StatusReason::PoorFit { fit_percent, limit_percent })
 }
