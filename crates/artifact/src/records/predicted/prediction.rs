@@ -13,9 +13,6 @@ pub struct PredictionV1 {
     /// Names it has in the choice of candidates: `recommended`, `simplest`, `closest`.
     #[serde(default)]
     pub names: Vec<String>,
-    /// Whether a person asked for this impact, beside the standing ones of the pipeline.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub asked: bool,
     /// Impact speed over ground, m/s.
     pub impact_speed_m_per_s: f64,
     /// Mass of the vehicle, kg.
@@ -53,6 +50,9 @@ pub struct PredictionV1 {
     /// What becomes of the occupant; `null`: none was asked for.
     #[serde(default)]
     pub occupant: Option<PredictedOccupantV1>,
+    /// Whether a person asked for this impact, beside the standing ones of the pipeline.
+    #[serde(default)]
+    pub asked: bool,
 }
 
 /// Where the energy of an impact goes.
