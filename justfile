@@ -229,15 +229,15 @@ bytes *args:
     @[ {{ quote(bin) }} != {{ quote(env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release") }} ] || [ "${1-}" = --compare ] || just --justfile {{ quote(justfile()) }} build
     @cargo run --quiet --manifest-path {{ quote(justfile_directory() / "Cargo.toml") }} --package crumple-testkit --bin bytes -- --bin {{ quote(bin) }} "$@"
 
-# How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--records N] [--first K] [FAMILY ...]`.
+# How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--clean] [--records N] [--first K] [FAMILY ...]`.
 [group('development')]
 interval-benchmark *args: build
-    @cargo run --quiet --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"
+    @cargo run --quiet --release --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"
 
-# How far predictions of other tests are off, 50 made cars a kind: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]`.
+# How far predictions of other tests are off, 50 made cars of 13 kinds each: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [--candidates] [--keep FOLDER] [KIND ...]`.
 [group('development')]
 prediction-benchmark *args: build
-    @cargo run --quiet --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
+    @cargo run --quiet --release --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
 
 # What a fleet costs, on an idle machine: wall times as the fleet says them, then CPU time of all children so far, and disk: `just fleet-benchmark [RECORDS]`.
 [group('development')]

@@ -1,7 +1,8 @@
-//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]`: how far
-//! predictions of other tests are off, for N made cars a kind from number K on, by the programs in the folder BIN, as
-//! Markdown. A kind is named by a part of its name. `--tests`: speeds in km/h at which each car is tested; several are
-//! joined to one model. `--keep` leaves the records and artifacts of every car in FOLDER.
+//! `prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--candidates] [--keep FOLDER] [KIND ...]`:
+//! how far predictions of other tests are off, for N made cars a kind from number K on, by the programs in the folder
+//! BIN, as Markdown. A kind is named by a part of its name. `--tests`: speeds in km/h at which each car is tested;
+//! several are joined to one model. `--candidates`: what every candidate predicts too. `--keep` leaves the records and
+//! artifacts of every car in FOLDER.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -11,8 +12,8 @@ use crumple_testkit::workspace;
 
 type Failure = Box<dyn std::error::Error>;
 
-const USAGE: &str =
-    "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--keep FOLDER] [KIND ...]";
+const USAGE: &str = "usage: prediction-benchmark [--bin BIN] [--cars N] [--first K] [--tests 56,40] [--candidates] \
+                     [--keep FOLDER] [KIND ...]";
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -26,7 +27,7 @@ fn main() -> ExitCode {
 
 fn benchmark() -> Result<(), Failure> {
     let mut bin = workspace().join("target/release");
-    let (mut cars, mut first, mut tests) = (50, 0, vec![56.0]);
+    let (mut cars, mut first, mut tests, mut candidates) = (50, 0, vec![56.0], false);
     let mut keep: Option<PathBuf> = None;
     let mut wanted: Vec<String> = Vec::new();
     let mut arguments = std::env::args().skip(1);
@@ -39,6 +40,7 @@ fn benchmark() -> Result<(), Failure> {
                 let speeds = arguments.next().ok_or(USAGE)?;
                 tests = speeds.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>()?;
             }
+            "--candidates" => candidates = true,
             "--keep" => keep = Some(PathBuf::from(arguments.next().ok_or(USAGE)?)),
             flag if flag.starts_with('-') => return Err(USAGE.into()),
             kind => wanted.push(kind.to_owned()),
@@ -52,7 +54,7 @@ fn benchmark() -> Result<(), Failure> {
     if kinds.is_empty() {
         return Err(format!("no kind has one of these in its name: {}", wanted.join(", ")).into());
     }
-    let all = outcomes(&kinds, &(first..first + cars), &tests, (&bin, &pipeline), &folder)?;
+    let all = outcomes(&kinds, &(first..first + cars), (&tests, candidates), (&bin, &pipeline), &folder)?;
     print!("{}", tables(&all));
     if keep.is_none() {
         std::fs::remove_dir_all(&made_here)?;

@@ -81,7 +81,7 @@ pub struct Choices {
     counts: BTreeMap<(&'static str, Choice), usize>,
     /// Models recommended where the record tells them from the true one.
     others: BTreeMap<String, usize>,
-    /// Intervals of the fitted candidate of the true model.
+    /// Intervals of the true model: of its fitted candidate, or of its closed form.
     cover: Cover,
 }
 
@@ -106,7 +106,10 @@ pub fn choices_of(
         arguments.extend(if car.engine { &["--sensors", "compartment=accel,engine=engine"][..] } else { &[] });
         let printed = programs.run("parameter-solve", &arguments)?;
         programs.remove_folder()?;
-        let cover = count(&format!("{}/direct-fit", drawn.model), number, &car, &printed)?;
+        let mut cover = count(&format!("{}/direct-fit", drawn.model), number, &car, &printed)?;
+        if cover.parameters.is_empty() {
+            cover = count(&format!("{}/closed-form", drawn.model), number, &car, &printed)?;
+        }
         let recommendation = records(&printed, "/recommendation").next().map(|(_, record)| record);
         Ok((recommendation.unwrap_or_default(), cover))
     });
@@ -183,7 +186,7 @@ impl Choices {
     /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, the same with
     /// the records that have too few independent samples for that model, then the counts of the recommended and of the
     /// simplest: true, not told apart, too few samples, other, none; others that are recommended; of the closed 95 %
-    /// intervals of the fitted true model those that hold the truth, and the median width of those of stiffnesses.
+    /// intervals of the true model those that hold the truth, and the median width of those of stiffnesses.
     pub fn row(&self, name: &str) -> String {
         let held = 100.0 * self.held as f64 / self.records as f64;
         let mut row = format!("| {name} | {held:.1} | {:.1} |", self.held_percent());

@@ -14,21 +14,22 @@ use crate::programs::steps::{StepError, Steps, records};
 
 /// Cars of these kinds and numbers, through the programs in `bin` with the pipeline in `pipeline`.
 ///
-/// `tests`: speeds at which each is tested, km/h; with several, one model is fitted to all of them. Every car leaves
-/// its records and artifacts in a folder of its own below that of its kind. A car and its noise follow from its kind
-/// and number alone. Errors: a program that is missing or fails.
+/// `tests`: speeds at which each is tested, km/h; with several, one model is fitted to all of them. `candidates`: what
+/// every candidate predicts too, for as much time again. Every car leaves its records and artifacts in a folder of its
+/// own below that of its kind. A car and its noise follow from its kind and number alone. Errors: a program that is
+/// missing or fails.
 pub fn outcomes(
     kinds: &[&Kind],
     numbers: &std::ops::Range<usize>,
-    tests: &[f64],
+    (tests, candidates): (&[f64], bool),
     (bin, pipeline): (&Path, &Path),
     folder: &Path,
 ) -> Result<Vec<Outcome>, StepError> {
     let cars: Vec<(&Kind, usize)> =
         kinds.iter().flat_map(|kind| numbers.clone().map(move |number| (*kind, number))).collect();
     let trial_of = |(kind, number): (&Kind, usize)| {
-        let folder = folder.join(kind.name.replace([',', ' '], "-")).join(number.to_string());
-        trial(kind, number, tests, &Steps { bin, folder: &folder, pipeline: Some(pipeline) })
+        let folder = folder.join(kind.name.replace([',', ' ', '/'], "-")).join(number.to_string());
+        trial(kind, number, (tests, candidates), &Steps { bin, folder: &folder, pipeline: Some(pipeline) })
     };
     cars.into_par_iter().map(trial_of).collect()
 }
@@ -111,7 +112,12 @@ fn solved(car: &Car, tests: &[f64], programs: &Steps<'_>) -> Result<String, Step
     Ok(solved)
 }
 
-fn trial(kind: &Kind, number: usize, tests: &[f64], programs: &Steps<'_>) -> Result<Outcome, StepError> {
+fn trial(
+    kind: &Kind,
+    number: usize,
+    (tests, candidates): (&[f64], bool),
+    programs: &Steps<'_>,
+) -> Result<Outcome, StepError> {
     let car = kind.car(number);
     let speed_factor = kind.speed_factor();
     let tests: Vec<f64> = tests.iter().map(|km_per_h| speed_factor * km_per_h).collect();
@@ -143,7 +149,7 @@ fn trial(kind: &Kind, number: usize, tests: &[f64], programs: &Steps<'_>) -> Res
         status,
         predictions: vec![(Answer::Recommended, trial.scored(&answers)), (Answer::CarItself, known.collect())],
     };
-    for (method, id) in first {
+    for (method, id) in first.into_iter().filter(|_| candidates) {
         let answers = trial.all_predicted(Some(&id))?;
         outcome.predictions.push((Answer::Candidate(method), trial.scored(&answers)));
     }
