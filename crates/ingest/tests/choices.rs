@@ -163,12 +163,13 @@ fn flags_that_say_nothing_to_a_format_are_named() {
             flags(&open(&tdms, &IngestSettings { channel: Some("IIWPG Acceleration".to_owned()), ..all.clone() }));
         assert_eq!(
             found,
-            ["--time-unit", "--resample", "--vehicle-number", "--sample-time", "--profile", "--skip-to", "--field"]
+            ["--resample", "--sample-time", "--vehicle-number", "--profile", "--skip-to", "--field"],
+            "--time-unit is that of the steps"
         );
     }
     if let Some(lvm) = shared("data/shock-table-lvm/Test_002.lvm") {
         let found = flags(&open(&lvm, &all));
-        assert!(found.contains(&"--time-unit".to_owned()) && found.contains(&"--unit".to_owned()), "{found:?}");
+        assert!(found.contains(&"--sample-time".to_owned()) && found.contains(&"--unit".to_owned()), "{found:?}");
         assert!(found.contains(&"--vehicle-number".to_owned()), "{found:?}");
     }
     if let Some(bag) = shared("data/ros-imu-bag/tilt_laser.bag") {

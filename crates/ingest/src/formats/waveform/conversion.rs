@@ -54,6 +54,10 @@ pub fn to_channels(
     // The unit is that of the channels of times; without any, that of the steps.
     if let Some(symbol) = settings.time_unit.as_deref().filter(|_| !clocks.are_any()) {
         let unit_s = time_unit::stated_unit(Place::file(file), symbol, "--time-unit or the sidecar")?;
+        let is_other = |waveform: &Waveform| waveform.steps.is_some() && waveform.step_unit_s != unit_s;
+        if waveforms.iter().any(is_other) {
+            notes.info(format!("the steps of the channels are in {symbol} by --time-unit; the file has another unit"));
+        }
         waveforms.iter_mut().for_each(|waveform| waveform.step_unit_s = unit_s);
     }
     let kinds = units::quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
