@@ -140,6 +140,8 @@ fn prediction() -> PredictionV1 {
         delta_v_m_per_s: Some(19.5),
         coefficient_of_restitution: Some(0.125),
         peak_acceleration_m_per_s2: Some(310.0),
+        peak_by: Some(AnsweredByV1::Record),
+        delta_v_by: Some(AnsweredByV1::Model),
         olc_m_per_s2: None,
         energy: Some(PredictedEnergyV1 { kinetic_at_impact_j: 8.0, kinetic_at_rest_j: 1.5, absorbed_j: 6.5 }),
         extrapolates: true,

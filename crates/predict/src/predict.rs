@@ -8,6 +8,7 @@ use crate::impact::outcome::Outcome;
 use crate::impact::scenario::{Scenario, Surroundings, TestedImpact};
 use crate::impact::setting::Setting;
 use crate::intervals::models::weights;
+use crate::intervals::own_test::OwnTest;
 use crate::intervals::partner::PreparedPartner;
 use crate::intervals::prediction::{Impact, Prediction};
 use crate::intervals::sources::Inputs;
@@ -22,24 +23,27 @@ use crate::intervals::tested::{SAMPLING_S, Tested};
 pub fn predict(
     candidates: &[Candidate],
     named: &[usize],
-    test: TestedImpact,
+    test: &TestedImpact,
     inputs: Inputs,
     scenarios: &[Scenario],
     surroundings: &Surroundings,
 ) -> Vec<Vec<Result<Prediction, PredictError>>> {
-    let weights = weights(candidates);
     let prepared: Vec<Result<Tested<'_>, PredictError>> =
         named.par_iter().map(|k| Tested::new(&candidates[*k], test)).collect();
+    let weighted: Vec<(&Candidate, OwnTest<'_>, f64)> = weights(candidates)
+        .into_par_iter()
+        .filter_map(|(k, weight)| Some((&candidates[k], OwnTest::new(&candidates[k], test).ok()?.0, weight)))
+        .collect();
     let partner = PreparedPartner::new(&surroundings.partner);
     let all_of = |scenario: &Scenario| -> Result<Vec<_>, PredictError> {
         let partner = partner.as_ref().map_err(Clone::clone)?;
         let opponent = partner.opponent(*scenario)?;
         let setting = Setting { opponent: opponent.as_ref(), occupant: surroundings.occupant.as_ref() };
-        let others: Vec<(Outcome, f64)> = weights
+        let others: Vec<(Outcome, &OwnTest<'_>, f64)> = weighted
             .par_iter()
-            .filter_map(|(k, weight)| {
-                let structure = candidates[*k].structure(scenario.mass_kg).ok()?;
-                Some((setting.impact(&structure, scenario.speed_m_per_s, SAMPLING_S).ok()?.0, *weight))
+            .filter_map(|(candidate, own, weight)| {
+                let structure = candidate.structure(scenario.mass_kg).ok()?;
+                Some((setting.impact(&structure, scenario.speed_m_per_s, SAMPLING_S).ok()?.0, own, *weight))
             })
             .collect();
         Ok(prepared
@@ -60,7 +64,12 @@ pub fn predict(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_signal::Sampled;
+
+    use crate::impact::against::MadeTest;
     use crate::impact::candidate::ParameterSpread;
+    use crate::impact::outcome::Quantity;
+    use crate::impact::scenario::Partner;
     use crate::intervals::sources::{by_masses_in_front, by_rate_effect};
 
     fn elastoplastic(difference: Option<f64>) -> Candidate {
@@ -86,12 +95,13 @@ mod tests {
         other
     }
 
-    const TEST: TestedImpact =
-        TestedImpact { speed_m_per_s: 15.0, range_m_per_s: (15.0, 15.0), crush_deviation_m: 0.0 };
+    fn test() -> TestedImpact {
+        TestedImpact::new(15.0, [])
+    }
 
     fn at(candidates: &[Candidate], inputs: Inputs, speed: f64, mass_kg: Option<f64>) -> Prediction {
         let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg };
-        predict(candidates, &[0], TEST, inputs, &[scenario], &Surroundings::default())[0][0].clone().unwrap()
+        predict(candidates, &[0], &test(), inputs, &[scenario], &Surroundings::default())[0][0].clone().unwrap()
     }
 
     fn half_width(prediction: &Prediction) -> f64 {
@@ -143,10 +153,10 @@ mod tests {
     #[test]
     fn a_prediction_is_as_unsure_as_the_record_that_it_is_from() {
         let one = [elastoplastic(Some(0.0))];
-        let test = TEST.with_crush_deviation(0.01);
+        let test = test().with_crush_deviation(0.01);
         let half = |inputs: Inputs, speed: f64| {
             let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
-            let predicted = predict(&one, &[0], test, inputs, &[scenario], &Surroundings::default());
+            let predicted = predict(&one, &[0], &test, inputs, &[scenario], &Surroundings::default());
             half_width(predicted[0][0].as_ref().unwrap())
         };
         // 0.5 % by the stiffness and 10 mm of 0.75 m.
@@ -169,6 +179,96 @@ mod tests {
         assert_eq!(half(Inputs { left_out: 0.5, ..Inputs::default() }, 15.0), tested);
     }
 
+    /// A test of another structure than the candidate, as its record shows it.
+    fn recorded() -> TestedImpact {
+        let truth = at(&[true_car()], Inputs::default(), 15.0, None);
+        let velocity = truth.wave.compartment().unwrap().velocity_m_per_s.clone();
+        let made = MadeTest {
+            dynamic_crush_m: truth.outcome.get(Quantity::DynamicCrush),
+            coefficient_of_restitution: truth.outcome.get(Quantity::Restitution),
+            ..MadeTest::default()
+        };
+        test().with_measured(made.with_velocity(15.0, &Sampled::new(0.0, 1e-4, velocity).unwrap(), false))
+    }
+
+    fn true_car() -> Candidate {
+        let mut car = stiffer();
+        car.parameters.insert("unloading_stiffness_n_per_m".to_owned(), 1.2e7);
+        car
+    }
+
+    #[test]
+    fn the_record_answers_for_peak_and_rebound_and_what_the_model_missed_is_in_the_interval() {
+        let test = recorded();
+        for speed in [15.0, 10.0] {
+            let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
+            let one = [elastoplastic(Some(0.0))];
+            let predicted = predict(&one, &[0], &test, Inputs::default(), &[scenario], &Surroundings::default());
+            let predicted = predicted[0][0].as_ref().unwrap();
+            let truth = at(&[true_car()], Inputs::default(), speed, None).outcome;
+            let model = at(&one, Inputs::default(), speed, None).outcome;
+            assert_eq!((predicted.peak_by_record, predicted.rebound_by_record), (Some(true), Some(true)));
+            // Linear curves: peak in proportion to the speed, restitution the same. The deceleration of a record is the
+            // slope of its velocity between samples of 0.1 ms.
+            for (quantity, tolerance) in
+                [(Quantity::Peak, 2e-3), (Quantity::Restitution, 1e-9), (Quantity::DeltaV, 1e-9)]
+            {
+                let value = |of: &Outcome| of.get(quantity).unwrap();
+                let (answer, expected) = (value(&predicted.outcome), value(&truth));
+                assert!((answer / expected - 1.0).abs() < tolerance, "{quantity:?}: {answer}, expected {expected}");
+                let interval = predicted.intervals[quantity as usize].as_ref().unwrap();
+                assert!(interval.low < value(&model) && value(&model) < interval.high, "{quantity:?}: {interval:?}");
+                assert!(interval.by.contains("misfit of the test"), "{}", interval.by);
+            }
+            // The crush stays the model's, and is off by what it is off in the test.
+            assert_eq!(predicted.outcome.0[0], model.0[0]);
+            let known = half_width(&at(&one, Inputs::default(), speed, None)) / 1.644_853_6;
+            let wider = half_width(predicted) / 1.644_853_6;
+            assert!((wider - known.hypot(1.1_f64.sqrt() - 1.0)).abs() < 1e-3, "{wider}, {known}");
+        }
+    }
+
+    #[test]
+    fn beyond_the_test_the_model_answers_and_of_several_tests_no_record_does() {
+        let scenario = Scenario { speed_m_per_s: 18.0, partner_speed_m_per_s: 0.0, mass_kg: None };
+        let one = [elastoplastic(Some(0.0))];
+        let by = |test: &TestedImpact| {
+            let predicted = predict(&one, &[0], test, Inputs::default(), &[scenario], &Surroundings::default());
+            let predicted = predicted[0][0].clone().unwrap();
+            (predicted.peak_by_record, predicted.rebound_by_record)
+        };
+        assert_eq!(by(&recorded()), (Some(false), Some(false)));
+        assert_eq!(by(&test()), (None, None));
+    }
+
+    #[test]
+    fn equals_with_one_record_meet_as_at_the_wall() {
+        let test = recorded();
+        let candidates = vec![elastoplastic(Some(0.0))];
+        let partner = Partner::Vehicle { candidates: candidates.clone(), place: 0, test: test.clone(), mass_kg: None };
+        let at = |partner: Partner, partner_speed_m_per_s: f64| {
+            let scenario = Scenario { speed_m_per_s: 12.0, partner_speed_m_per_s, mass_kg: None };
+            let surroundings = Surroundings { partner, ..Surroundings::default() };
+            predict(&candidates, &[0], &test, Inputs::default(), &[scenario], &surroundings)[0][0].clone().unwrap()
+        };
+        let (wall, both) = (at(Partner::Wall, 0.0), at(partner, 12.0));
+        for (quantity, other) in [
+            (Quantity::Peak, Quantity::PartnerPeak),
+            (Quantity::DeltaV, Quantity::PartnerDeltaV),
+            (Quantity::Restitution, Quantity::Restitution),
+        ] {
+            let expected = wall.outcome.get(quantity).unwrap();
+            for quantity in [quantity, other] {
+                let value = both.outcome.get(quantity).unwrap();
+                assert!((value / expected - 1.0).abs() < 1e-8, "{quantity:?}: {value}, expected {expected}");
+            }
+        }
+        // The velocities after it belong to the change of velocity.
+        let own = both.collision.unwrap().own;
+        let change = own.velocity_before_m_per_s - own.velocity_after_m_per_s.unwrap();
+        assert!((change - wall.outcome.get(Quantity::DeltaV).unwrap()).abs() < 1e-7, "{change}");
+    }
+
     #[test]
     fn an_open_parameter_that_the_test_holds_fast_is_no_doubt_of_its_crush() {
         let mut open = elastoplastic(Some(0.0));
@@ -186,7 +286,7 @@ mod tests {
     fn a_mass_below_that_in_front_of_the_compartment_is_refused() {
         let scenario = Scenario { speed_m_per_s: 15.0, partner_speed_m_per_s: 0.0, mass_kg: Some(0.0) };
         let candidates = [elastoplastic(None)];
-        let results = predict(&candidates, &[0], TEST, Inputs::default(), &[scenario], &Surroundings::default());
+        let results = predict(&candidates, &[0], &test(), Inputs::default(), &[scenario], &Surroundings::default());
         assert!(matches!(results[0][0], Err(PredictError::Mass { .. })));
     }
 }

@@ -28,6 +28,7 @@ pub use measured::{
     MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1, VehiclesV1, WaveBlockV1,
 };
 pub use predicted::{
-    AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
+    AgainstTestV1, AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1,
+    PredictionV1,
 };
 pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1};

@@ -3,6 +3,7 @@
 use crumple_metrics::{Iso18571Options, iso18571};
 use crumple_signal::Sampled;
 
+use crate::impact::felt::FeltOverEnergy;
 use crate::impact::outcome::{Outcome, Quantity, Wave, through_cfc_60};
 
 /// A test that was made.
@@ -12,12 +13,16 @@ pub struct MadeTest {
     pub dynamic_crush_m: Option<f64>,
     /// Its time, s after time zero.
     pub time_of_dynamic_crush_s: Option<f64>,
+    /// Change of velocity up to the rebound, m/s.
+    pub delta_v_m_per_s: Option<f64>,
     /// Coefficient of restitution.
     pub coefficient_of_restitution: Option<f64>,
     /// Largest deceleration, m/s².
     pub peak_m_per_s2: Option<f64>,
     /// Acceleration of the compartment as filtered, counted from time zero.
     pub acceleration: Option<Sampled>,
+    /// What it felt over the energy it had taken.
+    pub felt: Option<FeltOverEnergy>,
 }
 
 impl MadeTest {
@@ -26,10 +31,24 @@ impl MadeTest {
         match quantity {
             Quantity::DynamicCrush => self.dynamic_crush_m,
             Quantity::TimeOfDynamicCrush => self.time_of_dynamic_crush_s,
+            Quantity::DeltaV => self.delta_v_m_per_s,
             Quantity::Restitution => self.coefficient_of_restitution,
             Quantity::Peak => self.peak_m_per_s2,
             _ => None,
         }
+    }
+
+    /// The test with what it felt over the energy it had taken, from its velocity, counted from time zero; `filtered`:
+    /// its acceleration was through CFC 60 already.
+    #[must_use]
+    pub fn with_velocity(self, speed_m_per_s: f64, velocity: &Sampled, filtered: bool) -> Self {
+        let dt_s = velocity.dt_s();
+        let first = (-velocity.t0_s() / dt_s - 1e-6).ceil().max(0.0) as usize;
+        let velocity = velocity.samples().get(first..).unwrap_or_default();
+        let deceleration: Vec<f64> = velocity.windows(2).map(|pair| (pair[0] - pair[1]) / dt_s).collect();
+        let deceleration = if filtered { Some(deceleration) } else { through_cfc_60(&deceleration, dt_s) };
+        let felt = deceleration.and_then(|felt| FeltOverEnergy::new(speed_m_per_s, velocity.get(1..)?, &felt));
+        Self { felt, ..self }
     }
 
     /// Predicted less measured, percent of the measured.
@@ -78,6 +97,7 @@ mod tests {
             coefficient_of_restitution: outcome.get(Quantity::Restitution),
             peak_m_per_s2: outcome.get(Quantity::Peak),
             acceleration: Sampled::new(0.0, 1e-4, filtered).ok(),
+            ..MadeTest::default()
         };
         assert_eq!(made.error_percent(&outcome, Quantity::DynamicCrush), Some(0.0));
         // Equal curves rate 1; interpolation between equal instants is a rounding.

@@ -3,6 +3,7 @@
 
 pub mod against;
 pub mod candidate;
+pub mod felt;
 pub mod occupant;
 pub mod outcome;
 pub mod partner;

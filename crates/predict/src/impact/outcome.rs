@@ -104,12 +104,15 @@ impl Quantity {
     }
 
     /// By which power it changes with the crush at the same energy: a softer structure stops later and at a lower
-    /// force.
-    pub(crate) fn power_of_crush(self) -> f64 {
+    /// force, and what comes back goes as that force. A change of velocity goes as one plus the restitution.
+    pub(crate) fn power_of_crush(self, restitution: f64) -> f64 {
         match self {
             Self::DynamicCrush | Self::TimeOfDynamicCrush | Self::MutualCrush | Self::PartnerCrush => 1.0,
-            Self::Peak | Self::Olc | Self::PartnerPeak | Self::PartnerOlc | Self::OccupantPeak => -1.0,
-            Self::DeltaV | Self::PartnerDeltaV | Self::Restitution | Self::OccupantExcursion | Self::RideDown => 0.0,
+            Self::Peak | Self::Olc | Self::PartnerPeak | Self::PartnerOlc | Self::OccupantPeak | Self::Restitution => {
+                -1.0
+            }
+            Self::DeltaV | Self::PartnerDeltaV => -restitution / (1.0 + restitution),
+            Self::OccupantExcursion | Self::RideDown => 0.0,
         }
     }
 

@@ -2,10 +2,11 @@
 
 use crumple_lumped::{Occupant, Structure};
 
+use crate::impact::against::MadeTest;
 use crate::impact::candidate::Candidate;
 
 /// The test that the candidates are from; of several the one with the deepest crush.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TestedImpact {
     /// Its impact speed, m/s.
     pub speed_m_per_s: f64,
@@ -13,6 +14,8 @@ pub struct TestedImpact {
     pub range_m_per_s: (f64, f64),
     /// Standard deviation of its dynamic crush by the uncertainty of its own speed, zero level, gain and time zero, m.
     pub crush_deviation_m: f64,
+    /// What it measured; of several tests nothing.
+    pub made: MadeTest,
 }
 
 impl TestedImpact {
@@ -21,13 +24,19 @@ impl TestedImpact {
         let range = (speed_m_per_s, speed_m_per_s);
         let range_m_per_s =
             others_m_per_s.into_iter().fold(range, |(slowest, fastest), v| (slowest.min(v), fastest.max(v)));
-        Self { speed_m_per_s, range_m_per_s, crush_deviation_m: 0.0 }
+        Self { speed_m_per_s, range_m_per_s, crush_deviation_m: 0.0, made: MadeTest::default() }
     }
 
     /// The test with this standard deviation of its dynamic crush by its inputs, m.
     #[must_use]
     pub fn with_crush_deviation(self, crush_deviation_m: f64) -> Self {
         Self { crush_deviation_m, ..self }
+    }
+
+    /// The test with what it measured.
+    #[must_use]
+    pub fn with_measured(self, made: MadeTest) -> Self {
+        Self { made, ..self }
     }
 
     /// The speed within those of the tests that is nearest to another, m/s.

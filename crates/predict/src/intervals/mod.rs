@@ -3,6 +3,7 @@
 
 pub mod directions;
 pub mod models;
+pub mod own_test;
 pub mod partner;
 pub mod prediction;
 pub mod sources;

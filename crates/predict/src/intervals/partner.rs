@@ -7,6 +7,7 @@ use crate::impact::candidate::Candidate;
 use crate::impact::partner::Opponent;
 use crate::impact::scenario::{Partner, Scenario};
 use crate::intervals::models::weights;
+use crate::intervals::own_test::OwnTest;
 use crate::intervals::tested::Tested;
 
 /// The partner as every impact needs it.
@@ -15,7 +16,7 @@ pub(crate) struct PreparedPartner<'a> {
     /// Of a vehicle its candidate in its own test.
     pub tested: Option<Tested<'a>>,
     /// Its adequate models with their weights.
-    others: Vec<(&'a Candidate, f64)>,
+    others: Vec<(&'a Candidate, OwnTest<'a>, f64)>,
 }
 
 impl<'a> PreparedPartner<'a> {
@@ -24,8 +25,9 @@ impl<'a> PreparedPartner<'a> {
         let Partner::Vehicle { candidates, place, test, .. } = partner else {
             return Ok(Self { partner, tested: None, others: Vec::new() });
         };
-        let others = weights(candidates).into_iter().map(|(k, weight)| (&candidates[k], weight)).collect();
-        Ok(Self { partner, tested: Some(Tested::new(&candidates[*place], *test)?), others })
+        let own = |(k, weight)| Some((&candidates[k], OwnTest::new(&candidates[k], test).ok()?.0, weight));
+        let others = weights(candidates).into_iter().filter_map(own).collect();
+        Ok(Self { partner, tested: Some(Tested::new(&candidates[*place], test)?), others })
     }
 
     /// The mass asked for, kg; `None`: that of its test.
@@ -60,10 +62,10 @@ impl<'a> PreparedPartner<'a> {
     }
 
     /// The opponent as each of its adequate models, with their weights.
-    pub fn others(&self, opponent: &Opponent) -> Vec<(Opponent, f64)> {
+    pub fn others(&self, opponent: &Opponent) -> Vec<(Opponent, &OwnTest<'a>, f64)> {
         let of = |candidate: &Candidate| {
             Some(Opponent { structure: candidate.structure(self.mass_kg()).ok()?, ..*opponent })
         };
-        self.others.iter().filter_map(|(candidate, weight)| Some((of(candidate)?, *weight))).collect()
+        self.others.iter().filter_map(|(candidate, own, weight)| Some((of(candidate)?, own, *weight))).collect()
     }
 }

@@ -13,6 +13,7 @@ use crate::impact::reach::Reach;
 use crate::impact::scenario::Scenario;
 use crate::impact::setting::Setting;
 use crate::intervals::directions::Direction;
+use crate::intervals::own_test::{ByRecord, OwnTest};
 use crate::intervals::partner::PreparedPartner;
 use crate::intervals::sources::{
     Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
@@ -41,6 +42,10 @@ pub struct Prediction {
     pub outcome: Outcome,
     /// Their intervals, in the order of [`Quantity::ALL`].
     pub intervals: [Option<Interval>; QUANTITIES],
+    /// Whether the record of the test answers for the peak, within what was tested; `None`: it shows none.
+    pub peak_by_record: Option<bool>,
+    /// The same of restitution and change of velocity.
+    pub rebound_by_record: Option<bool>,
     /// Where the energy goes, of both vehicles together; `None`: it never stops.
     pub energy: Option<Energy>,
     /// The motion.
@@ -71,17 +76,61 @@ pub(crate) struct Impact<'a> {
 struct CrushDoubt {
     shares: [f64; 4],
     crush_m: f64,
+    /// By how much more than the crush its time, and the force at its end, depend on the force beyond the tested crush.
+    late: f64,
+    end: f64,
+    /// That force over the peak.
+    of_peak: f64,
+}
+
+/// Place of what lies beyond the tested crush among the shares.
+const EXTRAPOLATION: usize = 1;
+
+impl CrushDoubt {
+    /// By how much more than the crush a number depends on the force beyond the tested crush.
+    fn beyond(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::TimeOfDynamicCrush => self.late,
+            Quantity::Peak | Quantity::PartnerPeak => self.end * self.of_peak,
+            Quantity::Restitution | Quantity::DeltaV | Quantity::PartnerDeltaV => self.end,
+            _ => 1.0,
+        }
+    }
+}
+
+/// Energy that the fronts of an impact take, J.
+#[derive(Clone, Copy)]
+struct Taken {
+    own_j: f64,
+    partner_j: f64,
+}
+
+impl Taken {
+    /// Of a collision; at the wall all of it.
+    fn of(both: Option<&CollisionOutcome>, kinetic_j: f64) -> Self {
+        let Some(both) = both else { return Self { own_j: kinetic_j, partner_j: 0.0 } };
+        let [own_j, partner_j] = [&both.own, &both.partner].map(|body| body.absorbed_j.unwrap_or(0.0));
+        Self { own_j, partner_j }
+    }
+
+    fn by_record(self, own: &OwnTest<'_>, partner: Option<&OwnTest<'_>>) -> ByRecord {
+        ByRecord::new((own, self.own_j), partner.map(|test| (test, self.partner_j)), self.partner_j)
+    }
 }
 
 impl Impact<'_> {
     /// The numbers with their intervals; `others` are those of the adequate models, with their weights. Errors: a
     /// response that leaves the range of numbers, no closing speed.
-    pub fn prediction(&self, inputs: Inputs, others: &[(Outcome, f64)]) -> Result<Prediction, PredictError> {
+    pub fn prediction(
+        &self,
+        inputs: Inputs,
+        others: &[(Outcome, &OwnTest<'_>, f64)],
+    ) -> Result<Prediction, PredictError> {
         let structure = self.tested.candidate.structure(self.scenario.mass_kg)?;
         let speed = self.scenario.speed_m_per_s;
         let mass_kg: f64 = structure.masses_kg().iter().sum();
-        let (outcome, wave) = self.setting.impact(&structure, speed, SAMPLING_S)?;
-        let both = self.setting.opponent.map(|opponent| collision(&structure, speed, opponent)).transpose()?;
+        let (model, wave) = self.setting.impact(&structure, speed, SAMPLING_S)?;
+        let mut both = self.setting.opponent.map(|opponent| collision(&structure, speed, opponent)).transpose()?;
         let partner_others = self.partner_others(&structure);
         let own_speed = both.map_or(Some(speed), |both| both.own.energy_equivalent_speed_m_per_s).unwrap_or(speed);
         let own = self.support(self.tested, &structure, &wave, Side::Own, own_speed, others.len());
@@ -91,6 +140,17 @@ impl Impact<'_> {
                 let models = partner_others.len();
                 (tested, speed, self.support(tested, &opponent.structure, &wave, Side::Partner, speed, models))
             });
+        let taken = Taken::of(both.as_ref(), 0.5 * mass_kg * speed * speed);
+        let partner_own = self.partner.tested.as_ref().map(|tested| &tested.own);
+        let by_record = taken.by_record(&self.tested.own, partner_own);
+        let outcome = by_record.of(&model);
+        both.iter_mut().for_each(|both| by_record.after(both, &model));
+        let of_others = others.iter().map(|(other, own, weight)| (other, (*own, partner_own), *weight));
+        let of_partners =
+            partner_others.iter().map(|(other, own, weight)| (other, (&self.tested.own, Some(*own)), *weight));
+        let others = of_others.chain(of_partners);
+        let others: Vec<(Outcome, f64)> =
+            others.map(|(other, (own, partner), weight)| (taken.by_record(own, partner).of(other), weight)).collect();
         let variances = self.by_parameters(&structure, &outcome);
         let by_speed = self.by_speed(&structure, inputs.speed_m_per_s);
         let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
@@ -105,11 +165,14 @@ impl Impact<'_> {
         let intervals = Quantity::ALL.map(|quantity| {
             let value = outcome.get(quantity)?;
             let q = quantity as usize;
-            let models = others.iter().chain(&partner_others);
             let models =
-                models.filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
+                others.iter().filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
             let by_crush = [0, 1, 2, 3].map(|k| {
-                let scaled = |doubt: &CrushDoubt| (quantity.power_of_crush() * doubt.shares[k] * value).powi(2);
+                let power = quantity.power_of_crush(outcome.get(Quantity::Restitution).unwrap_or(0.0));
+                let scaled = |doubt: &CrushDoubt| {
+                    let more = if k == EXTRAPOLATION { doubt.beyond(quantity) } else { 1.0 };
+                    (power * more * doubt.shares[k] * value).powi(2)
+                };
                 match quantity.side() {
                     Side::Own => scaled(&own_doubt),
                     Side::Partner => scaled(&partner_doubt),
@@ -119,8 +182,20 @@ impl Impact<'_> {
                 }
             });
             let [rate, extrapolation, in_front, record] = by_crush;
-            let all: Variances =
-                [variances[q], by_speed[q], by_mass[q], models, rate, extrapolation, in_front, record, by_restraint[q]];
+            let misfit = self.by_misfit(quantity, &model, &outcome, own.beyond.is_some());
+            let restraint = by_restraint[q];
+            let all: Variances = [
+                variances[q],
+                by_speed[q],
+                by_mass[q],
+                models,
+                rate,
+                extrapolation,
+                in_front,
+                record,
+                restraint,
+                misfit,
+            ];
             interval(value, &all, inputs.left_out)
         });
         let energy = match &both {
@@ -133,6 +208,8 @@ impl Impact<'_> {
             mass_kg,
             outcome,
             intervals,
+            peak_by_record: by_record.peak.map(|_| own.beyond.is_none()),
+            rebound_by_record: by_record.restitution.map(|_| own.beyond.is_none()),
             energy,
             wave,
             collision: both,
@@ -156,6 +233,20 @@ impl Impact<'_> {
         Support { beyond: reach.beyond(&tested.reach), faster, limited: tested.directions.limited(), models }
     }
 
+    /// Variance by what the model misses in its own test: of the peak that of the test, of the rebound what the record
+    /// has corrected, too.
+    fn by_misfit(&self, quantity: Quantity, model: &Outcome, outcome: &Outcome, beyond: bool) -> f64 {
+        let Some((value, before)) = outcome.get(quantity).zip(model.get(quantity)) else { return 0.0 };
+        let (tested, in_test) = match quantity.side() {
+            Side::Partner => (self.partner.tested.as_ref(), quantity.of_partner()),
+            _ => (Some(self.tested), quantity.of_own().filter(|other| *other == quantity)),
+        };
+        let restitution = outcome.get(Quantity::Restitution).unwrap_or(0.0);
+        let misfit = tested.zip(in_test).map_or(0.0, |(tested, q)| value * tested.own.misfit(q, restitution, beyond));
+        let is_peak = in_test == Some(Quantity::Peak);
+        if is_peak { misfit.powi(2) } else { (value - before).hypot(misfit).powi(2) }
+    }
+
     /// The numbers where the opponent is another, coarsely sampled.
     fn against(&self, structure: &Structure, opponent: Option<Opponent>) -> Option<Outcome> {
         let opponent = opponent?;
@@ -164,14 +255,14 @@ impl Impact<'_> {
     }
 
     /// The numbers where the partner is another of its adequate models, with their weights.
-    fn partner_others(&self, structure: &Structure) -> Vec<(Outcome, f64)> {
+    fn partner_others(&self, structure: &Structure) -> Vec<(Outcome, &OwnTest<'_>, f64)> {
         let Some(opponent) = self.setting.opponent else { return Vec::new() };
         let others = self.partner.others(opponent);
         others
             .into_par_iter()
-            .filter_map(|(other, weight)| {
+            .filter_map(|(other, own, weight)| {
                 let setting = self.setting.against(Some(&other));
-                Some((setting.impact(structure, self.scenario.speed_m_per_s, SAMPLING_S).ok()?.0, weight))
+                Some((setting.impact(structure, self.scenario.speed_m_per_s, SAMPLING_S).ok()?.0, own, weight))
             })
             .collect()
     }
@@ -243,12 +334,12 @@ fn along_directions(
         .map(|(direction, changes)| {
             let [up, down] = &direction.ends;
             let difference = half_difference(at(up), at(down));
-            if !direction.limited {
-                return difference;
-            }
             let here = relative(difference, outcome);
             let held = Quantity::ALL.map(|quantity| in_test(quantity).map_or(0.0, |other| changes[other as usize]));
-            std::array::from_fn(|q| (here[q] - held[q]) * outcome.0[q].unwrap_or(0.0))
+            std::array::from_fn(|q| {
+                let is_held = direction.limited || tested.own.is_by_record(Quantity::ALL[q]);
+                if is_held { (here[q] - held[q]) * outcome.0[q].unwrap_or(0.0) } else { difference[q] }
+            })
         })
         .collect();
     std::array::from_fn(|q| changes.iter().map(|change| change[q] * change[q]).sum())
@@ -260,6 +351,23 @@ fn by_step(deviation: f64, at: impl Fn(f64) -> Option<Outcome>) -> [f64; QUANTIT
         return [0.0; QUANTITIES];
     }
     half_difference(at(1.0 + STEP), at(1.0 - STEP)).map(|change| (change / STEP * deviation).powi(2))
+}
+
+/// How much more the time of the crush, and the force at its end, depend on the slope of the force beyond the tested
+/// crush than the crush does, and that force over the peak.
+///
+/// With `F` the force there, `k` an error of its slope and `d` the way from there on, the way is shorter by `k d/2F` of
+/// itself, its time by `2/3` of `k d/F` (an oscillator that starts against `F`, to first order in `k`), and the force at
+/// the end is larger by `k d/F`.
+fn at_the_end(wave: &Wave, side: Side, outcome: &Outcome, crush_m: f64, tested_m: f64) -> (f64, f64, f64) {
+    let share = 1.0 - tested_m / crush_m;
+    let time_s = outcome.get(Quantity::TimeOfDynamicCrush);
+    let displacements = wave.crush_of_masses(side);
+    let passed = displacements.last().and_then(|of| of.iter().position(|x| *x >= tested_m));
+    let late = time_s.zip(passed).map_or(1.0, |(t, k)| 4.0 / 3.0 * (1.0 - k as f64 * wave.dt_s / t) / share);
+    let peak = if side == Side::Partner { Quantity::PartnerPeak } else { Quantity::Peak };
+    let of_peak = at_crush(wave, side, outcome).zip(outcome.get(peak)).map_or(1.0, |(end, peak)| end / peak);
+    (late.max(1.0), 2.0 / share, of_peak.clamp(0.0, 1.0))
 }
 
 /// What the front of one side makes unsure: `speed` is that of an impact on a wall with the energy it takes, `mass_kg`
@@ -280,8 +388,10 @@ fn doubt(
         by_rate_effect(speed, tested.test.nearest_m_per_s(speed), beyond, candidate.has_rate_factor(), one_mass)
     };
     let crush = if side == Side::Partner { Quantity::PartnerCrush } else { Quantity::DynamicCrush };
-    let (crush_m, tested_m) = (outcome.get(crush), tested.outcome.get(Quantity::DynamicCrush));
+    let (crush_m, tested_m) = (outcome.get(crush), tested.own.outcome.get(Quantity::DynamicCrush));
     let pair = crush_m.zip(tested_m).filter(|(crush, tested)| crush > tested && *tested > 0.0);
+    let (late, end, of_peak) =
+        pair.map_or((1.0, 1.0, 1.0), |(crush, tested_m)| at_the_end(wave, side, outcome, crush, tested_m));
     // By the slope of the force from the tested crush on to the one predicted.
     let extrapolation = pair.map_or(0.0, |(crush, tested_m)| {
         let ends = at_crush(wave, side, outcome).zip(tested.deceleration).filter(|(here, _)| *here > 0.0);
@@ -291,9 +401,10 @@ fn doubt(
     let in_front = crush_m
         .zip(tested_m)
         .filter(|(crush, _)| *crush > 0.0 && one_mass && candidate.class() == EnergyClass::Plastic)
-        .map_or(0.0, |(crush, tested_m)| by_masses_in_front(crush / tested_m, mass_kg / tested.mass_kg));
+        .map_or(0.0, |(crush, tested_m)| by_masses_in_front(crush / tested_m, mass_kg / tested.own.mass_kg));
     let record = crush_m.zip(tested_m).filter(|(crush, tested)| *crush > 0.0 && *tested > 0.0);
     let record = record
         .map_or(0.0, |(crush, tested_m)| by_inputs_of_test(tested.crush_deviation_m(known_m_per_s), crush, tested_m));
-    CrushDoubt { shares: [rate, extrapolation, in_front, record], crush_m: crush_m.unwrap_or(0.0) }
+    let shares = [rate, extrapolation, in_front, record];
+    CrushDoubt { shares, crush_m: crush_m.unwrap_or(0.0), late, end, of_peak }
 }

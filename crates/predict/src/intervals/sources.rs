@@ -57,7 +57,7 @@ pub struct Interval {
 const NAMED: f64 = 0.005;
 
 /// What is not known, each with its name.
-pub(crate) const SOURCES: [&str; 9] = [
+pub(crate) const SOURCES: [&str; 10] = [
     "parameters",
     "speed",
     "mass",
@@ -67,10 +67,11 @@ pub(crate) const SOURCES: [&str; 9] = [
     "masses in front",
     "inputs of the test",
     "restraint",
+    "misfit of the test",
 ];
 
 /// Variances of one number in the order of [`SOURCES`].
-pub(crate) type Variances = [f64; 9];
+pub(crate) type Variances = [f64; 10];
 
 /// The interval about a value, symmetric and not below zero; `None` beyond the range of numbers.
 ///
@@ -137,15 +138,15 @@ mod tests {
 
     #[test]
     fn an_interval_is_as_wide_as_the_root_of_its_variances() {
-        let interval = interval(0.5, &[9e-4, 0.0, 0.0, 16e-4, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
+        let interval = interval(0.5, &[9e-4, 0.0, 0.0, 16e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
         // 5 % of standard deviation.
         assert!(
             (interval.high - 0.5 - HALF_WIDTH * 0.05).abs() < 1e-12
                 && (interval.low + interval.high - 1.0).abs() < 1e-12
         );
         assert_eq!(interval.by, "parameters 36 %, models 64 % of the variance");
-        assert_eq!(super::interval(0.01, &[1.0; 9], 0.0).unwrap().low, 0.0);
-        assert_eq!(super::interval(f64::NAN, &[0.0; 9], 0.0), None);
+        assert_eq!(super::interval(0.01, &[1.0; 10], 0.0).unwrap().low, 0.0);
+        assert_eq!(super::interval(f64::NAN, &[0.0; 10], 0.0), None);
     }
 
     #[test]

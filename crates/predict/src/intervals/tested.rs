@@ -9,6 +9,7 @@ use crate::impact::reach::Reach;
 use crate::impact::scenario::TestedImpact;
 use crate::impact::setting::Setting;
 use crate::intervals::directions::Directions;
+use crate::intervals::own_test::OwnTest;
 
 /// Sampling interval of the waves, s: 10 kHz, as a laboratory records.
 pub(crate) const SAMPLING_S: f64 = 1e-4;
@@ -21,14 +22,13 @@ pub(crate) const STEP: f64 = 0.01;
 /// A candidate with the directions of its parameters, in the test that it is from.
 pub(crate) struct Tested<'a> {
     pub candidate: &'a Candidate,
-    pub test: TestedImpact,
+    pub test: &'a TestedImpact,
     pub directions: Directions,
     pub reach: Reach,
-    pub outcome: Outcome,
+    /// What it says of its test, beside the record.
+    pub own: OwnTest<'a>,
     /// How many masses it has.
     pub masses: usize,
-    /// Their sum, kg.
-    pub mass_kg: f64,
     /// Deceleration of the compartment at the end of the crush, m/s².
     pub deceleration: Option<f64>,
     /// How much longer the crush is at a higher speed, s.
@@ -39,10 +39,10 @@ pub(crate) struct Tested<'a> {
 
 impl<'a> Tested<'a> {
     /// Lets the candidate meet the wall at the speed of its test. Errors: a response that leaves the range of numbers.
-    pub fn new(candidate: &'a Candidate, test: TestedImpact) -> Result<Self, PredictError> {
+    pub fn new(candidate: &'a Candidate, test: &'a TestedImpact) -> Result<Self, PredictError> {
         let directions = Directions::of(candidate);
         let (structure, speed) = (candidate.structure(None)?, test.speed_m_per_s);
-        let (outcome, wave) = Setting::default().impact(&structure, speed, SAMPLING_S)?;
+        let (own, wave) = OwnTest::new(candidate, test)?;
         let at = |factors: &_| {
             let structure = candidate.changed(factors, None).ok()?;
             Some(Setting::default().impact(&structure, speed, COARSE_S).ok()?.0)
@@ -52,11 +52,7 @@ impl<'a> Tested<'a> {
             .par_iter()
             .map(|direction| {
                 let [up, down] = &direction.ends;
-                if direction.limited {
-                    relative(half_difference(at(up), at(down)), &outcome)
-                } else {
-                    [0.0; QUANTITIES]
-                }
+                relative(half_difference(at(up), at(down)), &own.outcome)
             })
             .collect();
         let crush_at = |factor: f64| {
@@ -66,21 +62,9 @@ impl<'a> Tested<'a> {
         let ends = crush_at(1.0 + STEP).zip(crush_at(1.0 - STEP));
         let crush_by_speed_s = ends.map_or(0.0, |(up, down)| (up - down) / (2.0 * STEP * speed));
         let reach = Reach::new(&structure, &wave, Side::Own, speed);
-        let deceleration = at_crush(&wave, Side::Own, &outcome);
-        let masses = structure.masses_kg();
-        let (masses, mass_kg) = (masses.len(), masses.iter().sum());
-        Ok(Self {
-            candidate,
-            test,
-            directions,
-            reach,
-            outcome,
-            masses,
-            mass_kg,
-            deceleration,
-            crush_by_speed_s,
-            changes,
-        })
+        let deceleration = at_crush(&wave, Side::Own, &own.outcome);
+        let masses = structure.masses_kg().len();
+        Ok(Self { candidate, test, directions, reach, own, masses, deceleration, crush_by_speed_s, changes })
     }
 }
 
@@ -92,7 +76,7 @@ impl Tested<'_> {
     /// stated speed makes the record's crush wrong by `t d`, `t` its time, and leaves the crush at the stated speed
     /// wrong by `(t - dC/dv) d` alone: the faster test has the longer crush.
     pub fn crush_deviation_m(&self, speed_m_per_s: f64) -> f64 {
-        let time_s = self.outcome.get(Quantity::TimeOfDynamicCrush).unwrap_or(0.0);
+        let time_s = self.own.outcome.get(Quantity::TimeOfDynamicCrush).unwrap_or(0.0);
         let slope_s = self.crush_by_speed_s;
         let by_speed = speed_m_per_s * speed_m_per_s * slope_s * (2.0 * time_s - slope_s);
         (self.test.crush_deviation_m.powi(2) - by_speed.max(0.0)).max(0.0).sqrt()

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crumple_predict::{MadeTest, Prediction, Quantity};
-use crumple_signal::Sampled;
+use crumple_signal::{Sampled, TestDescription};
 use crumple_stage::records::{AgainstTestV1, EventsV1, MetricsV2};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
 
@@ -33,18 +33,37 @@ fn other_test(input: &Inputs) -> anyhow::Result<OtherTest> {
     let events: EventsV1 = input.record("/events")?;
     let speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
     let speed_m_per_s = speed_m_per_s.ok_or_else(|| Refused::new("the other test has no impact speed"))?;
+    let made = measured(input, &test, &events, speed_m_per_s)?;
+    Ok(OtherTest { title: test.title, impact: (speed_m_per_s, test.mass_kg), made })
+}
+
+/// What a test measured. Errors: records that cannot be read.
+pub fn measured(
+    input: &Inputs,
+    test: &TestDescription,
+    events: &EventsV1,
+    speed_m_per_s: f64,
+) -> anyhow::Result<MadeTest> {
     let metrics = input.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
     let peak = metrics.iter().find(|metric| metric.name == "peak_acceleration" && metric.channel == events.channel);
     let from_time_zero =
         |wave: &Sampled| Sampled::new(wave.t0_s() - events.time_zero_s, wave.dt_s(), wave.samples().to_vec()).ok();
     let made = MadeTest {
+        delta_v_m_per_s: events.delta_v_m_per_s,
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         coefficient_of_restitution: events.coefficient_of_restitution,
         peak_m_per_s2: peak.and_then(|metric| metric.value).map(f64::abs),
         acceleration: input.wave_if(&events.channel).and_then(|wave| from_time_zero(&wave.sampled)),
+        ..MadeTest::default()
     };
-    Ok(OtherTest { title: test.title, impact: (speed_m_per_s, test.mass_kg), made })
+    let class = test.channels.iter().find(|channel| channel.id == events.channel).and_then(|channel| channel.cfc);
+    let velocity =
+        input.wave_if(&format!("{}/velocity", events.channel)).and_then(|wave| from_time_zero(&wave.sampled));
+    Ok(match velocity {
+        Some(velocity) => made.with_velocity(speed_m_per_s, &velocity, class == Some(60)),
+        None => made,
+    })
 }
 
 impl OtherTest {

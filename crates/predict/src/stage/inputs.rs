@@ -4,6 +4,8 @@ use crumple_predict::{Candidate, HALF_WIDTH, ParameterSpread, TestedImpact};
 use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestsV1};
 use crumple_stage::{Inputs, Usage, unknown_name};
 
+use crate::stage::against::measured;
+
 /// A candidate that is to predict.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Named {
@@ -17,18 +19,16 @@ pub struct Named {
 /// `None` where nothing tells a speed. Errors: records that cannot be read.
 pub fn tested(input: &Inputs) -> anyhow::Result<Option<TestedImpact>> {
     let several: Option<TestsV1> = input.record_if("/tests")?;
-    let (speed, deviation) = match &several {
-        // What their inputs leave unsure is in what the tests that are left out are missed by.
-        Some(_) => (None, None),
-        None => {
-            let events: EventsV1 = input.record("/events")?;
-            (events.impact_speed_m_per_s, crush_deviation_m(&events))
-        }
-    };
+    let test = input.test()?;
+    // Of several, what their inputs leave unsure is in what the tests that are left out are missed by.
+    let events: Option<EventsV1> = if several.is_some() { None } else { Some(input.record("/events")?) };
+    let speed = events.as_ref().and_then(|events| events.impact_speed_m_per_s).or(test.impact_speed_m_per_s);
+    let Some(speed) = speed else { return Ok(None) };
+    let made = events.as_ref().map(|events| measured(input, &test, events, speed)).transpose()?;
+    let deviation = events.as_ref().and_then(crush_deviation_m);
     let speeds = several.iter().flat_map(|several| &several.tests).map(|test| test.impact_speed_m_per_s);
-    Ok(speed
-        .or(input.test()?.impact_speed_m_per_s)
-        .map(|speed| TestedImpact::new(speed, speeds).with_crush_deviation(deviation.unwrap_or(0.0))))
+    let tested = TestedImpact::new(speed, speeds).with_crush_deviation(deviation.unwrap_or(0.0));
+    Ok(Some(tested.with_measured(made.unwrap_or_default())))
 }
 
 /// Standard deviation of the dynamic crush by the inputs of its test, m: of a normal distribution as wide as its 5-95 %

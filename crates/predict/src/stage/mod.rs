@@ -90,7 +90,7 @@ impl Stage for Predict {
             words.into_iter().for_each(|words| out.summary(format!("{what}: {words}")));
         }
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
-        let predictions = predict(&candidates, &places, tested, settings.inputs(), &scenarios, &surroundings);
+        let predictions = predict(&candidates, &places, &tested, settings.inputs(), &scenarios, &surroundings);
         let marks = !settings.asked_speeds_m_per_s.is_empty();
         out.summary(header(marks));
         let mut rows = Vec::new();

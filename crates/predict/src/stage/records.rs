@@ -7,7 +7,7 @@ use crumple_predict::{
 use crumple_signal::{QuantityKind, Sampled};
 use crumple_stage::Output;
 use crumple_stage::records::{
-    PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
+    AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
 };
 
 use crate::stage::partner::ReadPartner;
@@ -44,6 +44,8 @@ pub fn record(
         delta_v_m_per_s: number(Quantity::DeltaV),
         coefficient_of_restitution: number(Quantity::Restitution),
         peak_acceleration_m_per_s2: number(Quantity::Peak),
+        peak_by: prediction.peak_by_record.map(answered_by),
+        delta_v_by: prediction.rebound_by_record.map(answered_by),
         olc_m_per_s2: number(Quantity::Olc),
         energy: prediction.energy.map(|energy| PredictedEnergyV1 {
             kinetic_at_impact_j: energy.at_impact_j,
@@ -60,6 +62,11 @@ pub fn record(
         collision: prediction.collision.as_ref().map(|both| collision(both, scenario, prediction, partner)),
         occupant: prediction.occupant.as_ref().map(occupant),
     }
+}
+
+/// Who answers for a number, of which the record says something.
+fn answered_by(record: bool) -> AnsweredByV1 {
+    if record { AnsweredByV1::Record } else { AnsweredByV1::Model }
 }
 
 /// What the collision makes of both.

@@ -7,7 +7,9 @@ mod collisions;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, PredictionV1, RatedCandidateV1, RecommendationV1, UncertaintyV1};
+use crumple_artifact::records::{
+    AnsweredByV1, CandidateV1, PredictionV1, RatedCandidateV1, RecommendationV1, UncertaintyV1,
+};
 use crumple_artifact::{Artifact, Compression, Provenance};
 use crumple_lumped::{Elastoplastic, Kelvin, Maxwell, Model};
 use crumple_signal::{QuantityKind, Sampled};
@@ -93,7 +95,9 @@ fn write_with(
     if let Some(choice) = choice {
         builder.put("/recommendation", choice).unwrap();
     }
-    for (id, velocity) in velocities {
+    let motion = Model::Kelvin(KELVIN).respond(IMPACT_SPEED_M_PER_S, 1e-4, 3000).unwrap();
+    let own = [("a/velocity", motion.compartment().velocity_m_per_s.clone())];
+    for (id, velocity) in own.iter().chain(velocities) {
         let sampled = Sampled::new(0.0, 1e-4, velocity.clone()).unwrap();
         builder.wave(id, QuantityKind::Velocity, sampled).unwrap();
     }
@@ -186,6 +190,13 @@ fn without_a_speed_the_test_itself_is_predicted() {
     assert!((own.dynamic_crush_m.unwrap() - tested.dynamic_crush_m.unwrap()).abs() < 1e-12);
     assert!((own.time_of_dynamic_crush_s.unwrap() - tested.time_of_dynamic_crush_s.unwrap()).abs() < 1e-12);
     assert!(!own.extrapolates);
+    // The record of the test is that of the damped model: both have its peak, and say whose it is.
+    let plastic = predictions.iter().find(|p| p.candidate == PLASTIC_ID).unwrap();
+    let peaks = [own, plastic].map(|p| p.peak_acceleration_m_per_s2.unwrap());
+    assert!((peaks[1] / peaks[0] - 1.0).abs() < 1e-9, "{peaks:?}");
+    assert_eq!((plastic.peak_by, plastic.delta_v_by), (Some(AnsweredByV1::Record), None));
+    let faster = predicted(&["--speed", "50km/h"]);
+    assert_eq!(faster[0].peak_by, Some(AnsweredByV1::Model));
 }
 
 #[test]

@@ -4,5 +4,6 @@
 mod prediction;
 
 pub use prediction::{
-    AgainstTestV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1, PredictionV1,
+    AgainstTestV1, AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1,
+    PredictionV1,
 };

@@ -29,6 +29,12 @@ pub struct PredictionV1 {
     pub coefficient_of_restitution: Option<f64>,
     /// Largest deceleration of the compartment through CFC 60, m/s².
     pub peak_acceleration_m_per_s2: Option<f64>,
+    /// Who answers for the peak; absent where the record of the test shows none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_by: Option<AnsweredByV1>,
+    /// Who answers for the restitution and with it for the change of velocity; absent where the record shows none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delta_v_by: Option<AnsweredByV1>,
     /// Occupant load criterion, m/s².
     pub olc_m_per_s2: Option<f64>,
     /// Where the energy goes.
@@ -53,6 +59,16 @@ pub struct PredictionV1 {
     /// Whether a person asked for this impact, beside the standing ones of the pipeline.
     #[serde(default)]
     pub asked: bool,
+}
+
+/// Who answers for a predicted number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AnsweredByV1 {
+    /// The record of the test, within what was tested: its number is carried to the asked impact by the model.
+    Record,
+    /// The model, beyond what was tested; what it misses in its own test is taken out.
+    Model,
 }
 
 /// Where the energy of an impact goes.

@@ -1,0 +1,156 @@
+//! A model in its own test beside what the record shows there: what it misses there, its answers elsewhere miss too.
+
+use crumple_lumped_fit::EnergyClass;
+
+use crate::error::PredictError;
+use crate::impact::against::MadeTest;
+use crate::impact::candidate::Candidate;
+use crate::impact::felt::FeltOverEnergy;
+use crate::impact::outcome::{Outcome, Quantity, Wave, through_cfc_60};
+use crate::impact::partner::CollisionOutcome;
+use crate::impact::scenario::TestedImpact;
+use crate::impact::setting::Setting;
+use crate::intervals::tested::SAMPLING_S;
+
+/// A model in its own test, and the test.
+#[derive(Debug, Clone)]
+pub(crate) struct OwnTest<'a> {
+    pub outcome: Outcome,
+    /// Its masses, kg.
+    pub mass_kg: f64,
+    class: EnergyClass,
+    felt: Option<FeltOverEnergy>,
+    made: &'a MadeTest,
+}
+
+impl<'a> OwnTest<'a> {
+    /// Lets the candidate meet the wall at the speed of its test; with its motion. Errors: a response that leaves the
+    /// range of numbers.
+    pub fn new(candidate: &Candidate, test: &'a TestedImpact) -> Result<(Self, Wave), PredictError> {
+        let structure = candidate.structure(None)?;
+        let (outcome, wave) = Setting::default().impact(&structure, test.speed_m_per_s, SAMPLING_S)?;
+        let felt = wave.compartment().and_then(|motion| {
+            let braking: Vec<f64> =
+                through_cfc_60(&motion.acceleration_m_per_s2, wave.dt_s)?.iter().map(|a| -a).collect();
+            FeltOverEnergy::new(test.speed_m_per_s, &motion.velocity_m_per_s, &braking)
+        });
+        Ok((
+            Self {
+                outcome,
+                mass_kg: structure.masses_kg().iter().sum(),
+                felt,
+                made: &test.made,
+                class: candidate.class(),
+            },
+            wave,
+        ))
+    }
+
+    /// What the record shows over what the model shows, of the largest deceleration until both have taken this energy,
+    /// J; where one of them shows nothing, `None`.
+    fn peak(&self, energy_j: f64) -> Option<f64> {
+        let until = |felt: Option<&FeltOverEnergy>| felt?.largest_until(energy_j / self.mass_kg);
+        Some(until(self.made.felt.as_ref())? / until(self.felt.as_ref())?)
+    }
+
+    /// The same of the coefficient of restitution.
+    fn restitution(&self) -> Option<f64> {
+        let model = self.outcome.get(Quantity::Restitution).filter(|e| *e > 0.0)?;
+        Some(self.made.coefficient_of_restitution?.max(0.0) / model)
+    }
+
+    /// Whether the record answers for a number.
+    pub fn is_by_record(&self, quantity: Quantity) -> bool {
+        match quantity {
+            Quantity::Peak | Quantity::PartnerPeak => self.felt.is_some() && self.made.felt.is_some(),
+            Quantity::Restitution | Quantity::DeltaV | Quantity::PartnerDeltaV => self.restitution().is_some(),
+            _ => false,
+        }
+    }
+
+    /// Relative misfit of a number that stays the model's. What comes back goes as the force at the end of the crush,
+    /// which lies elsewhere at another speed: of it the misfit of the force over the crush, and beyond the tested crush
+    /// the waves of that force.
+    pub fn misfit(&self, quantity: Quantity, restitution: f64, beyond: bool) -> f64 {
+        match quantity {
+            Quantity::DynamicCrush | Quantity::TimeOfDynamicCrush => {
+                let pair = self.outcome.get(quantity).zip(self.made.get(quantity));
+                pair.filter(|(_, made)| *made != 0.0).map_or(0.0, |(model, made)| model / made - 1.0)
+            }
+            Quantity::Restitution | Quantity::DeltaV => {
+                let both = self.made.felt.as_ref().zip(self.felt.as_ref());
+                let misfit = both.and_then(|(made, model)| made.misfit(model)).unwrap_or(0.0);
+                let waves = both
+                    .filter(|_| beyond && self.class == EnergyClass::Plastic)
+                    .and_then(|(made, _)| made.waves())
+                    .unwrap_or(0.0);
+                quantity.power_of_crush(restitution) * misfit.max(waves)
+            }
+            Quantity::Peak => self.peak(f64::INFINITY).map_or(0.0, |factor| 1.0 - 1.0 / factor),
+            _ => 0.0,
+        }
+    }
+}
+
+/// A front in an impact: its own test, and the energy that it takes, J.
+pub(crate) type Front<'a> = (&'a OwnTest<'a>, f64);
+
+/// What the records of both vehicles make of the answers of their models: each multiplied by what the record shows over
+/// what the model shows in its own test. So it is the record's where the same energy is taken, and of a model that is
+/// right its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ByRecord {
+    /// Factor of the peak; `None`: the record says nothing of it.
+    pub peak: Option<f64>,
+    /// Factor of the restitution.
+    pub restitution: Option<f64>,
+    partner_peak: Option<f64>,
+}
+
+impl ByRecord {
+    /// Of the vehicle, and of its partner: a face or the wall has no test. What comes back in a collision is of each
+    /// front as its share of the energy.
+    pub fn new(own: Front<'_>, partner: Option<Front<'_>>, barrier_j: f64) -> Self {
+        let peak = |(test, energy_j): Front<'_>| test.peak(energy_j);
+        let (factor, taken) = (own.0.restitution(), own.1);
+        let other = partner.map_or((1.0, barrier_j), |(test, energy_j)| (test.restitution().unwrap_or(1.0), energy_j));
+        let of_both = |factor: f64| {
+            let squares = factor * factor * taken + other.0 * other.0 * other.1;
+            if taken + other.1 > 0.0 { (squares / (taken + other.1)).sqrt() } else { factor }
+        };
+        Self { peak: peak(own), restitution: factor.map(of_both), partner_peak: partner.and_then(peak) }
+    }
+
+    /// The answers of a model as the records leave them.
+    pub fn of(&self, model: &Outcome) -> Outcome {
+        let mut outcome = *model;
+        let by_velocity = self.change_of_velocity(model);
+        let factors = [
+            (Quantity::Peak, self.peak),
+            (Quantity::PartnerPeak, self.partner_peak),
+            (Quantity::Restitution, self.restitution),
+            (Quantity::DeltaV, Some(by_velocity)),
+            (Quantity::PartnerDeltaV, Some(by_velocity)),
+        ];
+        for (quantity, factor) in factors {
+            let value = &mut outcome.0[quantity as usize];
+            *value = value.zip(factor).map(|(value, factor)| factor * value).or(*value);
+        }
+        outcome
+    }
+
+    /// Factor of every change of velocity: it goes as one plus the restitution.
+    fn change_of_velocity(&self, model: &Outcome) -> f64 {
+        let pair = model.get(Quantity::Restitution).zip(self.restitution);
+        pair.map_or(1.0, |(e, factor)| (1.0 + factor * e) / (1.0 + e))
+    }
+
+    /// The velocities after a collision that belong to them.
+    pub fn after(&self, both: &mut CollisionOutcome, model: &Outcome) {
+        let factor = self.change_of_velocity(model);
+        for body in [&mut both.own, &mut both.partner] {
+            let before = body.velocity_before_m_per_s;
+            body.velocity_after_m_per_s = body.velocity_after_m_per_s.map(|after| before + factor * (after - before));
+        }
+    }
+}
