@@ -177,6 +177,7 @@ fn prediction() -> PredictionV1 {
             ride_down_share: Some(0.5),
             ..PredictedOccupantV1::default()
         }),
+        asked: true,
     }
 }
 

@@ -29,11 +29,11 @@ pub struct PredictionV1 {
     pub coefficient_of_restitution: Option<f64>,
     /// Largest deceleration of the compartment through CFC 60, m/s².
     pub peak_acceleration_m_per_s2: Option<f64>,
-    /// Who answers for the peak; absent where the record of the test shows none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Who answers for the peak; `null` where the record of the test shows none.
+    #[serde(default)]
     pub peak_by: Option<AnsweredByV1>,
-    /// Who answers for the restitution and with it for the change of velocity; absent where the record shows none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Who answers for the restitution and with it for the change of velocity; `null` where the record shows none.
+    #[serde(default)]
     pub delta_v_by: Option<AnsweredByV1>,
     /// Occupant load criterion, m/s².
     pub olc_m_per_s2: Option<f64>,
