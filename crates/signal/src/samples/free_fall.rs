@@ -44,8 +44,8 @@ pub fn falls_before_event(acceleration: &Sampled) -> bool {
 /// than the fall. `None` where no rest shows, or is the level before the event: an offset stays.
 pub fn free_fall(samples: &Sampled, before: &PreEvent) -> Option<FreeFall> {
     let (start_s, end_s) = (samples.t0_s(), samples.end_s());
-    let first = (start_s + 2.0 * FIRST_S < before.from_s).then(|| (start_s, start_s + FIRST_S));
-    let last = (end_s - LAST_S > OVER_S).then(|| (end_s - LAST_S, end_s));
+    let first = (start_s + 2.0 * FIRST_S < before.from_s).then_some((start_s, start_s + FIRST_S));
+    let last = (end_s - LAST_S > OVER_S).then_some((end_s - LAST_S, end_s));
     let quiet_m_per_s2 = QUIET * before.noise_floor + RESOLUTION_M_PER_S2;
     let rest_level = [first, last].into_iter().flatten().find_map(|(from_s, to_s)| {
         let level = steady_level(samples, from_s, to_s, quiet_m_per_s2)?;
