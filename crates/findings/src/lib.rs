@@ -21,8 +21,8 @@ pub use conclusions::summary::{Summary, summary, summary_schema};
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
-    CandidateResult, Certainties, Element, MeasuredWaves, Model, Run, SensorMotion, Stability, StageNote, StageRecord,
-    Withdrawn,
+    CandidateResult, Certainties, Element, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
+    StageRecord, Withdrawn,
 };
 pub use results::{mass_divisions, model_band, ranking, residual};
 pub use text::{markdown, names, parameters};

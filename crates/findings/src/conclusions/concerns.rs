@@ -18,8 +18,8 @@ pub const SHOWN_FIRST: usize = 3;
 /// Largest weight of a concern of a run: what it changes (1 to 3) times how prominently the page shows that (1 to 3).
 const LARGEST_WEIGHT: u8 = 9;
 
-/// Number, from 1, and subject of the first warning of a stage that what the page shows first may be another thing than it is
-/// taken for. That mass or speed is not stated makes nothing else of what is shown.
+/// Number, from 1, and subject of the first warning of a stage that what the page shows first may be another thing than
+/// it is taken for. That mass or speed is not stated makes nothing else of what is shown.
 pub fn decisive_warning<'a>(run: &Run, concerns: &'a [ConcernV1]) -> Option<(usize, &'a str)> {
     let is_absent = |about: &str| match about.parse() {
         Ok(About::Mass) => run.test.mass_kg.is_none(),

@@ -33,7 +33,8 @@ pub struct OverviewLine {
     pub may_be_cut: bool,
 }
 
-/// Warnings that the sentences of the verdict say already are left out. `folder`: that of the run, for commands that show more.
+/// Warnings that the sentences of the verdict say already are left out. `folder`: that of the run, for commands that
+/// show more.
 pub fn overview(
     run: &Run,
     ranking: &Ranking,
@@ -110,8 +111,8 @@ pub fn overview(
     lines
 }
 
-/// Concerns of the report itself that status and sentences of the verdict say: sensors that differ, what is not known of
-/// the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
+/// Concerns of the report itself that status and sentences of the verdict say: sensors that differ, what is not known
+/// of the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
 fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [ConcernV1]) -> Vec<&'a ConcernV1> {
     let about = |what: &About| {
         let what = what.to_string();

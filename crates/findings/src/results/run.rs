@@ -126,7 +126,7 @@ pub struct Model {
 
 /// Where a pole lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stability {
+pub enum PoleStability {
     /// Its motion dies down.
     Stable,
     /// On the limit: its motion neither dies down nor grows within the record.
@@ -140,7 +140,7 @@ const MARGINAL: f64 = 1e-6;
 
 impl Model {
     /// All its poles, the modes first: real part (1/s), imaginary part (rad/s), and where each lies.
-    pub fn poles(&self) -> impl Iterator<Item = ([f64; 2], Stability)> {
+    pub fn poles(&self) -> impl Iterator<Item = ([f64; 2], PoleStability)> {
         let modes = self.modes.iter().map(|mode| ([mode.re_per_s, mode.im_rad_per_s], false));
         let others = self
             .other_poles
@@ -150,10 +150,10 @@ impl Model {
             self.identification.as_ref().map_or(0.0, |i| MARGINAL / (i.to_s - i.from_s).max(f64::MIN_POSITIVE));
         modes.chain(others).map(move |(pole, is_integrator)| {
             let stability = match pole[0] {
-                _ if is_integrator => Stability::Marginal,
-                re if re > limit_per_s => Stability::Unstable,
-                re if re < -limit_per_s => Stability::Stable,
-                _ => Stability::Marginal,
+                _ if is_integrator => PoleStability::Marginal,
+                re if re > limit_per_s => PoleStability::Unstable,
+                re if re < -limit_per_s => PoleStability::Stable,
+                _ => PoleStability::Marginal,
             };
             (pole, stability)
         })

@@ -303,8 +303,8 @@ impl Observation {
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
     }
 
-    /// Fit of the first wave, `100 (1 - |ŷ - y|/|y - ȳ|)` percent with the norms over its samples and ȳ their mean, of a
-    /// misfit as [`Self::misfit_of`] gives it. `None` for a wave that is constant.
+    /// Fit of the first wave, `100 (1 - |ŷ - y|/|y - ȳ|)` percent with the norms over its samples and ȳ their mean, of
+    /// a misfit as [`Self::misfit_of`] gives it. `None` for a wave that is constant.
     pub fn fit_percent(&self, misfit: &[f64]) -> Option<f64> {
         let samples = &self.waves[0].samples;
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;

@@ -5,7 +5,9 @@ texts! { ConclusionTexts
     usable_with_care: "usable with care", "mit Vorsicht brauchbar";
     do_not_use: "do not use", "nicht verwenden";
     status: "{status}: {reason}.", "{status}: {reason}.";
-    because_good_to: "its crush is good to {good_to} {scenario}", "seine Eindrückung ist {scenario} auf {good_to} genau";
+    because_good_to:
+        "its crush is good to {good_to} {scenario}",
+        "seine Eindrückung ist {scenario} auf {good_to} genau";
     because_beyond:
         "{scenario} it is asked beyond the test, its crush is good to {good_to}",
         "{scenario} jenseits des Versuchs ist seine Eindrückung auf {good_to} genau";

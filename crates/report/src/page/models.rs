@@ -6,7 +6,7 @@ use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
 use crumple_drawing::Figure;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
-use crumple_findings::{Model, Run, Stability, is_of_a_failed_method};
+use crumple_findings::{Model, PoleStability, Run, is_of_a_failed_method};
 use crumple_phrases::language::{Language, fill};
 
 use crate::frame::heads::{Column, table};
@@ -87,7 +87,7 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
 /// What the table of poles has of one pole, or of a conjugate pair.
 struct PoleLine {
     pole: [f64; 2],
-    stability: Stability,
+    stability: PoleStability,
     /// The cells after the pole.
     cells: [String; 4],
 }
@@ -96,7 +96,7 @@ struct PoleLine {
 fn write_poles(out: &mut String, language: Language, model: &Model) {
     let texts = &language.phrases().identification;
     let (cells, uncertainty) = cells_of_poles(language, model);
-    let poles: Vec<([f64; 2], Stability)> = model.poles().collect();
+    let poles: Vec<([f64; 2], PoleStability)> = model.poles().collect();
     // A conjugate pair is one line; a pole without its partner, which a real model does not have, is its own.
     let is_shown = |[re, im]: [f64; 2]| im >= 0.0 || !poles.iter().any(|(other, _)| *other == [re, -im]);
     let lines: Vec<PoleLine> = poles
@@ -123,9 +123,9 @@ fn write_poles(out: &mut String, language: Language, model: &Model) {
     out.push_str(&table("", &columns));
     for PoleLine { pole: [re, im], stability, cells } in lines {
         let word = match stability {
-            Stability::Stable => String::new(),
-            Stability::Marginal => format!(" {}", texts.marginal),
-            Stability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
+            PoleStability::Stable => String::new(),
+            PoleStability::Marginal => format!(" {}", texts.marginal),
+            PoleStability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
         };
         let im = if im == 0.0 { String::new() } else { format!(" ± {}i", language.significant(im.abs(), 5)) };
         let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();

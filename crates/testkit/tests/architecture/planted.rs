@@ -193,7 +193,7 @@ fn names_a_planted_reader_that_opens_files() {
 
 #[test]
 fn names_a_planted_file_or_function_that_is_too_long() {
-    let long = format!("//! Finds poles.\n{}\n/// It.\npub fn poles() {{}}\n", "const A: f64 = 1.0;\n".repeat(450));
+    let long = format!("//! Finds poles.\n{}\n/// It.\npub fn poles() {{}}\n", "const A: f64 = 1.0;\n".repeat(600));
     names(&[(FIND, &long)], "crates/lti/src/poles/find.rs:1: rule 6:", &["split it"]);
     let long = format!("//! Finds poles.\n\n/// It.\npub fn poles() {{\n{}}}\n", "    let _ = 1;\n".repeat(99));
     names(&[(FIND, &long)], "crates/lti/src/poles/find.rs:4: rule 6:", &["function poles has 101 lines"]);

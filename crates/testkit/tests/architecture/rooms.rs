@@ -9,7 +9,7 @@ use crate::source::{Package, Source};
 /// Most files of a folder.
 const FILES: usize = 14;
 /// Most lines of a folder's files without tests.
-const LINES: usize = 1_800;
+const LINES: usize = 2_400;
 /// What lies in `src` and belongs to programs.
 const PROGRAMS: [&str; 3] = ["stage", "bin", "main.rs"];
 /// Most lines of a stage's `main.rs`.

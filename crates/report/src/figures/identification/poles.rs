@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
-use crumple_findings::{Model, Run, Stability};
+use crumple_findings::{Model, PoleStability, Run};
 use crumple_phrases::language::{Language, fill};
 
 /// Marks of the models, so that they differ without colour too.
@@ -44,7 +44,7 @@ fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) {
     let texts = &run.language.phrases().identification;
     for (place, model) in run.models.iter().enumerate() {
         for stable in [true, false] {
-            let poles = model.poles().filter(|(_, stability)| (*stability != Stability::Unstable) == stable);
+            let poles = model.poles().filter(|(_, stability)| (*stability != PoleStability::Unstable) == stable);
             let name = if stable { model.id.clone() } else { fill(texts.unstable_poles, &[("model", &model.id)]) };
             let symbol = if stable { SYMBOLS[place % SYMBOLS.len()] } else { Symbol::Triangle };
             let colour = if stable { Colour::Series(place) } else { Colour::Event };
@@ -91,7 +91,7 @@ fn guide_lines(panel: &mut Panel, language: Language, radius: f64, [low, high]: 
 fn caption(run: &Run, far_zeros: usize, outside: usize) -> String {
     let texts = &run.language.phrases().identification;
     let poles = || run.models.iter().flat_map(Model::poles);
-    let [stable, marginal, unstable] = [Stability::Stable, Stability::Marginal, Stability::Unstable]
+    let [stable, marginal, unstable] = [PoleStability::Stable, PoleStability::Marginal, PoleStability::Unstable]
         .map(|wanted| poles().filter(|(_, stability)| *stability == wanted).count());
     // A model whose poles nobody wrote may have any.
     let all_known = run.models.iter().all(|model| model.poles().next().is_some() || model.identification.is_none());
