@@ -99,6 +99,8 @@ fn recommendation() -> RecommendationV1 {
         simplest_because: "none".to_owned(),
         closest: Some("kelvin/closed-form/1".to_owned()),
         closest_because: "99 %".to_owned(),
+        strength: Some("weak".to_owned()),
+        decided_by: vec!["accel".to_owned()],
         evidence: Some(RecommendationEvidenceV1 {
             quantity: "acceleration".to_owned(),
             as_measured: true,
@@ -123,6 +125,7 @@ fn recommendation() -> RecommendationV1 {
             aicc_difference: Some(0.0),
             priors: vec![PriorTermV1 { name: "class".to_owned(), term: 10.0 }],
             difference_with_priors: Some(0.0),
+            ..RatedCandidateV1::default()
         }],
     }
 }

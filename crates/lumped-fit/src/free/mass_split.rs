@@ -15,21 +15,38 @@ pub enum MassSplit {
     Both(f64, f64),
 }
 
+/// Which sensors could tell how the mass divides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MassEvidence {
+    /// Those of the compartment alone, which a division and its mirror image move alike.
+    Compartment,
+    /// One on another mass too.
+    SeveralMasses,
+}
+
+impl MassEvidence {
+    /// What it means for a division that is assumed.
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Compartment => "one sensor cannot identify it, and the parameters depend on it",
+            Self::SeveralMasses => {
+                "the parameters depend on it; the sensors on several masses can identify it, with fit_masses = \"free\""
+            }
+        }
+    }
+}
+
 /// Masses of chassis and compartment, kg, with the sentence that says where they come from.
 ///
-/// One accelerometer does not determine how the mass divides, and all springs and dampers of the double model depend
-/// on it. Errors: a share outside 0 to 1, a mass that is not positive or not below the test mass.
-pub fn masses(mass_kg: f64, split: MassSplit) -> Result<(f64, f64, String), SolveError> {
+/// All springs and dampers of the double model depend on how the mass divides. Errors: a share outside 0 to 1, a mass
+/// that is not positive or not below the test mass.
+pub fn masses(mass_kg: f64, split: MassSplit, evidence: MassEvidence) -> Result<(f64, f64, String), SolveError> {
     let value = |name, value, expected| SolveError::Value { name, value, expected };
     let below = "positive and below the test mass";
     let (m1, m2, source) = match split {
-        MassSplit::FrontFraction(f) if f > 0.0 && f < 1.0 => (
-            f * mass_kg,
-            (1.0 - f) * mass_kg,
-            format!(
-                "front mass fraction {f} assumed: one accelerometer does not tell it, and the parameters depend on it"
-            ),
-        ),
+        MassSplit::FrontFraction(f) if f > 0.0 && f < 1.0 => {
+            (f * mass_kg, (1.0 - f) * mass_kg, format!("front mass fraction {f} assumed: {}", evidence.in_words()))
+        }
         MassSplit::FrontFraction(f) => return Err(value("front_mass_fraction", f, "between 0 and 1")),
         MassSplit::Front(m1) if m1 > 0.0 && m1 < mass_kg => (m1, mass_kg - m1, "m1 given, m2 is the rest".to_owned()),
         MassSplit::Front(m1) => return Err(value("m1_kg", m1, below)),
@@ -60,6 +77,7 @@ pub fn triple_masses(
     mass_kg: f64,
     split: MassSplit,
     given: Option<[f64; 3]>,
+    evidence: MassEvidence,
 ) -> Result<([f64; 3], String), SolveError> {
     if let Some(masses) = given {
         for (name, mass) in ["m1_kg", "m2_kg", "m3_kg"].into_iter().zip(masses) {
@@ -69,11 +87,11 @@ pub fn triple_masses(
         let total = sum_remark(a + b + c, mass_kg);
         return Ok((masses, format!("m1 = {a:.2} kg, m2 = {b:.2} kg, m3 = {c:.2} kg: given{total}")));
     }
-    let (front, rear, _) = masses(mass_kg, split)?;
+    let (front, rear, _) = masses(mass_kg, split, evidence)?;
     let half = 0.5 * front;
     let text = format!(
-        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis, an assumption \
-         that the parameters depend on"
+        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis is assumed: {}",
+        evidence.in_words()
     );
     Ok(([half, half, rear], text))
 }

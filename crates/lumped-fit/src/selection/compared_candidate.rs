@@ -66,11 +66,40 @@ pub fn depends_on_rate(model: &str, parameters: &BTreeMap<String, f64>) -> bool 
     })
 }
 
+/// How a model misses the events of its own test.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OwnTestErrors {
+    /// Dynamic crush of the model over that of the test, less 1; `None`: the model does not stop.
+    pub crush: Option<f64>,
+    /// Time of dynamic crush of the model over that of the test, less 1; `None`: the model does not stop.
+    pub time: Option<f64>,
+    /// Restitution of the model, 0 without a rebound, less that of the test; `None`: the test shows none, or the model
+    /// does not stop.
+    pub restitution: Option<f64>,
+}
+
+impl OwnTestErrors {
+    /// The largest error of each in several tests; `None` where one of the tests has none of crush or time.
+    pub fn worst(each: &[Self]) -> Self {
+        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        let of_all = |of: fn(&Self) -> Option<f64>| -> Option<f64> {
+            each.iter().map(of).collect::<Option<Vec<f64>>>()?.into_iter().reduce(larger)
+        };
+        Self {
+            crush: of_all(|errors| errors.crush),
+            time: of_all(|errors| errors.time),
+            restitution: each.iter().filter_map(|errors| errors.restitution).reduce(larger),
+        }
+    }
+}
+
 /// One candidate in the choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparedCandidate {
     /// Its id.
     pub id: String,
+    /// Name of its model.
+    pub model: String,
     /// What takes the energy.
     pub class: EnergyClass,
     /// How many masses it has.
@@ -90,14 +119,16 @@ pub struct ComparedCandidate {
     /// Model less record as measured, the quantity of the evidence at every sample of the window; `None`: the model has
     /// no response.
     pub misfit: Option<Vec<f64>>,
+    /// The part of it that is slower than 60 Hz: what is evidence where the noise is known, and no ringing of a sensor.
+    pub slow_misfit: Option<Vec<f64>>,
     /// Displacement fit as measured, percent.
     pub fit_percent: Option<f64>,
     /// Coefficient of restitution of the model in the test; `None`: it does not come back.
     pub restitution: Option<f64>,
     /// Misfit of the wall's force, percent of its root mean square; `None`: the record has no such force.
     pub force_misfit_percent: Option<f64>,
-    /// Largest relative error of the dynamic crush over the tests; `None`: it does not stop.
-    pub crush_error: Option<f64>,
+    /// How it misses the events of the test, the largest error of each in several.
+    pub own_test: OwnTestErrors,
     /// Of a plastic model, the largest relative error of the crush at lower speeds that the record itself shows.
     pub crush_error_at_lower_speeds: Option<f64>,
 }

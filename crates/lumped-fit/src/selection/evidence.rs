@@ -5,6 +5,8 @@ use std::f64::consts::{PI, SQRT_2};
 use crumple_estimation::statistics::InformationCriteria;
 
 use crate::record::measurement::TwoPassFilter;
+use crate::record::observation::Observation;
+use crate::record::sensor_noise::EXPLAINED;
 
 /// Autocorrelation at which its sum ends: below it, noise of the estimate.
 const UNCORRELATED: f64 = 0.05;
@@ -13,6 +15,12 @@ const SENSOR: f64 = 1e-3;
 /// Independent samples that a criterion needs beside the numbers it charges: with one, its correction for short records
 /// is infinite.
 const TO_SPARE: f64 = 2.0;
+
+/// Whether noise of this standard deviation may be all that is in a misfit.
+pub fn is_explained(misfit: &[f64], noise: f64) -> bool {
+    let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
+    mean_square <= EXPLAINED * noise * noise
+}
 
 /// Root mean square of a misfit with what no sensor knows of a record, a thousandth of its own, in quadrature. Infinite
 /// without samples.
@@ -47,6 +55,32 @@ impl TwoPassFilter {
         let w = (2.0 * ratio / (1.0 + 2.0 * ratio)).sqrt();
         3.0 * PI * SQRT_2 / 16.0 * w.atan() / (PI * dt_s)
     }
+}
+
+/// Fastest vibration that counts as a motion of the vehicle where the noise is known, Hz: models of a vehicle vibrate
+/// at up to 50 Hz, mounts of sensors from 60 Hz on.
+const SLOW_HZ: f64 = 60.0;
+
+/// The part of a misfit that is slower than 60 Hz, wave by wave: its first terms of the discrete cosine transform, in
+/// which the ends of the window make no difference.
+pub fn slow_misfit(observed: &Observation, misfit: &[f64]) -> Vec<f64> {
+    let parts = observed.waves.iter().zip(observed.split(misfit));
+    parts.flat_map(|(wave, misfit)| slow_part(misfit, wave.measurement.dt_s * wave.stride as f64)).collect()
+}
+
+/// The same of one wave with samples `dt_s` apart.
+fn slow_part(misfit: &[f64], dt_s: f64) -> Vec<f64> {
+    let count = misfit.len();
+    let terms = ((2.0 * SLOW_HZ * dt_s * count as f64).round() as usize).clamp(1, count.max(1));
+    let mut slow = vec![0.0; count];
+    for term in 0..terms.min(count) {
+        let angle = PI * term as f64 / count as f64;
+        let wave = |k: usize| (angle * (k as f64 + 0.5)).cos();
+        let norm = if term == 0 { 1.0 } else { 2.0 } / count as f64;
+        let amount = norm * misfit.iter().enumerate().map(|(k, e)| e * wave(k)).sum::<f64>();
+        slow.iter_mut().enumerate().for_each(|(k, slow)| *slow += amount * wave(k));
+    }
+    slow
 }
 
 /// Independent samples that a criterion of a candidate with so many free numbers needs, its level of noise counted.
@@ -92,6 +126,18 @@ mod tests {
         assert_eq!(independent_samples(&signs, 1.0, f64::INFINITY), 1000.0);
         assert_eq!(independent_samples(&signs, 1.0, 25.0), 25.0);
         assert_eq!(independent_samples(&[0.0; 7], 0.0, 25.0), 7.0);
+    }
+
+    #[test]
+    fn a_ring_of_120_hz_is_not_in_the_slow_part_and_a_motion_of_20_hz_is() {
+        let wave = |hz: f64| (0..750).map(|k| (2.0 * PI * hz * f64::from(k) * 1e-4).sin()).collect::<Vec<f64>>();
+        let size = |wave: &[f64]| wave.iter().map(|e| e * e).sum::<f64>().sqrt();
+        // 9 terms of 75 ms; what leaks is that of the ends of the window.
+        assert!(size(&slow_part(&wave(120.0), 1e-4)) < 0.2 * size(&wave(120.0)));
+        assert!(size(&slow_part(&wave(20.0), 1e-4)) > 0.99 * size(&wave(20.0)));
+        // All terms are the misfit itself.
+        let all = slow_part(&[1.0, -2.0, 0.5], 1.0);
+        assert!(all.iter().zip([1.0, -2.0, 0.5]).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::selection::compared_candidate::ComparedCandidate;
 use crate::selection::evidence::{
     criterion, criterion_of_known_noise, fewest_samples, independent_samples, visible_misfit,
 };
+use crate::selection::inadequacy::{Inadequacy, TestEvent};
 use crate::selection::prior::SelectionRules;
 
 /// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
@@ -27,37 +28,61 @@ pub struct ComparedRecord {
 /// One candidate with what was counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rated {
-    /// Why it is not adequate; `None`: it is.
-    pub not_adequate: Option<String>,
+    /// Why it is not adequate; empty: it is.
+    pub inadequate: Vec<Inadequacy>,
+    /// Whether it takes part in the choice: it is adequate, or no adequate one qualifies and it has the dynamic crush
+    /// of the test.
+    pub is_compared: bool,
     /// Root mean square misfit, unit of the record.
     pub misfit: Option<f64>,
     /// Criterion without priors.
     pub aicc: Option<f64>,
-    /// The same above the lowest of the adequate.
+    /// The same above the lowest of the compared.
     pub difference: Option<f64>,
     /// What each prior adds.
     pub terms: Vec<(&'static str, f64)>,
-    /// Criterion with priors above the lowest of the adequate.
+    /// Criterion with priors above the lowest of the compared.
     pub difference_with_priors: Option<f64>,
 }
 
 impl Rated {
-    pub(super) fn is_adequate(&self) -> bool {
-        self.not_adequate.is_none()
+    /// The first reason why it is not adequate, as a sentence.
+    pub fn why_inadequate(&self) -> Option<String> {
+        self.inadequate.first().map(ToString::to_string)
+    }
+
+    /// Names of the events of its own test that it misses.
+    pub fn missed_events(&self) -> Vec<String> {
+        let missed = self.inadequate.iter().filter_map(|reason| match reason {
+            Inadequacy::NeverStops => Some(TestEvent::Crush),
+            Inadequacy::Misses { event, .. } => Some(*event),
+            _ => None,
+        });
+        missed.map(|event| event.name().to_owned()).collect()
+    }
+
+    /// Whether its model describes the record.
+    pub fn is_adequate(&self) -> bool {
+        self.inadequate.is_empty()
     }
 }
 
-/// Rates the candidates, in their order; with the number of independent samples that all were compared with, `None`:
-/// none is adequate, and whether the noise before the event explains the least misfit, so that its level is known.
+/// Rates the candidates, in their order, of which those take part whose inadequacies allow it; with the number of
+/// independent samples that all were compared with, `None`: none is compared, and whether the noise before the event
+/// explains the least misfit, so that its level is known.
 pub(super) fn rate_all(
     candidates: &[ComparedCandidate],
     record: &ComparedRecord,
     rules: &SelectionRules,
+    takes_part: fn(&[Inadequacy]) -> bool,
 ) -> (Vec<Rated>, Option<f64>, bool) {
+    let inadequate = candidates.iter().map(|candidate| Inadequacy::of(candidate, rules));
     let mut rated: Vec<Rated> = candidates
         .iter()
-        .map(|candidate| Rated {
-            not_adequate: not_adequate(candidate, rules),
+        .zip(inadequate)
+        .map(|(candidate, inadequate)| Rated {
+            is_compared: takes_part(&inadequate),
+            inadequate,
             misfit: candidate.misfit.as_deref().and_then(rms),
             aicc: None,
             difference: None,
@@ -83,35 +108,15 @@ fn rms(misfit: &[f64]) -> Option<f64> {
     Some(mean_square.sqrt()).filter(|rms| rms.is_finite())
 }
 
-/// Why a candidate is not adequate.
-fn not_adequate(candidate: &ComparedCandidate, rules: &SelectionRules) -> Option<String> {
-    if !candidate.physical {
-        return Some("it is no passive structure".to_owned());
-    }
-    if !candidate.on_bound.is_empty() {
-        return Some(format!("on a bound of its search: {}", candidate.on_bound.join(", ")));
-    }
-    let (crush, limit) = (100.0 * candidate.crush_error.unwrap_or(f64::INFINITY), rules.crush_limit_percent);
-    if crush > limit {
-        return Some(format!("it misses the dynamic crush of a test by {crush:.1} %, more than {limit} %"));
-    }
-    let limit = rules.adequate_fit_percent;
-    match candidate.fit_percent {
-        Some(fit) if fit >= limit => candidate.misfit.is_none().then(|| "it has no response to compare".to_owned()),
-        Some(fit) => Some(format!("its displacement fit of {fit:.1} % is below {limit} %")),
-        None => Some("it has no displacement to compare".to_owned()),
-    }
-}
-
-/// The least misfit of an adequate candidate, with what no sensor knows.
+/// The least misfit of a compared candidate, with what no sensor knows.
 fn least_misfit(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
-    let adequate = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
-    let misfits = adequate.filter_map(|(candidate, _)| candidate.misfit.as_deref());
+    let compared = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_compared);
+    let misfits = compared.filter_map(|(candidate, _)| candidate.misfit.as_deref());
     misfits.map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)
 }
 
-/// The smallest number of independent samples among adequate candidates with comparable misfits, at least as many as
-/// the adequate candidate with the fewest numbers needs: where a misfit is all zero level, all of it is worth one
+/// The smallest number of independent samples among compared candidates with comparable misfits, at least as many as
+/// the compared candidate with the fewest numbers needs: where a misfit is all zero level, all of it is worth one
 /// sample, and there is still a choice among those.
 fn shared_samples(
     candidates: &[ComparedCandidate],
@@ -119,9 +124,9 @@ fn shared_samples(
     record: &ComparedRecord,
     least: f64,
 ) -> Option<f64> {
-    let adequate = || candidates.iter().zip(rated).filter(|(_, rated)| rated.is_adequate());
-    let misfits: Vec<&[f64]> = adequate().filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
-    let fewest = adequate().map(|(candidate, _)| candidate.parameters).min()?;
+    let compared = || candidates.iter().zip(rated).filter(|(_, rated)| rated.is_compared);
+    let misfits: Vec<&[f64]> = compared().filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
+    let fewest = compared().map(|(candidate, _)| candidate.parameters).min()?;
     misfits
         .iter()
         .filter(|misfit| visible_misfit(misfit, record.rms) <= COMPARABLE * least)
@@ -138,16 +143,18 @@ fn rate(
     (samples, noise): (f64, Option<f64>),
 ) {
     for (candidate, rated) in candidates.iter().zip(rated.iter_mut()) {
-        let misfit = candidate.misfit.as_deref();
         let parameters = candidate.parameters;
-        rated.aicc = misfit.and_then(|misfit| match noise {
-            Some(noise) => criterion_of_known_noise(misfit, record.rms, (samples, noise), parameters),
-            None => criterion(misfit, record.rms, samples, parameters),
-        });
+        rated.aicc = match noise {
+            Some(noise) => candidate
+                .slow_misfit
+                .as_deref()
+                .and_then(|slow| criterion_of_known_noise(slow, record.rms, (samples, noise), parameters)),
+            None => candidate.misfit.as_deref().and_then(|misfit| criterion(misfit, record.rms, samples, parameters)),
+        };
     }
     let with_priors = |rated: &Rated| Some(rated.aicc? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
     let least = |of: &dyn Fn(&Rated) -> Option<f64>| {
-        rated.iter().filter(|rated| rated.is_adequate()).filter_map(of).reduce(f64::min)
+        rated.iter().filter(|rated| rated.is_compared).filter_map(of).reduce(f64::min)
     };
     let (lowest, lowest_with_priors) = (least(&|rated| rated.aicc), least(&with_priors));
     for rated in rated.iter_mut() {

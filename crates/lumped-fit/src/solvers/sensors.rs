@@ -12,10 +12,10 @@ use crate::free::coordinates::Coordinates;
 use crate::free::search_coordinates::Scale;
 use crate::solvers::explanations::{Ends, explanations, pairs};
 use crate::solvers::fitting::{FitStart, Fitting};
-use crate::solvers::task::Task;
+use crate::solvers::task::{Task, mass_count};
 use crate::{
-    Candidate, MassFit, Method, SolveError, elastoplastic_from_events, fit_nonlinear1, kelvin_from_events, masses,
-    search_nonlinear2, triple_masses,
+    Candidate, MassEvidence, MassFit, Method, SolveError, elastoplastic_from_events, fit_nonlinear1,
+    kelvin_from_events, masses, search_nonlinear2, triple_masses,
 };
 
 /// The fit of the table: a search on the motion itself, by descents or by L-SHADE, then the fit as measured.
@@ -28,11 +28,11 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let (masses_kg, split) = match kind {
         ModelKind::DoubleSpringMassDamper => {
-            let (m1, m2, text) = masses(test.mass_kg, settings.split)?;
+            let (m1, m2, text) = masses(test.mass_kg, settings.split, mass_evidence(task))?;
             (vec![m1, m2], Some(text))
         }
         ModelKind::TripleSpringMassDamper => {
-            let (masses, text) = triple_masses(test.mass_kg, settings.split, settings.triple)?;
+            let (masses, text) = triple_masses(test.mass_kg, settings.split, settings.triple, mass_evidence(task))?;
             (masses.to_vec(), Some(text))
         }
         _ => (vec![test.mass_kg], None),
@@ -103,6 +103,13 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     } else {
         Ok(explanations(fitting, &ends, notes))
     }
+}
+
+/// Which sensors could tell how the mass of this model divides.
+fn mass_evidence(task: &Task<'_>) -> MassEvidence {
+    let count = mass_count(task.model);
+    let mut masses = task.test.sensors.iter().filter_map(|sensor| sensor.place.mass(count));
+    if masses.any(|mass| mass + 1 < count) { MassEvidence::SeveralMasses } else { MassEvidence::Compartment }
 }
 
 /// Where a descent from the dual of the best double model ends, if that is none of the minima of the search.

@@ -62,6 +62,7 @@ fn rated(id: &str, difference: f64) -> RatedCandidateV1 {
         aicc_difference: Some(difference),
         priors: Vec::new(),
         difference_with_priors: Some(difference),
+        ..RatedCandidateV1::default()
     }
 }
 

@@ -14,6 +14,13 @@ pub struct RecommendationV1 {
     pub simplest: Option<String>,
     /// Why this one, or why none.
     pub simplest_because: String,
+    /// How strong the evidence is beside the best candidate of another model: `weak` or `decisive`; `null`: no other
+    /// model qualifies, or none is recommended.
+    #[serde(default)]
+    pub strength: Option<String>,
+    /// Channels whose records decided: the pulse, and the sensors on other masses that were fitted.
+    #[serde(default)]
+    pub decided_by: Vec<String>,
     /// Candidate that follows the record closest.
     pub closest: Option<String>,
     /// Why this one, or why none.
@@ -57,7 +64,7 @@ pub struct PriorV1 {
 }
 
 /// One candidate in the choice.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RatedCandidateV1 {
     /// Candidate.
     pub id: String,
@@ -67,6 +74,20 @@ pub struct RatedCandidateV1 {
     pub adequate: bool,
     /// Why it is not adequate.
     pub not_adequate_because: Option<String>,
+    /// Events of its own test that it misses by more than an adequate model may: `dynamic_crush`,
+    /// `time_of_dynamic_crush`, `coefficient_of_restitution`. A recommended candidate that misses one of the last two
+    /// is good for its dynamic crush alone.
+    #[serde(default)]
+    pub missed_events: Vec<String>,
+    /// Dynamic crush of the model over that of the test, less 1; the largest of several tests; `null`: it never stops.
+    #[serde(default)]
+    pub crush_error: Option<f64>,
+    /// Time of dynamic crush of the model over that of the test, less 1; the largest of several tests.
+    #[serde(default)]
+    pub time_error: Option<f64>,
+    /// Restitution of the model less that of the test; the largest of several tests; `null`: the test shows none.
+    #[serde(default)]
+    pub restitution_error: Option<f64>,
     /// Free numbers that it was charged for.
     pub parameters: u32,
     /// Of these, how many the record determines, to better than an order of magnitude.

@@ -16,8 +16,9 @@ use crate::solvers::extent::Extent;
 use crate::solvers::fitting::{FitStart, Fitting};
 use crate::solvers::task::Task;
 use crate::{
-    AskedCurve, Candidate, FitQuantity, MassFit, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough,
-    MeasuredWall, Minimum, Observation, ObservedWave, SensorPlace, SolveError, TwoPassFilter, extract, masses,
+    AskedCurve, Candidate, FitQuantity, MassEvidence, MassFit, MeasuredElement, MeasuredMass, MeasuredTest,
+    MeasuredThrough, MeasuredWall, Minimum, Observation, ObservedWave, SensorPlace, SolveError, TwoPassFilter, extract,
+    masses,
 };
 
 /// Front and rear mass of each path, by their place; none: the wall.
@@ -59,7 +60,7 @@ pub(super) fn fit(
     let to_s = task.settings.fit_to_s.or(extent.stops.then_some(extent.time_s));
     let Some(displacement) = task.test.displacement else { return Ok(Vec::new()) };
     let Some(mut fitting) = Fitting::of_sensors(&task, to_s, notes)? else { return Ok(Vec::new()) };
-    let (m1_kg, m2_kg, split) = masses(task.test.mass_kg, task.settings.split)?;
+    let (m1_kg, m2_kg, split) = masses(task.test.mass_kg, task.settings.split, MassEvidence::SeveralMasses)?;
     let masses_kg = [m1_kg, m2_kg];
     let Some(motions) = Motions::of(&task, displacement, engine.record, fitting.end_s()) else {
         notes.warning(format!("{}: no two masses, the record has too few samples", task.model));

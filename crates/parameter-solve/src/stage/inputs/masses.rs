@@ -1,6 +1,6 @@
 //! Masses of chassis and compartment for models that are matched.
 
-use crumple_lumped_fit::{MassSplit, masses};
+use crumple_lumped_fit::{MassEvidence, MassSplit, masses};
 use crumple_stage::{Output, RefuseExt, Refused};
 
 use crate::stage::options::settings::StageSettings;
@@ -17,7 +17,8 @@ pub fn given_masses(settings: &StageSettings, mass_kg: Option<f64>, out: &mut Ou
                 .into());
         }
     };
-    let (m1_kg, m2_kg, split) = masses(mass_kg, settings.solve.split).refuse_with_hint("see --m1 and --m2")?;
+    let (m1_kg, m2_kg, split) =
+        masses(mass_kg, settings.solve.split, MassEvidence::Compartment).refuse_with_hint("see --m1 and --m2")?;
     out.notes().info(split);
     Ok((m1_kg, m2_kg))
 }

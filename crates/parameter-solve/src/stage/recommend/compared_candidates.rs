@@ -1,9 +1,12 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record leaves open.
 
+use std::collections::BTreeMap;
+
 use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement, Observation,
-    ObservedWave, WallForce, crush_error_at_lower_speeds,
+    ObservedWave, OwnTestErrors, SensorPlace, WallForce, crush_error_at_lower_speeds, is_explained,
+    least_without_shift, slow_misfit, without_shift,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
@@ -23,6 +26,9 @@ const NO_FORCE: f64 = 1e-3;
 /// A misfit beyond so many times the noise before the event is not explained by it wherever its least lies: fits to the
 /// displacement of made records of three masses missed the acceleration by eight times its least at most.
 const NEAR_NOISE: f64 = 10.0;
+/// The same where the noise explains the misfit of another candidate, so that a shift of time zero is what a fit to the
+/// displacement may have followed: 0.35 ms of a pulse of 30 g behind CFC 60 are 50 times its noise.
+const NEAR_WHERE_EXPLAINED: f64 = 100.0;
 
 /// Parameters of which the bound is another parameter of the same model, by the side constraints of its paper: `k1 <=
 /// k2`, `c1 >= c2 >= c3`. On it the two are one number, which says something of the vehicle.
@@ -48,11 +54,18 @@ pub struct Comparison {
 
 /// The record of one test.
 struct ComparedTest {
-    /// Acceleration of the pulse: what the evidence is of.
+    /// Accelerations of the pulse and of the sensors on other masses, as shares of their sizes: what the evidence is
+    /// of.
     acceleration: Observation,
+    /// Channel of the pulse, and channels and places of those sensors.
+    channels: (String, Vec<(String, SensorPlace)>),
     /// Displacement of the pulse: what closest means.
     displacement: Observation,
+    /// Its dynamic crush, m, and the time of it, s.
+    dynamic_crush: Option<(f64, f64)>,
     tested_restitution: Option<f64>,
+    /// Whether its record ends before the rebound does, so that its restitution is a lower bound.
+    rebound_is_cut: bool,
     /// Its mass, kg: where several tests stand side by side, each has its own; else it is that of the candidates.
     mass_kg: f64,
     /// Force on the wall up to separation.
@@ -73,22 +86,49 @@ impl Comparison {
         let Some(displacement) = displacement.map(Wave::signal::<Displacement>).transpose().refuse()? else {
             return Ok(None);
         };
-        let Ok(acceleration) = motion(input, channel, FitQuantity::Acceleration, mass_kg) else { return Ok(None) };
-        let observe = |wave: &Sampled, quantity: FitQuantity| -> anyhow::Result<Option<Observation>> {
+        let ends_s = displacement.end_s() - 1.5 * displacement.dt_s();
+        let acceleration_of = |channel: &str| motion(input, channel, FitQuantity::Acceleration, mass_kg).ok();
+        let Some(acceleration) = acceleration_of(channel) else { return Ok(None) };
+        let observe = |channel: &str, wave: &Sampled, quantity: FitQuantity| -> anyhow::Result<Option<Observation>> {
             let measurement: Measurement = input.recording_steps(events, channel, wave)?.into();
             let (window, what) = ((settings.solve.fit_from_s, to_s), (None, quantity));
             let wave = ObservedWave::new(wave, what, events.time_zero_s, measurement, window, usize::MAX).ok();
             Ok(wave.map(|wave| Observation { impact_speed_m_per_s, waves: vec![wave] }))
         };
-        let displacement = observe(&displacement, FitQuantity::Displacement)?;
-        let acceleration = observe(&acceleration, FitQuantity::Acceleration)?;
+        let displacement = observe(channel, &displacement, FitQuantity::Displacement)?;
+        let mut acceleration = observe(channel, &acceleration, FitQuantity::Acceleration)?;
+        let mut others = Vec::new();
+        let on_other_masses = settings.places.iter().filter(|(place, _)| {
+            !matches!(place, SensorPlace::Compartment | SensorPlace::Occupant | SensorPlace::Wall)
+        });
+        for (place, channel) in on_other_masses {
+            let Some(observed) = acceleration.as_mut() else { break };
+            let Some(wave) = acceleration_of(channel) else { continue };
+            let Some(other) = observe(channel, &wave, FitQuantity::Acceleration)? else { continue };
+            let size = observed.waves[0].size();
+            observed.waves.extend(other.waves.into_iter().map(|mut wave| {
+                wave.weight = size / wave.size();
+                wave
+            }));
+            others.push((channel.clone(), *place));
+        }
+        let rebound_is_cut = events.time_of_rebound_s.is_some_and(|t| t + events.time_zero_s > ends_s);
         let tested_restitution = events.coefficient_of_restitution.filter(|e| *e > 0.0);
         let wall = input.wall_force(events)?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
             WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok()
         });
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
-            tests: vec![ComparedTest { acceleration, displacement, tested_restitution, mass_kg, wall }],
+            tests: vec![ComparedTest {
+                acceleration,
+                channels: (channel.clone(), others),
+                displacement,
+                dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
+                tested_restitution,
+                rebound_is_cut,
+                mass_kg,
+                wall,
+            }],
         }))
     }
 
@@ -110,6 +150,15 @@ impl Comparison {
         if self.tests.len() == 1 { name.to_owned() } else { format!("{name} over its root mean square") }
     }
 
+    /// Channels whose records are compared.
+    pub fn channels(&self) -> Vec<String> {
+        let of_test = |test: &ComparedTest| {
+            let (pulse, others) = &test.channels;
+            std::iter::once(pulse.clone()).chain(others.iter().map(|(channel, _)| channel.clone())).collect::<Vec<_>>()
+        };
+        self.tests.iter().flat_map(of_test).collect()
+    }
+
     /// The compared window, s after time zero: the longest of several.
     pub fn window_s(&self) -> (f64, f64) {
         let ends = self.tests.iter().map(ComparedTest::window_s);
@@ -118,7 +167,7 @@ impl Comparison {
 
     /// Samples compared.
     pub fn samples(&self) -> usize {
-        self.tests.iter().map(|test| test.wave().samples.len()).sum()
+        self.tests.iter().map(|test| test.acceleration.rows()).sum()
     }
 
     /// Whether the models are sampled and filtered as the records were.
@@ -141,22 +190,31 @@ impl Comparison {
 
     /// What the candidates bring, in their order.
     pub fn candidates(&self, submitted: &[&Submitted]) -> Vec<ComparedCandidate> {
-        submitted.par_iter().map(|candidate| self.candidate(candidate)).collect()
+        let all = |near: f64| submitted.par_iter().map(|candidate| self.candidate(candidate, near)).collect();
+        let compared: Vec<ComparedCandidate> = all(NEAR_NOISE);
+        let noise = self.record().noise;
+        let is_explained = |candidate: &ComparedCandidate| {
+            let noise = noise.filter(|_| candidate.physical);
+            noise.zip(candidate.misfit.as_deref()).is_some_and(|(noise, misfit)| is_explained(misfit, noise))
+        };
+        if compared.iter().any(is_explained) { all(NEAR_WHERE_EXPLAINED) } else { compared }
     }
 
-    fn candidate(&self, candidate: &Submitted) -> ComparedCandidate {
+    fn candidate(&self, candidate: &Submitted, near: f64) -> ComparedCandidate {
         let record = &candidate.record;
         let class = EnergyClass::of(&record.model, &record.parameters);
-        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(candidate, class)).collect();
+        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(candidate, class, near)).collect();
         let one = self.tests.len() == 1;
-        let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
-            let unit = if one { 1.0 } else { test.wave().size() };
-            in_test.misfit.as_ref().map(|misfit| misfit.iter().map(|e| e / unit).collect::<Vec<f64>>())
-        });
-        let misfit: Option<Vec<Vec<f64>>> = misfits.collect();
+        let in_units = |of: fn(&InTest) -> &Option<Vec<f64>>| -> Option<Vec<f64>> {
+            let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
+                let unit = if one { 1.0 } else { test.wave().size() };
+                of(in_test).as_ref().map(|misfit| misfit.iter().map(|e| e / unit).collect::<Vec<f64>>())
+            });
+            misfits.collect::<Option<Vec<_>>>().map(|misfits| misfits.concat())
+        };
         let fits: Option<Vec<f64>> = each.iter().map(|in_test| in_test.fit_percent).collect();
         let restitutions: Option<Vec<f64>> = each.iter().map(|in_test| in_test.restitution).collect();
-        let of_crush: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error).collect();
+        let of_events: Vec<OwnTestErrors> = each.iter().map(|in_test| in_test.own_test).collect();
         let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
         let force_misfits: Vec<f64> = each.iter().filter_map(|in_test| in_test.force_misfit_percent).collect();
         let speeds: Vec<f64> = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).collect();
@@ -194,6 +252,7 @@ impl Comparison {
         }
         ComparedCandidate {
             id: candidate.id.to_owned(),
+            model: record.model.clone(),
             class,
             masses: structure_of(&record.model, &record.parameters).map_or(1, |structure| structure.masses_kg().len()),
             parameters: free_numbers(record).max(open.len()),
@@ -202,7 +261,8 @@ impl Comparison {
             open_and_felt,
             on_bound: bounds.iter().filter(|name| !is_limit(name) && !is_inside(name)).cloned().collect(),
             physical: record.physical,
-            misfit: misfit.map(|misfits| misfits.concat()),
+            misfit: in_units(|in_test| &in_test.misfit),
+            slow_misfit: in_units(|in_test| &in_test.slow_misfit),
             // The worst of several: a model is to follow all.
             fit_percent: fits.and_then(|fits| fits.into_iter().reduce(f64::min)),
             restitution: restitutions.and_then(|each| match each[..] {
@@ -211,7 +271,7 @@ impl Comparison {
             }),
             // The largest of the tests that have such a force.
             force_misfit_percent: force_misfits.into_iter().reduce(f64::max),
-            crush_error: of_crush.and_then(|errors| errors.into_iter().reduce(f64::max)),
+            own_test: OwnTestErrors::worst(&of_events),
             // The largest too: what the record of one test says of slower ones holds for all.
             crush_error_at_lower_speeds: crush_errors.and_then(|errors| errors.into_iter().reduce(f64::max)),
         }
@@ -233,12 +293,14 @@ fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 struct InTest {
     /// Of the acceleration, at its least where noise might explain it.
     misfit: Option<Vec<f64>>,
+    /// The part of it that is slower than 60 Hz.
+    slow_misfit: Option<Vec<f64>>,
     /// Parameters that stand on no bound at the least misfit.
     inside: Vec<String>,
     force_misfit_percent: Option<f64>,
     fit_percent: Option<f64>,
     restitution: Option<f64>,
-    crush_error: Option<f64>,
+    own_test: OwnTestErrors,
     crush_error_at_lower_speeds: Option<f64>,
 }
 
@@ -253,21 +315,40 @@ impl ComparedTest {
         (wave.time_s(0), wave.time_s(wave.samples.len() - 1))
     }
 
-    /// Standard deviation of the acceleration before the event, behind the filter.
+    /// Standard deviation of the accelerations before the event, behind the filter: the root mean square of all, times
+    /// their weights.
     fn noise(&self) -> Option<f64> {
-        let before = self.wave().measurement.before_event?;
-        Some(before.noise).filter(|noise| *noise > 0.0 && before.noise_samples > 1)
+        let of_wave = |wave: &ObservedWave| {
+            let before =
+                wave.measurement.before_event.filter(|before| before.noise > 0.0 && before.noise_samples > 1)?;
+            Some((wave.weight * before.noise).powi(2))
+        };
+        let waves = &self.acceleration.waves;
+        let variances: Vec<f64> = waves.iter().map(of_wave).collect::<Option<_>>()?;
+        Some((variances.iter().sum::<f64>() / waves.len() as f64).sqrt())
     }
 
-    /// Independent samples that the filter lets through at most.
+    /// The accelerations as a model of so many masses meets them: a sensor on a mass that it does not have moves with
+    /// its compartment, as in a rigid body.
+    fn observed_by(&self, masses: usize) -> Observation {
+        let mut observed = self.acceleration.clone();
+        for (wave, (_, place)) in observed.waves.iter_mut().skip(1).zip(&self.channels.1) {
+            wave.mass = place.mass(masses);
+        }
+        observed
+    }
+
+    /// Independent samples that the filters let through at most.
     fn most_samples(&self) -> f64 {
         let (from_s, to_s) = self.window_s();
-        let measurement = &self.wave().measurement;
-        let most = measurement.filter.map(|filter| 2.0 * filter.noise_bandwidth_hz(measurement.dt_s) * (to_s - from_s));
-        most.unwrap_or(f64::INFINITY)
+        let of_wave = |wave: &ObservedWave| {
+            let bandwidth_hz = wave.measurement.filter?.noise_bandwidth_hz(wave.measurement.dt_s);
+            Some(2.0 * bandwidth_hz * (to_s - from_s))
+        };
+        self.acceleration.waves.iter().map(|wave| of_wave(wave).unwrap_or(f64::INFINITY)).sum()
     }
 
-    fn candidate(&self, candidate: &Submitted, class: EnergyClass) -> InTest {
+    fn candidate(&self, candidate: &Submitted, class: EnergyClass, near: f64) -> InTest {
         let record = &candidate.record;
         let structure = structure_of(&record.model, &record.parameters).ok();
         let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
@@ -277,18 +358,19 @@ impl ComparedTest {
         let events = loaded.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
         let of_compartment = events.as_ref().and_then(|events| events.last());
         let rebound = of_compartment.and_then(|events| events.rebound_velocity_m_per_s);
-        let crush_m = self.displacement.waves[0].samples.iter().copied().fold(0.0, f64::max);
-        let crush = of_compartment.and_then(|events| events.dynamic_crush_m);
+        let crush = of_compartment.and_then(|events| events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s));
         let of_displacement = misfit(&self.displacement);
-        let of_acceleration = misfit(&self.acceleration);
-        let least = of_acceleration.as_deref().and_then(|misfit| self.least(candidate, misfit));
+        let observed = self.observed_by(structure.as_ref().map_or(1, |structure| structure.masses_kg().len()));
+        let of_acceleration = misfit(&observed).map(|misfit| without_shift(&observed, &misfit));
+        let least = of_acceleration.as_deref().and_then(|misfit| self.least(candidate, &observed, (misfit, near)));
         let (misfit, inside) = least.map_or((of_acceleration, Vec::new()), |(least, inside)| (Some(least), inside));
         InTest {
+            slow_misfit: misfit.as_ref().map(|misfit| slow_misfit(&observed, misfit)),
             misfit,
             inside,
             fit_percent: of_displacement.as_ref().and_then(|misfit| self.displacement.fit_percent(misfit)),
             restitution: rebound.map(|rebound| -rebound / speed),
-            crush_error: crush.map(|crush| (crush / crush_m - 1.0).abs()).filter(|error| error.is_finite()),
+            own_test: self.own_test(crush, rebound.map_or(0.0, |rebound| -rebound / speed)),
             force_misfit_percent: self
                 .wall
                 .as_ref()
@@ -300,19 +382,45 @@ impl ComparedTest {
         }
     }
 
+    /// How a model with this dynamic crush, m, this time of it, s, and this restitution misses the events of the test.
+    fn own_test(&self, crush: Option<(f64, f64)>, restitution: f64) -> OwnTestErrors {
+        let Some((crush_m, time_s)) = crush else { return OwnTestErrors::default() };
+        let share = |model: f64, test: f64| Some(model / test - 1.0).filter(|error| error.is_finite());
+        OwnTestErrors {
+            crush: self.dynamic_crush.and_then(|(of_test, _)| share(crush_m, of_test)),
+            time: self.dynamic_crush.and_then(|(_, of_test)| share(time_s, of_test)),
+            restitution: self.tested_restitution.map(|of_test| {
+                let error = restitution - of_test;
+                if self.rebound_is_cut { error.min(0.0) } else { error }
+            }),
+        }
+    }
+
     /// The least misfit of the acceleration and what stands on no bound there, where it is below this one and the noise
     /// before the event is not far from that.
-    fn least(&self, candidate: &Submitted, misfit: &[f64]) -> Option<(Vec<f64>, Vec<String>)> {
+    fn least(
+        &self,
+        candidate: &Submitted,
+        observed: &Observation,
+        (misfit, near): (&[f64], f64),
+    ) -> Option<(Vec<f64>, Vec<String>)> {
         let sum = |misfit: &[f64]| misfit.iter().map(|e| e * e).sum::<f64>();
-        let near = NEAR_NOISE * self.noise()?;
+        let near = near * self.noise()?;
         if sum(misfit) > misfit.len() as f64 * near * near {
             return None;
         }
-        let LeastMisfit { parameters, inside } = candidate.least_misfit.as_ref()?;
-        let mut there = candidate.record.parameters.clone();
-        there.extend(parameters.clone());
-        let least = self.acceleration.misfit_of(&structure_of(&candidate.record.model, &there).ok()?)?;
-        (sum(&least) < sum(misfit)).then(|| (least, inside.clone()))
+        let record = &candidate.record;
+        let bounds = record.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
+        let free: Vec<&str> = record.asked().filter(|name| !bounds.iter().any(|bound| bound == name)).collect();
+        let from = |start: &BTreeMap<String, f64>| least_without_shift(observed, (&record.model, start), &free);
+        let own = from(&record.parameters).map(|misfit| (misfit, Vec::new()));
+        let assessed = candidate.least_misfit.as_ref().and_then(|LeastMisfit { parameters, inside }| {
+            let mut there = record.parameters.clone();
+            there.extend(parameters.clone());
+            Some((from(&there)?, inside.clone()))
+        });
+        let lower = own.into_iter().chain(assessed).filter(|(least, _)| sum(least) < sum(misfit));
+        lower.min_by(|(a, _), (b, _)| sum(a).total_cmp(&sum(b)))
     }
 
     fn crush_error_at_lower_speeds(&self, misfit: &[f64]) -> Option<f64> {

@@ -120,7 +120,7 @@ fn recommendation_record(
         source: prior.source.to_owned(),
     });
     let mut rated: Vec<(&ComparedCandidate, &Rated)> = candidates.iter().zip(&selection.rated).collect();
-    let key = |rated: &Rated| (rated.not_adequate.is_some(), rated.difference_with_priors.unwrap_or(f64::MAX));
+    let key = |rated: &Rated| (!rated.is_adequate(), rated.difference_with_priors.unwrap_or(f64::MAX));
     rated.sort_by(|(_, a), (_, b)| {
         let (a, b) = (key(a), key(b));
         a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1))
@@ -132,6 +132,8 @@ fn recommendation_record(
         simplest_because: selection.simplest.because.clone(),
         closest: id(&selection.closest),
         closest_because: selection.closest.because.clone(),
+        strength: selection.strength.map(|strength| strength.name().to_owned()),
+        decided_by: comparison.channels(),
         evidence,
         priors: priors.collect(),
         candidates: rated.into_iter().map(|(candidate, rated)| rated_record(candidate, rated)).collect(),
@@ -142,8 +144,12 @@ fn rated_record(candidate: &ComparedCandidate, rated: &Rated) -> RatedCandidateV
     RatedCandidateV1 {
         id: candidate.id.clone(),
         class: candidate.class.name().to_owned(),
-        adequate: rated.not_adequate.is_none(),
-        not_adequate_because: rated.not_adequate.clone(),
+        adequate: rated.is_adequate(),
+        not_adequate_because: rated.why_inadequate(),
+        missed_events: rated.missed_events(),
+        crush_error: candidate.own_test.crush,
+        time_error: candidate.own_test.time,
+        restitution_error: candidate.own_test.restitution,
         parameters: candidate.parameters as u32,
         determined: candidate.determined() as u32,
         misfit: rated.misfit,
