@@ -59,6 +59,16 @@ fn a_run_predicts_the_speeds_of_its_pipeline_and_more_when_asked() {
     // The fit through the filter has the vehicle's own crush, 0.02 % from that of the filtered record: CFC 60 spreads
     // the jump of acceleration at contact over 10 ms on both sides.
     assert!((crush / measured - 1.0).abs() < 5e-4, "{crush} of {measured}");
+    // The record answers at its own speed; the slope of its velocity is the mean of two samples, 5e-5 of a peak behind
+    // CFC 60. The speeds of the pipeline lie beyond it.
+    let (tested, faster) = (&own["predictions"][0], &own["predictions"][1]);
+    let peak = number(tested, &["peak_acceleration_m_per_s2"]);
+    let metric = number(&own, &["metrics", "peak_acceleration", "value"]).abs();
+    assert!((peak / metric - 1.0).abs() < 1e-4, "{peak} of {metric}");
+    let rebound = number(tested, &["coefficient_of_restitution"]);
+    assert!((rebound - number(&own, &["events", "coefficient_of_restitution"])).abs() < 1e-12, "{rebound}");
+    assert_eq!((tested["peak_by"].as_str(), tested["delta_v_by"].as_str()), (Some("record"), Some("record")));
+    assert_eq!((faster["peak_by"].as_str(), faster["delta_v_by"].as_str()), (Some("model"), Some("model")));
     assert_eq!(own["pipeline"], "default");
 
     let output = predict(folder.path(), &["--mass", "1100kg"]);
