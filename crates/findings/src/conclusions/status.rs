@@ -16,6 +16,9 @@ use crate::{CandidateResult, Model, Ranking, Run};
 /// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
 const NARROW_PERCENT: f64 = 10.0;
 
+/// What of a percentage is rounding of the ends of its interval, and is not rounded up.
+const ROUNDING: f64 = 1e-9;
+
 /// One word on the results of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -199,7 +202,7 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
         return if is_adequate { Reason::NoneRecommended } else { Reason::NotAdequate };
     };
     let answer = answer(run, best);
-    let good_to_percent = answer.and_then(|(_, prediction)| Some(half_width_percent(prediction)?.ceil()));
+    let good_to_percent = answer.and_then(|(_, prediction)| Some((half_width_percent(prediction)? - ROUNDING).ceil()));
     let good_to =
         answer.zip(good_to_percent).map(|((prediction, record), good_to_percent)| match record.extrapolates {
             true => Reason::Beyond { good_to_percent, prediction },
