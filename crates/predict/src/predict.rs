@@ -8,11 +8,11 @@ use crate::impact::outcome::Outcome;
 use crate::impact::scenario::{Scenario, Surroundings, TestedImpact};
 use crate::impact::setting::Setting;
 use crate::intervals::models::weights;
-use crate::intervals::own_test::OwnTest;
+use crate::intervals::own_test::{OwnTest, SAMPLING_S};
 use crate::intervals::partner::PreparedPartner;
 use crate::intervals::prediction::{Impact, Prediction};
 use crate::intervals::sources::Inputs;
-use crate::intervals::tested::{SAMPLING_S, Tested};
+use crate::intervals::tested::Tested;
 
 /// Lets every candidate named by its place meet every impact: for each impact, in their order, what each of the named
 /// says, in theirs.

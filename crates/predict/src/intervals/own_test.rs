@@ -10,8 +10,9 @@ use crate::impact::outcome::{Outcome, Quantity, Wave, through_cfc_60};
 use crate::impact::partner::CollisionOutcome;
 use crate::impact::scenario::TestedImpact;
 use crate::impact::setting::Setting;
-use crate::intervals::tested::SAMPLING_S;
 
+/// Sampling interval of the waves, s: 10 kHz, as a laboratory records.
+pub(crate) const SAMPLING_S: f64 = 1e-4;
 /// What a relative error of the force at the end of the crush does to its time: of a constant force the last tenth of the
 /// way takes a third of the time, and its time goes as one over the force.
 const TIME_BY_FORCE: f64 = 0.3;
@@ -102,7 +103,7 @@ impl<'a> OwnTest<'a> {
 }
 
 /// A front in an impact: its own test, and the energy that it takes, J.
-pub(crate) type Front<'a> = (&'a OwnTest<'a>, f64);
+pub(crate) type TestedFront<'a> = (&'a OwnTest<'a>, f64);
 
 /// What the records of both vehicles make of the answers of their models: each multiplied by what the record shows over
 /// what the model shows in its own test. So it is the record's where the same energy is taken, and of a model that is
@@ -119,8 +120,8 @@ pub(crate) struct ByRecord {
 impl ByRecord {
     /// Of the vehicle, and of its partner: a face or the wall has no test. What comes back in a collision is of each
     /// front as its share of the energy.
-    pub fn new(own: Front<'_>, partner: Option<Front<'_>>, barrier_j: f64) -> Self {
-        let peak = |(test, energy_j): Front<'_>| test.peak(energy_j);
+    pub fn new(own: TestedFront<'_>, partner: Option<TestedFront<'_>>, barrier_j: f64) -> Self {
+        let peak = |(test, energy_j): TestedFront<'_>| test.peak(energy_j);
         let (factor, taken) = (own.0.restitution(), own.1);
         let other = partner.map_or((1.0, barrier_j), |(test, energy_j)| (test.restitution().unwrap_or(1.0), energy_j));
         let of_both = |factor: f64| {

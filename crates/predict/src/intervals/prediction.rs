@@ -13,12 +13,12 @@ use crate::impact::reach::Reach;
 use crate::impact::scenario::Scenario;
 use crate::impact::setting::Setting;
 use crate::intervals::directions::Direction;
-use crate::intervals::own_test::{ByRecord, OwnTest};
+use crate::intervals::own_test::{ByRecord, OwnTest, SAMPLING_S};
 use crate::intervals::partner::PreparedPartner;
 use crate::intervals::sources::{
     Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
 };
-use crate::intervals::tested::{COARSE_S, SAMPLING_S, STEP, Tested, at_crush, half_difference, relative};
+use crate::intervals::tested::{COARSE_S, STEP, Tested, at_crush, half_difference, relative};
 
 /// What the test of a vehicle supports of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -11,8 +11,6 @@ use crate::impact::setting::Setting;
 use crate::intervals::directions::Directions;
 use crate::intervals::own_test::OwnTest;
 
-/// Sampling interval of the waves, s: 10 kHz, as a laboratory records.
-pub(crate) const SAMPLING_S: f64 = 1e-4;
 /// Sampling interval of impacts that only a difference is taken of.
 pub(crate) const COARSE_S: f64 = 2e-4;
 
