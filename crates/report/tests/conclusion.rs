@@ -6,7 +6,8 @@ use std::path::Path;
 
 use crumple_artifact::records::{
     CandidateV1, ConcernV1, EventIntervalV1, EventsV1, EvidenceV1, IdentificationV1, MetricV1, ModeV1,
-    PredictedCollisionV1, PredictedIntervalV1, PredictionV1, RecommendationV1, SimulationV1, UncertaintyV1,
+    PredictedCollisionV1, PredictedIntervalV1, PredictionV1, RatedCandidateV1, RecommendationV1, SimulationV1,
+    UncertaintyV1,
 };
 use crumple_report::{
     CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, Status, conclusion, overview, summary,
@@ -170,6 +171,29 @@ fn assert_numbers_are_those_of_the_summary(run: &Run, names: &[&str]) -> Vec<Str
         assert!(top.contains(&sentence.replace('\'', "&#39;")), "{sentence} stands on top of the page");
     }
     said.sentences
+}
+
+#[test]
+fn weak_evidence_and_a_missed_event_of_the_own_test_are_said() {
+    let mut run = car();
+    run.candidates.push(candidate("maxwell/direct-fit/1", 99.0));
+    let choice = run.recommendation.as_mut().unwrap();
+    let rated = |id: &str| RatedCandidateV1 { id: id.to_owned(), adequate: true, ..RatedCandidateV1::default() };
+    choice.candidates = vec![rated(BEST), rated("maxwell/direct-fit/1")];
+    choice.strength = Some("decisive".to_owned());
+    assert!(status_of(&run).starts_with("usable: "));
+    run.recommendation.as_mut().unwrap().strength = Some("weak".to_owned());
+    let weak = "the evidence is weak: Maxwell, direct fit 1 fits nearly as well.";
+    assert_eq!(status_of(&run), format!("usable with care: {weak}"));
+    // What is asked and wide goes before it, and it is said still.
+    run.predictions[0].asked = true;
+    let said = conclusion(&run, &Ranking::of_run(&run)).0.sentences;
+    assert_eq!(said[2].to_lowercase(), weak.to_lowercase());
+    run.predictions[0].asked = false;
+    let own = &mut run.recommendation.as_mut().unwrap().candidates[0];
+    (own.adequate, own.missed_events) = (false, vec!["coefficient_of_restitution".to_owned()]);
+    let because = "use its crush, it misses the coefficient of restitution of its own test";
+    assert_eq!(status_of(&run), format!("usable with care: {because}."));
 }
 
 /// The status of a run as a person reads it.

@@ -12,10 +12,10 @@ use crate::conclusions::key_numbers::{sign_of, true_places};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::conclusions::status::{
-    Status, StatusReason, answer, closest_identified, has_only_forces, interval_of_crush, status_reason,
+    Status, StatusReason, answer, closest_identified, has_only_forces, interval_of_crush, status_reason, weak,
 };
 use crate::text::names::{candidate_name, model_name};
-use crate::text::parameters::{DEFLECTION, deflection_of_knot, symbols};
+use crate::text::parameters::{DEFLECTION, deflection_of_knot, listed, symbols};
 use crate::{CandidateResult, Ranking, Run};
 
 /// Whether what was asked for is there.
@@ -175,6 +175,11 @@ impl<'a> Text<'a> {
                 ];
                 fill(phrases.because_poor_fit, &texts)
             }
+            Reason::MissesItsTest { events } => {
+                let names: Vec<String> = events.iter().map(|name| self.language.metric(name)).collect();
+                fill(phrases.because_misses_its_test, &[("events", listed(&names, phrases.and))])
+            }
+            Reason::Weak { candidate } => fill(phrases.because_weak, &[("model", candidate_name(candidate))]),
             Reason::OtherAxis { axis } => fill(phrases.because_other_axis, &[("axis", axis)]),
             Reason::Unassessed => phrases.because_unassessed.to_owned(),
             Reason::Dual => phrases.because_dual.to_owned(),
@@ -428,7 +433,7 @@ impl<'a> Text<'a> {
             let number = self.number("/verdict/status_reason/number", *number as f64, (1.0, 0, ""));
             return std::iter::once(fill(phrases.decisive, &[("number", number)])).chain(self.asked_for()).collect();
         }
-        let is_lacking = lacks_mass_or_speed(self.run);
+        let is_lacking = kind == Kind::LinearModel || lacks_mass_or_speed(self.run);
         let mut sentences = Vec::new();
         if let Some(best) = self.best() {
             sentences.extend(self.one_spring(best));
@@ -437,7 +442,7 @@ impl<'a> Text<'a> {
         } else if !self.run.candidates.is_empty() {
             sentences.push(self.none_recommended());
             sentences.extend(self.closest());
-        } else if kind == Kind::LinearModel || (is_lacking && !self.run.models.is_empty()) {
+        } else if is_lacking && !self.run.models.is_empty() {
             sentences.push(self.identified());
         } else if !is_lacking {
             sentences.push(phrases.no_models_here.to_owned());
@@ -526,7 +531,15 @@ impl<'a> Text<'a> {
         if best.record.equivalent_to.is_some() && *reason != StatusReason::Dual {
             return Some(phrases.dual.to_owned());
         }
-        self.few_determined(best).filter(|_| !matches!(reason, StatusReason::FewDetermined { .. })).or_else(|| {
+        let is_said = matches!(reason, StatusReason::FewDetermined { .. });
+        let few = if is_said { None } else { self.few_determined(best) };
+        let weak = match weak(self.run, best).filter(|weak| weak != reason) {
+            Some(StatusReason::Weak { candidate }) => {
+                Some(fill(phrases.weak, &[("model", candidate_name(&candidate))]))
+            }
+            _ => None,
+        };
+        few.or(weak).or_else(|| {
             let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
             let tested = self.run.test.impact_speed_m_per_s.filter(|_| beyond)?;
             let speed = self.speed("/test/impact_speed_m_per_s", tested);

@@ -76,6 +76,14 @@ pub enum StatusReason {
         parameters: usize,
         are_forces: bool,
     },
+    /// The recommended model misses these events of its own test, so that it is not adequate: its crush alone is right.
+    MissesItsTest {
+        events: Vec<String>,
+    },
+    /// Another model fits nearly as well: its candidate.
+    Weak {
+        candidate: String,
+    },
     /// Nobody says how well the parameters of the recommended model are known.
     Unassessed,
     /// The recommended model has a dual.
@@ -213,10 +221,28 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
     let disagree = run.joint.as_ref().filter(|joint| !joint.missed().is_empty()).map(|_| Reason::TestsDisagree);
     disagree
         .or_else(|| asked.filter(is_limit))
+        .or_else(|| misses_its_test(run, best))
         .or_else(|| sensors_differ(run))
         .or_else(|| uncertain(best))
+        .or_else(|| weak(run, best))
         .or(good_to)
         .unwrap_or(Reason::NoInterval)
+}
+
+/// That the recommended model is right in its crush alone.
+fn misses_its_test(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
+    let mut rated = run.recommendation.iter().flat_map(|choice| &choice.candidates);
+    let events = rated.find(|rated| rated.id == best.id && !rated.adequate)?.missed_events.clone();
+    Some(StatusReason::MissesItsTest { events })
+}
+
+/// That another model fits nearly as well as the recommended one: the best adequate candidate of one.
+pub(crate) fn weak(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
+    let choice = run.recommendation.as_ref().filter(|choice| choice.strength.as_deref() == Some("weak"))?;
+    let is_other = |id: &str| run.candidate(id).is_some_and(|other| other.record.model != best.record.model);
+    let mut adequate = choice.candidates.iter().filter(|rated| rated.adequate);
+    let candidate = adequate.find(|rated| is_other(&rated.id))?.id.clone();
+    Some(StatusReason::Weak { candidate })
 }
 
 /// What is not known of the parameters of a model.

@@ -98,7 +98,7 @@ pub fn symbols(candidate: &CandidateV1, names: &[&str], language: Language) -> S
 }
 
 /// `a, b and c`.
-fn listed(texts: &[String], and: &str) -> String {
+pub(crate) fn listed(texts: &[String], and: &str) -> String {
     match texts.split_last() {
         Some((last, [])) => last.clone(),
         Some((last, before)) => format!("{} {and} {last}", before.join(", ")),

@@ -27,6 +27,9 @@ texts! { ConclusionTexts
     because_dual:
         "use its crush, not its mass split: one sensor cannot identify the split",
         "seine Eindrückung gilt, seine Massenaufteilung nicht: ein Aufnehmer kann sie nicht identifizieren";
+    because_misses_its_test:
+        "use its crush, it misses the {events} of its own test",
+        "seine Eindrückung gilt, den eigenen Versuch verfehlt es in: {events}";
     because_weak:
         "the evidence is weak: {model} fits nearly as well",
         "die Belege sind schwach: {model} passt fast ebenso gut";
@@ -202,6 +205,9 @@ texts! { ConclusionTexts
         "The mass split cannot be identified from one sensor: a mirrored (dual) model fits equally well.",
         "Die Massenaufteilung ist mit einem Aufnehmer nicht identifizierbar: Ein gespiegeltes (duales) Modell passt \
          ebenso gut.";
+    weak:
+        "The evidence is weak: {model} fits nearly as well.",
+        "Die Belege sind schwach: {model} passt fast ebenso gut.";
     few_forces:
         "Use its crush, not its forces: the record determines only {determined} of {parameters}.",
         "Seine Eindrückung gilt, seine Kräfte nicht: Die Aufzeichnung bestimmt nur {determined} von {parameters}.";

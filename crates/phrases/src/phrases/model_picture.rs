@@ -28,6 +28,9 @@ texts! { ModelTexts
         "Eine Feder mit Energie und Eindrückung des Versuchs: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
     by_noise_alone: "; intervals: 95\u{a0}%, by the noise alone", "; Intervalle: 95\u{a0}%, nur aus dem Rauschen";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.", "ISO/TS 18571 der Beschleunigung {value}{grade}.";
+    decided_by:
+        "Chosen by sensors {sensors}.",
+        "Gewählt nach den Aufnehmern {sensors}.";
     same_record:
         "{model} gives the same record on this sensor.",
         "{model} ergibt an diesem Aufnehmer dieselbe Aufzeichnung.";

@@ -116,6 +116,13 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
             sentences.push(fill(texts.rating, &filled));
         }
     }
+    // Where more than the pulse has chosen, the sensors are named.
+    let chosen = run.recommendation.as_ref().filter(|choice| choice.recommended.as_ref() == Some(&candidate.id));
+    let deciding = chosen.map(|choice| choice.decided_by.as_slice()).filter(|channels| channels.len() > 1);
+    sentences.extend(deciding.map(|channels| {
+        let sensors: Vec<String> = channels.iter().map(|channel| sensor_with_place(run, channel)).collect();
+        fill(texts.decided_by, &[("sensors", sensors.join(", "))])
+    }));
     if let Some(other) = &candidate.record.equivalent_to {
         sentences.push(fill(texts.same_record, &[("model", html(&candidate_name(other)))]));
     }
@@ -143,6 +150,12 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
 }
 
+/// `96 (engine, top)`.
+fn sensor_with_place(run: &Run, channel: &str) -> String {
+    let location = run.test.channel(channel).map(|c| c.location.as_str()).filter(|text| !text.is_empty());
+    html(&location.map_or_else(|| channel.to_owned(), |location| format!("{channel} ({location})")))
+}
+
 /// What sensors on the masses in front say of a model with several masses.
 fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let (language, texts) = (run.language, &run.language.phrases().model);
@@ -150,10 +163,7 @@ fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
     if masses < 2 {
         return None;
     }
-    let place = |channel: &str| {
-        let location = run.test.channel(channel).map(|c| c.location.as_str()).filter(|text| !text.is_empty());
-        html(&location.map_or_else(|| channel.to_owned(), |location| format!("{channel} ({location})")))
-    };
+    let place = |channel: &str| sensor_with_place(run, channel);
     let in_front = |mass: u32| (mass as usize) < masses;
     let fitted = candidate.record.fit.iter().flat_map(|fit| &fit.sensors).filter(|sensor| in_front(sensor.mass));
     let mut said: Vec<String> = fitted
