@@ -92,7 +92,7 @@ pub use record::test_data::TestData;
 pub use record::wall_force::WallForce;
 pub use selection::choice::{CandidateSelection, Choice, Strength, choose};
 pub use selection::compared_candidate::{ComparedCandidate, EnergyClass, OwnTestErrors, depends_on_rate};
-pub use selection::evidence::{is_explained, slow_misfit};
+pub use selection::evidence::slow_misfit;
 pub use selection::inadequacy::{Inadequacy, TestEvent};
 pub use selection::lower_speeds::crush_error_at_lower_speeds;
 pub use selection::prior::{Prior, SelectionRules};

@@ -6,7 +6,6 @@ use crumple_estimation::statistics::InformationCriteria;
 
 use crate::record::measurement::TwoPassFilter;
 use crate::record::observation::Observation;
-use crate::record::sensor_noise::EXPLAINED;
 
 /// Autocorrelation at which its sum ends: below it, noise of the estimate.
 const UNCORRELATED: f64 = 0.05;
@@ -15,12 +14,6 @@ const SENSOR: f64 = 1e-3;
 /// Independent samples that a criterion needs beside the numbers it charges: with one, its correction for short records
 /// is infinite.
 const TO_SPARE: f64 = 2.0;
-
-/// Whether noise of this standard deviation may be all that is in a misfit.
-pub fn is_explained(misfit: &[f64], noise: f64) -> bool {
-    let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
-    mean_square <= EXPLAINED * noise * noise
-}
 
 /// Root mean square of a misfit with what no sensor knows of a record, a thousandth of its own, in quadrature. Infinite
 /// without samples.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement, Observation,
-    ObservedWave, OwnTestErrors, SensorPlace, WallForce, crush_error_at_lower_speeds, is_explained,
-    least_without_shift, slow_misfit, without_shift,
+    ObservedWave, OwnTestErrors, SensorPlace, WallForce, crush_error_at_lower_speeds, least_without_shift, slow_misfit,
+    without_shift,
 };
 use crumple_signal::{Displacement, Sampled};
 use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
@@ -26,9 +26,12 @@ const NO_FORCE: f64 = 1e-3;
 /// A misfit beyond so many times the noise before the event is not explained by it wherever its least lies: fits to the
 /// displacement of made records of three masses missed the acceleration by eight times its least at most.
 const NEAR_NOISE: f64 = 10.0;
-/// The same where the noise explains the misfit of another candidate, so that a shift of time zero is what a fit to the
-/// displacement may have followed: 0.35 ms of a pulse of 30 g behind CFC 60 are 50 times its noise.
-const NEAR_WHERE_EXPLAINED: f64 = 100.0;
+/// A misfit of another candidate that is at most so many times the noise says that the record is of some model, so that
+/// a shift of time zero is what fits to the displacement may have followed.
+const SOME_MODEL: f64 = 4.0;
+/// The largest misfit over the noise that is brought to its least then: a shift of 0.35 ms of a pulse of 30 g behind
+/// CFC 60 is 50 times the noise.
+const NEAR_WHERE_SOME_MODEL: f64 = 100.0;
 
 /// Parameters of which the bound is another parameter of the same model, by the side constraints of its paper: `k1 <=
 /// k2`, `c1 >= c2 >= c3`. On it the two are one number, which says something of the vehicle.
@@ -192,12 +195,17 @@ impl Comparison {
     pub fn candidates(&self, submitted: &[&Submitted]) -> Vec<ComparedCandidate> {
         let all = |near: f64| submitted.par_iter().map(|candidate| self.candidate(candidate, near)).collect();
         let compared: Vec<ComparedCandidate> = all(NEAR_NOISE);
-        let noise = self.record().noise;
-        let is_explained = |candidate: &ComparedCandidate| {
-            let noise = noise.filter(|_| candidate.physical);
-            noise.zip(candidate.misfit.as_deref()).is_some_and(|(noise, misfit)| is_explained(misfit, noise))
+        let Some(noise) = self.record().noise else { return compared };
+        let is_near = |misfit: &[f64]| {
+            let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
+            mean_square.sqrt() <= SOME_MODEL * noise
         };
-        if compared.iter().any(is_explained) { all(NEAR_WHERE_EXPLAINED) } else { compared }
+        let mut physical = compared.iter().filter(|candidate| candidate.physical);
+        if physical.any(|candidate| candidate.misfit.as_deref().is_some_and(is_near)) {
+            all(NEAR_WHERE_SOME_MODEL)
+        } else {
+            compared
+        }
     }
 
     fn candidate(&self, candidate: &Submitted, near: f64) -> ComparedCandidate {
