@@ -239,6 +239,11 @@ interval-benchmark *args: build
 prediction-benchmark *args: build
     @cargo run --quiet --release --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
 
+# Every sentence and number of first screens against known truth, 4 made cars a family and kind: `just truth [--cars N] [--short] [NAME ...]`.
+[group('development')]
+truth *args: build
+    @cargo run --quiet --release --package crumple-testkit --bin truth -- --bin {{ quote(bin) }} "$@"
+
 # What a fleet costs, on an idle machine: wall times as the fleet says them, then CPU time of all children so far, and disk: `just fleet-benchmark [RECORDS]`.
 [group('development')]
 fleet-benchmark records="2000" folder="target/fleet-benchmark": build
@@ -265,6 +270,7 @@ ci-full:
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
         cargo nextest run --package crumple-testkit --test slurm --run-ignored all
     just papers
+    just truth
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
     just bytes --compare target/bytes-1.txt target/bytes-4.txt

@@ -1,6 +1,6 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 //!
-//! rooms: bytes fuzz interval_cover made_fleet prediction_error | programs records | random places benchmark labels
+//! rooms: truth | bytes fuzz interval_cover made_fleet prediction_error | programs records | random places benchmark labels
 
 mod benchmark;
 pub mod bytes;
@@ -13,6 +13,7 @@ pub mod prediction_error;
 mod programs;
 mod random;
 mod records;
+pub mod truth;
 
 pub use benchmark::stopwatch;
 pub use labels::SAME_IN_GERMAN;

@@ -16,6 +16,8 @@ macro_rules! texts {
             pub const ENGLISH: Self = Self { $($field: $english,)+ };
             /// In German.
             pub const GERMAN: Self = Self { $($field: $german,)+ };
+            /// In English, with the name of each.
+            pub const NAMED: &[(&str, &str)] = &[$((stringify!($field), $english),)+];
         }
     };
 }
@@ -46,65 +48,56 @@ pub use remarks::RemarkTexts;
 pub use runs::{FleetTexts, JointTexts, RunTexts};
 pub use scripts::{CursorTexts, WhatIfTexts};
 
-/// The texts of one language, by what they are about.
-#[derive(Debug)]
-pub struct Phrases {
-    /// Conclusion, warnings, console.
-    pub conclusion: ConclusionTexts,
-    /// Header and channels.
-    pub page: PageTexts,
-    /// Key numbers, events and metrics.
-    pub numbers: NumberTexts,
-    /// Figures of the crash.
-    pub figures: FigureTexts,
-    /// Identified models and their figures.
-    pub identification: IdentificationTexts,
-    /// One model of several tests.
-    pub joint: JointTexts,
-    /// Pictures of models.
-    pub model: ModelTexts,
-    /// Candidates and which to use.
-    pub candidates: CandidateTexts,
-    /// How well models follow the test.
-    pub how_well: HowWellTexts,
-    /// Predictions.
-    pub predictions: PredictionTexts,
-    /// What is missing, notes, limits, provenance.
-    pub remarks: RemarkTexts,
-    /// Several runs on one page.
-    pub runs: RunTexts,
-    /// The page of a fleet, and what its pages share.
-    pub fleet: FleetTexts,
-    /// What the script of the figures says.
-    pub cursor: CursorTexts,
-    /// The sliders and what their script says.
-    pub what_if: WhatIfTexts,
-}
-
-/// All texts in a language, by the constant of that name.
+/// All texts in each language, by what they are about: a field a subject.
 macro_rules! phrases {
-    ($language:ident) => {
-        Phrases {
-            conclusion: ConclusionTexts::$language,
-            page: PageTexts::$language,
-            numbers: NumberTexts::$language,
-            figures: FigureTexts::$language,
-            identification: IdentificationTexts::$language,
-            joint: JointTexts::$language,
-            model: ModelTexts::$language,
-            candidates: CandidateTexts::$language,
-            how_well: HowWellTexts::$language,
-            predictions: PredictionTexts::$language,
-            remarks: RemarkTexts::$language,
-            runs: RunTexts::$language,
-            fleet: FleetTexts::$language,
-            cursor: CursorTexts::$language,
-            what_if: WhatIfTexts::$language,
+    ($($(#[$doc:meta])+ $field:ident: $texts:ident;)+) => {
+        /// The texts of one language, by what they are about.
+        #[derive(Debug)]
+        pub struct Phrases {
+            $($(#[$doc])+ pub $field: $texts,)+
+        }
+
+        /// English.
+        pub const ENGLISH: Phrases = Phrases { $($field: $texts::ENGLISH,)+ };
+        /// German.
+        pub const GERMAN: Phrases = Phrases { $($field: $texts::GERMAN,)+ };
+        /// Every English text with its subject and its name.
+        pub fn named() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+            let all = [$((stringify!($field), $texts::NAMED),)+];
+            all.into_iter().flat_map(|(subject, texts)| texts.iter().map(move |(name, text)| (subject, *name, *text)))
         }
     };
 }
 
-/// English.
-pub const ENGLISH: Phrases = phrases!(ENGLISH);
-/// German.
-pub const GERMAN: Phrases = phrases!(GERMAN);
+phrases! {
+    /// Conclusion, warnings, console.
+    conclusion: ConclusionTexts;
+    /// Header and channels.
+    page: PageTexts;
+    /// Key numbers, events and metrics.
+    numbers: NumberTexts;
+    /// Figures of the crash.
+    figures: FigureTexts;
+    /// Identified models and their figures.
+    identification: IdentificationTexts;
+    /// One model of several tests.
+    joint: JointTexts;
+    /// Pictures of models.
+    model: ModelTexts;
+    /// Candidates and which to use.
+    candidates: CandidateTexts;
+    /// How well models follow the test.
+    how_well: HowWellTexts;
+    /// Predictions.
+    predictions: PredictionTexts;
+    /// What is missing, notes, limits, provenance.
+    remarks: RemarkTexts;
+    /// Several runs on one page.
+    runs: RunTexts;
+    /// The page of a fleet, and what its pages share.
+    fleet: FleetTexts;
+    /// What the script of the figures says.
+    cursor: CursorTexts;
+    /// The sliders and what their script says.
+    what_if: WhatIfTexts;
+}

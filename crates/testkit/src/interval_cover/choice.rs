@@ -20,7 +20,7 @@ pub struct Drawn {
     pub name: &'static str,
     /// Model name of its candidates.
     model: &'static str,
-    draw: Draw,
+    pub(super) draw: Draw,
 }
 
 /// All of them.

@@ -106,6 +106,11 @@ pub fn fixtures() -> Result<Vec<Fixture>, LumpedError> {
     cars().iter().map(fixture).collect()
 }
 
+/// The cars of the fixtures: name, model, mass, kg, speed, m/s.
+pub fn fixture_models() -> [(&'static str, Model, f64, f64); 4] {
+    cars().map(|car| (car.name, car.model, f64::from(car.mass_kg), f64::from(car.speed_km_per_h) / 3.6))
+}
+
 fn fixture(car: &Car) -> Result<Fixture, LumpedError> {
     // As the reader of the file computes it from the header.
     let v0 = Speed::from_si(f64::from(car.speed_km_per_h) * (1.0 / 3.6)).si();

@@ -1,0 +1,291 @@
+//! The runs whose sentences are read: records of known truth, each with the pipelines and the questions it is put to.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crumple_lumped::Model;
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+
+use super::known::{Known, Maker, Subject};
+use crate::interval_cover::{DRAWN, made as made_by_family};
+use crate::places::workspace;
+use crate::prediction_error::{KINDS, made as made_by_kind};
+use crate::records::TwoVehicles;
+use crate::records::fixture::fixture_models;
+
+/// What is asked of a run behind it, as flags of `just predict`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Question {
+    /// The flags.
+    pub flags: &'static [&'static str],
+    /// The speed asked for, m/s.
+    pub speed_m_per_s: Option<f64>,
+    /// The mass asked for, kg.
+    pub mass_kg: Option<f64>,
+    /// The partner, by a word of its name.
+    pub partner: Option<&'static str>,
+}
+
+/// A run.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What it is called in tables.
+    pub name: String,
+    /// The record.
+    pub record: PathBuf,
+    /// Variables of `just`: a pipeline, a swapped stage.
+    pub variables: Vec<String>,
+    /// Flags of `just run`.
+    pub flags: Vec<String>,
+    /// What is asked after it.
+    pub question: Option<Question>,
+    /// What is true of it.
+    pub known: Known,
+}
+
+/// How many runs there are: one a template, or all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// What every change must pass.
+    Short,
+    /// All, with this many made cars a family and a kind.
+    Long(usize),
+}
+
+/// Impacts that are asked for.
+const QUESTIONS: [Question; 4] = [
+    Question { flags: &["--speed", "30km/h"], speed_m_per_s: Some(30.0 / 3.6), mass_kg: None, partner: None },
+    Question { flags: &["--mass", "1100kg"], speed_m_per_s: None, mass_kg: Some(1100.0), partner: None },
+    Question {
+        flags: &["--speed", "25km/h", "--mass", "1250kg"],
+        speed_m_per_s: Some(25.0 / 3.6),
+        mass_kg: Some(1250.0),
+        partner: None,
+    },
+    Question {
+        flags: &["--partner", "mpdb", "--speed", "50km/h"],
+        speed_m_per_s: Some(50.0 / 3.6),
+        mass_kg: None,
+        partner: Some("mpdb"),
+    },
+];
+
+/// Pipelines that are shipped.
+const PIPELINES: [&str; 5] = ["default", "unfiltered", "papers/civic", "papers/era", "papers/firefly"];
+
+/// Records are written to `folder`. Errors: one cannot be.
+pub fn cases(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+    let mut all = of_fixtures(extent, folder)?;
+    all.extend(of_families(extent, folder)?);
+    all.extend(of_kinds(extent, folder)?);
+    all.extend(of_other_records(folder)?);
+    Ok(all)
+}
+
+fn case(name: impl Into<String>, record: PathBuf, known: Known) -> Case {
+    Case { name: name.into(), record, variables: Vec::new(), flags: Vec::new(), question: None, known }
+}
+
+/// The fixtures through every pipeline, through a swapped filter, and the questions after them.
+fn of_fixtures(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+    let mut all = Vec::new();
+    let swapped = swapped_filter(folder)?;
+    for (number, (name, model, mass_kg, speed_m_per_s)) in fixture_models().into_iter().enumerate() {
+        let record = workspace().join("fixtures").join(name).join("crash.csv");
+        let known = Known::vehicle(Maker::Lumped(model), mass_kg, speed_m_per_s);
+        let one = |what: &str, variables: Vec<String>, question: Option<Question>| Case {
+            variables,
+            question,
+            ..case(format!("{name}{what}"), record.clone(), known.clone())
+        };
+        for pipeline in PIPELINES {
+            let is_short = pipeline == "default" || name == "elastoplastic";
+            if is_short || extent != Extent::Short {
+                all.push(one(&format!(", {pipeline}"), vec![format!("pipeline={pipeline}")], None));
+            }
+        }
+        if name == "elastoplastic" || extent != Extent::Short {
+            all.push(one(", swapped filter", vec![swapped.clone()], None));
+        }
+        for (asked, question) in QUESTIONS.into_iter().enumerate() {
+            if extent != Extent::Short || asked == number {
+                all.push(one(&format!(", {}", question.flags.join(" ")), Vec::new(), Some(question)));
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Records of the lumped families as a laboratory measures them.
+fn of_families(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+    let count = if let Extent::Long(count) = extent { count } else { 1 };
+    let mut all = Vec::new();
+    for (place, drawn) in DRAWN.iter().enumerate() {
+        for number in 0..count {
+            let car = made_by_family(drawn, number).map_err(io::Error::other)?;
+            let record = folder.join(format!("family-{place}-{number}.csv"));
+            fs::write(&record, car.csv)?;
+            let known = Known::vehicle(Maker::Lumped(car.model), car.mass_kg, car.impact_speed_m_per_s);
+            let own = case(format!("{} {number}", drawn.name), record, known);
+            all.push(if car.engine { with_engine(own) } else { own });
+        }
+    }
+    Ok(all)
+}
+
+/// Cars of the kinds of the prediction benchmark.
+fn of_kinds(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+    let count = if let Extent::Long(count) = extent { count } else { 1 };
+    let kinds = if extent == Extent::Short { 2 } else { KINDS.len() };
+    let mut all = Vec::new();
+    for (place, kind) in KINDS.iter().enumerate().take(kinds) {
+        for number in 0..count {
+            let (csv, car) = made_by_kind(kind, number);
+            let record = folder.join(format!("kind-{place}-{number}.csv"));
+            fs::write(&record, csv)?;
+            let (mass_kg, speed_m_per_s) = (car.mass_kg(), car.speed_m_per_s);
+            let known = Known::vehicle(Maker::Car(car), mass_kg, speed_m_per_s);
+            all.push(case(format!("{} {number}", kind.name), record, known));
+        }
+    }
+    Ok(all)
+}
+
+/// A pulse of 50 km/h that stops a vehicle of 900 kg and lets it rebound, in g, at a time in s.
+fn pulse(time_s: f64) -> f64 {
+    const LENGTH_S: f64 = 0.09;
+    const REBOUND: f64 = 0.1;
+    let peak = 50.0 / 3.6 * (1.0 + REBOUND) * PI / (2.0 * LENGTH_S) / G;
+    if (0.0..LENGTH_S).contains(&time_s) { -peak * (PI * time_s / LENGTH_S).sin() } else { 0.0 }
+}
+
+/// Records that lack something, state something wrong, or are of something else.
+fn of_other_records(folder: &Path) -> io::Result<Vec<Case>> {
+    let mut all = Vec::new();
+    let table = |head: &str, values: &dyn Fn(f64) -> f64| {
+        let mut text = head.to_owned();
+        for k in 0..2500 {
+            let t = f64::from(k) * 1e-4 - 0.05;
+            let _infallible = writeln!(text, "{t:.4},{:.6}", values(t) + 0.0);
+        }
+        text
+    };
+    let (time, g) = ("time [s],acceleration [g]\n", 1.0);
+    let both = ["--mass", "900kg", "--impact-speed", "50km/h"].as_slice();
+    let sound = Known { mass_kg: Some(900.0), speed_m_per_s: Some(50.0 / 3.6), ..Known::of(Subject::Vehicle) };
+    let wrong = |remedy: &'static str| Known { is_sound: false, remedy: Some(remedy), ..sound.clone() };
+    let faulty = Known { is_sound: false, ..sound.clone() };
+    let mut add = |name: &str, text: String, flags: &[&str], known: Known| -> io::Result<()> {
+        let record = folder.join(format!("{}.csv", name.replace([' ', ',', '/'], "-")));
+        fs::write(&record, text)?;
+        let flags = flags.iter().map(|flag| (*flag).to_owned()).collect();
+        all.push(Case { flags, ..case(name, record, known) });
+        Ok(())
+    };
+    let plain = table(time, &|t| g * pulse(t));
+    add("half sine", plain.clone(), both, sound.clone())?;
+    add("without speed", plain.clone(), &["--mass", "900kg", "--allow-missing"], sound.clone())?;
+    add("without mass", plain.clone(), &["--impact-speed", "50km/h", "--allow-missing"], sound.clone())?;
+    add("without mass and speed", plain, &["--allow-missing"], sound.clone())?;
+    let metric = "time [s],acceleration [m/s^2]\n";
+    add("g taken for m/s^2", table(metric, &pulse), both, wrong("--unit g"))?;
+    add("m/s^2 taken for g", table(time, &|t| G * pulse(t)), both, wrong("--unit m/s^2"))?;
+    let miles = ["--mass", "900kg", "--impact-speed", "50mph"].as_slice();
+    add("km/h taken for mph", table(time, &pulse), miles, wrong("--impact-speed"))?;
+    add("turned round", table(time, &|t| -pulse(t)), both, faulty.clone())?;
+    add("constant", table(time, &|_| 0.0), both, faulty.clone())?;
+    add("clipped", table(time, &|t| pulse(t).max(-15.0)), both, faulty.clone())?;
+    add("does not stop", table(time, &|t| if t < 0.03 { pulse(t) } else { 0.0 }), both, faulty)?;
+    all.extend(of_two_sensors(folder)?);
+    all.extend(of_no_vehicle_at_a_wall(folder)?);
+    Ok(all)
+}
+
+/// The double fixture with a sensor on both masses, by the pipeline for it and by the default.
+fn of_two_sensors(folder: &Path) -> io::Result<Vec<Case>> {
+    let Some((_, model, mass_kg, speed)) = fixture_models().into_iter().find(|(name, ..)| *name == "double") else {
+        return Ok(Vec::new());
+    };
+    let record = folder.join("two-sensors.csv");
+    fs::write(&record, two_sensors(&model, mass_kg, speed)?)?;
+    let known = Known::vehicle(Maker::Lumped(model), mass_kg, speed);
+    let both = with_engine(case("two sensors, both fitted", record.clone(), known.clone()));
+    let flags = ["--channel", "accel"].map(str::to_owned).to_vec();
+    let one = Case { flags, ..case("two sensors, one fitted", record, Known { sensors: 2, ..known }) };
+    Ok(vec![both, one])
+}
+
+/// A case with a sensor on the mass in front, which is fitted too.
+fn with_engine(case: Case) -> Case {
+    let sensors = ["integrate.channels=all,engine", "parameter-solve.sensors=engine=engine"];
+    let fitted = sensors.into_iter().flat_map(|setting| ["--set", setting]);
+    Case {
+        variables: vec!["pipeline=two-sensors".to_owned()],
+        flags: ["--channel", "accel"].into_iter().chain(fitted).map(str::to_owned).collect(),
+        known: Known { sensors: 2, ..case.known },
+        ..case
+    }
+}
+
+fn two_sensors(model: &Model, mass_kg: f64, speed: f64) -> io::Result<String> {
+    let response = model.respond(speed, 1e-4, 2001).map_err(io::Error::other)?;
+    let km_per_h = speed * 3.6;
+    let mut csv = format!(
+        "# title: made, two sensors\n# mass: {mass_kg} kg\n# impact speed: {km_per_h} km/h\n\
+         time_s,accel (g),engine (g)\n"
+    );
+    for k in 0..2501_usize {
+        let [front, rear] = match k.checked_sub(500) {
+            None => [0.0, 0.0],
+            Some(k) => [&response.motions[0], response.compartment()].map(|m| m.acceleration_m_per_s2[k] / G),
+        };
+        let _infallible = writeln!(csv, "{:.4},{},{}", k as f64 * 1e-4 - 0.05, rear + 0.0, front + 0.0);
+    }
+    Ok(csv)
+}
+
+/// A collision of two vehicles, a recorder's table, inputs and outputs.
+fn of_no_vehicle_at_a_wall(folder: &Path) -> io::Result<Vec<Case>> {
+    for (name, content) in TwoVehicles::STANDING.files() {
+        fs::write(folder.join(name), content)?;
+    }
+    let known = Known {
+        mass_kg: Some(TwoVehicles::STANDING.masses_kg[0]),
+        speed_m_per_s: Some(TwoVehicles::STANDING.speeds_km_per_h[0] / 3.6),
+        ..Known::of(Subject::TwoVehicles)
+    };
+    let mut all = vec![case("two vehicles", folder.join("v90001.EV5"), known)];
+    let velocity = |k: i32| -41.0 * (1.0 - (PI * f64::from(k.min(12)) / 12.0).cos()) / 2.0;
+    let rows: String = (0..=25).map(|k| format!("{},{:.0}\n", 10 * k, velocity(k))).collect();
+    let record = folder.join("recorder.csv");
+    fs::write(&record, format!("Time (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}"))?;
+    let flags = ["--profile", "edr", "--mass", "1500kg", "--impact-speed", "45km/h"].map(str::to_owned).to_vec();
+    let known = Known { mass_kg: Some(1500.0), speed_m_per_s: Some(45.0 / 3.6), ..Known::of(Subject::Recorder) };
+    all.push(Case { flags, ..case("recorder", record, known) });
+    // y[k] = 1.5 y[k-1] - 0.7 y[k-2] + 0.5 u[k-1]: poles 0.75 ± 0.3708i.
+    let mut text = "u,y\n".to_owned();
+    let (mut y1, mut y2, mut before) = (0.3, -0.1, 0.0);
+    for k in 0..500_i32 {
+        let y = 1.5 * y1 - 0.7 * y2 + 0.5 * before;
+        before = f64::from((k * k * 7 + k * 3) % 11) - 5.0;
+        let _infallible = writeln!(text, "{before},{y}");
+        (y2, y1) = (y1, y);
+    }
+    let record = folder.join("process.csv");
+    fs::write(&record, text)?;
+    let flags = ["--sample-time=20ms", "--allow-missing", "--methods=n4sid,arx,output-error", "--orders=2"];
+    let flags = flags.into_iter().chain(["--inputs=u", "--outputs=y"]).map(str::to_owned).collect();
+    all.push(Case { flags, ..case("inputs and outputs", record, Known::of(Subject::InputOutput)) });
+    Ok(all)
+}
+
+/// A filter stage in another language, as `just` takes it: it hands the pulse on as the product's filter left it and
+/// says nothing of how.
+fn swapped_filter(folder: &Path) -> io::Result<String> {
+    let script = folder.join("swapped-filter.sh");
+    fs::write(&script, include_str!("swapped_filter.sh"))?;
+    Ok(format!("filter=sh '{}' '$BIN'", script.display()))
+}

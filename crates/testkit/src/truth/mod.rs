@@ -1,0 +1,23 @@
+//! Every sentence and number that a run says, read back and compared with the truth of its record.
+//! May use every room beside and below it.
+//!
+//! rooms: net | numbers_of_runs sentences | rules | fit run | cases page counts | known template | shown
+
+mod cases;
+mod counts;
+mod fit;
+mod known;
+mod net;
+mod numbers_of_runs;
+mod page;
+mod rules;
+mod run;
+mod sentences;
+mod shown;
+mod template;
+
+pub use cases::{Case, Extent, cases};
+pub use net::{Complaint, Net};
+pub use rules::Registry;
+pub use run::{Failure, Made, run};
+pub use shown::{Shown, numbers, plain};

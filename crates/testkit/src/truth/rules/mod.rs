@@ -1,0 +1,18 @@
+//! What each sentence claims: its numbers, and a check of it against the truth of the record.
+//! May use the files of the room above but `net`.
+//!
+//! rooms: registry | status vehicle models notes page | labels remarks | rule
+
+mod labels;
+mod models;
+mod notes;
+mod page;
+mod registry;
+mod remarks;
+mod rule;
+mod status;
+mod vehicle;
+
+pub use registry::Registry;
+pub use rule::{Spot, Surface};
+pub use status::answer;

@@ -1,0 +1,233 @@
+//! Facts, cards and captions of the first screen, and the lines of the console: sentences that are put together there.
+
+use serde_json::Value;
+
+use super::rule::{Rule, Spot, holds, numbers_of_records, places_alone, rule, says, shows};
+use crate::truth::shown::numbers;
+use crate::truth::template::Place::{At, Number, Said as Inner, Words};
+use crate::truth::template::Said;
+
+/// The sentences.
+pub const RULES: &[Rule] = &[
+    says("page.mass", "{mass}", &[("mass", At("/test/mass_kg"))], places_alone),
+    says(
+        "page.speed",
+        "{km_per_h} ({m_per_s})",
+        &[("km_per_h", At("/test/impact_speed_m_per_s")), ("m_per_s", At("/test/impact_speed_m_per_s"))],
+        places_alone,
+    ),
+    says("page.words", "{words}", &[], in_the_test),
+    rule("page.samples", &[("rate", At("/test/sample_rate_hz")), ("count", Number)], |said, spot| {
+        let wave = spot.made.waves.get(spot.made.text("/test/channel"));
+        let count = said.number("count").map(|shown| shown.value as usize);
+        let longest = wave.map(|wave| wave.sampled.samples().len());
+        holds(longest.is_none() || count >= longest.filter(|_| count.is_some()), || format!("{longest:?} are left"))
+    }),
+    rule("page.not_known", &[], |_, spot| {
+        let pointer = match spot.key {
+            "Test mass" => "/test/mass_kg",
+            "Impact speed" => "/test/impact_speed_m_per_s",
+            "Vehicle" => "/test/vehicle",
+            "Barrier" => "/test/barrier",
+            other => return Err(format!("{other} is not asked for")),
+        };
+        let own = spot.made.summary.pointer(pointer);
+        holds(own.is_none_or(Value::is_null), || format!("it is {own:?}"))
+    }),
+    says("page.card-value", "{value}", &[("value", Words)], card_value),
+    says("page.card-inputs", "inputs, 90 %: {low} to {high}", &[("low", Number), ("high", Number)], card_interval),
+    says("page.card-resolution", "resolution: {low} to {high}", &[("low", Number), ("high", Number)], card_interval),
+    says("page.card-interval", "interval: {low} to {high}", &[("low", Number), ("high", Number)], card_interval),
+    says("page.card-ratio", "tc/tm = {ratio}", &[("ratio", Number)], |said, spot| {
+        let of = |name: &str| spot.made.number(&format!("/events/{name}"));
+        let ratio = of("centroid_time_s").zip(of("time_of_dynamic_crush_s")).map(|(c, m)| c / m);
+        shows(said, "ratio", ratio, "the ratio of the times")
+    }),
+    says("page.card-olc", "OLC", &[], places_alone),
+    says("page.card-hic", "HIC{limit}", &[], places_alone),
+    says("page.card-absent", "absent: {why}", &[], |said, spot| {
+        holds(key_number(spot).is_none_or(|number| number["value"].is_null()), || "it has a value".to_owned())?;
+        numbers_of_records(said, spot)
+    }),
+    rule("numbers.peak_not_filtered", &[], |_, spot| {
+        let filtered = spot.made.records.iter().any(|(topic, record)| topic == "/filter" && record["cfc"].is_number());
+        holds(!filtered, || "the record was filtered".to_owned())
+    }),
+    rule("numbers.peak_of_a_table", &[], |_, spot| {
+        let subject = spot.made.known.subject;
+        holds(subject == crate::truth::known::Subject::Recorder, || format!("it is of {subject:?}"))
+    }),
+    rule("numbers.no_interval", &[], |_, spot| {
+        holds(key_number(spot).is_some_and(|number| number["low"].is_null()), || "there is an interval".to_owned())
+    }),
+    rule("numbers.inputs_caption", &[("by", Words)], numbers_of_records),
+    rule("numbers.resolution_caption", &[("by", Words)], numbers_of_records),
+    rule("numbers.sensors_caption", &[("channels", Words)], |said, spot| {
+        let spreads = spot.made.list("/key_numbers").iter().filter_map(|number| number["spread"]["channels"].as_str());
+        let channels = spreads.map(|channels| channels.replace('+', ", ")).next();
+        holds(channels.as_deref() == Some(said.text("channels")), || format!("the sensors are {channels:?}"))?;
+        holds(spot.made.known.sensors == 1, || "its sensors sit on different masses".to_owned())
+    }),
+    rule("numbers.marked_caption", &[], |_, spot| {
+        let beyond = spot.made.list("/key_numbers").iter().any(|number| {
+            let ends = number["low"].as_f64().zip(number["high"].as_f64());
+            let spread = number["spread"]["low"].as_f64().zip(number["spread"]["high"].as_f64());
+            ends.zip(spread).is_some_and(|((low, high), (lowest, highest))| lowest < low || highest > high)
+        });
+        holds(beyond, || "no sensor lies outside of an interval".to_owned())
+    }),
+    says(
+        "page.model-head",
+        "{role}: {model}",
+        &[(
+            "role",
+            Inner(&[
+                "model.recommended_and_closest",
+                "model.recommended",
+                "model.closest",
+                "model.closest_alone",
+                "model.in_doubt",
+            ]),
+        )],
+        |said, spot| {
+            holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such model".to_owned())
+        },
+    ),
+    says(
+        "page.determined",
+        "{count}{magnitude}{open}{noise}.",
+        &[
+            ("count", Inner(&["conclusion.determined"])),
+            ("magnitude", Inner(&["conclusion.order_of_magnitude"])),
+            ("open", Inner(&["conclusion.open"])),
+            ("noise", Inner(&["model.by_noise_alone"])),
+        ],
+        |said, _| holds(said.inner("count").is_some(), || "no count".to_owned()),
+    ),
+    says(
+        "console.determined",
+        " ({count}{magnitude}{open})",
+        &[
+            ("count", Inner(&["conclusion.determined"])),
+            ("magnitude", Inner(&["conclusion.order_of_magnitude"])),
+            ("open", Inner(&["conclusion.open"])),
+        ],
+        |said, _| holds(said.inner("count").is_some(), || "no count".to_owned()),
+    ),
+    says(
+        "page.status",
+        "{status} {reason}",
+        &[("status", Inner(super::status::WORDS)), ("reason", Inner(super::status::BECAUSE))],
+        |said, _| holds(said.inner("status").is_some() && said.inner("reason").is_some(), || "no status".to_owned()),
+    ),
+    says(
+        "page.prediction",
+        "{speed}{impact} | {crush} | {low} to {high} | {peak} | {range}",
+        &[("speed", Number), ("crush", Number), ("low", Number), ("high", Number), ("peak", Number)],
+        prediction_of_a_row,
+    ),
+    says(
+        "page.prediction-bare",
+        "{speed}{impact} | {crush} | {low} | {peak} | {range}",
+        &[("speed", Number)],
+        prediction_of_a_row,
+    ),
+    says("console.number", "{number}", &[("number", Words)], console_number),
+    says("console.model", "{model}: {parameters}", &[], |said, spot| {
+        let own = spot.made.candidate_named(said.text("model")).ok_or("there is no such candidate")?;
+        holds(own["id"] == spot.made.summary["recommended"], || "another is recommended".to_owned())?;
+        holds(said.text("parameters").matches("(95 %: ").count() == 0 || own["uncertainty"].is_object(), || {
+            "it has no intervals".to_owned()
+        })
+    }),
+    says("console.warning", "{number}. {warning}", &[("number", Number)], is_a_warning),
+    says(
+        "console.more",
+        "{more}: just notes {folder}",
+        &[("more", Inner(&["conclusion.more", "conclusion.one_more"]))],
+        |said, _| holds(said.inner("more").is_some(), || "nothing is counted".to_owned()),
+    ),
+    says("page.about", "{about}: {warning}", &[], is_a_warning),
+];
+
+/// The words of a fact stand in the record of the test, or name its pulse.
+fn in_the_test(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let test = spot.made.records.iter().find(|(topic, _)| topic == "/test").map(|(_, test)| test.to_string());
+    let text = crate::truth::plain(&format!("{} {}", test.unwrap_or_default(), spot.made.text("/test/channel")));
+    let first = said.text("words").split(", ").next().unwrap_or_default().replace('"', "\\\"");
+    holds(text.contains(&first), || format!("{first:?} is not said of the test"))
+}
+
+/// The key number of a card or of a line.
+fn key_number<'a>(spot: &Spot<'a>) -> Option<&'a Value> {
+    spot.made.list("/key_numbers").iter().find(|number| number["name"].as_str() == Some(spot.key))
+}
+
+fn card_value(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let number = key_number(spot).ok_or_else(|| format!("the summary has no {}", spot.key))?;
+    match number["value"].as_f64() {
+        Some(value) => shows(said, "value", Some(value), spot.key),
+        None => holds(said.number("value").is_none(), || "the summary has no value".to_owned()),
+    }
+}
+
+fn card_interval(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let number = key_number(spot).ok_or_else(|| format!("the summary has no {}", spot.key))?;
+    shows(said, "low", number["low"].as_f64(), "the lower end")?;
+    shows(said, "high", number["high"].as_f64(), "the upper end")
+}
+
+/// Every number of the line is the value, an end of its interval, its time or a percentage of it.
+fn console_number(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let number = key_number(spot).ok_or_else(|| format!("the summary has no {}", spot.key))?;
+    let own = ["/value", "/low", "/high", "/at_s", "/spread/low", "/spread/high"].map(|at| number.pointer(at));
+    let channels = number["spread"]["channels"].as_str().map_or(0, |channels| channels.split('+').count());
+    let all = numbers(said.text("number"));
+    for shown in &all {
+        // The ends of the interval have the unit of the value before them.
+        let in_its_unit = shown.in_unit_of(&all[0]);
+        let is_own = own.iter().flatten().any(|value| shown.is(value) || in_its_unit.is(value));
+        let is_own = is_own || [90.0, channels as f64].contains(&shown.value);
+        holds(is_own, || format!("{} of {:?} is no number of it", shown.value, said.text("number")))?;
+    }
+    Ok(())
+}
+
+/// A prediction of the recommended model has these numbers, and is where the row says.
+fn prediction_of_a_row(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let value = |place: &str| numbers(said.text(place)).into_iter().next();
+    let speed = value("speed").ok_or("no speed is said")?;
+    let is_close = |shown: Option<crate::truth::Shown>, own: Option<f64>| match (shown, own) {
+        (Some(shown), Some(own)) => shown.is_of(own),
+        (shown, _) => shown.is_none(),
+    };
+    let is_it = |p: &&Value| {
+        let interval = p["intervals"].as_array().and_then(|all| all.iter().find(|i| i["name"] == "dynamic_crush_m"));
+        let end = |name: &str| interval.and_then(|interval| interval[name].as_f64()).map(|end| 1e3 * end);
+        p["candidate"] == spot.made.summary["recommended"]
+            && is_close(Some(speed.clone()), p["impact_speed_m_per_s"].as_f64().map(|v| 3.6 * v))
+            && is_close(value("impact"), p["mass_kg"].as_f64())
+            && is_close(value("crush"), p["dynamic_crush_m"].as_f64().map(|c| 1e3 * c))
+            && is_close(value("low"), end("low"))
+            && is_close(value("peak"), p["peak_acceleration_m_per_s2"].as_f64().map(|a| a / 9.806_65))
+    };
+    let own = spot.made.list("/predictions").iter().find(is_it).ok_or("no prediction has these numbers")?;
+    let beyond = said.text("range").starts_with("beyond");
+    holds(own["extrapolates"] == beyond, || format!("it is {}", said.text("range")))?;
+    let tested = spot.made.number("/test/impact_speed_m_per_s").unwrap_or_default();
+    let is_tested = own["impact_speed_m_per_s"].as_f64().is_some_and(|v| (v / tested - 1.0).abs() < 0.01);
+    holds(is_tested || !said.text("range").starts_with("as tested"), || "it was not tested".to_owned())
+}
+
+/// A warning of the summary, whole or cut at the end of the line.
+fn is_a_warning(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let warning = said.text("warning");
+    let start = warning.strip_suffix(" ...").unwrap_or(warning);
+    let of_summary = |concern: &str| crate::truth::plain(concern);
+    let is_one = spot
+        .made
+        .concerns()
+        .map(of_summary)
+        .any(|concern| concern.starts_with(start) || start.starts_with(concern.trim_end_matches('.')));
+    holds(is_one, || format!("{start:?} is no warning of the summary"))
+}

@@ -1,0 +1,201 @@
+//! The sentences of a run, each with where it stands and which templates may have made it.
+
+use super::page::Block;
+use super::rules::{Registry, Surface};
+use super::run::Made;
+use super::shown::plain;
+
+/// A text that has to be read.
+#[derive(Debug, Clone)]
+pub struct Sentence {
+    /// Where it stands.
+    pub surface: Surface,
+    /// What it is about there: a card, a candidate, a stage.
+    pub key: String,
+    /// The text.
+    pub text: String,
+    /// What may have made it.
+    pub templates: Vec<&'static str>,
+}
+
+/// Labels of lines of the console, and the key number that each is.
+const LINES: [(&str, &str); 8] = [
+    ("dynamic crush", "dynamic_crush"),
+    ("motion over ground", "dynamic_crush"),
+    ("time of crush", "time_of_dynamic_crush"),
+    ("delta-v", "delta_v"),
+    ("restitution", "coefficient_of_restitution"),
+    ("peak", "peak_acceleration"),
+    ("OLC", "olc"),
+    ("maximum delta-v", "maximum_delta_v"),
+];
+
+/// All of them.
+pub fn sentences(registry: &Registry, made: &Made) -> Vec<Sentence> {
+    let mut all = Vec::new();
+    let conclusion = registry.sentences(&["conclusion.", "joint.", "console.determined"]);
+    let notes = registry.sentences(&["note.", "conclusion.", "joint.", "remarks."]);
+    let mut add = |surface: Surface, key: &str, text: &str, templates: &[&'static str]| {
+        let (key, text) = (key.to_owned(), plain(text));
+        if !text.is_empty() {
+            all.push(Sentence { surface, key, text, templates: templates.to_vec() });
+        }
+    };
+    add(Surface::Top, "", &status(made), &conclusion);
+    for sentence in made.list("/verdict/sentences").iter().filter_map(|sentence| sentence.as_str()) {
+        add(Surface::Top, "", sentence, &conclusion);
+    }
+    for concern in made.list("/concerns") {
+        let stage = concern["stage"].as_str().unwrap_or_default();
+        add(Surface::Summary, stage, concern["text"].as_str().unwrap_or_default(), &notes);
+    }
+    for note in made.list("/notes").iter().filter_map(|note| note.as_str()) {
+        let (stage, text) = note.split_once(": ").unwrap_or(("", note));
+        add(Surface::Summary, stage, text.strip_prefix("warning: ").unwrap_or(text), &notes);
+    }
+    for name in ["recommended", "simplest", "closest"] {
+        let key = made.text(&format!("/{name}")).to_owned();
+        add(
+            Surface::Summary,
+            &key,
+            made.text(&format!("/{name}_because")),
+            &registry.sentences(&["because.", "remarks.", "note."]),
+        );
+    }
+    for missing in made.list("/missing").iter().filter_map(|missing| missing.as_str()) {
+        add(Surface::Summary, "", missing, &registry.sentences(&["remarks."]));
+    }
+    of_page(registry, made, &mut add);
+    of_console(registry, made, &mut add);
+    all
+}
+
+/// What a model is that is folded.
+const ROLES: &[&str] = &["model.closest", "model.closest_alone", "model.recommended", "model.in_doubt"];
+
+/// Columns of the table of other speeds.
+const COLUMNS: usize = 5;
+
+/// `usable with care: its crush is good to 16 % at 40 km/h.`
+fn status(made: &Made) -> String {
+    match (made.text("/verdict/status").replace('-', " "), made.text("/verdict/status_because")) {
+        (_, "") => made.text("/verdict/status_sentence").to_owned(),
+        (status, because) => format!("{status}: {because}."),
+    }
+}
+
+type Add<'a> = dyn FnMut(Surface, &str, &str, &[&'static str]) + 'a;
+
+fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
+    let (mut fact, mut candidate, mut row) = (String::new(), String::new(), Vec::new());
+    let page = Surface::Page;
+    for Block { section, element, key, text } in &made.page {
+        match (section.as_str(), element.as_str()) {
+            // The title is that of the record.
+            (_, "h1") => {}
+            ("header", "dt") => fact.clone_from(text),
+            (section, "dd") if section == "header" || section.starts_with("verdict") => {
+                let template = match fact.as_str() {
+                    "Test mass" => ["page.mass", "page.not_known"],
+                    "Impact speed" => ["page.speed", "page.not_known"],
+                    "Sampling" => ["page.samples", "page.not_known"],
+                    _ => ["page.words", "page.not_known"],
+                };
+                add(page, &fact, text, &template);
+            }
+            (section, "p") if section.starts_with("verdict") => {
+                add(page, "", text, &registry.sentences(&["conclusion.", "joint.", "console.determined"]));
+            }
+            (section, "dt") if section.starts_with("verdict") => fact.clone_from(text),
+            (_, "p") if key.starts_with("status") => add(page, "", text, &["page.status", "conclusion.status"]),
+            ("other-speeds", "td") => {
+                row.push(text.as_str());
+                if row.len() == COLUMNS {
+                    add(page, "", &row.join(" | "), &["page.prediction", "page.prediction-bare"]);
+                    row.clear();
+                }
+            }
+            ("other-speeds", _) => {}
+            ("before-use", "li") => add(page, "", text, &["page.about"]),
+            ("before-use", _) => {
+                let counted = ["conclusion.more", "conclusion.one_more"];
+                add(page, "", text, &[registry.sentences(&["conclusion."]), counted.to_vec()].concat());
+            }
+            ("model", "summary") => add(page, &candidate, text, ROLES),
+            ("model", "h3") => {
+                let name = text.split_once(": ").map_or("", |(_, name)| name);
+                let own = made.candidate_named(name).and_then(|candidate| candidate["id"].as_str());
+                candidate = own.unwrap_or_default().to_owned();
+                add(page, &candidate, text, &["page.model-head"]);
+            }
+            ("model", _) => add(page, &candidate, text, &registry.sentences(&["model.", "page.determined"])),
+            ("numbers", "dd") => {
+                let is_number = |c: char| c.is_ascii_digit() || "-≥–—".contains(c);
+                let is_value = key.is_empty() || text.starts_with(is_number);
+                let lines = ["numbers.", "page.card-"];
+                let mut templates = registry.sentences(&lines);
+                templates.retain(|name| is_value || *name != "page.card-value");
+                templates.extend(registry.sentences(&["note."]));
+                add(page, key, text, &templates);
+            }
+            ("numbers", _) => {
+                add(page, key, text, &registry.sentences(&["numbers.", "page.card-olc", "page.card-hic"]))
+            }
+            _ => add(page, section, text, &registry.sentences(&["page.", "numbers.", "predictions."])),
+        }
+    }
+}
+
+fn of_console(registry: &Registry, made: &Made, add: &mut Add<'_>) {
+    // The sentences of the verdict come first, broken into lines; behind them lines with labels.
+    let sentences = made.list("/verdict/sentences").iter().filter_map(|s| s.as_str().map(plain));
+    let top = std::iter::once(plain(&status(made)))
+        .chain(sentences)
+        .filter(|text| !text.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ");
+    let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let mut left = words(&top);
+    let mut items: Vec<(String, String)> = Vec::new();
+    for line in &made.console {
+        let own = words(line);
+        // The word of the status is printed in capitals.
+        let is_next = left.len() >= own.len() && left.iter().zip(&own).all(|(a, b)| a.eq_ignore_ascii_case(b));
+        if !left.is_empty() && is_next {
+            left.drain(..own.len());
+            continue;
+        }
+        let first = line.trim_start().split([' ', '.']).next().unwrap_or_default();
+        let behind = &line.trim_start()[first.len()..];
+        let is_numbered =
+            first.parse::<u16>().is_ok() && (behind.starts_with(". ") || behind.starts_with(" more warn"));
+        match line.split_once("  ") {
+            Some((label, text)) if !label.is_empty() => items.push((label.to_owned(), text.trim().to_owned())),
+            _ if line.starts_with(' ') && !is_numbered => {
+                if let Some((_, text)) = items.last_mut() {
+                    text.push(' ');
+                    text.push_str(line.trim());
+                }
+            }
+            _ => items.push((String::new(), line.trim().to_owned())),
+        }
+    }
+    add(Surface::Console, "left", &left.join(" "), &[]);
+    for (label, text) in items {
+        let key = LINES.iter().find(|(own, _)| *own == label).map(|(_, key)| *key);
+        let has = |key: &str| made.list("/key_numbers").iter().any(|number| number["name"] == key);
+        match (label.as_str(), key) {
+            // The change that a recorder kept stands under the same label.
+            ("delta-v", _) if has("maximum_delta_v") => {
+                add(Surface::Console, "maximum_delta_v", &text, &["console.number"])
+            }
+            (_, Some(key)) => add(Surface::Console, key, &text, &["console.number"]),
+            ("recommended" | "model in doubt", _) => add(Surface::Console, &label, &text, &["console.model"]),
+            ("report" | "run", _) => {}
+            ("not in it", _) => add(Surface::Console, &label, &text, &registry.sentences(&["remarks."])),
+            ("no model", _) => add(Surface::Console, &label, &text, &registry.sentences(&["note."])),
+            ("warnings" | "", _) => add(Surface::Console, &label, &text, &["console.warning", "console.more"]),
+            _ => add(Surface::Console, &label, &text, &registry.sentences(&["console.stage-"])),
+        }
+    }
+}
