@@ -44,8 +44,8 @@ pub struct IngestSettings {
     /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
-    /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us. Default: from the header, else
-    /// inferred from the sampling interval, with a note.
+    /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us. Default: from the header,
+    /// else inferred from the sampling interval, with a note.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is

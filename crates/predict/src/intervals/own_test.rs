@@ -13,8 +13,8 @@ use crate::impact::setting::Setting;
 
 /// Sampling interval of the waves, s: 10 kHz, as a laboratory records.
 pub(crate) const SAMPLING_S: f64 = 1e-4;
-/// What a relative error of the force at the end of the crush does to its time: of a constant force the last tenth of the
-/// way takes a third of the time, and its time goes as one over the force.
+/// What a relative error of the force at the end of the crush does to its time: of a constant force the last tenth of
+/// the way takes a third of the time, and its time goes as one over the force.
 const TIME_BY_FORCE: f64 = 0.3;
 
 /// A model in its own test, and the test.
@@ -109,7 +109,7 @@ pub(crate) type TestedFront<'a> = (&'a OwnTest<'a>, f64);
 /// what the model shows in its own test. So it is the record's where the same energy is taken, and of a model that is
 /// right its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct ByRecord {
+pub(crate) struct RecordFactors {
     /// Factor of the peak; `None`: the record says nothing of it.
     pub peak: Option<f64>,
     /// Factor of the restitution.
@@ -117,7 +117,7 @@ pub(crate) struct ByRecord {
     partner_peak: Option<f64>,
 }
 
-impl ByRecord {
+impl RecordFactors {
     /// Of the vehicle, and of its partner: a face or the wall has no test. What comes back in a collision is of each
     /// front as its share of the energy.
     pub fn new(own: TestedFront<'_>, partner: Option<TestedFront<'_>>, barrier_j: f64) -> Self {

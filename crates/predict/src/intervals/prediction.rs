@@ -13,7 +13,7 @@ use crate::impact::reach::Reach;
 use crate::impact::scenario::Scenario;
 use crate::impact::setting::Setting;
 use crate::intervals::directions::Direction;
-use crate::intervals::own_test::{ByRecord, OwnTest, SAMPLING_S};
+use crate::intervals::own_test::{OwnTest, RecordFactors, SAMPLING_S};
 use crate::intervals::partner::PreparedPartner;
 use crate::intervals::sources::{
     Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
@@ -113,8 +113,8 @@ impl Taken {
         Self { own_j, partner_j }
     }
 
-    fn by_record(self, own: &OwnTest<'_>, partner: Option<&OwnTest<'_>>) -> ByRecord {
-        ByRecord::new((own, self.own_j), partner.map(|test| (test, self.partner_j)), self.partner_j)
+    fn by_record(self, own: &OwnTest<'_>, partner: Option<&OwnTest<'_>>) -> RecordFactors {
+        RecordFactors::new((own, self.own_j), partner.map(|test| (test, self.partner_j)), self.partner_j)
     }
 }
 
@@ -357,8 +357,8 @@ fn by_step(deviation: f64, at: impl Fn(f64) -> Option<Outcome>) -> [f64; QUANTIT
 /// crush than the crush does, and that force over the peak.
 ///
 /// With `F` the force there, `k` an error of its slope and `d` the way from there on, the way is shorter by `k d/2F` of
-/// itself, its time by `2/3` of `k d/F` (an oscillator that starts against `F`, to first order in `k`), and the force at
-/// the end is larger by `k d/F`.
+/// itself, its time by `2/3` of `k d/F` (an oscillator that starts against `F`, to first order in `k`), and the force
+/// at the end is larger by `k d/F`.
 fn at_the_end(wave: &Wave, side: Side, outcome: &Outcome, crush_m: f64, tested_m: f64) -> (f64, f64, f64) {
     let share = 1.0 - tested_m / crush_m;
     let time_s = outcome.get(Quantity::TimeOfDynamicCrush);

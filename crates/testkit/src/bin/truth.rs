@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use crumple_testkit::truth::{Case, Extent, Failure, Made, Net, Registry, cases, run};
+use crumple_testkit::truth::{Extent, Failure, Made, Net, Registry, RunCase, cases, run};
 use crumple_testkit::workspace;
 use rayon::prelude::*;
 
@@ -39,8 +39,8 @@ fn truth() -> Result<bool, Failure> {
     let folder = std::env::temp_dir().join(format!("truth-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     let all = cases(extent, &folder)?;
-    let asked = |case: &&Case| wanted.is_empty() || wanted.iter().any(|part| case.name.contains(part.as_str()));
-    let asked: Vec<&Case> = all.iter().filter(asked).collect();
+    let asked = |case: &&RunCase| wanted.is_empty() || wanted.iter().any(|part| case.name.contains(part.as_str()));
+    let asked: Vec<&RunCase> = all.iter().filter(asked).collect();
     let runs: Vec<Result<Made, Failure>> = asked.par_iter().map(|case| run(case, &bin, &folder)).collect();
     std::fs::remove_dir_all(&folder)?;
     let failed = runs.iter().filter_map(|run| run.as_ref().err()).inspect(|error| eprintln!("error: {error}")).count();

@@ -31,7 +31,7 @@ pub struct Question {
 
 /// A run.
 #[derive(Debug, Clone)]
-pub struct Case {
+pub struct RunCase {
     /// What it is called in tables.
     pub name: String,
     /// The record.
@@ -77,7 +77,7 @@ const QUESTIONS: [Question; 4] = [
 const PIPELINES: [&str; 5] = ["default", "unfiltered", "papers/civic", "papers/era", "papers/firefly"];
 
 /// Records are written to `folder`. Errors: one cannot be.
-pub fn cases(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+pub fn cases(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
     let mut all = of_fixtures(extent, folder)?;
     all.extend(of_families(extent, folder)?);
     all.extend(of_kinds(extent, folder)?);
@@ -85,18 +85,18 @@ pub fn cases(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
     Ok(all)
 }
 
-fn case(name: impl Into<String>, record: PathBuf, known: Known) -> Case {
-    Case { name: name.into(), record, variables: Vec::new(), flags: Vec::new(), question: None, known }
+fn case(name: impl Into<String>, record: PathBuf, known: Known) -> RunCase {
+    RunCase { name: name.into(), record, variables: Vec::new(), flags: Vec::new(), question: None, known }
 }
 
 /// The fixtures through every pipeline, through a swapped filter, and the questions after them.
-fn of_fixtures(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+fn of_fixtures(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
     let mut all = Vec::new();
     let swapped = swapped_filter(folder)?;
     for (number, (name, model, mass_kg, speed_m_per_s)) in fixture_models().into_iter().enumerate() {
         let record = workspace().join("fixtures").join(name).join("crash.csv");
         let known = Known::vehicle(Maker::Lumped(model), mass_kg, speed_m_per_s);
-        let one = |what: &str, variables: Vec<String>, question: Option<Question>| Case {
+        let one = |what: &str, variables: Vec<String>, question: Option<Question>| RunCase {
             variables,
             question,
             ..case(format!("{name}{what}"), record.clone(), known.clone())
@@ -120,7 +120,7 @@ fn of_fixtures(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
 }
 
 /// Records of the lumped families as a laboratory measures them.
-fn of_families(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+fn of_families(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
     let count = if let Extent::Long(count) = extent { count } else { 1 };
     let mut all = Vec::new();
     for (place, drawn) in DRAWN.iter().enumerate() {
@@ -137,7 +137,7 @@ fn of_families(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
 }
 
 /// Cars of the kinds of the prediction benchmark.
-fn of_kinds(extent: Extent, folder: &Path) -> io::Result<Vec<Case>> {
+fn of_kinds(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
     let count = if let Extent::Long(count) = extent { count } else { 1 };
     let kinds = if extent == Extent::Short { 2 } else { KINDS.len() };
     let mut all = Vec::new();
@@ -163,7 +163,7 @@ fn pulse(time_s: f64) -> f64 {
 }
 
 /// Records that lack something, state something wrong, or are of something else.
-fn of_other_records(folder: &Path) -> io::Result<Vec<Case>> {
+fn of_other_records(folder: &Path) -> io::Result<Vec<RunCase>> {
     let mut all = Vec::new();
     let table = |head: &str, values: &dyn Fn(f64) -> f64| {
         let mut text = head.to_owned();
@@ -182,7 +182,7 @@ fn of_other_records(folder: &Path) -> io::Result<Vec<Case>> {
         let record = folder.join(format!("{}.csv", name.replace([' ', ',', '/'], "-")));
         fs::write(&record, text)?;
         let flags = flags.iter().map(|flag| (*flag).to_owned()).collect();
-        all.push(Case { flags, ..case(name, record, known) });
+        all.push(RunCase { flags, ..case(name, record, known) });
         Ok(())
     };
     let plain = table(time, &|t| g * pulse(t));
@@ -205,7 +205,7 @@ fn of_other_records(folder: &Path) -> io::Result<Vec<Case>> {
 }
 
 /// The double fixture with a sensor on both masses, by the pipeline for it and by the default.
-fn of_two_sensors(folder: &Path) -> io::Result<Vec<Case>> {
+fn of_two_sensors(folder: &Path) -> io::Result<Vec<RunCase>> {
     let Some((_, model, mass_kg, speed)) = fixture_models().into_iter().find(|(name, ..)| *name == "double") else {
         return Ok(Vec::new());
     };
@@ -214,15 +214,15 @@ fn of_two_sensors(folder: &Path) -> io::Result<Vec<Case>> {
     let known = Known::vehicle(Maker::Lumped(model), mass_kg, speed);
     let both = with_engine(case("two sensors, both fitted", record.clone(), known.clone()));
     let flags = ["--channel", "accel"].map(str::to_owned).to_vec();
-    let one = Case { flags, ..case("two sensors, one fitted", record, Known { sensors: 2, ..known }) };
+    let one = RunCase { flags, ..case("two sensors, one fitted", record, Known { sensors: 2, ..known }) };
     Ok(vec![both, one])
 }
 
 /// A case with a sensor on the mass in front, which is fitted too.
-fn with_engine(case: Case) -> Case {
+fn with_engine(case: RunCase) -> RunCase {
     let sensors = ["integrate.channels=all,engine", "parameter-solve.sensors=engine=engine"];
     let fitted = sensors.into_iter().flat_map(|setting| ["--set", setting]);
-    Case {
+    RunCase {
         variables: vec!["pipeline=two-sensors".to_owned()],
         flags: ["--channel", "accel"].into_iter().chain(fitted).map(str::to_owned).collect(),
         known: Known { sensors: 2, ..case.known },
@@ -248,7 +248,7 @@ fn two_sensors(model: &Model, mass_kg: f64, speed: f64) -> io::Result<String> {
 }
 
 /// A collision of two vehicles, a recorder's table, inputs and outputs.
-fn of_no_vehicle_at_a_wall(folder: &Path) -> io::Result<Vec<Case>> {
+fn of_no_vehicle_at_a_wall(folder: &Path) -> io::Result<Vec<RunCase>> {
     for (name, content) in TwoVehicles::STANDING.files() {
         fs::write(folder.join(name), content)?;
     }
@@ -264,7 +264,7 @@ fn of_no_vehicle_at_a_wall(folder: &Path) -> io::Result<Vec<Case>> {
     fs::write(&record, format!("Time (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}"))?;
     let flags = ["--profile", "edr", "--mass", "1500kg", "--impact-speed", "45km/h"].map(str::to_owned).to_vec();
     let known = Known { mass_kg: Some(1500.0), speed_m_per_s: Some(45.0 / 3.6), ..Known::of(Subject::Recorder) };
-    all.push(Case { flags, ..case("recorder", record, known) });
+    all.push(RunCase { flags, ..case("recorder", record, known) });
     // y[k] = 1.5 y[k-1] - 0.7 y[k-2] + 0.5 u[k-1]: poles 0.75 ± 0.3708i.
     let mut text = "u,y\n".to_owned();
     let (mut y1, mut y2, mut before) = (0.3, -0.1, 0.0);
@@ -278,7 +278,7 @@ fn of_no_vehicle_at_a_wall(folder: &Path) -> io::Result<Vec<Case>> {
     fs::write(&record, text)?;
     let flags = ["--sample-time=20ms", "--allow-missing", "--methods=n4sid,arx,output-error", "--orders=2"];
     let flags = flags.into_iter().chain(["--inputs=u", "--outputs=y"]).map(str::to_owned).collect();
-    all.push(Case { flags, ..case("inputs and outputs", record, Known::of(Subject::InputOutput)) });
+    all.push(RunCase { flags, ..case("inputs and outputs", record, Known::of(Subject::InputOutput)) });
     Ok(all)
 }
 

@@ -1,7 +1,5 @@
 //! Every sentence and number that a run says, read back and compared with the truth of its record.
 //! May use every room beside and below it.
-//!
-//! rooms: net | numbers_of_runs sentences | rules | fit run | cases page counts | known template | shown
 
 mod cases;
 mod counts;
@@ -16,7 +14,7 @@ mod sentences;
 mod shown;
 mod template;
 
-pub use cases::{Case, Extent, cases};
+pub use cases::{Extent, RunCase, cases};
 pub use net::{Complaint, Net};
 pub use rules::Registry;
 pub use run::{Failure, Made, run};

@@ -10,7 +10,7 @@ use crumple_artifact::{Artifact, Wave};
 use crumple_signal::Sampled;
 use serde_json::Value;
 
-use super::cases::{Case, Question};
+use super::cases::{Question, RunCase};
 use super::known::{Known, Subject};
 use super::page::{Block, captions, first_screen};
 use super::shown::plain;
@@ -48,7 +48,7 @@ pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Runs a case in a folder of its own by the programs in `bin`. Errors: the run ends with another code than 0 or 4, or
 /// leaves no summary or page.
-pub fn run(case: &Case, bin: &Path, folder: &Path) -> Result<Made, Failure> {
+pub fn run(case: &RunCase, bin: &Path, folder: &Path) -> Result<Made, Failure> {
     let folder = folder.join(case.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"));
     let variables = || {
         let own = case.variables.iter().map(|variable| variable.replace("$BIN", &bin.display().to_string()));
@@ -77,7 +77,7 @@ pub fn run(case: &Case, bin: &Path, folder: &Path) -> Result<Made, Failure> {
 }
 
 /// A record that is no crash goes through ingest, identify and report, by their own commands; what the report prints.
-fn identify_alone(case: &Case, bin: &Path, folder: &Path) -> Result<Output, Failure> {
+fn identify_alone(case: &RunCase, bin: &Path, folder: &Path) -> Result<Output, Failure> {
     fs::create_dir_all(folder)?;
     let record = case.record.display().to_string();
     let (ingest, identify): (Vec<&str>, Vec<&str>) =
@@ -103,7 +103,7 @@ fn identify_alone(case: &Case, bin: &Path, folder: &Path) -> Result<Output, Fail
 const INGEST: [&str; 2] = ["--sample-time", "--allow-missing"];
 
 impl Made {
-    fn read(case: &Case, code: i32, said: &str, folder: &Path) -> Result<Self, Failure> {
+    fn read(case: &RunCase, code: i32, said: &str, folder: &Path) -> Result<Self, Failure> {
         let (mut waves, mut records, mut all_numbers) = (BTreeMap::new(), Vec::new(), Vec::new());
         for path in ARTIFACTS.iter().map(|name| folder.join(name)).filter(|path| path.is_file()) {
             let artifact = Artifact::open(&path)?;

@@ -1,7 +1,5 @@
 //! What each sentence claims: its numbers, and a check of it against the truth of the record.
 //! May use the files of the room above but `net`.
-//!
-//! rooms: registry | status vehicle models notes page | labels remarks | rule
 
 mod labels;
 mod models;

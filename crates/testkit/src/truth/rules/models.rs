@@ -81,11 +81,6 @@ pub const RULES: &[Rule] = &[
     rule("conclusion.warn_clipped", &[("channels", Words)], |_, spot| {
         holds(!spot.made.known.is_sound, || "nothing in it is clipped".to_owned())
     }),
-    rule(
-        "conclusion.sensors_differ",
-        &[("low", Number), ("high", Number), ("count", Number)],
-        super::status::sensors_of_one_place,
-    ),
     rule("conclusion.force_at", &[("deflection", Number)], numbers_of_records),
     rule("conclusion.forces_at", &[("deflection", Words)], numbers_of_records),
     rule(

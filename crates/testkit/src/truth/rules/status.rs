@@ -79,6 +79,7 @@ pub const RULES: &[Rule] = &[
         let has = spot.made.recommended().is_some_and(|best| !best["uncertainty"].is_null());
         holds(!has, || "the recommended model has intervals".to_owned())
     }),
+    rule("conclusion.sensors_differ", &[("low", Number), ("high", Number), ("count", Number)], sensors_of_one_place),
     rule("conclusion.because_dual", &[], super::models::one_sensor_and_several_masses),
     rule("conclusion.because_weak", &[("model", Words)], |said, spot| {
         holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
