@@ -62,7 +62,7 @@ impl CandidateV1 {
     /// How sure a parameter is that was asked of the record; `None` for one that was given.
     ///
     /// Open is what is in [`CandidateV1::doubt`]. Of what is not, an interval between ends of one sign, one of them
-    /// more than ten times the other, gives an order of magnitude and no more.
+    /// more than ten times the other, gives an order of magnitude and no more; so does one that is open at one end.
     pub fn certainty(&self, name: &str) -> Option<Certainty> {
         if !self.asked().any(|asked| asked == name) {
             return None;
@@ -70,10 +70,13 @@ impl CandidateV1 {
         if self.doubt(name).is_some() {
             return Some(Certainty::Open);
         }
-        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
+        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
         let ends = self.uncertainty.as_ref().and_then(|u| end(&u.interval_low).zip(end(&u.interval_high)));
-        let is_wide = ends.is_some_and(|(low, high)| {
-            low * high > 0.0 && low.abs().max(high.abs()) > ORDER_OF_MAGNITUDE * low.abs().min(high.abs())
+        let is_wide = ends.is_some_and(|ends| match ends {
+            (Some(low), Some(high)) => {
+                low * high > 0.0 && low.abs().max(high.abs()) > ORDER_OF_MAGNITUDE * low.abs().min(high.abs())
+            }
+            _ => self.parameters.get(name).is_some_and(|value| *value != 0.0),
         });
         Some(if is_wide { Certainty::OrderOfMagnitude } else { Certainty::Determined })
     }
@@ -92,7 +95,7 @@ const ORDER_OF_MAGNITUDE: f64 = 10.0;
 pub enum Certainty {
     /// The record determines it.
     Determined,
-    /// Its 95 % interval spans more than a factor of 10.
+    /// Its 95 % interval spans more than a factor of 10, or is open at one end.
     OrderOfMagnitude,
     /// It may be anything: on a bound of its search, or without an interval.
     Open,

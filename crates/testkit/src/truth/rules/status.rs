@@ -1,6 +1,8 @@
 //! The status word and its one reason, the question that was asked, and what the model answers.
 
-use super::rule::{Rule, Spot, holds, misses_its_own_test, numbers_of_records, places_alone, rule, shows};
+use super::rule::{
+    Rule, Spot, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, places_alone, rule, shows,
+};
 use crate::truth::known::Subject;
 use crate::truth::run::Made;
 use crate::truth::template::Place::{At, Number, Said as Inner, Words};
@@ -22,6 +24,7 @@ pub const BECAUSE: &[&str] = &[
     "conclusion.because_unassessed",
     "conclusion.because_dual",
     "conclusion.because_weak",
+    "conclusion.because_misses_its_test",
     "conclusion.because_no_interval",
     "conclusion.because_tests_disagree",
     "conclusion.because_no_stop",
@@ -81,6 +84,7 @@ pub const RULES: &[Rule] = &[
     }),
     rule("conclusion.sensors_differ", &[("low", Number), ("high", Number), ("count", Number)], sensors_of_one_place),
     rule("conclusion.because_dual", &[], super::models::one_sensor_and_several_masses),
+    rule("conclusion.because_misses_its_test", &[("events", Words)], misses_its_test),
     rule("conclusion.because_weak", &[("model", Words)], |said, spot| {
         holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
     }),
@@ -380,4 +384,10 @@ fn counts_warnings(spot: &Spot<'_>, more: usize) -> Result<(), String> {
     let is_right =
         (warnings - without..=warnings).contains(&(listed + more)) || spot.surface == super::Surface::Console;
     holds(is_right, || format!("{warnings} warnings, {listed} listed, and {more} more are said"))
+}
+
+/// The recommended model misses an event of its own test by more than an adequate one may.
+fn misses_its_test(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let own = spot.made.recommended().ok_or("no model is recommended")?;
+    holds(misses_time_or_rebound(spot.made, own).is_some(), || "it repeats its own test".to_owned())
 }
