@@ -85,7 +85,7 @@ fn both_vehicles_are_reported_with_what_they_say_together() {
         assert!(artifact.waves().contains_key("2/displacement") && !artifact.waves().contains_key("4/displacement"));
         assert!(artifact.waves().contains_key("4/velocity"));
         let notes = artifact.record::<NotesV1>("/notes").unwrap().unwrap().notes.join("\n");
-        assert!(!notes.contains("is the impact speed"), "a partner leaves speed: {notes}");
+        assert!(!notes.contains("check the impact speed"), "a partner leaves speed: {notes}");
     }
 }
 
