@@ -238,8 +238,10 @@ pub fn counts(said: &Said, candidate: &Value) -> Result<(), String> {
     let within_ten = asked.iter().filter(|(name, low)| {
         let ends = low.as_f64().zip(high[name.as_str()].as_f64());
         ends.is_some_and(|(low, high)| low > 0.0 && high <= 10.0 * low || low <= 0.0 && high >= 0.0)
+            || candidate["parameters"][name.as_str()] == 0.0
     });
-    // An interval that reaches zero may count either way: of a damper that is hardly there, it is known to be small.
+    // An interval that reaches zero may count either way: of a damper that is hardly there, it is known to be small. So
+    // may zero itself, which is the limit of what is physical.
     let most = within_ten.count() as f64;
     let determined = count("determined").unwrap_or_default();
     holds(determined <= most, || format!("the intervals of {most} numbers lie within a factor of ten"))
