@@ -34,7 +34,7 @@ fn a_parameter_is_open_known_to_an_order_of_magnitude_or_determined() {
         (-5.0, Some(5.0), None, false, Open, Some("not determined")),
         (0.0, Some(5.0), None, false, Determined, None),
         (5.0, None, Some([None, None]), false, Open, Some("not determined")),
-        (5.0, None, Some([None, Some(6.0)]), false, Determined, None),
+        (5.0, None, Some([None, Some(6.0)]), false, OrderOfMagnitude, None),
         (5.0, None, closed(1.0, 10.0), false, Determined, None),
         (5.0, None, closed(1.0, 10.5), false, OrderOfMagnitude, None),
         (-5.0, None, closed(-10.5, -1.0), false, OrderOfMagnitude, None),
