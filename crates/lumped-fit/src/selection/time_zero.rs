@@ -66,7 +66,7 @@ pub fn least_without_shift(
         let Some(there) = raw_at(&parameters) else { return Some(least) };
         let lower = without_shift(observed, &there);
         let (before, after) = (dot(&least, &least), dot(&lower, &lower));
-        if !(after < before) {
+        if after.is_nan() || after >= before {
             return Some(least);
         }
         (raw, least) = (there, lower);

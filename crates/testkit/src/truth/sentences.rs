@@ -139,7 +139,7 @@ fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
                 add(page, key, text, &templates);
             }
             ("numbers", _) => {
-                add(page, key, text, &registry.sentences(&["numbers.", "page.card-olc", "page.card-hic"]))
+                add(page, key, text, &registry.sentences(&["numbers.", "page.card-olc", "page.card-hic"]));
             }
             _ => add(page, section, text, &registry.sentences(&["page.", "numbers.", "predictions."])),
         }
@@ -187,7 +187,7 @@ fn of_console(registry: &Registry, made: &Made, add: &mut Add<'_>) {
         match (label.as_str(), key) {
             // The change that a recorder kept stands under the same label.
             ("delta-v", _) if has("maximum_delta_v") => {
-                add(Surface::Console, "maximum_delta_v", &text, &["console.number"])
+                add(Surface::Console, "maximum_delta_v", &text, &["console.number"]);
             }
             (_, Some(key)) => add(Surface::Console, key, &text, &["console.number"]),
             ("recommended" | "model in doubt", _) => add(Surface::Console, &label, &text, &["console.model"]),

@@ -107,7 +107,7 @@ pub fn numbers(text: &str) -> Vec<Shown> {
 fn last_digit(number: &str, decimals: usize) -> f64 {
     let zeros = number.len() - number.trim_end_matches('0').len();
     let not_shown = if decimals == 0 { zeros.min(number.len().saturating_sub(4)) } else { 0 };
-    10f64.powi(not_shown as i32 - decimals as i32)
+    10f64.powf(not_shown as f64 - decimals as f64)
 }
 
 #[cfg(test)]

@@ -205,7 +205,7 @@ impl Grammar {
     fn fillings(&self, kind: Place, rest: &str, more: &[Piece], steps: &mut usize) -> Vec<(Filled, usize)> {
         let plain = |length: usize| (Filled { text: rest[..length].to_owned(), said: None }, length);
         match kind {
-            Place::Number | Place::At(_) => number_length(rest).into_iter().flat_map(|l| l).map(plain).collect(),
+            Place::Number | Place::At(_) => number_length(rest).into_iter().flatten().map(plain).collect(),
             Place::Words | Place::Rest => {
                 let next = more.iter().find_map(|piece| match piece {
                     Piece::Words(words) => Some(words.trim_end()),

@@ -378,7 +378,7 @@ fn no_kelvin(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let of = |name: &str| spot.made.number(&format!("/events/{name}"));
     let own = of("centroid_time_s").zip(of("time_of_dynamic_crush_s")).map(|(c, m)| c / m);
     holds(own.is_none_or(|own| (own - ratio).abs() < 1e-3), || format!("t_c/t_m is {own:?}"))?;
-    holds(ratio >= 0.6366, || format!("{ratio} is below 2/pi"))?;
+    holds(ratio >= std::f64::consts::FRAC_2_PI - 5e-4, || format!("{ratio} is below 2/pi"))?;
     holds(spot.made.known.model() != Some("kelvin") || !spot.made.known.is_sound || ratio < 0.645, || {
         "a Kelvin model made this record".to_owned()
     })
