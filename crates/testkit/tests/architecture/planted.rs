@@ -146,7 +146,7 @@ fn names_a_planted_room_that_is_too_large_or_says_nothing() {
     let files: Vec<(&str, &str)> = paths.iter().map(|path| (path.as_str(), "//! One.\n")).collect();
     names(&files, "crates/lti/src/poles:1: rule 3:", &["15 files", "make two rooms of it"]);
     let paths: Vec<String> = (0..5).map(|k| format!("crates/lti/src/poles/p{k}.rs")).collect();
-    let long = format!("//! One.\n{}", "const A: f64 = 1.0;\n".repeat(400));
+    let long = format!("//! One.\n{}", "const A: f64 = 1.0;\n".repeat(550));
     let files: Vec<(&str, &str)> = paths.iter().map(|path| (path.as_str(), long.as_str())).collect();
     names(&files, "crates/lti/src/poles:1: rule 3:", &["lines without tests"]);
     let head = ("crates/lti/src/poles/mod.rs", "//! Poles.\n\nmod find;\n\npub use find::poles;\n");
