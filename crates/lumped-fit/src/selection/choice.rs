@@ -441,7 +441,7 @@ mod tests {
         let strength = |all: &[ComparedCandidate]| choose(all, &RECORD, &rules).strength;
         assert_eq!(strength(&[plastic.clone(), far.clone()]), Some(Strength::Decisive));
         assert_eq!(strength(&[plastic.clone(), candidate("same", EnergyClass::Plastic, 2, 2.0)]), Some(Strength::Weak));
-        assert_eq!(strength(&[far.clone()]), None);
+        assert_eq!(strength(std::slice::from_ref(&far)), None);
         assert_eq!(ids(&[plastic, far], &rules), some(["damped", "plastic", "damped"]));
     }
 
