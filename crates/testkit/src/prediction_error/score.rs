@@ -80,7 +80,7 @@ pub struct Scored {
     pub interval: Option<(bool, f64)>,
 }
 
-/// The numbers of one prediction in the order of [`Quantity`]; `None` where one was not predicted: a model that never
+/// The numbers of one prediction in the order of `Quantity`; `None` where one was not predicted: a model that never
 /// stops has no crush.
 pub type Prediction = [Option<Scored>; 5];
 
