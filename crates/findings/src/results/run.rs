@@ -387,7 +387,7 @@ impl Run {
         self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
     }
 
-    /// Takes a recommendation back whose candidate has a displacement fit as measured below [`ADEQUATE_FIT_PERCENT`]:
+    /// Takes a recommendation back whose candidate has a displacement fit as measured below 90 %:
     /// it may have been made by another program, or of another record.
     pub fn withdraw_poor_recommendation(&mut self) {
         let recommended = self.recommendation.as_ref().and_then(|choice| choice.recommended.clone());
