@@ -57,6 +57,26 @@ fn a_parameter_is_open_known_to_an_order_of_magnitude_or_determined() {
 }
 
 #[test]
+fn a_zero_is_determined_where_all_that_it_may_be_is_small() {
+    // Of 900 kg within 0.1 s: 9 kN·s/m and 90 kN/m.
+    let certainty = |name: &str, high: Option<f64>| {
+        let text = serde_json::to_string(&candidate(0.0, None, Some([Some(0.0), high]), true)).unwrap();
+        let text = text.replace("\"k\"", &format!("\"{name}\"")).replace("\"m\"", "\"mass_kg\"");
+        serde_json::from_str::<CandidateV1>(&text).unwrap().certainty(name)
+    };
+    for (name, high, expected) in [
+        ("c_n_s_per_m", Some(899.0), Certainty::Determined),
+        ("c_n_s_per_m", Some(901.0), Certainty::OrderOfMagnitude),
+        ("c_n_s_per_m", None, Certainty::OrderOfMagnitude),
+        ("k_n_per_m", Some(8_999.0), Certainty::Determined),
+        ("k_n_per_m", Some(9_001.0), Certainty::OrderOfMagnitude),
+        ("knot_1_n", Some(1.0), Certainty::OrderOfMagnitude),
+    ] {
+        assert_eq!(certainty(name, high), Some(expected), "{name} {high:?}");
+    }
+}
+
+#[test]
 fn contact_ends_at_the_rebound_else_at_the_largest_change_of_velocity_else_with_the_record() {
     let events = |rebound: Option<f64>, delta_v: Option<f64>| -> EventsV1 {
         serde_json::from_value(json!({"channel": "93", "time_zero_s": 0.25, "time_zero_rule": "file",

@@ -12,76 +12,11 @@ use crumple_browser::{Browser, Page, Screen};
 use crumple_testkit::SAME_IN_GERMAN;
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
 use crumple_testkit::pipeline::{ARTIFACTS, binary, run};
+use crumple_testkit::truth::numbers;
 use serde_json::Value;
 
 /// Bytes of a page at most.
 const LARGEST_PAGE: u64 = 600_000;
-
-/// Factors from the SI unit of the summary to the units that a page may show it in.
-const UNITS: [(&str, f64); 12] = [
-    ("mm", 1e3),
-    ("ms", 1e3),
-    ("km/h", 3.6),
-    ("g", 1.0 / 9.806_65),
-    ("kN·s/m", 1e-3),
-    ("kN/m", 1e-3),
-    ("kN", 1e-3),
-    ("kg", 1.0),
-    ("m/s", 1.0),
-    ("%", 1.0),
-    ("Hz", 1.0),
-    ("", 1.0),
-];
-
-/// A number as a page shows it, with the unit behind it and its decimals.
-#[derive(Debug, Clone, PartialEq)]
-struct Shown {
-    value: f64,
-    decimals: usize,
-    factor: f64,
-}
-
-impl Shown {
-    /// Whether it is this number of the summary, rounded as it is shown.
-    fn is(&self, value: &Value) -> bool {
-        let half = 0.5000001 * 10f64.powi(-i32::try_from(self.decimals).unwrap());
-        value.as_f64().is_some_and(|value| (value * self.factor - self.value).abs() <= half)
-    }
-}
-
-/// The numbers of a text in their order. One without a unit, as before "to", has that of the next.
-fn numbers(text: &str) -> Vec<Shown> {
-    let text = text.replace(['\u{a0}', '\u{2009}', '\u{202f}'], " ").replace('−', "-");
-    let mut found = Vec::new();
-    let mut rest = text.as_str();
-    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
-        let sign = rest[..start].ends_with('-');
-        let is_name = rest[..start].ends_with(|c: char| c.is_alphabetic() || c == '_');
-        let digits = &rest[start..];
-        let end = digits.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(digits.len());
-        let number = digits[..end].trim_end_matches('.');
-        rest = &digits[number.len()..];
-        if is_name {
-            continue;
-        }
-        let behind = rest.trim_start();
-        let unit = UNITS.iter().find(|(unit, _)| {
-            !unit.is_empty() && behind.strip_prefix(unit).is_some_and(|more| !more.starts_with(char::is_alphanumeric))
-        });
-        let sign = if sign { -1.0 } else { 1.0 };
-        let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        let value = sign * number.parse::<f64>().unwrap();
-        found.push((Shown { value, decimals, factor: 1.0 }, unit.map(|(_, factor)| *factor)));
-    }
-    let mut factor = 1.0;
-    let mut numbers: Vec<Shown> = Vec::new();
-    for (shown, own) in found.into_iter().rev() {
-        factor = own.unwrap_or(factor);
-        numbers.push(Shown { factor, ..shown });
-    }
-    numbers.reverse();
-    numbers
-}
 
 fn texts(page: &Page, selector: &str) -> Vec<String> {
     let answer = page.ask(&format!("return [...document.querySelectorAll('{selector}')].map((e) => e.textContent)"));
@@ -302,15 +237,4 @@ fn so_is_every_record_of_a_real_test() {
     for kind in real_kinds() {
         check_kind(&kind);
     }
-}
-
-#[test]
-fn numbers_are_read_with_their_units() {
-    let found = numbers("739.8 to 759.1\u{a0}mm, CFC60 at −0.5\u{a0}ms, 3 of 4");
-    let expected = [(739.8, 1, 1e3), (759.1, 1, 1e3), (-0.5, 1, 1e3), (3.0, 0, 1.0), (4.0, 0, 1.0)];
-    let found: Vec<(f64, usize, f64)> = found.iter().map(|shown| (shown.value, shown.decimals, shown.factor)).collect();
-    assert_eq!(found, expected);
-    assert!(
-        numbers("749.9 mm")[0].is(&Value::from(0.74993)) && !numbers("749.9 mm")[0].is(&Value::from(0.74987 - 1e-4))
-    );
 }

@@ -165,9 +165,10 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
     }
     let numbers = key_numbers(run);
-    if let Some(bound) = numbers.iter().find(|number| number.is_lower_bound) {
-        let is_of = |id: &&String| bound.channel.split('+').any(|channel| channel == *id);
-        let channels: Vec<&str> = run.clipped.iter().filter(is_of).map(String::as_str).collect();
+    let bound = numbers.iter().find(|number| number.is_lower_bound);
+    let is_of = |id: &&String| bound.is_some_and(|bound| bound.channel.split('+').any(|channel| channel == *id));
+    let channels: Vec<&str> = run.clipped.iter().filter(is_of).map(String::as_str).collect();
+    if kind == Kind::Occupant && !channels.is_empty() {
         let text = fill(phrases.warn_clipped, &[("channels", channels.join(", "))]);
         found.push((About::Occupants, Weight::Decisive, text));
     }

@@ -3,7 +3,7 @@
 use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::{Language, fill};
-use crumple_signal::{About, Axis};
+use crumple_signal::About;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -243,7 +243,8 @@ impl<'a> Text<'a> {
             Kind::Recorder => vec![self.recorded(), self.recorder_use()],
             _ => {
                 let happened = match kind {
-                    Kind::Barrier => self.crushed(),
+                    // The way of a pulse along another axis is no crush.
+                    Kind::Barrier if self.run.other_axis().is_none() => self.crushed(),
                     Kind::NoStop => self.no_stop(),
                     Kind::TwoVehicles => self.two_vehicles(),
                     Kind::SeveralTests => {
@@ -292,7 +293,8 @@ impl<'a> Text<'a> {
                 let shown = self.language.quantity(km_per_h, usize::from(km_per_h < 3.0), "km/h");
                 let at = "/events/rebound_velocity_m_per_s".to_owned();
                 self.numbers.push(Number { at, value: velocity_m_per_s, shown: shown.clone() });
-                fill(phrases.rebounded, &[("speed", shown)])
+                let is_cut = self.run.is_rebound_cut();
+                fill(if is_cut { phrases.rebounded_at_least } else { phrases.rebounded }, &[("speed", shown)])
             }
             (Some(e), _) if e <= 0.0 => phrases.no_rebound.to_owned(),
             _ => String::new(),
@@ -438,7 +440,7 @@ impl<'a> Text<'a> {
         if let Some(best) = self.best() {
             sentences.extend(self.one_spring(best));
             sentences.push(self.use_model(best));
-            sentences.extend(self.caution(kind, best, reason));
+            sentences.extend(self.caution(best, reason));
         } else if !self.run.candidates.is_empty() {
             sentences.push(self.none_recommended());
             sentences.extend(self.closest());
@@ -517,11 +519,8 @@ impl<'a> Text<'a> {
     }
 
     /// The one thing that the model does not give, before all others; what the status says is not said again.
-    fn caution(&mut self, kind: Kind, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
+    fn caution(&mut self, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
         let phrases = &self.language.phrases().conclusion;
-        if kind == Kind::TwoVehicles {
-            return Some(phrases.other_partner.to_owned());
-        }
         if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint, self.language)) {
             return Some(fill(self.language.phrases().joint.tests_disagree, &[("tests", tests)]));
         }
@@ -572,10 +571,9 @@ impl<'a> Text<'a> {
 
     fn none_recommended(&mut self) -> String {
         let (phrases, run) = (&self.language.phrases().conclusion, self.run);
-        let axis = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X);
         let no_crush =
             run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0));
-        let because = match axis {
+        let because = match run.other_axis() {
             Some(axis) => fill(phrases.other_axis, &[("axis", &axis.to_string())]),
             None if no_crush => phrases.no_crush.to_owned(),
             None => self.ranking.because.clone(),

@@ -27,7 +27,8 @@ pub struct KeyNumber {
     pub interval_by: Option<String>,
     /// Range over the sensors at the same place, of which the interval knows nothing.
     pub spread: Option<Spread>,
-    /// Whether the value is a lower bound: a sensor it was found with may be clipped.
+    /// Whether the value is a lower bound: a sensor it was found with may be clipped, or the record ends before the
+    /// rebound does.
     pub is_lower_bound: bool,
     /// Why there is no value.
     pub absent_because: Option<String>,
@@ -110,6 +111,7 @@ const OF_EVENTS: [(&str, &str, &str); 4] = [
 ];
 
 fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec<KeyNumber> {
+    let of_rebound = ["delta_v", "coefficient_of_restitution"];
     let from_events = |(name, field, unit): (&'static str, &str, &'static str)| {
         let (value, at_s) = match name {
             "dynamic_crush" => (events.dynamic_crush_m, events.time_of_dynamic_crush_s),
@@ -131,7 +133,7 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
                 .map(|interval| interval.interval_by.clone())
                 .or_else(|| without.map(|without| without.reason.clone())),
             spread: spread(run, name, &events.channel),
-            is_lower_bound: false,
+            is_lower_bound: value.is_some() && of_rebound.contains(&name) && run.is_rebound_cut(),
             absent_because: value.is_none().then(|| why_no_event(run, name)),
         }
     };

@@ -60,13 +60,9 @@ pub fn overview(
             _ => continue,
         };
         let Some(value) = number.value else { continue };
-        let mut text = with_interval(
-            run,
-            value,
-            number.low.zip(number.high),
-            number.interval_by.as_deref(),
-            (factor, places, unit),
-        );
+        let ends = number.low.zip(number.high);
+        let own = with_interval(run, value, ends, number.interval_by.as_deref(), (factor, places, unit));
+        let mut text = format!("{}{own}", number.sign());
         if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
             text.push_str(&format!(", {}", language.quantity(MILLI * at_s, 1, "ms")));
         }

@@ -3,7 +3,6 @@
 use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_phrases::language::{Language, fill};
-use crumple_signal::Axis;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -202,8 +201,7 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
         return Reason::MeasuredOnly;
     }
     let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else {
-        let axis = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X);
-        if let Some(axis) = axis.filter(|_| kind != Kind::SeveralTests) {
+        if let Some(axis) = run.other_axis().filter(|_| kind != Kind::SeveralTests) {
             return Reason::OtherAxis { axis: axis.to_string() };
         }
         let is_adequate = run.recommendation.iter().flat_map(|choice| &choice.candidates).any(|rated| rated.adequate);

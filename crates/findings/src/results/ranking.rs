@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crumple_phrases::language::{Language, fill};
-use crumple_signal::{ANOTHER_VEHICLE, Axis};
+use crumple_signal::ANOTHER_VEHICLE;
 
 use crate::{CandidateResult, Run};
 
@@ -111,7 +111,7 @@ impl Ranking {
 fn no_crush(run: &Run) -> Option<String> {
     let events = run.events.as_ref()?;
     let texts = &run.language.phrases().remarks;
-    if let Some(axis) = run.channel().and_then(|channel| channel.axis).filter(|axis| *axis != Axis::X) {
+    if let Some(axis) = run.other_axis() {
         return Some(fill(texts.other_axis, &[("channel", events.channel.clone()), ("axis", axis.to_string())]));
     }
     if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) {

@@ -7,7 +7,7 @@ use crumple_artifact::records::{
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_phrases::language::{Language, fill};
-use crumple_signal::{Channel, Note, Sampled, TestDescription};
+use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -362,6 +362,18 @@ impl Run {
     /// Time of dynamic crush, s, if the record shows it.
     pub fn time_of_crush_s(&self) -> Option<f64> {
         self.events.as_ref()?.time_of_dynamic_crush_s
+    }
+
+    /// The axis of the pulse, where it is another than that of the models, x.
+    pub fn other_axis(&self) -> Option<Axis> {
+        self.channel()?.axis.filter(|axis| *axis != Axis::X)
+    }
+
+    /// Whether the record ends before the rebound does: restitution and change of velocity are lower bounds.
+    pub fn is_rebound_cut(&self) -> bool {
+        let velocity = self.measured.velocity.as_ref();
+        let of_record = self.events.as_ref().zip(velocity);
+        of_record.is_some_and(|(events, velocity)| events.is_rebound_cut(velocity.end_s(), velocity.dt_s()))
     }
 
     /// The metric of this name; one of the pulse channel goes before one of another channel.

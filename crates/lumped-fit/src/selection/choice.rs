@@ -328,7 +328,7 @@ impl ComparedCandidates<'_> {
         let candidate = &self.candidates[simplest];
         let fit = candidate.fit_percent.unwrap_or(0.0);
         let count = match candidate.parameters {
-            _ if candidate.order_of_magnitude > 0 => candidate.determined_in_words(),
+            _ if candidate.order_of_magnitude > 0 || !candidate.is_assessed => candidate.determined_in_words(),
             1 => "one number, determined".to_owned(),
             n => format!("{n} numbers, all determined"),
         };
@@ -382,6 +382,7 @@ mod tests {
             class,
             masses: 1,
             parameters,
+            is_assessed: true,
             open: Vec::new(),
             order_of_magnitude: 0,
             open_and_felt: Vec::new(),

@@ -106,6 +106,8 @@ pub struct ComparedCandidate {
     pub masses: usize,
     /// Free numbers.
     pub parameters: usize,
+    /// Whether anybody says how well they are known.
+    pub is_assessed: bool,
     /// Of these, what the record does not determine, in words.
     pub open: Vec<String>,
     /// How many of the others it knows to an order of magnitude only.
@@ -136,11 +138,14 @@ pub struct ComparedCandidate {
 impl ComparedCandidate {
     /// How many of its numbers the record determines.
     pub fn determined(&self) -> usize {
-        self.parameters.saturating_sub(self.open.len() + self.order_of_magnitude)
+        if self.is_assessed { self.parameters.saturating_sub(self.open.len() + self.order_of_magnitude) } else { 0 }
     }
 
     /// `3 of 4 numbers determined, 1 to an order of magnitude`, as the report says it.
     pub fn determined_in_words(&self) -> String {
+        if !self.is_assessed {
+            return format!("{} numbers, not known how well", self.parameters);
+        }
         let mut text = format!("{} of {} numbers determined", self.determined(), self.parameters);
         for (count, what) in [(self.order_of_magnitude, "to an order of magnitude"), (self.open.len(), "open")] {
             if count > 0 {

@@ -94,6 +94,7 @@ texts! { ConclusionTexts
     level: "{percent}\u{a0}%: ", "{percent}\u{a0}%: ";
     interval: " ({low} to {high})", " ({low} bis {high})";
     rebounded: " and rebounded at {speed}", " und prallte mit {speed} zurück";
+    rebounded_at_least: " and rebounded at {speed} or more", " und prallte mit {speed} oder mehr zurück";
     no_rebound: " and did not rebound", " und prallte nicht zurück";
     no_stop:
         "The vehicle did not stop within the record: it lost {change} in {time}.",
@@ -182,9 +183,6 @@ texts! { ConclusionTexts
     determined: "{determined} of {parameters} numbers determined", "{determined} von {parameters} Zahlen bestimmt";
     order_of_magnitude: ", {count} to an order of magnitude", ", {count} der Größenordnung nach";
     open: ", {count} open", ", {count} offen";
-    other_partner:
-        "It takes the other vehicle for a rigid wall: do not use it against anything else.",
-        "Es nimmt das andere Fahrzeug für eine starre Wand: Gegen anderes gilt es nicht.";
     none_recommended: "No model is recommended: {because}.", "Kein Modell wird empfohlen: {because}.";
     fit_too_low:
         "the displacement fit of {model} is {fit}, below {limit}",

@@ -38,8 +38,10 @@ pub fn write_simulation(
         rmse_displacement_m: comparison.rmse_displacement_m,
         fit_percent: comparison.fit_displacement_percent,
         iso18571_score: comparison.iso18571_score,
-        dynamic_crush_error_m: comparison.dynamic_crush_error_m,
-        time_of_dynamic_crush_error_s: comparison.time_of_dynamic_crush_error_s,
+        dynamic_crush_error_m: comparison.dynamic_crush_error_m.filter(|_| events.dynamic_crush_m.is_some()),
+        time_of_dynamic_crush_error_s: comparison
+            .time_of_dynamic_crush_error_s
+            .filter(|_| events.dynamic_crush_m.is_some()),
         max_displacement_error_m: comparison.max_displacement_error_m,
         fit_velocity_percent: comparison.fit_velocity_percent,
         fit_acceleration_percent: comparison.fit_acceleration_percent,

@@ -1,6 +1,6 @@
 //! The runs whose sentences are read: records of known truth, each with the pipelines and the questions it is put to.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
@@ -42,6 +42,8 @@ pub struct RunCase {
     pub flags: Vec<String>,
     /// What is asked after it.
     pub question: Option<Question>,
+    /// Its artifacts, by place in the chain, that alone are reported; empty: all.
+    pub reported: &'static [usize],
     /// What is true of it.
     pub known: Known,
 }
@@ -56,8 +58,9 @@ pub enum Extent {
 }
 
 /// Impacts that are asked for.
-const QUESTIONS: [Question; 4] = [
+const QUESTIONS: [Question; 5] = [
     Question { flags: &["--speed", "30km/h"], speed_m_per_s: Some(30.0 / 3.6), mass_kg: None, partner: None },
+    Question { flags: &["--speed", "100km/h"], speed_m_per_s: Some(100.0 / 3.6), mass_kg: None, partner: None },
     Question { flags: &["--mass", "1100kg"], speed_m_per_s: None, mass_kg: Some(1100.0), partner: None },
     Question {
         flags: &["--speed", "25km/h", "--mass", "1250kg"],
@@ -86,7 +89,15 @@ pub fn cases(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
 }
 
 fn case(name: impl Into<String>, record: PathBuf, known: Known) -> RunCase {
-    RunCase { name: name.into(), record, variables: Vec::new(), flags: Vec::new(), question: None, known }
+    RunCase {
+        name: name.into(),
+        record,
+        variables: Vec::new(),
+        flags: Vec::new(),
+        question: None,
+        reported: &[],
+        known,
+    }
 }
 
 /// The fixtures through every pipeline, through a swapped filter, and the questions after them.
@@ -162,27 +173,28 @@ fn pulse(time_s: f64) -> f64 {
     if (0.0..LENGTH_S).contains(&time_s) { -peak * (PI * time_s / LENGTH_S).sin() } else { 0.0 }
 }
 
+/// A table of 0.25 s, 0.1 ms apart, with 50 ms before contact.
+fn table(head: &str, values: &dyn Fn(f64) -> Vec<f64>) -> String {
+    let mut text = head.to_owned();
+    for k in 0..2500 {
+        let t = f64::from(k) * 1e-4 - 0.05;
+        let cells: String = values(t).iter().map(|value| format!(",{:.6}", value + 0.0)).collect();
+        let _infallible = writeln!(text, "{t:.4}{cells}");
+    }
+    text
+}
+
 /// Records that lack something, state something wrong, or are of something else.
 fn of_other_records(folder: &Path) -> io::Result<Vec<RunCase>> {
     let mut all = Vec::new();
-    let table = |head: &str, values: &dyn Fn(f64) -> f64| {
-        let mut text = head.to_owned();
-        for k in 0..2500 {
-            let t = f64::from(k) * 1e-4 - 0.05;
-            let _infallible = writeln!(text, "{t:.4},{:.6}", values(t) + 0.0);
-        }
-        text
-    };
+    let table = |head: &str, values: &dyn Fn(f64) -> f64| table(head, &|t| vec![values(t)]);
     let (time, g) = ("time [s],acceleration [g]\n", 1.0);
     let both = ["--mass", "900kg", "--impact-speed", "50km/h"].as_slice();
     let sound = Known { mass_kg: Some(900.0), speed_m_per_s: Some(50.0 / 3.6), ..Known::of(Subject::Vehicle) };
     let wrong = |remedy: &'static str| Known { is_sound: false, remedy: Some(remedy), ..sound.clone() };
     let faulty = Known { is_sound: false, ..sound.clone() };
     let mut add = |name: &str, text: String, flags: &[&str], known: Known| -> io::Result<()> {
-        let record = folder.join(format!("{}.csv", name.replace([' ', ',', '/'], "-")));
-        fs::write(&record, text)?;
-        let flags = flags.iter().map(|flag| (*flag).to_owned()).collect();
-        all.push(RunCase { flags, ..case(name, record, known) });
+        all.push(written(folder, name, &text, flags, known)?);
         Ok(())
     };
     let plain = table(time, &|t| g * pulse(t));
@@ -199,9 +211,72 @@ fn of_other_records(folder: &Path) -> io::Result<Vec<RunCase>> {
     add("constant", table(time, &|_| 0.0), both, faulty.clone())?;
     add("clipped", table(time, &|t| pulse(t).max(-15.0)), both, faulty.clone())?;
     add("does not stop", table(time, &|t| if t < 0.03 { pulse(t) } else { 0.0 }), both, faulty)?;
+    add("starts late", table(time, &|t| pulse(t - 0.03)), both, wrong("--time-zero"))?;
+    all.extend(of_places(folder)?);
+    all.extend(of_some_stages());
     all.extend(of_two_sensors(folder)?);
     all.extend(of_no_vehicle_at_a_wall(folder)?);
     Ok(all)
+}
+
+fn written(folder: &Path, name: &str, text: &str, flags: &[&str], known: Known) -> io::Result<RunCase> {
+    let record = folder.join(format!("{}.csv", name.replace([' ', ',', '/'], "-")));
+    fs::write(&record, text)?;
+    let flags = flags.iter().map(|flag| (*flag).to_owned()).collect();
+    Ok(RunCase { flags, ..case(name, record, known) })
+}
+
+/// Sensors in an occupant, along another axis, and two at one place; noise, and levels before contact.
+fn of_places(folder: &Path) -> io::Result<Vec<RunCase>> {
+    let both = ["--mass", "900kg", "--impact-speed", "50km/h"].as_slice();
+    let stated = |subject| Known { mass_kg: Some(900.0), speed_m_per_s: Some(50.0 / 3.6), ..Known::of(subject) };
+    let [vehicle, occupant, lateral] = [Subject::Vehicle, Subject::Occupant, Subject::OtherAxis].map(stated);
+    let head = "time [s],11HEAD0000H3ACXP (g)";
+    let all_axes = format!("{head},11HEAD0000H3ACYP (g),11HEAD0000H3ACZP (g)\n");
+    let of_all_axes = |t: f64| vec![(3.0 * pulse(t)).max(-60.0), 0.5 * pulse(t), 0.3 * pulse(t)];
+    let sills = "time [s],10SEATLERE00ACXD (g),10SEATRIRE00ACXD (g)\n";
+    let plain = "time [s],acceleration [g]\n";
+    // A ring of 1 kHz that no vehicle has before contact.
+    let ring = |t: f64| 3.0 * (TAU * 1000.0 * t).sin();
+    let before = |t: f64| if t < 0.0 { 1.0 } else { 0.0 };
+    [
+        ("occupant, one axis", table(&format!("{head}\n"), &|t| vec![3.0 * pulse(t)]), [].as_slice(), &occupant),
+        ("occupant, clipped", table(&all_axes, &of_all_axes), &[], &Known { is_sound: false, ..occupant.clone() }),
+        ("other axis", table("time [s],10VEHCCG0000ACYD (g)\n", &|t| vec![pulse(t)]), both, &lateral),
+        ("sensors that differ", table(sills, &|t| vec![pulse(t), 1.06 * pulse(t)]), both, &vehicle),
+        ("ringing", table(plain, &|t| vec![pulse(t) + ring(t)]), both, &vehicle),
+        ("free fall", table(plain, &|t| vec![pulse(t) + before(t)]), both, &vehicle),
+        ("level", table(plain, &|t| vec![pulse(t) + 1.0]), both, &vehicle),
+        ("too strong", table(plain, &|t| vec![2.5 * pulse(t)]), both, &Known { is_sound: false, ..vehicle.clone() }),
+    ]
+    .into_iter()
+    .map(|(name, text, flags, known)| written(folder, name, &text, flags, known.clone()))
+    .collect()
+}
+
+/// A fixture of which only the artifacts of some stages are reported, and one whose model nobody assesses.
+fn of_some_stages() -> Vec<RunCase> {
+    let fixtures = fixture_models();
+    let of_fixture = |what: &str| {
+        let (name, model, mass_kg, speed) = fixtures.iter().find(|(name, ..)| *name == "elastoplastic")?.clone();
+        let record = workspace().join("fixtures").join(name).join("crash.csv");
+        Some(case(format!("{name}, {what}"), record, Known::vehicle(Maker::Lumped(model), mass_kg, speed)))
+    };
+    const REPORTED: [(&str, &[usize]); 5] = [
+        ("ingest alone", &[0]),
+        ("up to the filter", &[0, 1]),
+        ("up to the motion", &[0, 1, 2]),
+        ("not simulated", &[0, 1, 2, 4]),
+        ("models without motion", &[0, 1, 3]),
+    ];
+    let some = REPORTED.into_iter().filter_map(|(what, reported)| Some(RunCase { reported, ..of_fixture(what)? }));
+    let closed = ["--set", "parameter-solve.models=elastoplastic", "--set", "parameter-solve.method=closed-form"];
+    let unassessed = of_fixture("closed form without intervals").map(|own| RunCase {
+        variables: vec!["pipeline=unfiltered".to_owned()],
+        flags: closed.map(str::to_owned).to_vec(),
+        ..own
+    });
+    some.chain(unassessed).collect()
 }
 
 /// The double fixture with a sensor on both masses, by the pipeline for it and by the default.
@@ -262,24 +337,43 @@ fn of_no_vehicle_at_a_wall(folder: &Path) -> io::Result<Vec<RunCase>> {
     let rows: String = (0..=25).map(|k| format!("{},{:.0}\n", 10 * k, velocity(k))).collect();
     let record = folder.join("recorder.csv");
     fs::write(&record, format!("Time (msec),\"Delta-V, longitudinal (km/h)\"\n{rows}"))?;
-    let flags = ["--profile", "edr", "--mass", "1500kg", "--impact-speed", "45km/h"].map(str::to_owned).to_vec();
-    let known = Known { mass_kg: Some(1500.0), speed_m_per_s: Some(45.0 / 3.6), ..Known::of(Subject::Recorder) };
-    all.push(RunCase { flags, ..case("recorder", record, known) });
-    // y[k] = 1.5 y[k-1] - 0.7 y[k-2] + 0.5 u[k-1]: poles 0.75 ± 0.3708i.
-    let mut text = "u,y\n".to_owned();
-    let (mut y1, mut y2, mut before) = (0.3, -0.1, 0.0);
-    for k in 0..500_i32 {
-        let y = 1.5 * y1 - 0.7 * y2 + 0.5 * before;
-        before = f64::from((k * k * 7 + k * 3) % 11) - 5.0;
-        let _infallible = writeln!(text, "{before},{y}");
-        (y2, y1) = (y1, y);
+    for (name, speed) in [("recorder", 45.0), ("recorder, stops", 38.0)] {
+        let speed_flag = format!("{speed}km/h");
+        let flags = ["--profile", "edr", "--mass", "1500kg", "--impact-speed", &speed_flag].map(str::to_owned).to_vec();
+        let known = Known { mass_kg: Some(1500.0), speed_m_per_s: Some(speed / 3.6), ..Known::of(Subject::Recorder) };
+        all.push(RunCase { flags, ..case(name, record.clone(), known) });
     }
-    let record = folder.join("process.csv");
-    fs::write(&record, text)?;
-    let flags = ["--sample-time=20ms", "--allow-missing", "--methods=n4sid,arx,output-error", "--orders=2"];
-    let flags = flags.into_iter().chain(["--inputs=u", "--outputs=y"]).map(str::to_owned).collect();
-    all.push(RunCase { flags, ..case("inputs and outputs", record, Known::of(Subject::InputOutput)) });
+    all.extend(of_inputs_and_outputs(folder)?);
     Ok(all)
+}
+
+/// A process with the poles 0.75 ± 0.3708i, an output that has nothing to do with the input, and one at rest.
+fn of_inputs_and_outputs(folder: &Path) -> io::Result<Vec<RunCase>> {
+    let (mut y1, mut y2, mut before) = (0.3, -0.1, 0.0);
+    let mut process = |input: f64, _: i32| {
+        let y = 1.5 * y1 - 0.7 * y2 + 0.5 * before;
+        (y2, y1, before) = (y1, y, input);
+        y
+    };
+    let mut unrelated = |_: f64, k: i32| 3.0 * (0.37 * f64::from(k * k)).sin();
+    let mut at_rest = |_: f64, _: i32| 0.0;
+    let flags = ["--sample-time=20ms", "--allow-missing", "--orders=2", "--inputs=u", "--outputs=y"];
+    let outputs: [(&str, &mut dyn FnMut(f64, i32) -> f64, &[&str]); 3] = [
+        ("inputs and outputs", &mut process, &["--methods=n4sid,arx,output-error"]),
+        ("unrelated output", &mut unrelated, &["--methods=n4sid,arx", "--validate-from=6s"]),
+        ("output at rest", &mut at_rest, &["--methods=arx"]),
+    ];
+    outputs
+        .into_iter()
+        .map(|(name, output, more)| {
+            let rows = (0..500_i32).map(|k| {
+                let input = f64::from((k * k * 7 + k * 3) % 11) - 5.0;
+                format!("{input},{:.6}\n", output(input, k))
+            });
+            let text = format!("u,y\n{}", rows.collect::<String>());
+            written(folder, name, &text, &[&flags, more].concat(), Known::of(Subject::InputOutput))
+        })
+        .collect()
 }
 
 /// A filter stage in another language, as `just` takes it: it hands the pulse on as the product's filter left it and

@@ -31,6 +31,10 @@ pub enum Subject {
     TwoVehicles,
     /// The table of an event data recorder.
     Recorder,
+    /// A sensor in an occupant.
+    Occupant,
+    /// A vehicle whose pulse lies along another axis than that of the models.
+    OtherAxis,
     /// Inputs and outputs, no crash.
     InputOutput,
 }

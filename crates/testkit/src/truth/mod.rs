@@ -5,6 +5,7 @@ mod cases;
 mod counts;
 mod fit;
 mod known;
+mod labels;
 mod net;
 mod numbers_of_runs;
 mod page;

@@ -6,6 +6,7 @@ use std::io;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crumple_artifact::records::{RatedCandidateV1, RecommendationV1};
 use crumple_artifact::{Artifact, Wave};
 use crumple_signal::Sampled;
 use serde_json::Value;
@@ -39,6 +40,8 @@ pub struct Made {
     pub waves: BTreeMap<String, Wave>,
     /// The records of its artifacts: topic and content.
     pub records: Vec<(String, Value)>,
+    /// The choice of a candidate.
+    pub choice: Option<RecommendationV1>,
     /// Every number of the summary and of those records, also of their texts; of waves the ends and the counts.
     pub all_numbers: Vec<f64>,
 }
@@ -66,6 +69,9 @@ pub fn run(case: &RunCase, bin: &Path, folder: &Path) -> Result<Made, Failure> {
         command.args(variables()).arg("predict").arg(&folder).args(question.flags);
         output = command.env("RAYON_NUM_THREADS", "1").output()?;
     }
+    if !case.reported.is_empty() && output.status.success() {
+        output = report_alone(case, bin, &folder)?;
+    }
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let code = output.status.code().unwrap_or(-1);
     if !matches!(code, 0 | 4) {
@@ -74,6 +80,19 @@ pub fn run(case: &RunCase, bin: &Path, folder: &Path) -> Result<Made, Failure> {
     let made = Made::read(case, code, &said, &folder)?;
     fs::remove_dir_all(&folder)?;
     Ok(made)
+}
+
+/// Only some artifacts are left and reported anew; what the report prints.
+fn report_alone(case: &RunCase, bin: &Path, folder: &Path) -> Result<Output, Failure> {
+    for (_, name) in ARTIFACTS.iter().enumerate().filter(|(place, _)| !case.reported.contains(place)) {
+        match fs::remove_file(folder.join(name)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
+            _ => {}
+        }
+    }
+    let left = case.reported.iter().map(|place| ARTIFACTS[*place]);
+    let arguments = left.chain(["-o", "report.html", "--summary", "summary.json"]);
+    Ok(Command::new(bin.join("crumple-report")).args(arguments).current_dir(folder).output()?)
 }
 
 /// A record that is no crash goes through ingest, identify and report, by their own commands; what the report prints.
@@ -118,8 +137,10 @@ impl Made {
         let summary: Value = serde_json::from_str(&read("summary.json")?)?;
         records.iter().map(|(_, record)| record).chain([&summary]).for_each(|value| collect(value, &mut all_numbers));
         let html = read("report.html")?;
+        let choice = records.iter().find(|(topic, _)| topic == "/recommendation");
         Ok(Self {
             all_numbers,
+            choice: choice.map(|(_, record)| serde_json::from_value(record.clone())).transpose()?,
             name: case.name.clone(),
             known: case.known.clone(),
             question: case.question,
@@ -163,6 +184,11 @@ impl Made {
         self.list("/candidates")
             .iter()
             .find(|candidate| candidate["id"].as_str().map(in_words) == Some(words.to_owned()))
+    }
+
+    /// How the choice rated a candidate.
+    pub fn rated(&self, candidate: &Value) -> Option<&RatedCandidateV1> {
+        self.choice.as_ref()?.candidates.iter().find(|rated| candidate["id"] == rated.id.as_str())
     }
 
     /// What the warnings say, gravest first.

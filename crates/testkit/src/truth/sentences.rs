@@ -33,8 +33,8 @@ const LINES: [(&str, &str); 8] = [
 /// All of them.
 pub fn sentences(registry: &Registry, made: &Made) -> Vec<Sentence> {
     let mut all = Vec::new();
-    let conclusion = registry.sentences(&["conclusion.", "joint.", "console.determined"]);
-    let notes = registry.sentences(&["note.", "conclusion.", "joint.", "remarks."]);
+    let conclusion = registry.sentences(&["conclusion."]);
+    let notes = registry.sentences(&["note.", "conclusion.", "remarks."]);
     let mut add = |surface: Surface, key: &str, text: &str, templates: &[&'static str]| {
         let (key, text) = (key.to_owned(), plain(text));
         if !text.is_empty() {
@@ -104,10 +104,10 @@ fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
                 add(page, &fact, text, &template);
             }
             (section, "p") if section.starts_with("verdict") => {
-                add(page, "", text, &registry.sentences(&["conclusion.", "joint.", "console.determined"]));
+                add(page, "", text, &registry.sentences(&["conclusion."]));
             }
             (section, "dt") if section.starts_with("verdict") => fact.clone_from(text),
-            (_, "p") if key.starts_with("status") => add(page, "", text, &["page.status", "conclusion.status"]),
+            (_, "p") if key.starts_with("status") => add(page, "", text, &["conclusion.status"]),
             ("other-speeds", "td") => {
                 row.push(text.as_str());
                 if row.len() == COLUMNS {

@@ -94,9 +94,18 @@ impl Said {
         numbers(&format!("{} to {end}", self.text(place))).into_iter().next()
     }
 
+    /// The numbers in these places as they are written; NaN without one.
+    pub fn values<const N: usize>(&self, places: [&str; N]) -> [f64; N] {
+        places.map(|place| self.number(place).map_or(f64::NAN, |shown| shown.value))
+    }
+
     /// What is said in a place.
     pub fn inner(&self, place: &str) -> Option<&Self> {
         self.places.get(place)?.said.as_ref()
+    }
+
+    fn has_words_of_a_sentence(&self) -> bool {
+        self.places.values().any(|filled| filled.said.is_none() && filled.text.contains(". "))
     }
 
     /// This and all that is said in its places.
@@ -143,7 +152,11 @@ impl Grammar {
             let mut ends = self.matches(template, text, steps);
             // The whole text before a part of it; of those, short words in the first places.
             ends.retain(|(_, end)| *end > 0);
-            ends.sort_by_key(|(_, end)| std::cmp::Reverse(*end));
+            // Where a template ends a sentence itself, words that end one belong to a place only if nothing else reads
+            // the text.
+            let ends_itself = matches!(template.pieces.last(), Some(Piece::Words(words)) if words.ends_with('.'));
+            let sentences = |said: &Said| ends_itself && said.all().iter().any(|said| said.has_words_of_a_sentence());
+            ends.sort_by_key(|(said, end)| (sentences(said), std::cmp::Reverse(*end)));
             for (said, end) in ends {
                 if let Some(mut more) = self.sentences(&text[end..], order, steps) {
                     more.insert(0, said);

@@ -62,7 +62,9 @@ impl CandidateV1 {
     /// How sure a parameter is that was asked of the record; `None` for one that was given.
     ///
     /// Open is what is in [`CandidateV1::doubt`]. Of what is not, an interval between ends of one sign, one of them
-    /// more than ten times the other, gives an order of magnitude and no more; so does one that is open at one end.
+    /// more than ten times the other, gives an order of magnitude and no more; so does one that is open at one end, and
+    /// one of a zero that reaches beyond a tenth of what matters: of the force, the spring or the damper that by itself
+    /// stops the masses within the window of the fit.
     pub fn certainty(&self, name: &str) -> Option<Certainty> {
         if !self.asked().any(|asked| asked == name) {
             return None;
@@ -72,13 +74,35 @@ impl CandidateV1 {
         }
         let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
         let ends = self.uncertainty.as_ref().and_then(|u| end(&u.interval_low).zip(end(&u.interval_high)));
+        let is_zero = self.parameters.get(name) == Some(&0.0);
         let is_wide = ends.is_some_and(|ends| match ends {
+            (Some(low), Some(high)) if is_zero => {
+                let largest = low.abs().max(high.abs());
+                self.size_that_matters(name).is_some_and(|size| ORDER_OF_MAGNITUDE * largest > size)
+            }
             (Some(low), Some(high)) => {
                 low * high > 0.0 && low.abs().max(high.abs()) > ORDER_OF_MAGNITUDE * low.abs().min(high.abs())
             }
-            _ => self.parameters.get(name).is_some_and(|value| *value != 0.0),
+            _ => true,
         });
         Some(if is_wide { Certainty::OrderOfMagnitude } else { Certainty::Determined })
+    }
+
+    /// What a damper or a spring, by the unit of its name, is compared with where it is zero: `M/T` and `M/T²`, with
+    /// the masses M and the window T of the fit. Of a force, the largest of the candidate. `None` of other numbers.
+    fn size_that_matters(&self, name: &str) -> Option<f64> {
+        let of_unit = |unit: &'static str| self.parameters.iter().filter(move |(name, _)| name.ends_with(unit));
+        let per_time = |power: i32| {
+            let window_s = self.fit.as_ref().map(|fit| fit.to_s).filter(|to_s| *to_s > 0.0)?;
+            Some(of_unit("_kg").map(|(_, mass_kg)| mass_kg).sum::<f64>() / window_s.powi(power))
+        };
+        if name.ends_with("_n_s_per_m") {
+            per_time(1)
+        } else if name.ends_with("_n_per_m") {
+            per_time(2)
+        } else {
+            name.ends_with("_n").then(|| of_unit("_n").fold(0.0, |largest: f64, (_, force)| largest.max(force.abs())))
+        }
     }
 
     /// Names of the parameters of one certainty.
@@ -95,7 +119,8 @@ const ORDER_OF_MAGNITUDE: f64 = 10.0;
 pub enum Certainty {
     /// The record determines it.
     Determined,
-    /// Its 95 % interval spans more than a factor of 10, or is open at one end.
+    /// Its 95 % interval spans more than a factor of 10, is open at one end, or is that of a zero that may be more than
+    /// a tenth of what matters.
     OrderOfMagnitude,
     /// It may be anything: on a bound of its search, or without an interval.
     Open,

@@ -82,4 +82,10 @@ impl EventsV1 {
         let end_s = record_end_s - self.time_zero_s;
         self.time_of_rebound_s.or(self.time_of_delta_v_s).map_or(end_s, |t| t.min(end_s))
     }
+
+    /// Whether a velocity that ends at `end_s` on its own axis, sampled every `dt_s`, is lowest at its end: the vehicle
+    /// still separates, so restitution and change of velocity are lower bounds.
+    pub fn is_rebound_cut(&self, end_s: f64, dt_s: f64) -> bool {
+        self.time_of_rebound_s.is_some_and(|t| t + self.time_zero_s > end_s - 1.5 * dt_s)
+    }
 }

@@ -89,7 +89,7 @@ impl Comparison {
         let Some(displacement) = displacement.map(Wave::signal::<Displacement>).transpose().refuse()? else {
             return Ok(None);
         };
-        let ends_s = displacement.end_s() - 1.5 * displacement.dt_s();
+        let (displacement_end_s, dt_s) = (displacement.end_s(), displacement.dt_s());
         let acceleration_of = |channel: &str| motion(input, channel, FitQuantity::Acceleration, mass_kg).ok();
         let Some(acceleration) = acceleration_of(channel) else { return Ok(None) };
         let observe = |channel: &str, wave: &Sampled, quantity: FitQuantity| -> anyhow::Result<Option<Observation>> {
@@ -115,7 +115,6 @@ impl Comparison {
             }));
             others.push((channel.clone(), *place));
         }
-        let rebound_is_cut = events.time_of_rebound_s.is_some_and(|t| t + events.time_zero_s > ends_s);
         let tested_restitution = events.coefficient_of_restitution.filter(|e| *e > 0.0);
         let wall = input.wall_force(events)?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
@@ -128,7 +127,7 @@ impl Comparison {
                 displacement,
                 dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
                 tested_restitution,
-                rebound_is_cut,
+                rebound_is_cut: events.is_rebound_cut(displacement_end_s, dt_s),
                 mass_kg,
                 wall,
             }],
@@ -265,6 +264,7 @@ impl Comparison {
             masses: structure_of(&record.model, &record.parameters).map_or(1, |structure| structure.masses_kg().len()),
             parameters: free_numbers(record).max(open.len()),
             open,
+            is_assessed: record.asked().next().is_some(),
             order_of_magnitude: record.parameters_of(Certainty::OrderOfMagnitude).len(),
             open_and_felt,
             on_bound: bounds.iter().filter(|name| !is_limit(name) && !is_inside(name)).cloned().collect(),

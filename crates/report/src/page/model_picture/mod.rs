@@ -99,6 +99,8 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
         let restitution = simulation
             .coefficient_of_restitution
             .zip(measured)
+            // Of a record that ends before the rebound does, a model that rebounds faster is off by nothing known.
+            .filter(|(model, test)| !run.is_rebound_cut() || model < test)
             .map(|(model, test)| fill(texts.and_restitution, &[("restitution", language.signed(model - test, 2))]));
         let filled = [
             ("crush", format!("{}{NBSP}mm", error(simulation.dynamic_crush_error_m))),

@@ -1,7 +1,7 @@
 //! What each sentence claims: its numbers, and a check of it against the truth of the record.
 //! May use the files of the room above but `net`.
 
-mod labels;
+mod choice;
 mod models;
 mod notes;
 mod page;

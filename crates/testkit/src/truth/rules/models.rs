@@ -50,7 +50,7 @@ pub const RULES: &[Rule] = &[
         holds(!said.text("because").is_empty(), || "no reason is given".to_owned())
     }),
     rule("conclusion.fit_too_low", &[("fit", Number), ("limit", Number)], |said, _| {
-        let [fit, limit] = ["fit", "limit"].map(|place| said.number(place).map_or(f64::NAN, |shown| shown.value));
+        let [fit, limit] = said.values(["fit", "limit"]);
         holds(fit < limit, || format!("{fit} % is not below {limit} %"))
     }),
     rule("conclusion.no_crush", &[], |_, spot| {
@@ -63,11 +63,7 @@ pub const RULES: &[Rule] = &[
         let own = spot.made.candidate_named(said.text("model")).ok_or("there is no such candidate")?;
         fit_is_right(said, spot, own)
     }),
-    rule("conclusion.follows", &[("fit", Number)], |said, spot| {
-        fit_is_right(said, spot, candidate(spot).ok_or("there is no such candidate")?)
-    }),
     rule("conclusion.open_numbers", &[("names", Words)], |said, spot| named(said, spot, Certainty::Open)),
-    rule("conclusion.hardly", &[("names", Words)], |said, spot| named(said, spot, Certainty::OrderOfMagnitude)),
     rule("conclusion.warn_open", &[("model", Words), ("names", Words)], |said, spot| {
         named(said, spot, Certainty::Open)
     }),
@@ -76,7 +72,6 @@ pub const RULES: &[Rule] = &[
     }),
     rule("conclusion.dual", &[], one_sensor_and_several_masses),
     rule("conclusion.warn_dual", &[("model", Words)], one_sensor_and_several_masses),
-    rule("conclusion.other_partner", &[], |_, spot| is_collision(spot)),
     rule("conclusion.warn_two_vehicles", &[], |_, spot| is_collision(spot)),
     rule("conclusion.warn_clipped", &[("channels", Words)], |_, spot| {
         holds(!spot.made.known.is_sound, || "nothing in it is clipped".to_owned())
@@ -106,7 +101,8 @@ pub const RULES: &[Rule] = &[
         let dual = spot.made.candidate_named(said.text("model")).ok_or("there is no such candidate")?;
         let own = candidate(spot).ok_or("there is no such candidate")?;
         let are_equal = own["equivalent_to"] == dual["id"] || dual["equivalent_to"] == own["id"];
-        holds(are_equal && spot.made.known.sensors == 1, || "the records of its sensors differ".to_owned())
+        let fitted = own["fit"]["sensors"].as_array().map_or(0, Vec::len);
+        holds(are_equal && fitted == 0, || "the records of its sensors differ".to_owned())
     }),
     rule(
         "model.sensor_fitted",
@@ -149,13 +145,19 @@ pub const RULES: &[Rule] = &[
         holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())
     }),
     rule("remarks.by_fit_alone", &[], |_, spot| {
-        let choice = spot.made.records.iter().any(|(topic, _)| topic == "/recommendation");
-        holds(!choice, || "there is a recommendation".to_owned())
+        holds(spot.made.choice.is_none(), || "there is a recommendation".to_owned())
     }),
     rule("remarks.no_raw", &[], |_, spot| {
         let channels = spot.made.records.iter().find(|(topic, _)| topic == "/test");
         let channels = channels.and_then(|(_, test)| test["channels"].as_array().cloned()).unwrap_or_default();
         holds(!channels.iter().any(|channel| channel["quantity"] == "acceleration"), || "one was read".to_owned())
+    }),
+    rule("remarks.no_filtered", &[], |_, spot| {
+        let filtered = spot.made.records.iter().any(|(topic, _)| topic.starts_with("/filter"));
+        holds(!filtered, || "it was filtered".to_owned())
+    }),
+    rule("remarks.other_axis", &[("channel", Words), ("axis", Words)], |_, spot| {
+        holds(spot.made.known.subject == Subject::OtherAxis, || "the pulse is along x".to_owned())
     }),
     rule("remarks.no_displacement", &[], |_, spot| is_missing(spot, "/displacement")),
     rule("remarks.no_crash", &[], |_, spot| {
@@ -235,16 +237,29 @@ pub fn counts(said: &Said, candidate: &Value) -> Result<(), String> {
     let Some(asked) = low.as_object().filter(|asked| Some(asked.len() as f64) == count("parameters")) else {
         return Ok(());
     };
+    let mass_and_window = candidate["fit"]["to_s"].as_f64().map(|to_s| (total_mass_kg(candidate), to_s));
+    // The force that by itself stops the vehicle within the window of the fit, with a tenth of it for a zero.
+    let is_small = |name: &str, high: f64| {
+        let per_time = [("_n_s_per_m", 1), ("_n_per_m", 2)].into_iter().find(|(unit, _)| name.ends_with(unit));
+        let size = per_time.zip(mass_and_window).map(|((_, power), (mass_kg, to_s))| mass_kg / to_s.powi(power));
+        size.is_none_or(|size| high <= 0.1001 * size)
+    };
     let within_ten = asked.iter().filter(|(name, low)| {
         let ends = low.as_f64().zip(high[name.as_str()].as_f64());
-        ends.is_some_and(|(low, high)| low > 0.0 && high <= 10.0 * low || low <= 0.0 && high >= 0.0)
-            || candidate["parameters"][name.as_str()] == 0.0
+        let is_zero = candidate["parameters"][name.as_str()] == 0.0;
+        ends.is_some_and(|(low, high)| {
+            low > 0.0 && high <= 10.0 * low || low <= 0.0 && high >= 0.0 && (!is_zero || is_small(name, high))
+        })
     });
-    // An interval that reaches zero may count either way: of a damper that is hardly there, it is known to be small. So
-    // may zero itself, which is the limit of what is physical.
+    // An interval that reaches zero may count either way: of a damper that is hardly there, it is known to be small.
     let most = within_ten.count() as f64;
     let determined = count("determined").unwrap_or_default();
     holds(determined <= most, || format!("the intervals of {most} numbers lie within a factor of ten"))
+}
+
+fn total_mass_kg(candidate: &Value) -> f64 {
+    let parameters = candidate["parameters"].as_object().into_iter().flatten();
+    parameters.filter(|(name, _)| name.ends_with("_kg")).filter_map(|(_, value)| value.as_f64()).sum()
 }
 
 /// The names that are said are those of the numbers that are known so, as many as there are.
@@ -294,7 +309,8 @@ fn one_spring(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 
 /// A fit that is said is that of the summary, and that of the waves.
 pub fn fit_is_right(said: &Said, spot: &Spot<'_>, own: &Value) -> Result<(), String> {
-    let measured = own["simulation"]["fit_as_measured_percent"].as_f64();
+    let rated = spot.made.rated(own).and_then(|rated| rated.fit_as_measured_percent);
+    let measured = own["simulation"]["fit_as_measured_percent"].as_f64().or(rated);
     shows(said, "fit", measured.or(own["simulation"]["fit_percent"].as_f64()), "the fit")?;
     let shown = said.number("fit").map_or(f64::NAN, |shown| shown.value);
     let Some(waves) = fit_percent(spot.made, own["id"].as_str().unwrap_or_default()) else { return Ok(()) };

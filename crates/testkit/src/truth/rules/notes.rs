@@ -1,8 +1,8 @@
-//! Remarks of the stages, and the reasons of the choice: sentences that no text of `phrases` makes.
+//! Remarks of the stages: sentences that no text of `phrases` makes.
 
-use super::rule::{Rule, Spot, holds, is_like_a_car, misses_its_own_test, numbers_of_records, own_test, says, shows};
+use super::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::known::Subject;
-use crate::truth::template::Place::{At, Number, Rest};
+use crate::truth::template::Place::{At, Number};
 use crate::truth::template::Said;
 
 /// Their sentences; `{more}` and the like take what a sentence goes on with.
@@ -126,6 +126,25 @@ pub const RULES: &[Rule] = &[
         &[("frequency", Number), ("ratio", Number)],
         growing_mode,
     ),
+    says(
+        "note.real-near-filter",
+        "{id}: the mode at {place} 1/s lies near the {edge} edge of the {class} filter; {more}",
+        &[("place", Number)],
+        |said, spot| real_pole(said, spot, |place| place < 0.0),
+    ),
+    says(
+        "note.real-growing-pole",
+        "{id}: the pole at {place} 1/s grows: the model is unstable",
+        &[("place", Number)],
+        |said, spot| real_pole(said, spot, |place| place > 0.0),
+    ),
+    says("note.one-near-zero", "{id}: one pole lies at or near zero: {more}", &[], is_identified),
+    says(
+        "note.zero-on-the-right",
+        "{id}: the zero {place} 1/s (standard deviation {deviation}) lies in the right half plane: {more}",
+        &[],
+        is_identified,
+    ),
     says("note.near-zero", "{id}: {count} poles lie at or near zero: {more}", &[("count", Number)], two_poles_at_zero),
     says(
         "note.beyond-sampling",
@@ -214,6 +233,58 @@ pub const RULES: &[Rule] = &[
     ),
     says("note.positive", "the pulse is positive (it gains {speed} in the first {time}), {more}", &[], is_not_sound),
     says("note.wrong-sign", "the pulse has the wrong sign: {more}", &[], is_not_sound),
+    says(
+        "note.not-of-compartment",
+        "the pulse, channel {channel}, does not stand for the passenger compartment: {more}",
+        &[],
+        |_, spot| holds(!spot.made.is_of_a_vehicle(), || "it sits in the vehicle, along x".to_owned()),
+    ),
+    says(
+        "note.of-occupants-alone",
+        "criteria of occupants alone: channel {channel} is of an occupant, and {more}",
+        &[],
+        |_, spot| holds(spot.made.known.subject == Subject::Occupant, || "the sensor is on the vehicle".to_owned()),
+    ),
+    says(
+        "note.low-rate",
+        "{channels}: sampling rate {rate} is only {ratio} times cfc {class}: {more}",
+        &[("rate", Number), ("ratio", Number), ("class", Number)],
+        |said, _| {
+            let [rate, class] = said.values(["rate", "class"]);
+            shows(said, "ratio", Some(rate / class), "the ratio")
+        },
+    ),
+    says(
+        "note.few-samples",
+        "{model}: not fitted by {method}: {count} samples between {from} and {to}, a fit needs at least {least}",
+        &[("count", Number), ("least", Number)],
+        |said, _| {
+            let [count, least] = said.values(["count", "least"]);
+            holds(count < least, || format!("{count} are enough"))
+        },
+    ),
+    says(
+        "note.low-fit",
+        "{model}: fit {fit}, below {limit}: the model leaves more than half of the record's variance, {more}",
+        &[("fit", Number), ("limit", Number)],
+        |said, _| {
+            let [fit, limit] = said.values(["fit", "limit"]);
+            // What leaves half of the variance.
+            holds(fit < limit && (limit - 100.0 * (1.0 - 0.5_f64.sqrt())).abs() < 0.05, || format!("{fit} of {limit}"))
+        },
+    ),
+    says(
+        "note.first-exceeds",
+        "the pulse first exceeds {level} for {time} at {instant}: check time zero {more}",
+        &[("instant", Number)],
+        first_exceeds,
+    ),
+    says(
+        "note.waits",
+        "channel {channel} first exceeds {level} for {time} at {instant}, and nothing says that contact is at {more}",
+        &[("instant", Number)],
+        first_exceeds,
+    ),
     says("note.separating", "still separating: {more}", &[], lower_bounds),
     says("note.never-zero", "the velocity never reaches zero, the record ends at {more}", &[], never_zero),
     says("note.no-mass", "no mass is stated: {more}", &[], |_, spot| lacks(spot, "/test/mass_kg")),
@@ -253,43 +324,6 @@ pub const RULES: &[Rule] = &[
             holds(masses == 1, || format!("it has {masses} masses"))
         },
     ),
-    // The choice.
-    says(
-        "because.recommended",
-        "{class}, {determined} of {parameters} numbers determined{more}",
-        &[("determined", Number), ("parameters", Number), ("more", Rest)],
-        recommended,
-    ),
-    says(
-        "because.simplest",
-        "{count} numbers, all determined, displacement fit as measured {fit}",
-        &[("count", Number), ("fit", Number)],
-        simplest,
-    ),
-    says(
-        "because.simplest-open",
-        "{determined} of {parameters} numbers determined{magnitude}, displacement fit as measured {fit}",
-        &[("determined", Number), ("parameters", Number), ("magnitude", Rest), ("fit", Number)],
-        simplest,
-    ),
-    says(
-        "because.closest",
-        "displacement fit as measured {fit}, the best of a physical candidate{open}",
-        &[("fit", Number), ("open", Rest)],
-        closest,
-    ),
-    says("because.none", "no candidate is adequate ({reasons})", &[], none_adequate),
-    says("because.none-qualifies", "no adequate candidate qualifies ({reasons})", &[], |_, spot| {
-        holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())
-    }),
-    says("because.no-closest", "no physical candidate has a displacement to compare", &[], |_, spot| {
-        let physical = spot
-            .made
-            .list("/candidates")
-            .iter()
-            .find(|c| c["physical"] == true && c["simulation"]["fit_percent"].is_number());
-        holds(physical.is_none(), || format!("{} has", physical.map_or("", |c| c["id"].as_str().unwrap_or_default())))
-    }),
     says("console.stage-predict", "{line}", &[], predicted),
 ];
 
@@ -297,6 +331,17 @@ pub const RULES: &[Rule] = &[
 fn is_the_channel(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let own = spot.made.text("/test/channel");
     holds(said.text("channel").split([' ', ',']).next() == Some(own), || format!("the pulse is {own}"))
+}
+
+/// The start of the first 3 ms above 0.5 g, which the filter moves by its own rise of half a millisecond.
+fn first_exceeds(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let wave = &spot.made.waves.get(spot.made.text("/test/channel")).ok_or("there is no pulse")?.sampled;
+    let count = (3e-3 / wave.dt_s()).round() as usize;
+    let level = 0.5 * crumple_signal::STANDARD_GRAVITY_M_PER_S2;
+    let start = wave.samples().windows(count).position(|all| all.iter().all(|a| a.abs() > level));
+    let own = start.map(|k| wave.t0_s() + k as f64 * wave.dt_s()).ok_or("it never does")?;
+    let shown = said.number("instant").ok_or("no instant is said")?;
+    holds((shown.si() - own).abs() < 5e-4, || format!("it does at {:.1} ms", 1e3 * own))
 }
 
 /// A sound record ends at rest, unless its model moves on.
@@ -329,7 +374,7 @@ fn rebound_is_asked(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(!is_like_a_car(spot.made), || "the speed is right, and the vehicle rebounds like a car".to_owned())?;
     let restitution = spot.made.number("/events/coefficient_of_restitution");
     shows(said, "share", restitution.map(|e| 100.0 * e), "the restitution, percent")?;
-    let [share, most] = ["share", "most"].map(|place| said.number(place).map_or(f64::NAN, |shown| shown.value));
+    let [share, most] = said.values(["share", "most"]);
     holds(share > most, || format!("{share} % is below {most} %"))
 }
 
@@ -402,14 +447,6 @@ fn on_bound(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(bounds > 0, || "its fit stopped on no bound".to_owned())
 }
 
-/// A candidate that is called adequate repeats its own test.
-pub fn adequate(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    let own = spot.made.candidate(spot.key).ok_or("there is no such candidate")?;
-    let miss = misses_its_own_test(spot.made, own).filter(|_| spot.made.known.is_sound);
-    holds(miss.is_none(), || miss.clone().unwrap_or_default())?;
-    numbers_of_records(said, spot)
-}
-
 /// An identified model of this name is there.
 fn is_identified(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let id = said.text("id");
@@ -436,6 +473,15 @@ fn mode_of_a_model(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         frequency.is_of(modulus / std::f64::consts::TAU) && ratio.is_of(-re / modulus)
     };
     holds(model["poles"].as_array().into_iter().flatten().any(is_it), || "no pole of the model is there".to_owned())
+}
+
+/// The model has a real pole there, on that side.
+fn real_pole(said: &Said, spot: &Spot<'_>, is_there: fn(f64) -> bool) -> Result<(), String> {
+    let place = said.number("place").ok_or("no place is said")?;
+    holds(is_there(place.value), || format!("{} is on the other side", place.value))?;
+    holds(poles(said, spot).iter().any(|modulus| place.is_of(*modulus) || place.is_of(-modulus)), || {
+        "no pole of the model is there".to_owned()
+    })
 }
 
 fn growing_mode(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
@@ -479,52 +525,10 @@ fn poles(said: &Said, spot: &Spot<'_>) -> Vec<f64> {
 
 /// Six solutions, an even number of them real, no more physical than real.
 fn solutions(said: &Said, _: &Spot<'_>) -> Result<(), String> {
-    let [all, real, physical] =
-        ["solutions", "real", "physical"].map(|place| said.number(place).map_or(-1.0, |shown| shown.value));
+    let [all, real, physical] = said.values(["solutions", "real", "physical"]);
     holds(all == 6.0 && real % 2.0 == 0.0 && real <= all && physical <= real, || {
         format!("{physical} of {real} of {all}")
     })
-}
-
-/// Counts of the candidate; one that is called damped has a damper, one that is called plastic none.
-fn recommended(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    let own = spot.made.candidate(spot.key).ok_or("there is no such candidate")?;
-    super::models::counts(said, own)?;
-    let has_damper = own["parameters"].as_object().is_some_and(|all| all.keys().any(|name| name.contains("n_s_per_m")));
-    holds((said.text("class") == "damped") == has_damper || said.text("class") == "elastic", || {
-        format!("it is called {}", said.text("class"))
-    })?;
-    adequate(said, spot)
-}
-
-fn simplest(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    let own = spot.made.candidate(spot.key).ok_or("there is no such candidate")?;
-    if said.places.contains_key("determined") {
-        super::models::counts(said, own)?;
-    } else {
-        shows(said, "count", own["certainties"]["determined"].as_f64(), "the count of determined numbers")?;
-    }
-    super::models::fit_is_right(said, spot, own)?;
-    adequate(said, spot)
-}
-
-/// No physical candidate has a higher fit.
-fn closest(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    let own = spot.made.candidate(spot.key).ok_or("there is no such candidate")?;
-    super::models::fit_is_right(said, spot, own)?;
-    let fit = |candidate: &serde_json::Value| {
-        let simulation = &candidate["simulation"];
-        simulation["fit_as_measured_percent"].as_f64().or(simulation["fit_percent"].as_f64())
-    };
-    let physical = spot.made.list("/candidates").iter().filter(|candidate| candidate["physical"] == true);
-    let best = physical.filter_map(fit).fold(f64::NEG_INFINITY, f64::max);
-    let shown = said.number("fit").map_or(f64::NAN, |shown| shown.value);
-    holds(shown >= best - 0.01, || format!("another has a fit of {best:.2} %"))
-}
-
-/// Nothing that a reader could use is called inadequate: no physical candidate with all of its own test right.
-fn none_adequate(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())
 }
 
 /// Numbers of a line about predictions: each is one of a record, in the unit of its column.

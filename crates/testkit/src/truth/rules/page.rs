@@ -105,22 +105,6 @@ pub const RULES: &[Rule] = &[
         |said, _| holds(said.inner("count").is_some(), || "no count".to_owned()),
     ),
     says(
-        "console.determined",
-        " ({count}{magnitude}{open})",
-        &[
-            ("count", Inner(&["conclusion.determined"])),
-            ("magnitude", Inner(&["conclusion.order_of_magnitude"])),
-            ("open", Inner(&["conclusion.open"])),
-        ],
-        |said, _| holds(said.inner("count").is_some(), || "no count".to_owned()),
-    ),
-    says(
-        "page.status",
-        "{status} {reason}",
-        &[("status", Inner(super::status::WORDS)), ("reason", Inner(super::status::BECAUSE))],
-        |said, _| holds(said.inner("status").is_some() && said.inner("reason").is_some(), || "no status".to_owned()),
-    ),
-    says(
         "page.prediction",
         "{speed}{impact} | {crush} | {low} to {high} | {peak} | {range}",
         &[("speed", Number), ("crush", Number), ("low", Number), ("high", Number), ("peak", Number)],

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_phrases::phrases::named;
 
-use super::labels::{BELOW, ELSEWHERE, LABELS};
 use super::remarks::REMARKS;
 use super::rule::{Rule, Spot, holds, numbers_of_records, says};
-use super::{models, notes, page, status, vehicle};
+use super::{choice, models, notes, page, status, vehicle};
+use crate::truth::labels::{BELOW, ELSEWHERE, LABELS, NOT_OF_A_RUN};
 use crate::truth::template::{Grammar, Place, Said, Template};
 
 /// Rules by the names of their templates.
@@ -25,7 +25,7 @@ impl Default for Registry {
 impl Registry {
     /// All of them. A rule of a text that `phrases` has no more reads nothing.
     pub fn new() -> Self {
-        let mut all = [vehicle::RULES, status::RULES, models::RULES, notes::RULES, page::RULES].concat();
+        let mut all = [vehicle::RULES, status::RULES, models::RULES, choice::RULES, notes::RULES, page::RULES].concat();
         all.extend(REMARKS.iter().map(|(template, text)| says(template, text, &[], numbers_of_records)));
         let texts: BTreeMap<String, &str> =
             named().map(|(subject, name, text)| (format!("{subject}.{name}"), text)).collect();
@@ -44,13 +44,18 @@ impl Registry {
         Self { rules: all.into_iter().map(|rule| (rule.template, rule)).collect(), grammar }
     }
 
-    /// Texts of `phrases` that a run can print and that have neither a rule nor a reason.
+    /// Texts of `phrases` that a run can print and that have neither a rule nor a reason; rules, labels and reasons of
+    /// texts that `phrases` has no more.
     pub fn without_rule(&self) -> Vec<String> {
         let is_elsewhere = |subject: &str| ELSEWHERE.iter().chain(BELOW).any(|(other, _)| *other == subject);
-        let all = named()
-            .filter(|(subject, ..)| !is_elsewhere(subject))
-            .map(|(subject, name, _)| format!("{subject}.{name}"));
-        all.filter(|name| !self.rules.contains_key(name.as_str()) && !LABELS.contains(&name.as_str())).collect()
+        let reasons = || LABELS.iter().copied().chain(NOT_OF_A_RUN.iter().map(|(name, _)| *name));
+        let all: Vec<(&str, String)> =
+            named().map(|(subject, name, _)| (subject, format!("{subject}.{name}"))).collect();
+        let texts = all.iter().filter(|(subject, _)| !is_elsewhere(subject)).map(|(_, name)| name.as_str());
+        let without = texts.filter(|name| !self.rules.contains_key(name) && !reasons().any(|own| own == *name));
+        let of_phrases = self.rules.values().filter(|rule| rule.text.is_empty()).map(|rule| rule.template);
+        let left_over = of_phrases.chain(reasons()).filter(|name| !all.iter().any(|(_, own)| own == name));
+        without.chain(left_over).map(str::to_owned).collect()
     }
 
     /// Names of the templates of these beginnings that may stand by themselves: none that fills a place of another.
@@ -66,9 +71,9 @@ impl Registry {
             .collect()
     }
 
-    /// Every template with a rule.
+    /// Every template with a rule that a run can print.
     pub fn templates(&self) -> impl Iterator<Item = &'static str> {
-        self.rules.keys().copied()
+        self.rules.keys().copied().filter(|name| !NOT_OF_A_RUN.iter().any(|(own, _)| own == name))
     }
 
     /// A text by its templates; `None`: some of its words are of none.

@@ -139,8 +139,11 @@ pub fn is_like_a_car(made: &Made) -> bool {
 /// beyond 0.1, time beyond 5 %, or that it stops. The limits are those of what the project calls adequate.
 pub fn misses_its_own_test(made: &Made, candidate: &Value) -> Option<String> {
     // One that is recommended although it misses more says so, and for what it is.
-    let is_excused = made.text("/recommended_because").contains("use its crush, not its rebound or time")
-        && made.summary["recommended"] == candidate["id"];
+    let is_excused = made.summary["recommended"] == candidate["id"]
+        && made.rated(candidate).is_some_and(|rated| {
+            let missed = &rated.missed_events;
+            !rated.adequate && !missed.is_empty() && missed.iter().all(|event| event != "dynamic_crush")
+        });
     misses_its_own_crush(made, candidate).or_else(|| misses_time_or_rebound(made, candidate).filter(|_| !is_excused))
 }
 
@@ -150,7 +153,7 @@ fn event(made: &Made, candidate: &Value, name: &str) -> Option<(f64, f64)> {
 }
 
 fn misses_its_own_crush(made: &Made, candidate: &Value) -> Option<String> {
-    made.number("/events/dynamic_crush_m")?;
+    made.number("/events/dynamic_crush_m").filter(|_| !candidate["simulation"].is_null())?;
     let Some((own, crush)) = event(made, candidate, "dynamic_crush_m") else {
         return Some("it does not stop".to_owned());
     };
@@ -167,5 +170,19 @@ pub fn misses_time_or_rebound(made: &Made, candidate: &Value) -> Option<String> 
     }
     let (own, restitution) = event(made, candidate, "coefficient_of_restitution")?;
     let off = own - restitution;
-    (off.abs() > 0.1).then(|| format!("its restitution is off by {off:.2}"))
+    // Of a rebound that the record cuts off, what it shows is a lower bound.
+    let is_off = if is_rebound_cut(made) { off < -0.1 } else { off.abs() > 0.1 };
+    is_off.then(|| format!("its restitution is off by {off:.2}"))
+}
+
+/// Whether the velocity of the pulse is lowest at its end.
+pub fn is_rebound_cut(made: &Made) -> bool {
+    let velocity = made.waves.get(&format!("{}/velocity", made.text("/test/channel")));
+    velocity.is_some_and(|wave| {
+        let samples = wave.sampled.samples();
+        let lowest = samples.iter().copied().fold(f64::INFINITY, f64::min);
+        // After the contact the velocity is constant to rounding.
+        let first = samples.iter().position(|v| *v <= lowest + 1e-6);
+        lowest < 0.0 && first.is_some_and(|first| first + 2 >= samples.len())
+    })
 }

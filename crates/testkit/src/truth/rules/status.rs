@@ -1,8 +1,6 @@
 //! The status word and its one reason, the question that was asked, and what the model answers.
 
-use super::rule::{
-    Rule, Spot, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, places_alone, rule, shows,
-};
+use super::rule::{Rule, Spot, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, rule, shows};
 use crate::truth::known::Subject;
 use crate::truth::run::Made;
 use crate::truth::template::Place::{At, Number, Said as Inner, Words};
@@ -26,7 +24,6 @@ pub const BECAUSE: &[&str] = &[
     "conclusion.because_weak",
     "conclusion.because_misses_its_test",
     "conclusion.because_no_interval",
-    "conclusion.because_tests_disagree",
     "conclusion.because_no_stop",
     "conclusion.because_other_axis",
     "conclusion.because_two_vehicles",
@@ -130,7 +127,7 @@ pub const RULES: &[Rule] = &[
     rule("conclusion.decisive", &[("number", Number)], decisive),
     rule("conclusion.because_not_adequate", &[], none_adequate),
     rule("conclusion.because_poor_fit", &[("fit", Number), ("limit", Number)], |said, spot| {
-        let [fit, limit] = ["fit", "limit"].map(|place| said.number(place).map_or(f64::NAN, |shown| shown.value));
+        let [fit, limit] = said.values(["fit", "limit"]);
         holds(fit < limit, || format!("{fit} % is not below {limit} %"))?;
         holds(spot.made.recommended().is_none(), || "a model is recommended beside it".to_owned())
     }),
@@ -171,14 +168,6 @@ pub const RULES: &[Rule] = &[
         |said, spot| predicts(said, spot, Some(true)),
     ),
     rule(
-        "conclusion.predicts_collision",
-        &[("partner", Words), ("crush", Number), ("interval", Inner(&["conclusion.interval"]))],
-        |said, spot| predicts(said, spot, None),
-    ),
-    rule("conclusion.because_tests_disagree", &[], |_, spot| {
-        holds(!spot.made.summary["joint"].is_null(), || "there is one test".to_owned())
-    }),
-    rule(
         "conclusion.asked_for",
         &[
             ("scenario", Inner(SCENARIO)),
@@ -207,7 +196,6 @@ pub const RULES: &[Rule] = &[
         let is_there = spot.made.page.iter().any(|block| block.section == "before-use" && block.element != "h2");
         holds(is_there, || "nothing stands below it".to_owned())
     }),
-    rule("conclusion.verdict", &[], places_alone),
 ];
 
 fn is_of(spot: &Spot<'_>, subject: Subject) -> Result<(), String> {
@@ -369,10 +357,9 @@ fn lacks(spot: &Spot<'_>, mass: bool, speed: bool) -> Result<(), String> {
 
 /// No candidate with physical parameters repeats the test by its own figures.
 fn none_adequate(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    let rated = spot.made.records.iter().find(|(topic, _)| topic == "/recommendation");
-    let rated = rated.and_then(|(_, record)| record["candidates"].as_array()).map_or(&[][..], Vec::as_slice);
-    let adequate = rated.iter().find(|candidate| candidate["adequate"] == true);
-    holds(adequate.is_none(), || format!("{} is adequate", adequate.map_or("", |c| c["id"].as_str().unwrap_or(""))))
+    let rated = spot.made.choice.iter().flat_map(|choice| &choice.candidates);
+    let adequate = rated.into_iter().find(|candidate| candidate.adequate);
+    holds(adequate.is_none(), || format!("{} is adequate", adequate.map_or("", |c| c.id.as_str())))
 }
 
 /// So many warnings stand beside those that are listed; why there is no result is said elsewhere.

@@ -49,6 +49,8 @@ pub const LABELS: &[&str] = &[
     "numbers.hic",
     "model.title",
     "model.caption",
+    "conclusion.verdict",
+    "conclusion.level",
     "conclusion.about_record",
     "conclusion.about_model",
     "conclusion.about_predictions",
@@ -74,6 +76,17 @@ pub const LABELS: &[&str] = &[
     "conclusion.curve",
     "conclusion.as_one_spring",
     "conclusion.over_sensors",
+];
+
+/// Texts of a subject of runs that no run can print, each with its reason.
+pub const NOT_OF_A_RUN: &[(&str, &str)] = &[
+    ("conclusion.because_tests_disagree", "one model of several tests: said by just together"),
+    ("conclusion.fit_too_low", "a recommendation that another program made: the own choice takes none of such a fit"),
+    (
+        "conclusion.because_other_axis",
+        "a record that another program wrote: ingest doubts such a pulse, which goes first",
+    ),
+    ("conclusion.other_axis", "as the reason of the status"),
 ];
 
 /// Subjects of which only the texts with a rule stand on the surfaces; the others stand below the first screen.
