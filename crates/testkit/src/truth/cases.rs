@@ -368,7 +368,7 @@ fn of_inputs_and_outputs(folder: &Path) -> io::Result<Vec<RunCase>> {
         .map(|(name, output, more)| {
             let rows = (0..500_i32).map(|k| {
                 let input = f64::from((k * k * 7 + k * 3) % 11) - 5.0;
-                format!("{input},{:.6}\n", output(input, k))
+                format!("{input},{:.12}\n", output(input, k))
             });
             let text = format!("u,y\n{}", rows.collect::<String>());
             written(folder, name, &text, &[&flags, more].concat(), Known::of(Subject::InputOutput))

@@ -50,8 +50,8 @@ pub fn assess_all(
     let whole = Observation::new(displacement, events.time_zero_s, *measurement, speed, end, usize::MAX).ok();
     if measurement.is_exact() {
         out.notes().info(
-            "the filter of the record is not known here (give the artifact of crumple-filter too): models are fitted \
-             as if the displacement had none",
+            "the filter of the record is not known here (the artifact of crumple-filter is not given, or the channel \
+             came filtered): models are fitted as if the displacement had none",
         );
     }
     let scene = Assessor { settings, events, whole, mass_kg: record.mass_kg, crush_m };

@@ -300,7 +300,8 @@ pub const RULES: &[Rule] = &[
         },
     ),
     says("note.filter-unknown", "the filter of the record is not known here {more}", &[], |_, spot| {
-        let known = spot.made.records.iter().any(|(topic, _)| topic.starts_with("/filter"));
+        let known =
+            spot.made.records.iter().any(|(topic, record)| topic.starts_with("/filter/") && record["cfc"].is_number());
         holds(!known, || "there is a record of the filter".to_owned())
     }),
     says("note.two-collided", "two vehicles collided: {more}", &[], |_, spot| {
