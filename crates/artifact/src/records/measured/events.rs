@@ -46,6 +46,10 @@ pub struct EventsV1 {
     pub rebound_velocity_m_per_s: Option<f64>,
     /// Coefficient of restitution e = -rebound velocity / impact speed.
     pub coefficient_of_restitution: Option<f64>,
+    /// Whether the record ends during the rebound: its lowest velocity is the last sample, so that restitution and
+    /// delta-v are lower bounds.
+    #[serde(default)]
+    pub still_separating: bool,
     /// Change of velocity, impact speed minus rebound velocity, m/s; of a velocity that never reaches zero impact speed
     /// minus the lowest velocity up to `end_of_event_s`.
     pub delta_v_m_per_s: Option<f64>,
