@@ -62,6 +62,7 @@ fn test() -> TestV1 {
         pulse: Some("93".into()),
         notes: vec![],
         time_zero: None,
+        exchange_asked: false,
     }
 }
 

@@ -99,7 +99,8 @@ fn recommendation() -> RecommendationV1 {
         simplest_because: "none".to_owned(),
         closest: Some("kelvin/closed-form/1".to_owned()),
         closest_because: "99 %".to_owned(),
-        strength: Some("weak".to_owned()),
+        strength: Some(StrengthV1::Weak),
+        beside: Some("maxwell/direct-fit/1".to_owned()),
         decided_by: vec!["accel".to_owned()],
         evidence: Some(RecommendationEvidenceV1 {
             quantity: "acceleration".to_owned(),
@@ -211,6 +212,7 @@ fn test() -> TestV1 {
         pulse: Some("93".into()),
         notes: vec![],
         time_zero: Some("the format nhtsa-ev5".into()),
+        exchange_asked: true,
     }
 }
 
@@ -227,6 +229,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         centroid_time_s: Some(0.047),
         rebound_velocity_m_per_s: None,
         coefficient_of_restitution: None,
+        still_separating: true,
         delta_v_m_per_s: None,
         time_of_rebound_s: None,
         impact_speed_m_per_s: Some(15.86),
@@ -369,6 +372,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         parameter_deviations: vec![0.125, 2.0],
         parameter_correlations: vec![vec![1.0, -0.5], vec![-0.5, 1.0]],
         denominator_covariance: vec![vec![4.0, -1.0], vec![-1.0, 9.0]],
+        holds_on_unseen: Some(false),
     });
     freeze(&ArxScanV1 {
         input: "heater".into(),
@@ -600,6 +604,7 @@ fn the_layout_of_every_record_type_is_frozen() {
         constant_run: Some(4),
         constant_run_from_s: Some(0.03),
         end_level: Some(-1.5),
+        rest_level: Some(9.8),
     });
     freeze(&DamageV1 {
         residual_crush_m: vec![0.38, 0.466, 0.511, 0.518, 0.489, 0.37],

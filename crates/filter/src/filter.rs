@@ -1,6 +1,6 @@
 //! Filters one channel: zero level, sampling rate, filter, and what a reader should know.
 
-use crumple_signal::{About, FreeFall, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, free_fall};
+use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, Weight};
 use serde::Serialize;
 
 use crate::butterworth::sections::sections_extension;
@@ -233,26 +233,26 @@ fn run_instead(
 /// The level to subtract, unit of the samples. 0 with a warning where the record covers less than 10 ms of the window,
 /// because a level guessed from the pulse would be worse than none; a muted recorder is noted.
 fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f64, FilterError> {
-    let (ZeroLevel::PreEvent(window) | ZeroLevel::AtRest(window)) = rule else { return Ok(0.0) };
+    let window = match rule {
+        ZeroLevel::None => return Ok(0.0),
+        ZeroLevel::AtRest(rest_level) => {
+            notes.info(format!(
+                "free fall before contact: zero is the level at rest, {:+.2} g",
+                rest_level / STANDARD_GRAVITY_M_PER_S2
+            ));
+            return Ok(rest_level);
+        }
+        ZeroLevel::PreEvent(window) => window,
+    };
     match pre_event(samples, window)? {
         Some(pre_event) => {
-            let fall = free_fall(samples, &pre_event).filter(|_| matches!(rule, ZeroLevel::AtRest(_)));
-            if pre_event.muted > 0 && fall.is_none() {
+            if pre_event.muted > 0 {
                 notes.info(format!(
                     "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
                     pre_event.muted
                 ));
             }
-            match fall {
-                Some(FreeFall { rest_level, fall_level }) => {
-                    notes.info(format!(
-                        "free fall before contact ({:+.2} g off the level at rest): zero is the level at rest",
-                        (fall_level - rest_level) / STANDARD_GRAVITY_M_PER_S2
-                    ));
-                    Ok(rest_level)
-                }
-                None => Ok(pre_event.zero_level),
-            }
+            Ok(pre_event.zero_level)
         }
         None => {
             notes.warning(format!(
@@ -379,9 +379,9 @@ mod tests {
             let filtered = filter(&record, None, &settings).unwrap();
             (filtered.zero_level_removed, filtered.notes.to_texts())
         };
-        let (level, notes) = removed(ZeroLevel::AtRest(window));
+        let (level, notes) = removed(ZeroLevel::AtRest(0.0));
         assert_eq!(level, 0.0);
-        assert!(notes[0].starts_with("free fall before contact (-1.00 g off the level at rest)"), "{notes:?}");
+        assert_eq!(notes, ["free fall before contact: zero is the level at rest, +0.00 g"]);
         // Of a force the level before the event is zero, whatever comes after.
         let (level, notes) = removed(ZeroLevel::PreEvent(window));
         assert!((level + g).abs() < 1e-12 && notes.is_empty(), "{notes:?}");

@@ -13,7 +13,7 @@ mod text;
 pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate};
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
-pub use conclusions::key_numbers::{KeyNumber, key_numbers, level_percent, true_places};
+pub use conclusions::key_numbers::{KeyNumber, decimals, key_numbers, level_percent};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::{OverviewLine, overview};
 pub use conclusions::status::{Status, StatusReason};
@@ -22,7 +22,7 @@ pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Certainties, Element, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
-    StageRecord, Withdrawn,
+    StageRecord,
 };
 pub use results::{mass_divisions, model_band, ranking, residual};
 pub use text::{markdown, names, parameters};

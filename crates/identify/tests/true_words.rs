@@ -123,24 +123,24 @@ fn unseen_samples_that_contradict_a_model_come_before_all_other_warnings() {
     let (said, result) = run(folder.path(), (u.clone(), with_noise(y, 0.02)), &flags);
     let result = result.unwrap();
     let notes: NotesV1 = result.record("/notes").unwrap().unwrap();
-    assert!(notes.notes[0].starts_with("warning: on the samples from 2 s on, which no model has seen"), "{notes:?}");
+    assert!(notes.notes[0].starts_with("warning: not to be used beyond the samples up to 2000 ms"), "{notes:?}");
     let first = &concerns(&result)[0];
     assert_eq!((first.about.as_str(), first.weight), ("identified-models", 3));
     for id in ids(&result) {
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
         let fit = result.record::<IdentificationV1>(&format!("/identification/{id}")).unwrap().unwrap().fit_percent;
-        assert_eq!(evidence.holds_on_unseen(fit), Some(false), "{id}");
-        let unseen = evidence.validation_fit_percent.unwrap();
-        assert!(first.text.contains(&format!("{id} (fit {:.1} %, unseen {unseen:.1} %", fit.unwrap())), "{first:?}");
+        assert_eq!(evidence.holds_on_unseen, Some(false), "{id}");
+        let said = format!("{id} (fit {:.0} %, on unseen samples below 0)", fit.unwrap());
+        assert!(evidence.validation_fit_percent.unwrap() < 0.0 && first.text.contains(&said), "{first:?}");
     }
     assert!(
-        said.said.lines().find(|line| line.contains("warning:")).unwrap().contains("no model has seen"),
+        said.said.lines().find(|line| line.contains("warning:")).unwrap().contains("not to be used beyond"),
         "{}",
         said.said
     );
     // The same system throughout.
     let (said, result) = run(folder.path(), (u.clone(), with_noise(oscillator(&u), 0.02)), &flags);
-    assert!(!said.said.contains("no model has seen"), "{}", said.said);
+    assert!(!said.said.contains("not to be used beyond"), "{}", said.said);
     assert!(concerns(&result.unwrap()).iter().all(|concern| concern.weight < 3));
 }
 

@@ -57,15 +57,16 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         Plausibility::After(exchange, _) => exchange_question::answers(*exchange, flags, speed),
         _ => Vec::new(),
     };
-    let mends = |answer: &Answer| {
-        // A table that is read piece by piece is not read again for a question.
-        bundle.large.is_some()
-            || read(bundle, &answer.settings).is_ok_and(|read| read.plausibility == Some(Plausibility::Consistent))
+    let mends = |answer: &Answer| match bundle.large {
+        // A table that is read piece by piece is not read again for a question: of several answers none is tried.
+        Some(_) => answers.len() == 1,
+        None => read(bundle, &answer.settings).is_ok_and(|read| read.plausibility == Some(Plausibility::Consistent)),
     };
     let answer = answers.iter().find(|answer| mends(answer)).map(|answer| answer.flag.as_str());
     if let Some((about, question)) = exchange_question::question(plausibility, answer, speed) {
         refuse_slow_times(bundle, &ingested, answer, &question)?;
         ingested.notes.concern_first(about, question);
+        ingested.test.exchange_asked = true;
     }
     Ok(ingested)
 }
@@ -148,7 +149,9 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let from_rest = polarity == Polarity::AsRead
         && wave_of_pulse.is_some_and(|w| polarity::pushes_forward(&w.samples, w.quality.zero_level()));
     let held = wave_of_pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
-    let plausibility = held.zip(speed).and_then(|(wave, speed)| plausibility(&wave.samples, speed));
+    let plausibility = held
+        .zip(speed)
+        .and_then(|(wave, speed)| plausibility(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed));
     let polarity = polarity.unless_asked(plausibility.as_ref());
     missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
@@ -181,6 +184,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
         pulse: pulse_id,
         notes: details.facts,
         time_zero,
+        exchange_asked: false,
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
     Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })

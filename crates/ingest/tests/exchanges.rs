@@ -58,6 +58,7 @@ fn is_asked_and_answered(text: &str, flags: &[(&str, &str)], flag: (&str, &str))
     );
     let mended: Vec<(&str, &str)> = flags.iter().filter(|other| other.0 != flag.0).copied().chain([flag]).collect();
     let mended = read(text, &mended);
+    assert!(spoilt.test.exchange_asked && !mended.test.exchange_asked);
     assert_eq!(questions(&mended), Vec::<String>::new());
     assert!((mended.test.impact_speed_m_per_s.unwrap() * 3.6 - 50.0).abs() < 0.01);
 }

@@ -163,6 +163,11 @@ fn channels_that_start_later_by_the_clock_stand_later() {
     assert!(is_near(starts(text(["10:00:05.0", "10:00:05.1"], [0.0, 0.1])), [0.0, 0.1]));
     // X0 counts from the start of the program, at 10:00:00.
     assert!(is_near(starts(text(["10:00:05.0", "10:00:05.1"], [5.0, 5.1])), [0.0, 0.1]));
+    // X in ms, with an X0 of 2 ms: the clock counts in s all the same.
+    let in_ms = text(["10:00:05.0", "10:00:05.5"], [2.0, 2.0])
+        .replace("X_Dimension\tTime\tTime\n", "X_Dimension\tTime\tTime\nX_Unit_Label\tms\tms\n");
+    assert!(is_near(starts(in_ms), [2e-3, 0.502]));
+    assert!(is_near(starts(text(["10:00:05.0", "10:02:05.0"], [0.0, 0.0])), [0.0, 0.0]));
 }
 
 #[test]

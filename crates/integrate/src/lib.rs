@@ -37,7 +37,7 @@ pub use barrier::inertia_force::barrier_force;
 pub use error::IntegrateError;
 pub use events::findings::findings;
 pub use events::sign::{WRONG_SIGN, events_of, wrong_sign};
-pub use events::speed_question::{is_exchanged, question_speed};
+pub use events::speed_question::question_speed;
 pub use events::time_zero::{TimeZeroEstimate, contact_edge, edr_start, threshold_crossing};
 pub use motion::drift::{Drift, DriftShape, EndCondition, integrate_without_drift};
 pub use motion::integration::{Motion, Settings, integrate, integrate_reporting};

@@ -279,10 +279,17 @@ fn without_an_impact_speed_the_metrics_that_need_none_are_those_with_one() {
 fn a_speed_that_does_not_fit_the_pulse_is_questioned_before_anything_else() {
     let folder = tempfile::tempdir().unwrap();
     // 30 m/s are taken off: at 15 m/s the vehicle would leave the wall as fast as it came.
-    for (speed, words) in [(15.0, "rebound at 100 % of it"), (40.0, "never stop and go on at")] {
+    for (speed, words) in [(15.0, "rebound at 100 % of it"), (40.0, "not stop, it would still move at")] {
         let artifact = result(&filtered(folder.path(), &constant(Some(speed), Some(900.0), None)), &[]);
         let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
         assert!(notes.notes[0].starts_with("warning: check the impact speed"), "{:?}", notes.notes);
         assert!(notes.notes[0].contains(words) && notes.notes[0].contains("94 km/h would fit"), "{:?}", notes.notes);
+        // Not where the reader of the record has asked for an exchange, unless the speed is another one.
+        let asked = TestDescription { exchange_asked: true, ..constant(Some(speed), Some(900.0), None) };
+        for (flags, is_questioned) in [(&[][..], false), (&["--impact-speed", "60m/s"][..], true)] {
+            let notes: NotesV1 = result(&filtered(folder.path(), &asked), flags).record("/notes").unwrap().unwrap();
+            let first = &notes.notes[0];
+            assert_eq!(first.starts_with("warning: check the impact speed"), is_questioned, "{:?}", notes.notes);
+        }
     }
 }

@@ -73,7 +73,7 @@ pub use model::parameters::{parameter_kind, parameter_kind_of_unit, structure_of
 pub use motion::collision::{
     Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Meeting, MeetingState, Moment, Turn,
 };
-pub use motion::drive::Drive;
+pub use motion::drive::{Drive, HORIZON_S};
 pub use motion::dynamics::{Dynamics, ElementForce, Energy};
 pub use motion::mass_motion::{CrushEvents, Motion, Response, State, Waves};
 pub use motion::pulse::CrashPulse;

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, TestV1};
+use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_lumped_fit::{FitQuantity, IntegrationRule, Measurement, TwoPassFilter};
@@ -47,6 +47,11 @@ fn cfc_60() -> TwoPassFilter {
 
 /// What filter and integration write for a car of two masses with a sensor on each.
 fn write_record(path: &Path) {
+    write_record_with(path, 1.0, 0.6);
+}
+
+/// The same where the sensor in front has this gain, and the test this restitution.
+fn write_record_with(path: &Path, gain_in_front: f64, restitution: f64) {
     let filter = cfc_60();
     let measurement = Measurement {
         dt_s: DT,
@@ -86,7 +91,8 @@ fn write_record(path: &Path) {
         };
         builder.put(&format!("/filter/{id}"), &record).unwrap();
         let seen = |quantity| {
-            let samples = measurement.motion(&truth(), Some(mass), quantity, V0, usize::MAX).unwrap();
+            let mut samples = measurement.motion(&truth(), Some(mass), quantity, V0, usize::MAX).unwrap();
+            samples.iter_mut().filter(|_| id == "front").for_each(|x| *x *= gain_in_front);
             Sampled::new(measurement.first_s, DT, samples).unwrap()
         };
         builder.wave(id, QuantityKind::Acceleration, seen(FitQuantity::Acceleration)).unwrap();
@@ -100,7 +106,7 @@ fn write_record(path: &Path) {
         time_zero_rule: "file".to_owned(),
         dynamic_crush_m: stops.dynamic_crush_m,
         time_of_dynamic_crush_s: stops.time_of_dynamic_crush_s,
-        coefficient_of_restitution: Some(0.6),
+        coefficient_of_restitution: Some(restitution),
         impact_speed_m_per_s: Some(V0),
         rule: Some("trapezoid".to_owned()),
         start: Some("record-start".to_owned()),
@@ -113,6 +119,10 @@ fn write_record(path: &Path) {
 
 fn run(folder: &Path, flags: &[&str]) -> Output {
     write_record(&folder.join("3.mcap"));
+    run_on_record(folder, flags)
+}
+
+fn run_on_record(folder: &Path, flags: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
         .arg(folder.join("3.mcap"))
         .arg("-o")
@@ -280,4 +290,20 @@ fn a_uniform_uncertainty_is_a_half_width() {
     // 5 to 95 % of +-1 % are +-0.9 %; percentiles of 200 uniform draws are known to 3 % of the width, two of that
     // allowed.
     assert!((half / found.parameters["stiffness_n_per_m"] / 0.009 - 1.0).abs() < 0.06, "{half}");
+}
+
+#[test]
+fn a_dead_sensor_takes_no_part_in_the_choice_and_a_test_without_a_rebound_has_one_to_miss() {
+    let folder = tempfile::tempdir().unwrap();
+    write_record_with(&folder.path().join("3.mcap"), 0.0, 0.0);
+    let flags = ["--models", "kelvin", "--method", "closed-form", "--sensors", "compartment=comp,front=front"];
+    let output = run_on_record(folder.path(), &flags);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("channel front is zero throughout"), "{said}");
+    let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
+    let choice: RecommendationV1 = artifact.record("/recommendation").unwrap().unwrap();
+    assert_eq!(choice.decided_by, ["comp"]);
+    let kelvin = &choice.candidates[0];
+    assert!(kelvin.misfit.is_some() && kelvin.restitution_error.unwrap() > 0.1, "{kelvin:?}");
+    assert!(kelvin.missed_events.iter().any(|name| name == "coefficient_of_restitution"), "{kelvin:?}");
 }

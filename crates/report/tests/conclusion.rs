@@ -7,7 +7,7 @@ use std::path::Path;
 use crumple_artifact::records::{
     CandidateV1, ConcernV1, EventIntervalV1, EventsV1, EvidenceV1, IdentificationV1, MetricV1, ModeV1,
     PredictedCollisionV1, PredictedIntervalV1, PredictionV1, RatedCandidateV1, RecommendationV1, SimulationV1,
-    UncertaintyV1,
+    StrengthV1, UncertaintyV1,
 };
 use crumple_report::{
     CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, Status, conclusion, overview, summary,
@@ -180,9 +180,12 @@ fn weak_evidence_and_a_missed_event_of_the_own_test_are_said() {
     let choice = run.recommendation.as_mut().unwrap();
     let rated = |id: &str| RatedCandidateV1 { id: id.to_owned(), adequate: true, ..RatedCandidateV1::default() };
     choice.candidates = vec![rated(BEST), rated("maxwell/direct-fit/1")];
-    choice.strength = Some("decisive".to_owned());
+    (choice.strength, choice.beside) = (Some(StrengthV1::Decisive), Some("maxwell/direct-fit/1".to_owned()));
     assert!(status_of(&run).starts_with("usable: "));
-    run.recommendation.as_mut().unwrap().strength = Some("weak".to_owned());
+    run.recommendation.as_mut().unwrap().strength = Some(StrengthV1::Contrary);
+    let contrary = "chosen for its crush at lower speeds: Maxwell, direct fit 1 follows the pulse closer.";
+    assert_eq!(status_of(&run), format!("usable with care: {contrary}"));
+    run.recommendation.as_mut().unwrap().strength = Some(StrengthV1::Weak);
     let weak = "the evidence is weak: Maxwell, direct fit 1 fits nearly as well.";
     assert_eq!(status_of(&run), format!("usable with care: {weak}"));
     // What is asked and wide goes before it, and it is said still.
@@ -192,7 +195,7 @@ fn weak_evidence_and_a_missed_event_of_the_own_test_are_said() {
     run.predictions[0].asked = false;
     let own = &mut run.recommendation.as_mut().unwrap().candidates[0];
     (own.adequate, own.missed_events) = (false, vec!["coefficient_of_restitution".to_owned()]);
-    let because = "use its crush, it misses the coefficient of restitution of its own test";
+    let because = "use its crush only: the model misses the coefficient of restitution of its own test";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
 }
 
@@ -213,7 +216,7 @@ fn a_barrier_test_says_crush_model_and_prediction() {
             "Above 35 km/h, the speed of the test, it extrapolates.",
         ]
     );
-    assert_eq!(status_of(&car()), "usable: its crush is good to 6 % at 28.8 km/h.");
+    assert_eq!(status_of(&car()), "usable: the crush at 28.8 km/h is known to ±6 %.");
 }
 
 #[test]
@@ -221,13 +224,17 @@ fn a_prediction_known_to_more_than_a_tenth_is_said_with_its_width() {
     let mut run = car();
     // 36.831 mm is a tenth of the crush.
     (run.predictions[1].intervals[0].low, run.predictions[1].intervals[0].high) = (0.33148, 0.40514);
-    assert_eq!(status_of(&run), "usable: its crush is good to 10 % at 28.8 km/h.");
+    assert_eq!(status_of(&run), "usable: the crush at 28.8 km/h is known to ±10 %.");
     run.predictions[1].intervals[0].high = 0.40515;
-    assert_eq!(status_of(&run), "usable with care: its crush is good to 11 % at 28.8 km/h.");
+    assert_eq!(status_of(&run), "usable with care: the crush at 28.8 km/h is known to ±11 %.");
+    // Known to a third it answers nothing, and nothing is named for use.
+    run.predictions[1].intervals[0].high = 0.62;
+    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
+    assert_eq!((said.len(), status_of(&run).as_str()), (1, "do not use: the crush at 28.8 km/h is known to ±40 %."));
     run.predictions[1].intervals.clear();
-    assert_eq!(status_of(&run), "usable with care: its crush at other speeds has no interval.");
+    assert_eq!(status_of(&run), "usable with care: the crush at other speeds has no interval.");
     run.predictions.clear();
-    assert_eq!(status_of(&run), "usable with care: its crush at other speeds has no interval.");
+    assert_eq!(status_of(&run), "usable with care: the crush at other speeds has no interval.");
 }
 
 #[test]
@@ -236,7 +243,7 @@ fn a_speed_beyond_the_test_is_answered_as_one_and_so_is_one_that_was_asked_for()
     run.predictions.remove(1);
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert!(said[1].ends_with("at 54\u{a0}km/h, beyond the test, it gives 690\u{a0}mm (670 to 710)."), "{said:?}");
-    let status = "usable with care: at 54 km/h it is asked beyond the test, its crush is good to 3 %.";
+    let status = "usable with care: at 54 km/h, beyond the test, the crush is known to ±3 %.";
     assert_eq!(status_of(&run), status);
     // Asked for, it goes before one within what was tested.
     let mut run = car();
@@ -247,9 +254,8 @@ fn a_speed_beyond_the_test_is_answered_as_one_and_so_is_one_that_was_asked_for()
     // Where all of it is doubtful nothing of it is to be used.
     run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
-    assert_eq!(said[1], "Do not use these results: see warning 1.");
     let answer = "Asked for: at 54 km/h the Kelvin model gives 690 mm (670 to 710).";
-    assert_eq!(said[2].replace('\u{a0}', " "), answer);
+    assert_eq!(said[1].replace('\u{a0}', " "), answer);
     assert_eq!(status_of(&run), "do not use: the impact speed is in doubt, see warning 1.");
 }
 
@@ -259,7 +265,8 @@ fn a_mass_and_a_partner_that_were_asked_for_are_named() {
     run.predictions.push(PredictionV1 { asked: true, mass_kg: 1000.0, ..prediction(8.0, 0.4, false) });
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert!(said[1].contains(": at 28.8\u{a0}km/h with 1000\u{a0}kg it gives 400\u{a0}mm"), "{said:?}");
-    assert_eq!(status_of(&run), "usable: its crush is good to 5 % at 28.8 km/h with 1000 kg.");
+    assert!(page_of(&run).contains("<small>with 1000\u{a0}kg</small>"));
+    assert_eq!(status_of(&run), "usable: the crush at 28.8 km/h with 1000 kg is known to ±5 %.");
     run.predictions[2].partner = Some("a van".to_owned());
     run.predictions[2].collision = Some(PredictedCollisionV1::default());
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
@@ -271,31 +278,10 @@ fn a_crush_that_other_sensors_dispute_is_good_to_what_they_are_apart() {
     let mut run = car();
     run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
     assert_numbers_are_those_of_the_summary(&run, &[]);
-    let because = "the crush is good to 17.6 mm, not to 7.6 mm: 3 sensors of the compartment differ";
+    let because = "the crush is known to ±18 mm, not ±8 mm: 3 sensors of the compartment differ";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
     let page = page_of(&run).replace('\u{a0}', " ");
     assert!(page.contains("3 sensors of the compartment give a crush of 430 mm to 448 mm: quote the range"), "{page}");
-}
-
-#[test]
-fn a_recommended_model_that_does_not_follow_the_record_is_recommended_by_nobody() {
-    let mut run = car();
-    run.candidates = vec![candidate(BEST, 71.3)];
-    run.predictions[1].names = vec!["recommended".to_owned()];
-    run.withdraw_poor_recommendation();
-    let said = assert_numbers_are_those_of_the_summary(&run, &["71.3\u{a0}%, below 90.0\u{a0}%", "direct fit 1"]);
-    assert!(
-        said[1].starts_with("No model is recommended: the displacement fit of Kelvin, direct fit 1 is"),
-        "{said:?}"
-    );
-    assert_eq!(status_of(&run), "do not use: the fit of the best model is 71.3 %, below 90 %.");
-    let summary = summary_of(&run);
-    assert!(summary["recommended"].is_null() && summary["predictions"][1]["recommended"] == false, "{summary}");
-    // One that was not simulated is judged by nobody.
-    let mut run = car();
-    run.candidates[0].simulation = None;
-    run.withdraw_poor_recommendation();
-    assert_eq!(run.recommendation.unwrap().recommended.as_deref(), Some(BEST));
 }
 
 #[test]
@@ -494,7 +480,7 @@ fn a_model_that_unseen_samples_contradict_is_not_to_be_used() {
             "zero_re_deviations": [], "zero_im_deviations": [], "frequency_spreads": [], "damping_spreads": [],
             "zero_re_spreads": [], "zero_im_spreads": [], "parameter_names": [], "parameter_values": [],
             "parameter_deviations": [], "parameter_correlations": [], "denominator_covariance": [],
-            "validation_fit_percent": fit
+            "validation_fit_percent": fit, "holds_on_unseen": fit > 0.0
         }))
     };
     let mut run = Run { models: identified(), ..Run::default() };
@@ -524,8 +510,9 @@ fn every_method_without_a_model_is_named_with_its_reason() {
         })
         .to_vec();
     run.concerns.push(concern("identify", "identified-models", 3, "unseen samples"));
+    assert_eq!(status_of(&run), "do not use: every identified model is in doubt, see warning 1.");
     let page = page_of(&run);
-    let section = &page[page.find("Methods without a model").unwrap()..];
+    let section = &page[page.find("Not identified").unwrap()..];
     let summary = summary_of(&run);
     assert_eq!(summary["concerns"][0]["about"], "identified-models");
     let ranking = Ranking::of_run(&run);
@@ -590,6 +577,10 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
     assert!(said[1].starts_with("The closest identified model, n4sid-4, has a fit of 88.3\u{a0}%"), "{said:?}");
     assert!(said[2].starts_with("Mass and impact speed are missing") && said.len() == 3, "{said:?}");
     assert!(status_of(&run).starts_with("usable with care: neither mass nor impact speed is stated"));
+    // That its models fail does not take the pulse away.
+    run.concerns.push(concern("identify", "identified-models", 3, "not to be used beyond their samples"));
+    assert!(status_of(&run).starts_with("usable with care: neither mass nor impact speed is stated"));
+    run.concerns.pop();
     // What the pulse gives is said first.
     let of_pulse = MetricV1 { to_s: Some(0.11), ..metric("delta_v", 17.5, "93") };
     run.metrics = vec![of_pulse, metric("peak_acceleration", 245.17, "93")];

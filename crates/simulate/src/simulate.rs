@@ -1,6 +1,6 @@
 //! Simulates a model on the grid of a test and compares the two.
 
-use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, LumpedError, Model, Motion, Structure};
+use crumple_lumped::{Chain, CrushEvents, Drive, Dynamics, HORIZON_S, LumpedError, Model, Motion, Structure};
 use crumple_lumped_fit::{FitQuantity, Observation, ObservedWave};
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
@@ -85,7 +85,7 @@ pub fn simulate_chain(
             events = sampled_events(&motion, dt);
         }
         if let Excitation::Impact = excitation {
-            events = chain.events(v0, CHAIN_HORIZON_S)?.get(place).copied().unwrap_or_default();
+            events = chain.events(v0, HORIZON_S)?.get(place).copied().unwrap_or_default();
         }
         Ok((motion, masses, events, dynamics))
     })?;
@@ -113,10 +113,6 @@ fn fit_as_measured(test: &Measured<'_>, simulation: &Simulation, v0: f64, struct
     let observed = Observation { impact_speed_m_per_s: v0, waves: vec![wave.ok()?] };
     observed.fit_percent(&observed.misfit_of(structure)?)
 }
-
-/// How far the events of a chain are sought, s: a crash is over in two seconds or never. A chain that creeps has no
-/// dynamic crush within them.
-const CHAIN_HORIZON_S: f64 = 2.0;
 
 /// Motion of the compartment, of every mass, its events, and everything else.
 type Responded = (Motion, Vec<Motion>, CrushEvents, Option<Dynamics>);

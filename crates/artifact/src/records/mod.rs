@@ -16,7 +16,8 @@ mod run;
 pub use fitted::{
     CandidateV1, Certainty, EnergyV1, FitV1, JointTestV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1,
     MatchingV1, OtherSensorV1, PhysicalCoordinatesV1, PriorTermV1, PriorV1, ProfileV1, RatedCandidateV1, RatingV1,
-    RecommendationEvidenceV1, RecommendationV1, ReplicatesV1, SensorFitV1, SimulationV1, TestsV1, UncertaintyV1,
+    RecommendationEvidenceV1, RecommendationV1, ReplicatesV1, SensorFitV1, SimulationV1, StrengthV1, TestsV1,
+    UncertaintyV1,
 };
 pub use identified::{
     ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeV1, ModesV1,

@@ -13,9 +13,9 @@ pub enum ZeroLevel {
     None,
     /// The mean of the pre-event samples is subtracted.
     PreEvent(PreEventWindow),
-    /// The same for an acceleration: where the window lies in a free fall, the level at rest is subtracted
+    /// Of an acceleration in free fall before the event its level at rest, which is subtracted
     /// ([`free_fall`](crumple_signal::free_fall)).
-    AtRest(PreEventWindow),
+    AtRest(f64),
 }
 
 impl Default for ZeroLevel {

@@ -6,6 +6,7 @@ use crumple_filter::{
     Cfc, Class, SelectionError, Settings, ZeroLevel, class_of_body, is_barrier_force, occupants_left, select,
 };
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
+use crumple_stage::records::QualityV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
 use crate::stage::options::StageSettings;
@@ -46,8 +47,11 @@ pub fn channels_to_filter<'a>(
     let mut channels = Vec::new();
     for channel in selected.into_iter().filter(|channel| !pass.contains(&channel.id)) {
         let mut channel_settings = settings.filter;
-        if let (ZeroLevel::PreEvent(window), true) = (channel_settings.zero_level, channel.may_feel_gravity()) {
-            channel_settings.zero_level = ZeroLevel::AtRest(window);
+        let quality = input.record_if::<QualityV1>(&format!("/quality/{}", channel.id))?;
+        if let (ZeroLevel::PreEvent(_), Some(rest_level)) =
+            (channel_settings.zero_level, quality.and_then(|quality| quality.rest_level))
+        {
+            channel_settings.zero_level = ZeroLevel::AtRest(rest_level);
         }
         // SAE J211-1 Table 1: barrier force is CFC 60, whatever the structure is filtered to.
         if is_barrier_force(channel) && settings.channels.is_empty() && channel_settings.class != Class::None {

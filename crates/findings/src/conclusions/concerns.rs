@@ -5,7 +5,7 @@ use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_phrases::language::fill;
 use crumple_signal::{About, Severity, Weight};
 
-use crate::conclusions::key_numbers::{KeyNumber, key_numbers, true_places};
+use crate::conclusions::key_numbers::{KeyNumber, channels_of, key_numbers};
 use crate::conclusions::kind::Kind;
 use crate::conclusions::several_tests::missed;
 use crate::text::names::candidate_name;
@@ -138,7 +138,9 @@ fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
         About::Model(name) => prominence_of_model(name, run, ranking),
         About::Predictions | About::WallForce | About::Record => 2,
         About::Occupants => 2 + u8::from(kind == Kind::Occupant),
-        About::IdentifiedModels => 1 + 2 * u8::from(matches!(kind, Kind::InputOutput | Kind::LinearModel)),
+        About::IdentifiedModels if kind == Kind::InputOutput => 3,
+        // Beside a model of a crash without mass or speed stand the numbers of the pulse, which hold.
+        About::IdentifiedModels => 1 + u8::from(kind == Kind::LinearModel),
         About::Method(_) | About::Channel(_) => 1,
     }
 }
@@ -166,7 +168,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     }
     let numbers = key_numbers(run);
     let bound = numbers.iter().find(|number| number.is_lower_bound);
-    let is_of = |id: &&String| bound.is_some_and(|bound| bound.channel.split('+').any(|channel| channel == *id));
+    let is_of = |id: &&String| bound.is_some_and(|bound| channels_of(&bound.channel).any(|channel| channel == *id));
     let channels: Vec<&str> = run.clipped.iter().filter(is_of).map(String::as_str).collect();
     if kind == Kind::Occupant && !channels.is_empty() {
         let text = fill(phrases.warn_clipped, &[("channels", channels.join(", "))]);
@@ -174,7 +176,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     }
     let crush = numbers.into_iter().find(|number| number.name == "dynamic_crush");
     if let Some(spread) = crush.filter(KeyNumber::interval_misses_a_sensor).and_then(|crush| crush.spread) {
-        let mm = |m: f64| language.quantity(MILLI * m, true_places(MILLI * m), "mm");
+        let mm = |m: f64| language.quantity(MILLI * m, 0, "mm");
         let texts = [("count", spread.sensors().to_string()), ("low", mm(spread.low)), ("high", mm(spread.high))];
         let text = fill(phrases.sensors_differ, &texts);
         found.push((About::Motion, Weight::Marked, text));

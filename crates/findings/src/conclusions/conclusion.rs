@@ -12,7 +12,7 @@ use crate::conclusions::key_numbers::{sign_of, true_places};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::conclusions::status::{
-    Status, StatusReason, answer, closest_identified, has_only_forces, interval_of_crush, status_reason, weak,
+    Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
 };
 use crate::text::names::{candidate_name, model_name};
 use crate::text::parameters::{DEFLECTION, deflection_of_knot, listed, symbols};
@@ -54,7 +54,10 @@ pub struct Conclusion {
     pub status: Status,
     /// Its one reason, typed.
     pub status_reason: StatusReason,
-    /// Both in words: `usable with care: its crush is good to 16 % at 40 km/h.`
+    /// The reason in words.
+    #[serde(skip)]
+    pub because: String,
+    /// Both in words: `usable with care: the crush at 40 km/h is known to ±16 %.`
     pub status_sentence: String,
     /// What happened; which model, what it gives, what it does not.
     pub sentences: Vec<String>,
@@ -97,6 +100,7 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
         status: reason.status(),
         status_sentence: reason.status().sentence(language, &because),
         status_reason: reason,
+        because,
         sentences,
         numbers: text.numbers,
         parameters: best.map(|best| best.certainties().parameters),
@@ -107,6 +111,18 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
         remedy: diagnosis.and_then(|concern| concern.remedy.clone()),
     };
     (verdict, concerns)
+}
+
+/// A reason as a sentence.
+fn as_sentence(reason: &str) -> String {
+    let mut rest = reason.chars();
+    let first = rest.next().map_or_else(String::new, |first| first.to_uppercase().to_string());
+    format!("{first}{}.", rest.as_str())
+}
+
+/// Factor, decimals and unit of a time in a sentence: none of a pulse of a car, some of a shorter one.
+fn in_ms(time_s: f64) -> (f64, usize, &'static str) {
+    (MILLI, true_places(MILLI * time_s), "ms")
 }
 
 /// Text on its way, with the numbers it has taken.
@@ -125,11 +141,11 @@ impl<'a> Text<'a> {
         shown
     }
 
-    /// `its crush is good to 16 % at 40 km/h`.
+    /// `the crush at 40 km/h is known to ±16 %`.
     fn because(&mut self, reason: &StatusReason) -> String {
         use StatusReason as Reason;
         let phrases = &self.language.phrases().conclusion;
-        let (percent, mm) = ((1.0, 0, "%"), |m: f64| (MILLI, true_places(MILLI * m), "mm"));
+        let (percent, mm) = ((1.0, 0, "%"), (MILLI, 0, "mm"));
         let at = |name: &str| format!("/verdict/status_reason/{name}");
         match reason {
             Reason::GoodTo { good_to_percent, prediction } | Reason::Beyond { good_to_percent, prediction } => {
@@ -141,8 +157,8 @@ impl<'a> Text<'a> {
             }
             Reason::SensorsDiffer { sensors, apart_m, half_width_m } => {
                 let texts = [
-                    ("apart", self.number(&at("apart_m"), *apart_m, mm(*apart_m))),
-                    ("half_width", self.number(&at("half_width_m"), *half_width_m, mm(*half_width_m))),
+                    ("apart", self.number(&at("apart_m"), *apart_m, mm)),
+                    ("half_width", self.number(&at("half_width_m"), *half_width_m, mm)),
                     ("count", self.number(&at("sensors"), *sensors as f64, (1.0, 0, ""))),
                 ];
                 fill(phrases.because_sensors, &texts)
@@ -164,6 +180,7 @@ impl<'a> Text<'a> {
                     Ok(About::Time) => phrases.the_time_axis,
                     Ok(About::Motion) => phrases.the_motion,
                     Ok(About::Model(_)) => phrases.the_model,
+                    Ok(About::IdentifiedModels) => phrases.the_identified_models,
                     _ => phrases.the_record,
                 };
                 fill(phrases.because_decisive, &[("subject", subject), ("number", &number)])
@@ -180,6 +197,7 @@ impl<'a> Text<'a> {
                 fill(phrases.because_misses_its_test, &[("events", listed(&names, phrases.and))])
             }
             Reason::Weak { candidate } => fill(phrases.because_weak, &[("model", candidate_name(candidate))]),
+            Reason::Contrary { candidate } => fill(phrases.because_contrary, &[("model", candidate_name(candidate))]),
             Reason::OtherAxis { axis } => fill(phrases.because_other_axis, &[("axis", axis)]),
             Reason::Unassessed => phrases.because_unassessed.to_owned(),
             Reason::Dual => phrases.because_dual.to_owned(),
@@ -206,9 +224,7 @@ impl<'a> Text<'a> {
         let Some(prediction) = self.run.predictions.get(place) else { return String::new() };
         let PredictionV1 { impact_speed_m_per_s, mass_kg, partner, .. } = prediction;
         let speed = self.speed(&format!("/predictions/{place}/impact_speed_m_per_s"), *impact_speed_m_per_s);
-        // Masses are kept in full; a test's own comes back as it was.
-        let is_tested = self.run.test.mass_kg.is_none_or(|tested_kg| (tested_kg - mass_kg).abs() < 1e-6);
-        let mass = (!is_tested).then(|| {
+        let mass = (!self.run.is_of_own_mass(prediction)).then(|| {
             let mass = self.number(&format!("/predictions/{place}/mass_kg"), *mass_kg, (1.0, 0, "kg"));
             fill(phrases.with_mass, &[("mass", mass)])
         });
@@ -234,10 +250,9 @@ impl<'a> Text<'a> {
                 vec![fill(phrases.no_model, &[("reason", reason)]), fill(phrases.what_to_do, &[("remedy", remedy)])]
             }
             Kind::InputOutput => {
-                let is_bad = reason.status() == Status::DoNotUse;
-                let use_of_it = if is_bad { phrases.identified_no_use } else { phrases.identified_use };
-                let has_a_fit = closest_identified(self.run).is_some();
-                std::iter::once(self.identified()).chain(has_a_fit.then(|| use_of_it.to_owned())).collect()
+                let is_bad = reason.status() == Status::DoNotUse && closest_identified(self.run).is_some();
+                let no_use = is_bad.then(|| phrases.identified_no_use.to_owned());
+                std::iter::once(self.identified()).chain(no_use).collect()
             }
             Kind::Occupant => vec![self.occupant(), self.occupant_use(concerns)],
             Kind::Recorder => vec![self.recorded(), self.recorder_use()],
@@ -284,9 +299,8 @@ impl<'a> Text<'a> {
         let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
             return phrases.measured_only.to_owned();
         };
-        let shown = |si: f64, unit| (MILLI, true_places(MILLI * si), unit);
-        let crush = self.number("/events/dynamic_crush_m", crush_m, shown(crush_m, "mm"));
-        let time = self.number("/events/time_of_dynamic_crush_s", time_s, shown(time_s, "ms"));
+        let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
+        let time = self.number("/events/time_of_dynamic_crush_s", time_s, in_ms(time_s));
         let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
             (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
                 let km_per_h = KM_PER_H_PER_M_PER_S * velocity_m_per_s.abs();
@@ -340,7 +354,7 @@ impl<'a> Text<'a> {
         let (delta_v, peak, olc) = (metric("delta_v")?, metric("peak_acceleration"), metric("olc"));
         let change = self.number("/metrics/delta_v/value", delta_v.1, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
         let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
-            let time = self.number("/metrics/delta_v/to_s", time_s, (MILLI, true_places(MILLI * time_s), "ms"));
+            let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
             fill(phrases.within, &[("time", time)])
         });
         let mut in_g = |at: &str, found: Option<(&MetricV1, f64)>, template: &str, name: &str| {
@@ -431,9 +445,10 @@ impl<'a> Text<'a> {
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.
     fn what_to_use(&mut self, kind: Kind, reason: &StatusReason) -> Vec<String> {
         let phrases = &self.language.phrases().conclusion;
-        if let StatusReason::DecisiveWarning { number, .. } = reason {
-            let number = self.number("/verdict/status_reason/number", *number as f64, (1.0, 0, ""));
-            return std::iter::once(fill(phrases.decisive, &[("number", number)])).chain(self.asked_for()).collect();
+        use StatusReason::{Beyond, DecisiveWarning, GoodTo};
+        let is_of_the_answer = matches!(reason, DecisiveWarning { .. } | GoodTo { .. } | Beyond { .. });
+        if is_of_the_answer && reason.status() == Status::DoNotUse {
+            return self.asked_for().into_iter().collect();
         }
         let is_lacking = kind == Kind::LinearModel || lacks_mass_or_speed(self.run);
         let mut sentences = Vec::new();
@@ -499,11 +514,10 @@ impl<'a> Text<'a> {
     fn given(&mut self, best: &CandidateResult) -> Option<(&'a PredictionV1, [(&'static str, String); 3])> {
         let (place, prediction) = answer(self.run, best)?;
         let crush_m = prediction.dynamic_crush_m?;
-        let (at, places) = (format!("/predictions/{place}"), true_places(MILLI * crush_m));
-        let scenario = self.scenario(place);
-        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, (MILLI, places, "mm"));
+        let (at, scenario) = (format!("/predictions/{place}"), self.scenario(place));
+        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, (MILLI, 0, "mm"));
         let interval = interval_of_crush(prediction).map(|(j, &PredictedIntervalV1 { low, high, .. })| {
-            self.interval(&format!("{at}/intervals/{j}"), low, high, (MILLI, places))
+            self.interval(&format!("{at}/intervals/{j}"), low, high, (MILLI, 0))
         });
         let texts = [("scenario", scenario), ("crush", crush), ("interval", interval.unwrap_or_default())];
         Some((prediction, texts))
@@ -532,13 +546,9 @@ impl<'a> Text<'a> {
         }
         let is_said = matches!(reason, StatusReason::FewDetermined { .. });
         let few = if is_said { None } else { self.few_determined(best) };
-        let weak = match weak(self.run, best).filter(|weak| weak != reason) {
-            Some(StatusReason::Weak { candidate }) => {
-                Some(fill(phrases.weak, &[("model", candidate_name(&candidate))]))
-            }
-            _ => None,
-        };
-        few.or(weak).or_else(|| {
+        let other = beside(self.run).filter(|other| other != reason);
+        let other = other.map(|other| as_sentence(&self.because(&other)));
+        few.or(other).or_else(|| {
             let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
             let tested = self.run.test.impact_speed_m_per_s.filter(|_| beyond)?;
             let speed = self.speed("/test/impact_speed_m_per_s", tested);
@@ -546,7 +556,7 @@ impl<'a> Text<'a> {
         })
     }
 
-    /// That of the numbers of a model only some are determined.
+    /// Says how many of the numbers of a model are determined, if not all.
     fn few_determined(&mut self, best: &CandidateResult) -> Option<String> {
         let known = best.certainties();
         let phrases = &self.language.phrases().conclusion;
@@ -588,8 +598,7 @@ impl<'a> Text<'a> {
         let place = run.candidates.iter().position(|other| other.id == id)?;
         let to_s = run.candidates[place].simulation.as_ref()?.to_s;
         let fit = self.follows(&run.candidates[place])?;
-        let shown = (MILLI, true_places(MILLI * to_s), "ms");
-        let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, shown);
+        let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, in_ms(to_s));
         let texts = [("model", candidate_name(id)), ("fit", fit), ("time", time)];
         Some(fill(self.language.phrases().conclusion.closest, &texts))
     }

@@ -49,19 +49,33 @@ pub struct Spread {
     pub low: f64,
     /// Highest value.
     pub high: f64,
-    /// Their channels, `93+94`.
-    pub channels: String,
+    /// Their channels.
+    pub channels: Vec<String>,
 }
 
 impl Spread {
     /// How many sensors it is over.
     pub fn sensors(&self) -> usize {
-        self.channels.split('+').count()
+        self.channels.len()
     }
 }
 
-/// Decimals of mm or ms in a sentence: what is true of a crush known to some mm and a time to some tenths of ms.
-pub fn true_places(value: f64) -> usize {
+/// The channels that a metric was found with, as its record joins them: `93+94`.
+pub(crate) fn channels_of(joined: &str) -> impl Iterator<Item = &str> {
+    joined.split('+')
+}
+
+/// Decimals of a first number in the unit of people: what is true of it.
+pub fn decimals(name: &str) -> usize {
+    match name {
+        "dynamic_crush" | "hic15" | "hic36" | "time_of_maximum_delta_v" => 0,
+        "coefficient_of_restitution" => 2,
+        _ => 1,
+    }
+}
+
+/// Decimals of a time in ms in a sentence, known to some tenths.
+pub(crate) fn true_places(value: f64) -> usize {
     match value.abs() {
         large if large >= 30.0 => 0,
         middle if middle >= 3.0 => 1,
@@ -164,7 +178,7 @@ fn of_pulse(run: &Run) -> Vec<KeyNumber> {
 fn of_occupant(run: &Run) -> Vec<KeyNumber> {
     let Some(channel) = run.channel_id() else { return Vec::new() };
     let of_pulse = |name: &str| {
-        run.metrics.iter().find(|metric| metric.name == name && metric.channel.split('+').any(|id| id == channel))
+        run.metrics.iter().find(|metric| metric.name == name && channels_of(&metric.channel).any(|id| id == channel))
     };
     if of_pulse("hic15").is_none() {
         return Vec::new();
@@ -180,7 +194,7 @@ fn of_occupant(run: &Run) -> Vec<KeyNumber> {
 
 /// Whether a sensor of a metric may be clipped. A criterion grows with the magnitude, and what is clipped is too small.
 fn may_be_clipped(run: &Run, metric: &MetricV1) -> bool {
-    metric.channel.split('+').any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
+    channels_of(&metric.channel).any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
 }
 
 /// Before a criterion that is a lower bound.
@@ -218,13 +232,11 @@ fn of_metric(run: &Run, name: &'static str, unit: &'static str, metric: &MetricV
 
 /// The range that the integrate stage states over the sensors at the place of this one.
 fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
-    let over_several = run.metrics.iter().find(|metric| {
-        metric.name == name
-            && metric.channel != channel
-            && metric.channel.contains('+')
-            && metric.channel.split('+').any(|id| id == channel)
-    })?;
-    Some(Spread { low: over_several.low?, high: over_several.high?, channels: over_several.channel.clone() })
+    run.metrics.iter().filter(|metric| metric.name == name).find_map(|metric| {
+        let channels: Vec<String> = channels_of(&metric.channel).map(str::to_owned).collect();
+        let is_over_several = channels.len() > 1 && channels.iter().any(|id| id == channel);
+        is_over_several.then_some(Spread { low: metric.low?, high: metric.high?, channels })
+    })
 }
 
 /// Largest deceleration of a filtered pulse, or of a channel without events its largest magnitude. `None`: no

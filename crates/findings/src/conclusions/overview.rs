@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crumple_artifact::records::{Certainty, ConcernV1};
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI, digits_of_interval};
+use crumple_drawing::numbers::{KILO, MILLI, digits_of_interval, unit};
 use crumple_phrases::language::fill;
 use crumple_signal::About;
 
 use crate::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::conclusions::conclusion::Conclusion;
-use crate::conclusions::key_numbers::{key_numbers, level_percent};
+use crate::conclusions::key_numbers::{decimals, key_numbers, level_percent};
 use crate::conclusions::kind::Kind;
 use crate::conclusions::status::{Status, StatusReason};
 use crate::text::names::candidate_name;
@@ -50,15 +50,16 @@ pub fn overview(
     let of_vehicle = verdict.kind != Kind::Occupant;
     let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
     for number in key_numbers(run).iter().filter(|_| of_vehicle) {
-        let (label, (factor, places, unit)) = match number.name {
-            "dynamic_crush" => (crush, (MILLI, 1, "mm")),
-            "time_of_dynamic_crush" => (phrases.time_label, (MILLI, 1, "ms")),
-            "delta_v" | "maximum_delta_v" => (phrases.change_label, (KM_PER_H_PER_M_PER_S, 1, "km/h")),
-            "peak_acceleration" => (phrases.peak_label, (G_PER_M_PER_S2, 1, "g")),
-            "olc" => (phrases.olc_label, (G_PER_M_PER_S2, 1, "g")),
-            "coefficient_of_restitution" => (phrases.restitution_label, (1.0, 3, "")),
+        let label = match number.name {
+            "dynamic_crush" => crush,
+            "time_of_dynamic_crush" => phrases.time_label,
+            "delta_v" | "maximum_delta_v" => phrases.change_label,
+            "peak_acceleration" => phrases.peak_label,
+            "olc" => phrases.olc_label,
+            "coefficient_of_restitution" => phrases.restitution_label,
             _ => continue,
         };
+        let ((factor, unit), places) = (unit(number.unit), decimals(number.name));
         let Some(value) = number.value else { continue };
         let ends = number.low.zip(number.high);
         let own = with_interval(run, value, ends, number.interval_by.as_deref(), (factor, places, unit));

@@ -1,10 +1,10 @@
 //! Whether the results of a run may be used: one word and its one reason, both decided from records.
 
-use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1};
+use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1, StrengthV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_phrases::language::{Language, fill};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::conclusions::concerns::decisive_warning;
 use crate::conclusions::key_numbers::{KeyNumber, key_numbers};
@@ -14,12 +14,14 @@ use crate::{CandidateResult, Model, Ranking, Run};
 
 /// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
 const NARROW_PERCENT: f64 = 10.0;
+/// Half width of such an interval above which the prediction answers nothing, percent of the crush.
+const WIDE_PERCENT: f64 = 30.0;
 
 /// What of a percentage is rounding of the ends of its interval, and is not rounded up.
 const ROUNDING: f64 = 1e-9;
 
 /// One word on the results of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Of an adequate model whose prediction is known to 10 %.
@@ -83,6 +85,10 @@ pub enum StatusReason {
     Weak {
         candidate: String,
     },
+    /// Another model follows the pulse closer, but not the crush at lower speeds: its candidate.
+    Contrary {
+        candidate: String,
+    },
     /// Nobody says how well the parameters of the recommended model are known.
     Unassessed,
     /// The recommended model has a dual.
@@ -134,6 +140,11 @@ impl StatusReason {
     pub fn status(&self) -> Status {
         match self {
             Self::GoodTo { good_to_percent, .. } if *good_to_percent <= NARROW_PERCENT => Status::Usable,
+            Self::GoodTo { good_to_percent, .. } | Self::Beyond { good_to_percent, .. }
+                if *good_to_percent > WIDE_PERCENT =>
+            {
+                Status::DoNotUse
+            }
             Self::NoResult | Self::DecisiveWarning { .. } | Self::NotAdequate | Self::PoorFit { .. } => {
                 Status::DoNotUse
             }
@@ -170,7 +181,8 @@ pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Conce
     }
 }
 
-/// That not even the closest identified model has a fit, follows half of the record, or holds on unseen samples.
+/// Returns the reason when not even the closest identified model has a fit, follows half of the record, or holds on
+/// unseen samples.
 fn of_identified(run: &Run) -> Option<StatusReason> {
     let Some((_, model, fit_percent)) = closest_identified(run) else { return Some(StatusReason::NotAdequate) };
     if !model.holds() {
@@ -191,12 +203,9 @@ pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
     })
 }
 
-/// Of a crash whose models were asked for.
+/// The reason of the status of a crash whose models were asked for.
 fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
     use StatusReason as Reason;
-    if let Some(poor) = &run.withdrawn {
-        return Reason::PoorFit { fit_percent: poor.fit_percent, limit_percent: poor.limit_percent };
-    }
     if run.candidates.is_empty() && run.joint.is_none() {
         return Reason::MeasuredOnly;
     }
@@ -222,28 +231,30 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
         .or_else(|| misses_its_test(run, best))
         .or_else(|| sensors_differ(run))
         .or_else(|| uncertain(best))
-        .or_else(|| weak(run, best))
+        .or_else(|| beside(run))
         .or(good_to)
         .unwrap_or(Reason::NoInterval)
 }
 
-/// That the recommended model is right in its crush alone.
+/// Returns the reason when the recommended model is right in its crush alone.
 fn misses_its_test(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
     let mut rated = run.recommendation.iter().flat_map(|choice| &choice.candidates);
     let events = rated.find(|rated| rated.id == best.id && !rated.adequate)?.missed_events.clone();
     Some(StatusReason::MissesItsTest { events })
 }
 
-/// That another model fits nearly as well as the recommended one: the best adequate candidate of one.
-pub(crate) fn weak(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
-    let choice = run.recommendation.as_ref().filter(|choice| choice.strength.as_deref() == Some("weak"))?;
-    let is_other = |id: &str| run.candidate(id).is_some_and(|other| other.record.model != best.record.model);
-    let mut adequate = choice.candidates.iter().filter(|rated| rated.adequate);
-    let candidate = adequate.find(|rated| is_other(&rated.id))?.id.clone();
-    Some(StatusReason::Weak { candidate })
+/// Returns the reason when the evidence is not decisive for the recommended model beside the best other one.
+pub(crate) fn beside(run: &Run) -> Option<StatusReason> {
+    let choice = run.recommendation.as_ref()?;
+    let candidate = choice.beside.clone()?;
+    match choice.strength? {
+        StrengthV1::Weak => Some(StatusReason::Weak { candidate }),
+        StrengthV1::Contrary => Some(StatusReason::Contrary { candidate }),
+        StrengthV1::Decisive => None,
+    }
 }
 
-/// What is not known of the parameters of a model.
+/// Returns the reason when parameters of a model are not known.
 fn uncertain(best: &CandidateResult) -> Option<StatusReason> {
     let known = best.certainties();
     if known.determined < known.parameters {
@@ -263,7 +274,7 @@ pub(crate) fn has_only_forces(candidate: &CandidateResult) -> bool {
     })
 }
 
-/// That the interval of the crush misses another sensor of the place.
+/// Returns the reason when the interval of the crush misses another sensor of the place.
 fn sensors_differ(run: &Run) -> Option<StatusReason> {
     let crush = key_numbers(run).into_iter().find(|number| number.name == "dynamic_crush")?;
     let KeyNumber { value: Some(value), low: Some(low), high: Some(high), spread: Some(spread), .. } =

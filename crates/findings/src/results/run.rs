@@ -45,8 +45,6 @@ pub struct Run {
     pub recommendation: Option<RecommendationV1>,
     /// Impacts that were predicted, in their order.
     pub predictions: Vec<PredictionV1>,
-    /// The fit of a recommended candidate whose recommendation was taken back.
-    pub withdrawn: Option<Withdrawn>,
     /// Candidates in id order: by model, method and the number at the end.
     pub candidates: Vec<CandidateResult>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
@@ -65,17 +63,8 @@ pub struct Run {
     pub missing: Vec<String>,
 }
 
-/// Least displacement fit as measured of an adequate model, percent: the default of parameter-solve's `--adequate-fit`.
-pub const ADEQUATE_FIT_PERCENT: f64 = 90.0;
-
-/// Why a recommendation was taken back.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Withdrawn {
-    /// Displacement fit as measured, percent.
-    pub fit_percent: f64,
-    /// What an adequate model has at least.
-    pub limit_percent: f64,
-}
+/// Share by which speeds and masses differ that are one, as a person types them.
+const ROUNDED: f64 = 0.005;
 
 /// The waves of the pulse channel, SI, on the record's time axis.
 #[derive(Debug, Clone, Default)]
@@ -171,9 +160,8 @@ impl Model {
 
     /// Whether it follows its own samples better than their mean does, and unseen ones as [`EvidenceV1`] asks.
     pub fn holds(&self) -> bool {
-        let fit = self.fit_percent();
-        let unseen = self.evidence.as_ref().and_then(|evidence| evidence.holds_on_unseen(fit));
-        fit.is_some_and(|fit| fit > 0.0) && unseen != Some(false)
+        let unseen = self.evidence.as_ref().and_then(|evidence| evidence.holds_on_unseen);
+        self.fit_percent().is_some_and(|fit| fit > 0.0) && unseen != Some(false)
     }
 }
 
@@ -371,9 +359,7 @@ impl Run {
 
     /// Whether the record ends before the rebound does: restitution and change of velocity are lower bounds.
     pub fn is_rebound_cut(&self) -> bool {
-        let velocity = self.measured.velocity.as_ref();
-        let of_record = self.events.as_ref().zip(velocity);
-        of_record.is_some_and(|(events, velocity)| events.is_rebound_cut(velocity.end_s(), velocity.dt_s()))
+        self.events.as_ref().is_some_and(|events| events.still_separating)
     }
 
     /// The metric of this name; one of the pulse channel goes before one of another channel.
@@ -399,24 +385,16 @@ impl Run {
         self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
     }
 
-    /// Takes a recommendation back whose candidate has a displacement fit as measured below 90 %:
-    /// it may have been made by another program, or of another record.
-    pub fn withdraw_poor_recommendation(&mut self) {
-        let recommended = self.recommendation.as_ref().and_then(|choice| choice.recommended.clone());
-        let Some(candidate) = recommended.as_deref().and_then(|id| self.candidate(id)) else { return };
-        let fit_percent = candidate.simulation.as_ref().and_then(|simulation| simulation.fit_as_measured_percent);
-        let Some(fit_percent) = fit_percent.filter(|fit| *fit < ADEQUATE_FIT_PERCENT) else { return };
-        let [fit, limit] = [fit_percent, ADEQUATE_FIT_PERCENT].map(|x| self.language.quantity(x, 1, "%"));
-        let texts = [("model", candidate_name(&candidate.id)), ("fit", fit), ("limit", limit)];
-        let because = fill(self.language.phrases().conclusion.fit_too_low, &texts);
-        if let Some(choice) = &mut self.recommendation {
-            (choice.recommended, choice.recommended_because) = (None, because);
-        }
-        for prediction in &mut self.predictions {
-            prediction.recommended = false;
-            prediction.names.retain(|name| name != "recommended");
-        }
-        self.withdrawn = Some(Withdrawn { fit_percent, limit_percent: ADEQUATE_FIT_PERCENT });
+    /// Whether a prediction is of the mass of the test; where none is stated it is of no other.
+    pub fn is_of_own_mass(&self, prediction: &PredictionV1) -> bool {
+        self.test.mass_kg.is_none_or(|own_kg| (prediction.mass_kg - own_kg).abs() <= ROUNDED * own_kg)
+    }
+
+    /// Whether a prediction is of the impact that the test was.
+    pub fn is_as_tested(&self, prediction: &PredictionV1) -> bool {
+        let speed = prediction.impact_speed_m_per_s;
+        let is_own_speed = self.test.impact_speed_m_per_s.is_some_and(|own| (speed - own).abs() <= ROUNDED * own);
+        is_own_speed && self.is_of_own_mass(prediction) && prediction.partner.is_none()
     }
 
     /// The candidate of this id.

@@ -166,7 +166,7 @@ fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
             About::Pulse,
             Weight::Slight,
             format!(
-                "free fall before contact: the level there is {:+.2} g off the level at rest, which is taken for zero",
+                "free fall before contact: the level there is {:+.2} g off the level at rest",
                 (fall.fall_level - fall.rest_level) / G
             ),
         );
@@ -175,8 +175,8 @@ fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
             About::Pulse,
             Weight::Marked,
             format!(
-                "the level before contact is {:+.2} g: an offset, or a free fall. It is removed as an offset; in a \
-                 free fall all accelerations are 1 g off: add --set filter.zero-level=none",
+                "the level before contact is {:+.2} g: an offset, or a free fall. A fall is no offset to remove: if it \
+                 is one, add --set filter.zero-level=none",
                 level / G
             ),
         );

@@ -78,7 +78,7 @@ pub fn question(plausibility: &Plausibility, flag: Option<&str>, speed_m_per_s: 
         Plausibility::AfterAnyOf(exchanges) => {
             let names: Vec<&str> = exchanges.iter().map(|exchange| name(*exchange)).collect();
             let text = format!(
-                "impact speed and pulse do not fit together: check {}; any of them would make a car of it",
+                "impact speed and pulse do not fit together: check {}; each of these changes would fit a car",
                 names.join(", ")
             );
             return Some((About::Pulse, text));

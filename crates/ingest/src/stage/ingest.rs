@@ -116,6 +116,7 @@ fn quality_record(quality: &Quality) -> QualityV1 {
         constant_run: Some(quality.constant_run as u64),
         constant_run_from_s: quality.constant_run_from_s,
         end_level: quality.end_level,
+        rest_level: quality.fall.map(|fall| fall.rest_level),
     }
 }
 

@@ -113,7 +113,7 @@ fn starts(recording: &Recording) -> Vec<f64> {
 fn channels_that_start_later_stand_later_on_the_axis_of_the_first() {
     let recording = apart(0.25, -0.01);
     assert_eq!(starts(&recording), [-0.01, 0.24]);
-    has_note(&recording, "all have the axis of g.a, which starts first (g.b +0.250000 s)");
+    has_note(&recording, "all have the axis of g.a, which starts first (g.b +250.000 ms)");
     // The second starts first: its axis counts, whatever the offset of the other.
     assert_eq!(starts(&apart(-0.125, 0.0)), [0.115, 0.0]);
     // Start time and offset together are the start.

@@ -83,10 +83,11 @@ impl Stage for Integrate {
         let pulse = task.integrate(&channel, &samples, out)?;
         let vehicles = vehicles(input)?;
         // A partner that gives way leaves speed: the collision is assessed below.
-        let speed_rule = match (vehicles.is_empty(), settings.impact_speed_m_per_s) {
-            (false, _) => SpeedRule::Partner,
-            (true, None) => SpeedRule::AskedBefore,
-            (true, Some(_)) => SpeedRule::New,
+        let is_as_read = settings.impact_speed_m_per_s.is_none() && settings.channel.is_none();
+        let speed_rule = match vehicles.is_empty() {
+            false => SpeedRule::Partner,
+            true if test.exchange_asked && is_as_read => SpeedRule::AskedBefore,
+            true => SpeedRule::New,
         };
         note_findings(&pulse, zero.time_s, impact_speed_m_per_s, speed_rule, out.notes());
         warn_unless_of_the_vehicle(&channel, out.notes());

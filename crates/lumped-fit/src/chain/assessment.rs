@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Chain, ParameterKind};
+use crumple_lumped::{Chain, HORIZON_S, ParameterKind};
 
 use crate::chain::coordinates::{ChainCoordinates, StatedChain};
 use crate::chain::fit::{ChainSolution, assess_at};
@@ -33,10 +33,6 @@ pub struct ChainAssessment {
     /// The fit repeated with uncertain inputs, where asked for.
     pub propagation: Option<Propagation>,
 }
-
-/// The crush of a chain is looked for up to this time after contact, s. One that stops later counts as without a
-/// crush.
-const HORIZON_S: f64 = 2.0;
 
 /// Assesses a solution of [`fit_chain`](crate::fit_chain), called with the arguments of that fit, by the rules of
 /// [`assess`](crate::assess) and [`propagate`](crate::propagate) in the logarithms of the free numbers.

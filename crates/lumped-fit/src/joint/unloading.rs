@@ -3,9 +3,8 @@
 use crumple_lumped::CrushedStructure;
 
 use crate::TestData;
+use crate::solvers::crush_curves::assumptions::USUAL_RESTITUTION;
 
-/// Restitution of a full frontal test near 56 km/h, where no record shows the rebound: 0.1 to 0.2.
-const USUAL_RESTITUTION: f64 = 0.15;
 /// Least unloading stiffness over the steepest slope of the curve: below one, unloading would give back more than was
 /// put in.
 const STIFFER: f64 = 1.05;

@@ -31,23 +31,15 @@ pub struct Choice {
     pub because: String,
 }
 
-/// How strong the evidence for the recommended candidate is beside the best of another model.
+/// How the evidence for the recommended candidate stands to that for the best of another model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strength {
-    /// Criteria differ by 10 at most, or the other way round.
+    /// Criteria differ by 10 at most.
     Weak,
     /// The criterion is lower by more than 10.
     Decisive,
-}
-
-impl Strength {
-    /// Its name in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Weak => "weak",
-            Self::Decisive => "decisive",
-        }
-    }
+    /// The criterion of the other is lower by more than 10: the recommended one is right at lower speeds.
+    Contrary,
 }
 
 /// The three names, and all that was counted for them.
@@ -55,8 +47,9 @@ impl Strength {
 pub struct CandidateSelection {
     /// For prediction.
     pub recommended: Choice,
-    /// Beside the best of another model; `None`: no other qualifies, or none is recommended.
-    pub strength: Option<Strength>,
+    /// The evidence beside the best of another model, and the place of that; `None`: no other qualifies, or none is
+    /// recommended.
+    pub strength: Option<(Strength, usize)>,
     /// Fewest parameters, all of them determined.
     pub simplest: Choice,
     /// Closest to the record.
@@ -90,7 +83,10 @@ pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: 
     }
     let with_the_crush = |reasons: &[Inadequacy]| reasons.iter().all(Inadequacy::leaves_the_crush);
     let of_crush = selection(candidates, record, rules, with_the_crush);
-    if of_crush.recommended.candidate.is_some() { of_crush } else { adequate }
+    if of_crush.recommended.candidate.is_none() {
+        return adequate;
+    }
+    CandidateSelection { simplest: adequate.simplest, closest: adequate.closest, ..of_crush }
 }
 
 /// The choice among candidates whose inadequacies let them take part.
@@ -181,28 +177,39 @@ impl ComparedCandidates<'_> {
         if least <= limit { limit.max(FORCE_RATIO * least) } else { limit }
     }
 
+    /// The candidate with the lowest criterion with priors of those that do not miss the force on the wall.
+    fn lowest(&self) -> Option<usize> {
+        let may_decide = |k: &usize| self.rated[*k].aicc.is_some() && self.misses_the_force(*k).is_none();
+        self.compared().filter(may_decide).min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)))
+    }
+
     /// The candidates that may be recommended: those for prediction, and those that decide over them. Where the
     /// evidence is for a plastic model the plastic ones of these, so that an open knot of a curve does not hand the
-    /// choice to a damped model; where there is none of these, or none for prediction at all, the plastic ones with a
-    /// criterion that have the fewest open numbers.
+    /// choice to a damped model; where there is none, [`plastic_with_fewest_open`](Self::plastic_with_fewest_open).
     fn qualified(&self) -> Vec<usize> {
         let mut qualified: Vec<usize> = self.compared().filter(|k| self.not_for_prediction(*k).is_none()).collect();
-        let has_a_say = |k: &usize| self.rated[*k].aicc.is_some() && self.misses_the_force(*k).is_none();
-        let lowest = self.compared().filter(has_a_say).min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)));
-        let is_plastic = lowest.is_some_and(|k| self.is_plastic(k));
-        if is_plastic {
+        if self.lowest().is_some_and(|k| self.is_plastic(k)) {
             qualified.retain(|k| self.is_plastic(*k));
         }
         if qualified.is_empty() {
-            let plastic = || self.compared().filter(has_a_say).filter(|k| self.is_plastic(*k));
-            let open = |k: usize| self.candidates[k].open_and_felt.len();
-            let fewest = plastic().map(open).min();
-            return plastic().filter(|k| Some(open(*k)) == fewest).collect();
+            return self.plastic_with_fewest_open();
         }
         let decisive: Vec<usize> =
             self.compared().filter(|k| !qualified.contains(k) && self.decides(*k, &qualified)).collect();
         qualified.extend(decisive);
         qualified
+    }
+
+    /// The plastic candidates with a criterion that have the fewest open numbers; where the evidence is for another
+    /// class, of those whose criterion is not decisively higher.
+    fn plastic_with_fewest_open(&self) -> Vec<usize> {
+        let Some(lowest) = self.lowest() else { return Vec::new() };
+        let limit = if self.is_plastic(lowest) { f64::INFINITY } else { self.total(lowest) + DECISIVE };
+        let may_decide = |k: &usize| self.total(*k) <= limit && self.misses_the_force(*k).is_none();
+        let plastic = || self.compared().filter(|k| self.is_plastic(*k) && self.rated[*k].aicc.is_some());
+        let open = |k: usize| self.candidates[k].open_and_felt.len();
+        let fewest = plastic().filter(may_decide).map(open).min();
+        plastic().filter(may_decide).filter(|k| Some(open(*k)) == fewest).collect()
     }
 
     fn recommended(&self, samples: Option<f64>) -> Choice {
@@ -232,7 +239,8 @@ impl ComparedCandidates<'_> {
             match next {
                 _ if best != by_evidence => self.beside_the_evidence(best, by_evidence),
                 Some(next) => self.beside_the_next(best, next),
-                None => "the only adequate candidate that qualifies".to_owned(),
+                None if self.rated[best].is_adequate() => "the only adequate candidate that qualifies".to_owned(),
+                None => "the only candidate with the crush of the test that qualifies".to_owned(),
             }
         );
         let noise = if self.is_noise_known { ", known noise" } else { "" };
@@ -296,12 +304,20 @@ impl ComparedCandidates<'_> {
         )
     }
 
-    /// How strong the evidence is for a recommended candidate beside the best of another model.
-    fn strength(&self, best: usize) -> Option<Strength> {
-        let of_others =
-            self.qualified().into_iter().filter(|k| self.candidates[*k].model != self.candidates[best].model);
-        let next = of_others.map(|k| self.total(k)).reduce(f64::min)?;
-        Some(if next - self.total(best) > DECISIVE { Strength::Decisive } else { Strength::Weak })
+    /// How the evidence for a recommended candidate stands to that for the best of another model that may be
+    /// recommended; where none is for prediction, to the lowest of all.
+    fn strength(&self, best: usize) -> Option<(Strength, usize)> {
+        let qualified = self.qualified();
+        let are_for_prediction = qualified.iter().any(|k| self.not_for_prediction(*k).is_none());
+        let all = qualified.into_iter().chain(self.lowest().filter(|_| !are_for_prediction));
+        let of_others = all.filter(|k| self.candidates[*k].model != self.candidates[best].model);
+        let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)))?;
+        let strength = match self.total(next) - self.total(best) {
+            gap if gap > DECISIVE => Strength::Decisive,
+            gap if gap < -DECISIVE => Strength::Contrary,
+            _ => Strength::Weak,
+        };
+        Some((strength, next))
     }
 
     /// How the criterion stands to that of the next.
@@ -440,8 +456,9 @@ mod tests {
         // 20 ln 16 = 55.
         let far = candidate("damped", EnergyClass::Damped, 3, 0.5);
         let strength = |all: &[ComparedCandidate]| choose(all, &RECORD, &rules).strength;
-        assert_eq!(strength(&[plastic.clone(), far.clone()]), Some(Strength::Decisive));
-        assert_eq!(strength(&[plastic.clone(), candidate("same", EnergyClass::Plastic, 2, 2.0)]), Some(Strength::Weak));
+        assert_eq!(strength(&[plastic.clone(), far.clone()]), Some((Strength::Decisive, 0)));
+        let same = candidate("same", EnergyClass::Plastic, 2, 2.0);
+        assert_eq!(strength(&[plastic.clone(), same]), Some((Strength::Weak, 1)));
         assert_eq!(strength(std::slice::from_ref(&far)), None);
         assert_eq!(ids(&[plastic, far], &rules), some(["damped", "plastic", "damped"]));
     }
@@ -453,7 +470,7 @@ mod tests {
         let four = candidate("four", EnergyClass::Damped, 4, 0.72);
         let rules = SelectionRules::default();
         let selection = choose(&[two.clone(), four.clone()], &RECORD, &rules);
-        assert_eq!((selection.recommended.candidate, selection.strength), (Some(0), Some(Strength::Weak)));
+        assert_eq!((selection.recommended.candidate, selection.strength), (Some(0), Some((Strength::Weak, 1))));
         assert!(selection.recommended.because.contains("fewer numbers than four, whose criterion is"));
         let decisive = candidate("four", EnergyClass::Damped, 4, 0.5);
         assert_eq!(ids(&[two, decisive], &rules)[0].as_deref(), Some("four"));
@@ -620,6 +637,11 @@ mod tests {
         let selection = choose(&all, &RECORD, &SelectionRules::default());
         assert_eq!(selection.rated[1].missed_events(), ["coefficient_of_restitution"]);
         assert!(!selection.rated[1].is_adequate());
+        // No adequate one is named where there is none.
+        assert!(
+            selection.simplest.candidate.is_none() && selection.simplest.because.contains("no candidate is adequate")
+        );
+        assert!(selection.recommended.because.contains("the only candidate with the crush of the test that qualifies"));
         assert!(selection.recommended.because.contains("misses the restitution of its own test by +0.30"));
         assert_eq!(ids(&all[..1], &SelectionRules::default())[0], None);
         // So it is where an adequate one has open numbers that are felt.
@@ -648,7 +670,14 @@ mod tests {
         assert_eq!(ids(&[damped.clone(), three.clone(), fewer], &rules)[0].as_deref(), Some("fewer"));
         // Where the evidence is for the damped model it stays.
         let close = ComparedCandidate { misfit: candidate("", EnergyClass::Damped, 2, 0.2).misfit, ..damped };
-        assert_eq!(ids(&[close, three], &rules)[0].as_deref(), Some("damped"));
+        assert_eq!(ids(&[close.clone(), three.clone()], &rules)[0].as_deref(), Some("damped"));
+        // So it does where it has open numbers itself: a curve that is decisively worse is no way out.
+        let undecided = ComparedCandidate { open_and_felt: vec!["c".to_owned(), "k".to_owned()], ..close };
+        assert_eq!(ids(&[undecided.clone(), three.clone()], &rules)[0], None);
+        // 20 ln(1/0.9^2) = 4.2 less the prior of 10 and the charge of a number more.
+        let near = ComparedCandidate { misfit: candidate("", EnergyClass::Damped, 2, 0.9).misfit, ..undecided };
+        let weak = choose(&[near, three], &RECORD, &rules);
+        assert_eq!((weak.recommended.candidate, weak.strength), (Some(1), Some((Strength::Weak, 0))));
     }
 
     #[test]
@@ -667,6 +696,9 @@ mod tests {
         assert!(
             because.contains("within 0.8 %") && because.contains("which line, lower by its criterion, misses by 6.0 %")
         );
+        // 20 ln 9 = 44: the line follows the pulse closer.
+        let rough = ComparedCandidate { misfit: candidate("", EnergyClass::Plastic, 5, 3.0).misfit, ..all[2].clone() };
+        assert_eq!(choose(&[line.clone(), rough], &RECORD, &rules).strength, Some((Strength::Contrary, 0)));
         assert_eq!(ids(&[line.clone(), fine], &rules)[0].as_deref(), Some("fine"));
         assert_eq!(ids(&[line.clone(), coarse], &rules)[0].as_deref(), Some("coarse"));
         assert_eq!(ids(&[line.clone(), error("hardly", 4, 1.0, 0.04)], &rules)[0].as_deref(), Some("line"));

@@ -3,11 +3,9 @@
 use crate::families::chain::places_of_constants;
 use crate::families::load_paths::CrushedLoadPaths;
 use crate::kind::parameter::MOST_KNOTS;
+use crate::motion::drive::HORIZON_S;
 use crate::structure::connected_masses::Place;
 use crate::{CrushEvents, Drive, Dynamics, Instants, LumpedError, Model, ModelKind, Response, Sensitivity};
-
-/// A crash is over in two seconds or never; linear models are searched until nothing of their motion is left.
-const HORIZON_S: f64 = 2.0;
 
 impl Model {
     /// Where its parameters stand in its [`structure`](Self::structure), in the order of [`ModelKind::parameters`].

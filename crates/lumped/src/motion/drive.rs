@@ -6,6 +6,9 @@
 use crate::motion::pulse::{Course, CrashPulse};
 use crate::motion::start::Start;
 
+/// A crash is over in so many seconds or never: up to then crush, common velocity and separation are looked for.
+pub const HORIZON_S: f64 = 2.0;
+
 /// What moves a model.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drive {

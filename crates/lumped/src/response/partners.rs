@@ -1,13 +1,11 @@
 //! Two vehicles, one mass each, front against front; a moving barrier is one of them.
 
 use crate::motion::collision::ElementEvent;
+use crate::motion::drive::HORIZON_S;
 use crate::response::collisions::CollisionQuestions;
 use crate::structure::connected_masses::{Connection, Node, Structure};
 use crate::structure::elements::force_deflection::ForceDeflection;
 use crate::{Drive, LumpedError, Start};
-
-/// A collision is over in two seconds or never.
-const HORIZON_S: f64 = 2.0;
 
 /// A vehicle or a moving barrier.
 #[derive(Debug, Clone, PartialEq)]

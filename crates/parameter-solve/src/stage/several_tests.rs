@@ -19,9 +19,6 @@ use crate::stage::recommend::recommendation::{chosen, without};
 use crate::stage::records::candidate::{parameters_line, record};
 use crate::stage::records::uncertainty::summary_text;
 
-/// Error of the dynamic crush of every test up to which a joint model is adequate, percent.
-const CRUSH_OF_ALL_PERCENT: f64 = 3.0;
-
 /// What the artifacts say of one of the tests.
 struct OneTest<'a> {
     name: &'a str,
@@ -78,10 +75,10 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     }
     let compared = tests
         .iter()
-        .map(|test| Comparison::read(settings, test.input, &test.events, of_impact(&test.record)))
+        .map(|test| Comparison::read(settings, test.input, &test.events, of_impact(&test.record), out.notes()))
         .collect::<anyhow::Result<Option<Vec<_>>>>()?;
     let choice = match compared {
-        Some(each) => chosen(&following_all(settings), &Comparison::of_several(each), &submitted, out),
+        Some(each) => chosen(settings, &Comparison::of_several(each), &submitted, out),
         None => {
             let because = "no acceleration and displacement of every pulse up to dynamic crush";
             out.summary(format!("none recommended: {because}"));
@@ -90,15 +87,6 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     };
     out.put("/recommendation", &choice)?;
     Ok(Outcome::Done)
-}
-
-/// The rules of the choice for several tests: a model has the dynamic crush of each of them. One that misses the crush
-/// of a test it was fitted to does not say how the car depends on the speed, whatever the evidence: damped models miss
-/// those of 40 km/h by 8 %.
-fn following_all(settings: &StageSettings) -> StageSettings {
-    let mut settings = settings.clone();
-    settings.selection.crush_limit_percent = CRUSH_OF_ALL_PERCENT;
-    settings
 }
 
 fn of_impact(record: &Record) -> (f64, f64) {

@@ -6,14 +6,14 @@ texts! { ConclusionTexts
     do_not_use: "do not use", "nicht verwenden";
     status: "{status}: {reason}.", "{status}: {reason}.";
     because_good_to:
-        "its crush is good to {good_to} {scenario}",
-        "seine Eindrückung ist {scenario} auf {good_to} genau";
+        "the crush {scenario} is known to ±{good_to}",
+        "die Eindrückung {scenario} ist auf ±{good_to} bekannt";
     because_beyond:
-        "{scenario} it is asked beyond the test, its crush is good to {good_to}",
-        "{scenario} jenseits des Versuchs ist seine Eindrückung auf {good_to} genau";
+        "{scenario}, beyond the test, the crush is known to ±{good_to}",
+        "{scenario}, jenseits des Versuchs, ist die Eindrückung auf ±{good_to} bekannt";
     because_sensors:
-        "the crush is good to {apart}, not to {half_width}: {count} sensors of the compartment differ",
-        "die Eindrückung ist auf {apart} genau, nicht auf {half_width}: {count} Aufnehmer der Fahrgastzelle weichen \
+        "the crush is known to ±{apart}, not ±{half_width}: {count} sensors of the compartment differ",
+        "die Eindrückung ist auf ±{apart} bekannt, nicht auf ±{half_width}: {count} Aufnehmer der Fahrgastzelle weichen \
          voneinander ab";
     because_few_forces:
         "use its crush, not its forces: the record determines {determined} of {parameters}",
@@ -28,13 +28,16 @@ texts! { ConclusionTexts
         "use its crush, not its mass split: one sensor cannot identify the split",
         "seine Eindrückung gilt, seine Massenaufteilung nicht: ein Aufnehmer kann sie nicht identifizieren";
     because_misses_its_test:
-        "use its crush, it misses the {events} of its own test",
-        "seine Eindrückung gilt, den eigenen Versuch verfehlt es in: {events}";
+        "use its crush only: the model misses the {events} of its own test",
+        "nur seine Eindrückung gilt: das Modell verfehlt den eigenen Versuch in {events}";
     because_weak:
         "the evidence is weak: {model} fits nearly as well",
         "die Belege sind schwach: {model} passt fast ebenso gut";
+    because_contrary:
+        "chosen for its crush at lower speeds: {model} follows the pulse closer",
+        "gewählt für seine Eindrückung bei kleinerer Geschwindigkeit: {model} folgt dem Puls enger";
     because_no_interval:
-        "its crush at other speeds has no interval",
+        "the crush at other speeds has no interval",
         "seine Eindrückung bei anderer Geschwindigkeit hat kein Intervall";
     because_tests_disagree: "the tests disagree", "die Versuche widersprechen sich";
     because_no_stop:
@@ -78,6 +81,7 @@ texts! { ConclusionTexts
     the_time_axis: "the time axis", "die Zeitachse";
     the_motion: "the motion", "die Bewegung";
     the_model: "the model", "das Modell";
+    the_identified_models: "every identified model", "jedes identifizierte Modell";
     the_record: "the record", "die Aufzeichnung";
     because_not_adequate: "no model is adequate", "kein Modell ist angemessen";
     because_poor_fit:
@@ -130,8 +134,8 @@ texts! { ConclusionTexts
         "No identified model holds: the best, {model}, has a fit of {fit}{unseen}.",
         "Kein identifiziertes Modell hält: Das beste, {model}, hat eine Anpassung von {fit}{unseen}.";
     identified_none:
-        "No identified model has a defined fit: the record does not vary.",
-        "Kein identifiziertes Modell hat eine definierte Anpassung: Die Aufzeichnung ändert sich nicht.";
+        "No identified model has a fit.",
+        "Kein identifiziertes Modell hat eine Anpassung.";
     identified_no_use:
         "Do not use it: its modes are not known to be those of what was measured.",
         "Es ist nicht zu verwenden: Seine Eigenschwingungen sind nicht nachweislich die des Gemessenen.";
@@ -139,9 +143,6 @@ texts! { ConclusionTexts
     mode:
         "; its slowest mode is at {frequency}{damping}",
         "; die langsamste Eigenschwingung liegt bei {frequency}{damping}";
-    identified_use:
-        "It holds for the amplitudes and frequencies that this record excited.",
-        "Es gilt für die Amplituden und Frequenzen, die diese Aufzeichnung anregte.";
     changed:
         "The record gives a delta-v of {change}{time}{peak}{olc}.",
         "Die Aufzeichnung gibt ein Delta-v von {change}{time}{peak}{olc}.";
@@ -168,8 +169,8 @@ texts! { ConclusionTexts
         "It holds no models: their stages did not run.",
         "Er enthält keine Modelle: Deren Stufen liefen nicht.";
     one_spring:
-        "One spring of {stiffness} has its energy and crush.",
-        "Eine Feder von {stiffness} hat seine Energie und Eindrückung.";
+        "One spring of {stiffness} has the same energy and crush.",
+        "Eine Feder von {stiffness} hat dieselbe Energie und Eindrückung.";
     use_model: "For other speeds use {model}{predicts}.", "Für andere Geschwindigkeiten gilt {model}{predicts}.";
     asked_for:
         "Asked for: {scenario} {model} gives {crush}{interval}.",
@@ -184,9 +185,6 @@ texts! { ConclusionTexts
     order_of_magnitude: ", {count} to an order of magnitude", ", {count} der Größenordnung nach";
     open: ", {count} open", ", {count} offen";
     none_recommended: "No model is recommended: {because}.", "Kein Modell wird empfohlen: {because}.";
-    fit_too_low:
-        "the displacement fit of {model} is {fit}, below {limit}",
-        "die Anpassung des Wegs von {model} ist {fit}, unter {limit}";
     no_crush:
         "the vehicle was not seen to stop",
         "das Fahrzeug wurde nicht zum Stehen kommend gemessen";
@@ -203,9 +201,6 @@ texts! { ConclusionTexts
         "The mass split cannot be identified from one sensor: a mirrored (dual) model fits equally well.",
         "Die Massenaufteilung ist mit einem Aufnehmer nicht identifizierbar: Ein gespiegeltes (duales) Modell passt \
          ebenso gut.";
-    weak:
-        "The evidence is weak: {model} fits nearly as well.",
-        "Die Belege sind schwach: {model} passt fast ebenso gut.";
     few_forces:
         "Use its crush, not its forces: the record determines only {determined} of {parameters}.",
         "Seine Eindrückung gilt, seine Kräfte nicht: Die Aufzeichnung bestimmt nur {determined} von {parameters}.";
@@ -215,9 +210,6 @@ texts! { ConclusionTexts
     extrapolates:
         "Above {speed}, the speed of the test, it extrapolates.",
         "Über {speed}, der Geschwindigkeit des Versuchs, extrapoliert es.";
-    decisive:
-        "Do not use these results: see warning {number}.",
-        "Diese Ergebnisse nicht verwenden: siehe Warnung {number}.";
     and: "and", "und";
     force_at: "the force at {deflection}", "die Kraft bei {deflection}";
     forces_at: "the forces at {deflection}", "die Kräfte bei {deflection}";
@@ -272,7 +264,7 @@ texts! { ConclusionTexts
     model_label: "recommended", "empfohlen";
     doubtful_label: "model in doubt", "Modell, fraglich";
     warnings_label: "warnings", "Warnungen";
-    failed_label: "no model", "ohne Modell";
+    failed_label: "not identified", "nicht identifiziert";
     missing_label: "not in it", "fehlt darin";
     files_label: "report", "Bericht";
 }

@@ -43,7 +43,7 @@ texts! { IdentificationTexts
     beyond_nyquist: "no mode: beyond the sampling", "keine Eigenschwingung: jenseits der Abtastung";
     marginal: "marginal", "grenzstabil";
     unseen_fit: "unseen samples {fit}", "ungesehene Werte {fit}";
-    failed_methods: "Methods without a model", "Verfahren ohne Modell";
+    failed_methods: "Not identified", "Nicht identifiziert";
     poles: "Poles and zeros of the identified models", "Pole und Nullstellen der identifizierten Modelle";
     real_part: "real part, 1/s", "Realteil, 1/s";
     imaginary_part: "imaginary part, rad/s", "Imaginärteil, rad/s";

@@ -18,10 +18,9 @@ texts! { ModelTexts
         "No structure of masses and elements belongs to this model.",
         "Zu diesem Modell gehört keine Struktur aus Massen und Elementen.";
     off_the_test:
-        "Misses its own test by {crush} of crush, {time} of t<sub>m</sub>{restitution}; displacement fit {fit}.",
-        "Verfehlt den eigenen Versuch um {crush} Eindrückung, {time} t<sub>m</sub>{restitution}; Anpassung des Wegs \
-         {fit}.";
-    and_restitution: ", {restitution} of restitution", ", {restitution} Stoßzahl";
+        "In its own test: crush {crush}, t<sub>m</sub> {time}{restitution}; displacement fit {fit}.",
+        "Im eigenen Versuch: Eindrückung {crush}, t<sub>m</sub> {time}{restitution}; Anpassung des Wegs {fit}.";
+    and_restitution: ", restitution {restitution}", ", Stoßzahl {restitution}";
     follows: "Displacement fit {fit}.", "Anpassung des Wegs {fit}.";
     one_spring:
         "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.",

@@ -5,13 +5,12 @@ texts! { PredictionTexts
     at_other_speeds: "At other speeds", "Bei anderen Geschwindigkeiten";
     speed_head: "km/h", "km/h";
     crush_head: "crush, mm", "Eindrückung, mm";
-    interval_head: "90 %", "90 %";
     peak_head: "peak, g", "Spitze, g";
     range_head: "test", "Versuch";
     inside: "inside", "darin";
     as_tested: "as tested", "wie geprüft";
     beyond: "beyond", "jenseits";
-    another_impact: "{mass} kg{partner}", "{mass} kg{partner}";
+    by_the_record: "{peak} by the record", "{peak} aus der Aufzeichnung";
     all_predictions: "all predictions", "alle Vorhersagen";
     speed: "Speed, km/h", "Geschwindigkeit, km/h";
     mass: "Mass, kg", "Masse, kg";

@@ -134,8 +134,9 @@ texts! { JointTexts
         " Jeder aus den anderen vorhergesagt: Die Eindrückung liegt um höchstens {worst} daneben, {held} von \
          {predicted} liegen im 90-%-Intervall.";
     tests_disagree:
-        "Predicted from the others, the crush of {tests} is missed: do not use its predictions.",
-        "Aus den anderen vorhergesagt wird die Eindrückung von {tests} verfehlt: Seine Vorhersagen gelten nicht.";
+        "Predicted from the others, the crush of {tests} is off: quote predictions with that error.",
+        "Aus den anderen vorhergesagt liegt die Eindrückung von {tests} daneben: Vorhersagen mit diesem Fehler \
+         angeben.";
     warn_missed:
         "predicted from the others, the crush of {tests} is outside of its 90 % interval: these tests may not be of \
          one structure; predictions of the joint model may be off by as much",

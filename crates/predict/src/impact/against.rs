@@ -13,9 +13,10 @@ pub struct MadeTest {
     pub dynamic_crush_m: Option<f64>,
     /// Its time, s after time zero.
     pub time_of_dynamic_crush_s: Option<f64>,
-    /// Change of velocity up to the rebound, m/s.
+    /// Change of velocity up to the rebound, m/s; `None` where the record ends before it does, so that it is a lower
+    /// bound.
     pub delta_v_m_per_s: Option<f64>,
-    /// Coefficient of restitution.
+    /// Coefficient of restitution; `None` likewise.
     pub coefficient_of_restitution: Option<f64>,
     /// Largest deceleration, m/s².
     pub peak_m_per_s2: Option<f64>,

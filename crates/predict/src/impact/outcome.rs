@@ -1,13 +1,11 @@
 //! What comes out of an impact: crush, its time, change of velocity, restitution, peak, occupant load criterion.
 
-use crumple_lumped::{Instants, Motion, Structure};
+use crumple_lumped::{HORIZON_S, Instants, Motion, Structure};
 use crumple_metrics::{OlcOptions, olc, through_class};
 use crumple_signal::Signal;
 
 use crate::error::PredictError;
 
-/// A crash is over in two seconds or never.
-pub(crate) const HORIZON_S: f64 = 2.0;
 /// How long a motion is followed after the rebound: occupants are still on their way.
 pub(crate) const AFTER_REBOUND_S: f64 = 0.05;
 /// How long a motion is followed where there is no rebound.

@@ -1,10 +1,10 @@
 //! A collision with another vehicle or a moving barrier, and what becomes of both.
 
-use crumple_lumped::{FrontToFront, Instants, Meeting, MeetingState, Motion, Structure};
+use crumple_lumped::{FrontToFront, HORIZON_S, Instants, Meeting, MeetingState, Motion, Structure};
 
 use crate::error::PredictError;
 use crate::impact::outcome::{
-    AFTER_REBOUND_S, Energy, HORIZON_S, Outcome, Quantity, WITHOUT_REBOUND_S, Wave, let_go, occupant_load, peak,
+    AFTER_REBOUND_S, Energy, Outcome, Quantity, WITHOUT_REBOUND_S, Wave, let_go, occupant_load, peak,
 };
 
 /// What a vehicle runs into, or what runs into it.

@@ -16,6 +16,8 @@ pub(crate) const SAMPLING_S: f64 = 1e-4;
 /// What a relative error of the force at the end of the crush does to its time: of a constant force the last tenth of
 /// the way takes a third of the time, and its time goes as one over the force.
 const TIME_BY_FORCE: f64 = 0.3;
+/// Restitution below which a model is plastic and its own says nothing at any speed: the record's stands for it.
+const LEAST_RESTITUTION: f64 = 0.01;
 
 /// A model in its own test, and the test.
 #[derive(Debug, Clone)]
@@ -58,9 +60,9 @@ impl<'a> OwnTest<'a> {
         Some(until(self.made.felt.as_ref())? / until(self.felt.as_ref())?)
     }
 
-    /// The same of the coefficient of restitution.
+    /// The same of the coefficient of restitution, that of the model at least [`LEAST_RESTITUTION`].
     fn restitution(&self) -> Option<f64> {
-        let model = self.outcome.get(Quantity::Restitution).filter(|e| *e > 0.0)?;
+        let model = self.outcome.get(Quantity::Restitution)?.max(LEAST_RESTITUTION);
         Some(self.made.coefficient_of_restitution?.max(0.0) / model)
     }
 
@@ -112,7 +114,7 @@ pub(crate) type TestedFront<'a> = (&'a OwnTest<'a>, f64);
 pub(crate) struct RecordFactors {
     /// Factor of the peak; `None`: the record says nothing of it.
     pub peak: Option<f64>,
-    /// Factor of the restitution.
+    /// Factor of the restitution, of at least [`LEAST_RESTITUTION`]; the product is 1 at most.
     pub restitution: Option<f64>,
     partner_peak: Option<f64>,
 }
@@ -135,10 +137,10 @@ impl RecordFactors {
     pub fn of(&self, model: &Outcome) -> Outcome {
         let mut outcome = *model;
         let by_velocity = self.change_of_velocity(model);
+        outcome.0[Quantity::Restitution as usize] = self.rebound(model).map(|(_, e)| e);
         let factors = [
             (Quantity::Peak, self.peak),
             (Quantity::PartnerPeak, self.partner_peak),
-            (Quantity::Restitution, self.restitution),
             (Quantity::DeltaV, Some(by_velocity)),
             (Quantity::PartnerDeltaV, Some(by_velocity)),
         ];
@@ -149,10 +151,15 @@ impl RecordFactors {
         outcome
     }
 
+    /// The restitution of a model, and as the records leave it.
+    fn rebound(&self, model: &Outcome) -> Option<(f64, f64)> {
+        let e = model.get(Quantity::Restitution)?;
+        Some((e, self.restitution.map_or(e, |factor| (factor * e.max(LEAST_RESTITUTION)).min(1.0))))
+    }
+
     /// Factor of every change of velocity: it goes as one plus the restitution.
     fn change_of_velocity(&self, model: &Outcome) -> f64 {
-        let pair = model.get(Quantity::Restitution).zip(self.restitution);
-        pair.map_or(1.0, |(e, factor)| (1.0 + factor * e) / (1.0 + e))
+        self.rebound(model).map_or(1.0, |(e, by_record)| (1.0 + by_record) / (1.0 + e))
     }
 
     /// The velocities after a collision that belong to them.
@@ -162,5 +169,35 @@ impl RecordFactors {
             let before = body.velocity_before_m_per_s;
             body.velocity_after_m_per_s = body.velocity_after_m_per_s.map(|after| before + factor * (after - before));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_record_makes_a_model_rebound_faster_than_it_came() {
+        let with = |e: f64| {
+            let mut outcome = Outcome::default();
+            outcome.0[Quantity::Restitution as usize] = Some(e);
+            outcome.0[Quantity::DeltaV as usize] = Some(10.0 * (1.0 + e));
+            outcome
+        };
+        let made = |e: f64| MadeTest { coefficient_of_restitution: Some(e), ..MadeTest::default() };
+        let answer = |own_e: f64, made: &MadeTest, e: f64| {
+            let class = EnergyClass::Plastic;
+            let own = OwnTest { outcome: with(own_e), mass_kg: 1e3, class, felt: None, made };
+            let outcome = RecordFactors::new((&own, 1e5), None, 0.0).of(&with(e));
+            [Quantity::Restitution, Quantity::DeltaV].map(|quantity| outcome.get(quantity).unwrap())
+        };
+        let is_near =
+            |found: [f64; 2], e: f64| (found[0] - e).abs() < 1e-12 && (found[1] - 10.0 * (1.0 + e)).abs() < 1e-12;
+        assert!(is_near(answer(0.15, &made(0.3), 0.2), 0.4));
+        // A factor of 4 stops at 1.
+        assert!(is_near(answer(0.15, &made(0.6), 0.3), 1.0));
+        // A plastic model has the restitution of the record.
+        assert!(is_near(answer(1e-4, &made(0.12), 3e-4), 0.12));
+        assert!(is_near(answer(0.0, &made(0.12), 0.0), 0.12));
     }
 }

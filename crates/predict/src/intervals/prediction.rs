@@ -156,11 +156,12 @@ impl Impact<'_> {
         let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
         let by_restraint = self.by_restraint(&wave);
         let known = inputs.speed_m_per_s;
-        let own_doubt =
-            doubt(self.tested, (own_speed, mass_kg, known), own.beyond.is_some(), &wave, &outcome, Side::Own);
-        let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, support)| {
+        let is_beyond = [Some(own), partner.as_ref().map(|(_, _, support)| *support)]
+            .map(|support| support.is_some_and(|support| support.beyond.is_some()));
+        let own_doubt = doubt(self.tested, (own_speed, mass_kg, known), is_beyond[0], &wave, &outcome, Side::Own);
+        let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, _)| {
             let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
-            doubt(tested, (*speed, partner_kg, known), support.beyond.is_some(), &wave, &outcome, Side::Partner)
+            doubt(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
         let intervals = Quantity::ALL.map(|quantity| {
             let value = outcome.get(quantity)?;
@@ -181,21 +182,11 @@ impl Impact<'_> {
                     }
                 }
             });
-            let [rate, extrapolation, in_front, record] = by_crush;
-            let misfit = self.by_misfit(quantity, &model, &outcome, own.beyond.is_some());
-            let restraint = by_restraint[q];
-            let all: Variances = [
-                variances[q],
-                by_speed[q],
-                by_mass[q],
-                models,
-                rate,
-                extrapolation,
-                in_front,
-                record,
-                restraint,
-                misfit,
-            ];
+            let [rate, force, in_front, record] = by_crush;
+            let is_beyond = is_beyond[usize::from(quantity.side() == Side::Partner)];
+            let misfit = self.by_misfit(quantity, &model, &outcome, is_beyond);
+            let all: Variances =
+                [variances[q], by_speed[q], by_mass[q], models, rate, force, in_front, record, by_restraint[q], misfit];
             interval(value, &all, inputs.left_out)
         });
         let energy = match &both {
@@ -208,8 +199,8 @@ impl Impact<'_> {
             mass_kg,
             outcome,
             intervals,
-            peak_by_record: by_record.peak.map(|_| own.beyond.is_none()),
-            rebound_by_record: by_record.restitution.map(|_| own.beyond.is_none()),
+            peak_by_record: by_record.peak.map(|_| !is_beyond.contains(&true)),
+            rebound_by_record: by_record.restitution.map(|_| !is_beyond.contains(&true)),
             energy,
             wave,
             collision: both,

@@ -49,13 +49,9 @@ pub fn measured(
     let from_time_zero =
         |wave: &Sampled| Sampled::new(wave.t0_s() - events.time_zero_s, wave.dt_s(), wave.samples().to_vec()).ok();
     let made = MadeTest {
-        delta_v_m_per_s: events.delta_v_m_per_s,
-        dynamic_crush_m: events.dynamic_crush_m,
-        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
-        coefficient_of_restitution: events.coefficient_of_restitution,
         peak_m_per_s2: peak.and_then(|metric| metric.value).map(f64::abs),
         acceleration: input.wave_if(&events.channel).and_then(|wave| from_time_zero(&wave.sampled)),
-        ..MadeTest::default()
+        ..of_events(events)
     };
     let class = test.channels.iter().find(|channel| channel.id == events.channel).and_then(|channel| channel.cfc);
     let velocity =
@@ -64,6 +60,18 @@ pub fn measured(
         Some(velocity) => made.with_velocity(speed_m_per_s, &velocity, class == Some(60)),
         None => made,
     })
+}
+
+/// The events of a test; of a record that ends during the rebound, restitution and delta-v are lower bounds and none.
+fn of_events(events: &EventsV1) -> MadeTest {
+    let is_whole = !events.still_separating;
+    MadeTest {
+        delta_v_m_per_s: events.delta_v_m_per_s.filter(|_| is_whole),
+        dynamic_crush_m: events.dynamic_crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        coefficient_of_restitution: events.coefficient_of_restitution.filter(|_| is_whole),
+        ..MadeTest::default()
+    }
 }
 
 impl OtherTest {
@@ -106,4 +114,19 @@ pub fn words(against: &AgainstTestV1) -> String {
         percent(against.peak_acceleration_error_percent),
         number(against.coefficient_of_restitution_error),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lower_bound_is_no_restitution_of_a_test() {
+        let (coefficient_of_restitution, delta_v_m_per_s) = (Some(0.02), Some(15.3));
+        let whole = EventsV1 { coefficient_of_restitution, delta_v_m_per_s, ..EventsV1::default() };
+        let made = of_events(&whole);
+        assert_eq!((made.coefficient_of_restitution, made.delta_v_m_per_s), (Some(0.02), Some(15.3)));
+        let cut = of_events(&EventsV1 { still_separating: true, ..whole });
+        assert_eq!((cut.coefficient_of_restitution, cut.delta_v_m_per_s), (None, None));
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
 use crumple_drawing::numbers::{ABSENT, MILLI, digits_of_interval, unit};
 use crumple_findings::{
-    CandidateResult, KeyNumber, key_numbers,
+    CandidateResult, KeyNumber, decimals, key_numbers,
     names::candidate_name,
     parameters::{parameter, parameter_order},
 };
@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use super::compared_run::ComparedRun;
 use super::table::{Cell, Row};
-use crate::page::key_numbers::{places, title};
+use crate::page::key_numbers::title;
 
 /// The rows of the key numbers: every number that one of the runs has.
 pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
@@ -44,7 +44,7 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
 
 fn number_cell(language: Language, number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
     let (factor, unit) = unit(number.unit);
-    let digits = places(number.name);
+    let digits = decimals(number.name);
     let shown = |value: f64| format!("{}{}", number.sign(), language.quantity(factor * value, digits, unit));
     let text = number.value.map_or_else(|| ABSENT.to_owned(), shown);
     let mut beside = Vec::new();

@@ -67,7 +67,7 @@ impl RunIndex<'_> {
     pub fn counted(&self) -> String {
         let count = |is: &dyn Fn(&IndexedRun<'_>) -> bool| self.runs.iter().filter(|run| is(run)).count();
         let failed = count(&|run| !run.is_done());
-        let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.recommended.is_some()));
+        let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.usable_model().is_some()));
         let texts = &self.language.phrases().runs;
         let runs = match self.runs.len() {
             1 => texts.one_run.to_owned(),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{EventsV1, PredictionV1, SimulationV1};
+use crumple_findings::Status;
 use crumple_phrases::language::{Language, fill};
 use serde::Deserialize;
 
@@ -79,6 +80,12 @@ pub struct SummaryConclusion {
     /// `model`, `none-recommended`, `no-result`.
     #[serde(default)]
     pub standing: String,
+    /// Whether the results may be used.
+    #[serde(default)]
+    pub status: Option<Status>,
+    /// The same with its reason.
+    #[serde(default)]
+    pub status_sentence: String,
     /// Numbers of the recommended model that were asked of the record.
     #[serde(default)]
     pub parameters: Option<usize>,
@@ -192,6 +199,11 @@ impl RunSummary {
     /// The model year that the name of the vehicle begins with.
     pub fn model_year(&self) -> Option<i64> {
         model_year(self.test.vehicle.as_deref()?)
+    }
+
+    /// The model that is recommended, unless nothing is to be used.
+    pub(crate) fn usable_model(&self) -> Option<&str> {
+        self.recommended.as_deref().filter(|_| self.conclusion.status != Some(Status::DoNotUse))
     }
 
     /// How many of its numbers are determined, to an order of magnitude, open: `3 of 5 determined, 2 open`.

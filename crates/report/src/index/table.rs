@@ -56,12 +56,17 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool, language: Language
         let value = summary.and_then(quantity.of);
         let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| language.significant(value, DIGITS)));
     }
-    let recommended = summary.and_then(|summary| summary.recommended.as_deref());
     let certainty = summary.and_then(|summary| summary.certainty(language)).unwrap_or_default();
-    let _ = match (recommended, run.is_done()) {
-        (Some(id), true) => write!(out, "<td>{}", html(&model_name(id.split('/').next().unwrap_or(id)))),
-        (None, true) => write!(out, "<td>{}", texts.none),
-        (_, false) => write!(out, "<td><b>{}</b>", status(run.exit_code, language)),
+    let _ = match summary.filter(|_| run.is_done()) {
+        Some(summary) => {
+            let model = summary.usable_model().map(|id| model_name(id.split('/').next().unwrap_or(id)));
+            let word = summary.conclusion.status.map(|status| status.word(language).to_owned());
+            let said: Vec<String> = word.into_iter().chain(model).collect();
+            let said = if said.is_empty() { texts.none.to_owned() } else { said.join(": ") };
+            write!(out, "<td title=\"{}\">{}", html(&summary.conclusion.status_sentence), html(&said))
+        }
+        None if run.is_done() => write!(out, "<td>{}", texts.none),
+        None => write!(out, "<td><b>{}</b>", status(run.exit_code, language)),
     };
     let warning = match summary.and_then(|summary| summary.concerns.first()) {
         Some(concern) if run.is_done() => &concern.text,

@@ -15,8 +15,9 @@ pub(super) fn write_status(out: &mut String, run: &Run, verdict: &Conclusion) {
         Status::UsableWithCare => "care",
         Status::DoNotUse => "bad",
     };
-    let word = verdict.status.word(run.language);
-    let sentence = html(&verdict.status_sentence).replacen(word, &format!("<strong>{word}</strong>"), 1);
+    let word = format!("<strong>{}</strong>", verdict.status.word(run.language));
+    let template = run.language.phrases().conclusion.status;
+    let sentence = fill(template, &[("status", word), ("reason", html(&verdict.because))]);
     out.push_str(&format!("<p class=\"status {class}\">{sentence}</p>\n"));
 }
 
@@ -28,9 +29,7 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
         (_, Status::DoNotUse) => ("verdict none", ""),
         _ => ("verdict", ""),
     };
-    // The report's own reason for taking a recommendation back speaks the language of the page.
-    let choice = run.recommendation.as_ref().filter(|_| run.withdrawn.is_none());
-    let because = choice.map(|choice| choice.recommended_because.as_str());
+    let because = run.recommendation.as_ref().map(|choice| choice.recommended_because.as_str());
     let words = [verdict.reason.as_deref(), verdict.remedy.as_deref(), because].map(Option::unwrap_or_default);
     let said = |text: &String| sentence_with_words_of_stages(run.language, text, &words);
     let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", said(text))).collect();

@@ -2,7 +2,7 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
-use crumple_findings::{KeyNumber, Run, key_numbers};
+use crumple_findings::{KeyNumber, Run, decimals, key_numbers};
 use crumple_phrases::language::{Language, fill};
 use crumple_signal::ANOTHER_VEHICLE;
 
@@ -30,10 +30,15 @@ pub(super) fn write(out: &mut String, run: &Run) {
 fn card(run: &Run, number: &KeyNumber) -> String {
     let (language, texts) = (run.language, &run.language.phrases().numbers);
     let (factor, unit) = unit(number.unit);
+    let places = decimals(number.name);
+    let range = |low: f64, high: f64| {
+        let ends = [(low, ""), (high, unit)].map(|(end, unit)| language.quantity(factor * end, places, unit));
+        html(&language.between(&ends[0], &ends[1]))
+    };
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            let value = language.decimals(factor * value, places(number.name));
+            let value = language.decimals(factor * value, places);
             format!("<dd class=\"number\">{}{value}{unit}</dd>", number.sign())
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
@@ -45,8 +50,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
         lines.push(if is_own { html(reason) } else { words_of_stage(language, reason) });
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
-        let interval = html(&language.range(low, high, number.unit));
-        lines.push(format!("{}: {interval}", interval_name(language, number)));
+        lines.push(format!("{}: {}", interval_name(language, number), range(low, high)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(words_of_stage(language, reason));
     } else if number.value.is_some() {
@@ -54,9 +58,8 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     }
     if let Some(spread) = &number.spread {
         let class = if number.interval_misses_a_sensor() { " class=\"beyond\"" } else { "" };
-        let count = spread.channels.split('+').count().to_string();
-        let interval = html(&language.range(spread.low, spread.high, number.unit));
-        let words = fill(texts.sensors, &[("count", count), ("interval", interval)]);
+        let texts_of_it = [("count", spread.sensors().to_string()), ("interval", range(spread.low, spread.high))];
+        let words = fill(texts.sensors, &texts_of_it);
         lines.push(format!("<span{class}>{words}</span>"));
     }
     lines.extend(remark(run, number));
@@ -94,15 +97,6 @@ pub(crate) fn title(run: &Run, name: &str) -> String {
         other => return html(&run.language.metric(other)),
     };
     title.to_owned()
-}
-
-/// Digits after the point in the unit of the page.
-pub(crate) fn places(name: &str) -> usize {
-    match name {
-        "coefficient_of_restitution" => 3,
-        "hic15" | "hic36" | "time_of_maximum_delta_v" => 0,
-        _ => 1,
-    }
 }
 
 /// `90 %` of `5-95 % of 400 replicates`, `resolution` of a recorder.
@@ -146,7 +140,7 @@ fn caption(out: &mut String, language: Language, numbers: &[KeyNumber]) {
         sentences.extend(by(start).map(|by| fill(template, &[("by", html(&language.interval_by(by)))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
-        let channels = html(&spread.channels.replace('+', ", "));
+        let channels = html(&spread.channels.join(", "));
         sentences.push(fill(texts.sensors_caption, &[("channels", channels)]));
     }
     if numbers.iter().any(KeyNumber::interval_misses_a_sensor) {

@@ -1,6 +1,6 @@
 //! Impacts that were not made, as the models of the test predict them; tests that were, as the others predict them.
 
-use crumple_artifact::records::PredictionV1;
+use crumple_artifact::records::{AnsweredByV1, PredictionV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, names::candidate_name};
@@ -11,8 +11,6 @@ use crate::frame::stage_words::words_of_stage;
 
 /// Predictions on the first screen.
 const SHOWN_FIRST: usize = 5;
-/// Speeds closer than this share are one.
-const SAME_SPEED: f64 = 0.005;
 
 /// What the recommended model gives for the impacts that were asked for, else at the standing speeds, in a few columns;
 /// nothing where nothing is to be used.
@@ -25,10 +23,12 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
         return;
     }
     let texts = &run.language.phrases().predictions;
+    let level = shown.iter().flat_map(|prediction| &prediction.intervals).map(|interval| interval.level).next();
+    let level = level.map_or_else(String::new, |level| run.language.quantity(1e2 * level, 0, "%"));
     let columns = [
         Column::number(texts.speed_head),
         Column::number(texts.crush_head),
-        Column::number(texts.interval_head),
+        Column::number(&level),
         Column::number(texts.peak_head),
         Column::text(texts.range_head),
     ];
@@ -48,36 +48,34 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     let mm = |m: f64| language.decimals(MILLI * m, 0);
     let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
-    let is_same = |a: f64, b: Option<f64>| b.is_some_and(|b| (a - b).abs() <= SAME_SPEED * b);
-    let is_own_mass = is_same(prediction.mass_kg, run.test.mass_kg);
     let range = match prediction.extrapolates {
         true => texts.beyond,
-        false
-            if prediction.partner.is_none()
-                && is_own_mass
-                && is_same(prediction.impact_speed_m_per_s, run.test.impact_speed_m_per_s) =>
-        {
-            texts.as_tested
-        }
+        false if run.is_as_tested(prediction) => texts.as_tested,
         false => texts.inside,
     };
-    let partner = prediction
-        .partner
-        .as_ref()
-        .map(|partner| fill(language.phrases().conclusion.against_partner, &[("partner", html(partner))]));
-    let other = (!is_own_mass || partner.is_some()).then(|| {
-        let texts_of_it =
-            [("mass", language.decimals(prediction.mass_kg, 0)), ("partner", partner.unwrap_or_default())];
-        format!("<br><small>{}</small>", fill(texts.another_impact, &texts_of_it))
+    let phrases = &language.phrases().conclusion;
+    let is_other_mass = !run.is_of_own_mass(prediction);
+    let mass = is_other_mass.then(|| language.quantity(prediction.mass_kg, 0, "kg"));
+    let mass = mass.map(|mass| fill(phrases.with_mass, &[("mass", mass)]));
+    let partner = prediction.partner.as_ref();
+    let partner = partner.map(|partner| fill(phrases.against_partner, &[("partner", html(partner))]));
+    let other = [mass, partner].into_iter().flatten().collect::<String>();
+    let other = if other.is_empty() { other } else { format!("<br><small>{}</small>", other.trim_start()) };
+    let peak = prediction.peak_acceleration_m_per_s2.map(|peak| {
+        let peak = language.decimals(G_PER_M_PER_S2 * peak, 0);
+        match prediction.peak_by {
+            Some(AnsweredByV1::Record) => fill(texts.by_the_record, &[("peak", peak)]),
+            _ => peak,
+        }
     });
     out.push_str(&format!(
         "<tr><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
          <td{}>{range}</td></tr>\n",
         language.at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
-        other.unwrap_or_default(),
+        other,
         or_absent(prediction.dynamic_crush_m.map(mm)),
         or_absent(interval.map(|interval| language.between(&mm(interval.low), &mm(interval.high)))),
-        or_absent(prediction.peak_acceleration_m_per_s2.map(|peak| language.decimals(G_PER_M_PER_S2 * peak, 0))),
+        or_absent(peak),
         if prediction.extrapolates { " class=\"no\"" } else { "" },
     ));
 }

@@ -46,7 +46,6 @@ pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
     run.candidates = candidates(inputs, &simulations, time_zero_s)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
-    run.withdraw_poor_recommendation();
     collect_notes(inputs, &mut run)?;
     run.concerns = concerns(inputs)?;
     let qualities = inputs.records::<QualityV1>("/quality/")?;
@@ -152,7 +151,10 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     // Of several outputs that which is worst on unseen samples counts.
     for (topic, evidence) in inputs.records::<EvidenceV1>("/evidence/")? {
         let Some(model) = models.get_mut(&split(&topic).0) else { continue };
-        let unseen = |evidence: &EvidenceV1| evidence.validation_fit_percent.unwrap_or(f64::INFINITY);
+        let unseen = |evidence: &EvidenceV1| {
+            let fit_percent = evidence.validation_fit_percent.unwrap_or(f64::INFINITY);
+            (evidence.holds_on_unseen != Some(false), fit_percent)
+        };
         if model.evidence.as_ref().is_none_or(|known| unseen(&evidence) < unseen(known)) {
             model.evidence = Some(evidence);
         }

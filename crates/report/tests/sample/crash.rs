@@ -35,6 +35,7 @@ pub(super) fn test() -> TestDescription {
         pulse: Some("accel".to_owned()),
         notes: vec!["the time column has 4 decimals".to_owned()],
         time_zero: None,
+        exchange_asked: false,
     }
 }
 

@@ -39,6 +39,8 @@ pub struct TestDescription {
     pub notes: Vec<String>,
     /// What says that t = 0 is first contact, in words: the format, or the person who stated it; `None`: nothing.
     pub time_zero: Option<String>,
+    /// Whether its reader asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
+    pub exchange_asked: bool,
 }
 
 /// Why no channel can be taken as the pulse.

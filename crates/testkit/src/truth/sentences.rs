@@ -76,7 +76,7 @@ const ROLES: &[&str] = &["model.closest", "model.closest_alone", "model.recommen
 /// Columns of the table of other speeds.
 const COLUMNS: usize = 5;
 
-/// `usable with care: its crush is good to 16 % at 40 km/h.`
+/// `usable with care: the crush at 40 km/h is known to ±16 %.`
 fn status(made: &Made) -> String {
     match (made.text("/verdict/status").replace('-', " "), made.text("/verdict/status_because")) {
         (_, "") => made.text("/verdict/status_sentence").to_owned(),
@@ -193,7 +193,7 @@ fn of_console(registry: &Registry, made: &Made, add: &mut Add<'_>) {
             ("recommended" | "model in doubt", _) => add(Surface::Console, &label, &text, &["console.model"]),
             ("report" | "run", _) => {}
             ("not in it", _) => add(Surface::Console, &label, &text, &registry.sentences(&["remarks."])),
-            ("no model", _) => add(Surface::Console, &label, &text, &registry.sentences(&["note."])),
+            ("not identified", _) => add(Surface::Console, &label, &text, &registry.sentences(&["note."])),
             ("warnings" | "", _) => add(Surface::Console, &label, &text, &["console.warning", "console.more"]),
             _ => add(Surface::Console, &label, &text, &registry.sentences(&["console.stage-"])),
         }

@@ -14,10 +14,12 @@ pub struct RecommendationV1 {
     pub simplest: Option<String>,
     /// Why this one, or why none.
     pub simplest_because: String,
-    /// How strong the evidence is beside the best candidate of another model: `weak` or `decisive`; `null`: no other
-    /// model qualifies, or none is recommended.
+    /// How the evidence stands to `beside`; `null`: there is none, or none is recommended.
     #[serde(default)]
-    pub strength: Option<String>,
+    pub strength: Option<StrengthV1>,
+    /// The candidate of another model with the lowest criterion of those that might be recommended instead.
+    #[serde(default)]
+    pub beside: Option<String>,
     /// Channels whose records decided: the pulse, and the sensors on other masses that were fitted.
     #[serde(default)]
     pub decided_by: Vec<String>,
@@ -33,6 +35,19 @@ pub struct RecommendationV1 {
     /// All candidates, best with priors first, then those that are not adequate.
     #[serde(default)]
     pub candidates: Vec<RatedCandidateV1>,
+}
+
+/// How the evidence for a recommended candidate stands to that for the best candidate of another model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StrengthV1 {
+    /// The criteria differ by 10 at most.
+    Weak,
+    /// The criterion of the recommended candidate is lower by more than 10.
+    Decisive,
+    /// The criterion of the other is lower by more than 10: the recommended candidate was chosen for its crush at lower
+    /// speeds.
+    Contrary,
 }
 
 /// What the information criterion was computed from.

@@ -109,21 +109,11 @@ pub struct EvidenceV1 {
     /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not
     /// known.
     pub denominator_covariance: Vec<Vec<f64>>,
-}
-
-/// A fit of unseen samples that lies further (percent) below the fit of those that a model was identified from is that
-/// of another system.
-const LARGEST_LOSS_PERCENT: f64 = 30.0;
-
-impl EvidenceV1 {
-    /// Whether the model holds on samples that it has not seen, run on and with its state fitted to them: a fit of at
-    /// least 0, and at most 30 points below `fit_percent`, that of the samples it was identified from. `None`: it has
-    /// seen all.
-    pub fn holds_on_unseen(&self, fit_percent: Option<f64>) -> Option<bool> {
-        let holds = |unseen: f64| unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT);
-        let restarted = self.validation_restarted_fit_percent.is_none_or(holds);
-        Some(holds(self.validation_fit_percent?) && restarted)
-    }
+    /// Whether the model holds on the samples kept for validation, run on and with its state fitted to them: a fit of
+    /// at least 0, and at most 30 points below that of the samples of this output that it was identified from. `null`:
+    /// it has seen all.
+    #[serde(default)]
+    pub holds_on_unseen: Option<bool>,
 }
 
 /// Spread of a number over the replicates of a bootstrap.

@@ -46,6 +46,10 @@ pub struct EventsV1 {
     pub rebound_velocity_m_per_s: Option<f64>,
     /// Coefficient of restitution e = -rebound velocity / impact speed.
     pub coefficient_of_restitution: Option<f64>,
+    /// Whether the record ends during the rebound: its lowest velocity is the last sample, so that restitution and
+    /// delta-v are lower bounds.
+    #[serde(default)]
+    pub still_separating: bool,
     /// Change of velocity, impact speed minus rebound velocity, m/s; of a velocity that never reaches zero impact speed
     /// minus the lowest velocity up to `end_of_event_s`.
     pub delta_v_m_per_s: Option<f64>,
@@ -81,11 +85,5 @@ impl EventsV1 {
     pub fn end_of_contact_s(&self, record_end_s: f64) -> f64 {
         let end_s = record_end_s - self.time_zero_s;
         self.time_of_rebound_s.or(self.time_of_delta_v_s).map_or(end_s, |t| t.min(end_s))
-    }
-
-    /// Whether a velocity that ends at `end_s` on its own axis, sampled every `dt_s`, is lowest at its end: the vehicle
-    /// still separates, so restitution and change of velocity are lower bounds.
-    pub fn is_rebound_cut(&self, end_s: f64, dt_s: f64) -> bool {
-        self.time_of_rebound_s.is_some_and(|t| t + self.time_zero_s > end_s - 1.5 * dt_s)
     }
 }

@@ -34,6 +34,10 @@ pub struct QualityV1 {
     /// Mean over the last 20 ms, zero level removed, SI unit of the channel.
     #[serde(default)]
     pub end_level: Option<f64>,
+    /// Level at rest of an acceleration in free fall before the event, 1 g off `zero_level`, m/s²; `null`: no free fall
+    /// shows.
+    #[serde(default)]
+    pub rest_level: Option<f64>,
 }
 
 impl QualityV1 {

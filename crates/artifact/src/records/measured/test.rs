@@ -31,6 +31,9 @@ pub struct TestV1 {
     /// What says that t = 0 is first contact, in words; `null`: nothing.
     #[serde(default)]
     pub time_zero: Option<String>,
+    /// Whether ingest asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
+    #[serde(default)]
+    pub exchange_asked: bool,
 }
 
 /// Origin of a record.
@@ -99,6 +102,7 @@ impl From<&TestDescription> for TestV1 {
             pulse: test.pulse.clone(),
             notes: test.notes.clone(),
             time_zero: test.time_zero.clone(),
+            exchange_asked: test.exchange_asked,
         }
     }
 }
@@ -143,6 +147,7 @@ impl TryFrom<TestV1> for TestDescription {
             pulse: test.pulse,
             notes: test.notes,
             time_zero: test.time_zero,
+            exchange_asked: test.exchange_asked,
         })
     }
 }

@@ -173,8 +173,7 @@ fn fit_sum(
     let percent = fit_in_words(record.fit_percent);
     results.out.put(&format!("/identification/{id}"), &record)?;
     poles_of_sum.keep_those_of_modes(std::slice::from_mut(&mut evidence));
-    results.out.put(&format!("/evidence/{id}"), &evidence)?;
-    results.enter(id, &record, std::slice::from_ref(&evidence));
+    results.enter(id, &record, std::slice::from_mut(&mut evidence))?;
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations{}",
         answer.sampled.len(),

@@ -191,16 +191,14 @@ fn put_transfer_function(
     let percent = fit_in_words(whole.fit_percent);
     results.out.put(&format!("/identification/{id}"), &whole)?;
     poles_of_model.keep_those_of_modes(std::slice::from_mut(&mut evidence));
-    results.out.put(&format!("/evidence/{id}"), &evidence)?;
-    let all = std::slice::from_ref(&evidence);
-    results.enter(id, &whole, all);
+    results.enter(id, &whole, std::slice::from_mut(&mut evidence))?;
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         answer.sampled.len(),
         fit.search.stop_reason.name_with_bounds(fit.search.on_bound),
         fit.search.iterations,
         fit.search.start.name(),
-        validation_summary(all)
+        validation_summary(std::slice::from_ref(&evidence))
     ));
     Ok(())
 }

@@ -78,6 +78,7 @@ pub fn simulation_evidence(
         parameter_deviations: Vec::new(),
         parameter_correlations: Vec::new(),
         denominator_covariance: Vec::new(),
+        holds_on_unseen: None,
     }
 }
 
@@ -203,17 +204,6 @@ pub fn identification_with_evidence(
         })
         .collect();
     (whole, evidence)
-}
-
-/// Writes the evidence of every output: `/evidence/<id>`, of several outputs `/evidence/<id>/<number>`.
-pub fn put_evidence(id: &str, evidence: &[EvidenceV1], out: &mut Output) -> anyhow::Result<()> {
-    if let [only] = evidence {
-        return out.put(&format!("/evidence/{id}"), only);
-    }
-    for (number, output_evidence) in evidence.iter().enumerate() {
-        out.put(&format!("/evidence/{id}/{}", number + 1), output_evidence)?;
-    }
-    Ok(())
 }
 
 /// Writes the transfer functions of a continuous model, `/model/<id>/transfer-function`, of several inputs or outputs

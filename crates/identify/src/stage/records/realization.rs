@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 
 use crate::stage::options::evidence::BootstrapSettings;
 use crate::stage::records::acceptance::note_on_fit;
-use crate::stage::records::evidence::{pole_record, put_evidence, simulation_evidence, validate, validation_summary};
+use crate::stage::records::evidence::{pole_record, simulation_evidence, validate, validation_summary};
 use crate::stage::records::poles::{Poles, entry};
 use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
 use crate::stage::records::results::Results;
@@ -149,8 +149,7 @@ pub fn put_realization(
     let whole = identification(model, task, notes.to_texts());
     results.out.put(&format!("/identification/{id}"), &whole)?;
     poles.keep_those_of_modes(&mut evidence);
-    put_evidence(&id, &evidence, results.out)?;
-    results.enter(&id, &whole, &evidence);
+    results.enter(&id, &whole, &mut evidence)?;
     results.out.summary(format!("{}{}", summary(&id, &whole, &poles), validation_summary(&evidence)));
     Ok(())
 }

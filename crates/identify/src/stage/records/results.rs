@@ -24,30 +24,52 @@ struct Unseen {
     id: String,
     from_s: f64,
     fit_percent: Option<f64>,
-    /// Run on from the state that the model has at the end of the samples it was identified from.
+    /// The lower of two: run on from the state at the end of the samples it was identified from, and with the state
+    /// fitted to them.
     unseen_fit_percent: f64,
-    /// With the state fitted to them, where that was done.
-    restarted_fit_percent: Option<f64>,
     holds: bool,
 }
 
+/// A fit of unseen samples that lies further (percent) below the fit of those that a model was identified from is that
+/// of another system.
+const LARGEST_LOSS_PERCENT: f64 = 30.0;
+
+/// Whether a model holds on samples that it has not seen, as [`EvidenceV1::holds_on_unseen`] states.
+fn holds_on_unseen(evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<bool> {
+    let holds = |unseen: f64| unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT);
+    let restarted = evidence.validation_restarted_fit_percent.is_none_or(holds);
+    Some(holds(evidence.validation_fit_percent?) && restarted)
+}
+
 impl Unseen {
+    /// `None`: the model has seen all samples of this output.
+    fn new(id: &str, evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<Self> {
+        let run_on = evidence.validation_fit_percent?;
+        Some(Self {
+            id: id.to_owned(),
+            from_s: evidence.validation_from_s?,
+            fit_percent,
+            unseen_fit_percent: evidence.validation_restarted_fit_percent.map_or(run_on, |fit| fit.min(run_on)),
+            holds: evidence.holds_on_unseen?,
+        })
+    }
+
     /// Those that do not hold first, then by the fit of the unseen samples, the smallest first.
     fn compare(&self, other: &Self) -> Ordering {
         self.holds.cmp(&other.holds).then(self.unseen_fit_percent.total_cmp(&other.unseen_fit_percent))
     }
 }
 
-/// `arx-4 (fit 65.7 %, unseen -5595.0 %, with the state fitted to them -310.2 %)`.
+/// `arx-4 (fit 66 %, on unseen samples below 0)`.
 impl fmt::Display for Unseen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { id, fit_percent, unseen_fit_percent, restarted_fit_percent, .. } = self;
-        let fit = fit_percent.map_or("not defined".to_owned(), |fit| format!("{fit:.1} %"));
-        write!(f, "{id} (fit {fit}, unseen {unseen_fit_percent:.1} %")?;
-        if let Some(restarted) = restarted_fit_percent {
-            write!(f, ", with the state fitted to them {restarted:.1} %")?;
-        }
-        f.write_str(")")
+        let Self { id, fit_percent, unseen_fit_percent, .. } = self;
+        let fit = fit_percent.map_or("not defined".to_owned(), |fit| format!("{fit:.0} %"));
+        let unseen = match unseen_fit_percent {
+            ..0.0 => "below 0".to_owned(),
+            unseen => format!("{unseen:.0} %"),
+        };
+        write!(f, "{id} (fit {fit}, on unseen samples {unseen})")
     }
 }
 
@@ -57,25 +79,24 @@ impl<'a> Results<'a> {
         Self { comparison: Comparison::default(), unseen: Vec::new(), out }
     }
 
-    /// Enters a model, with the evidence of every output. Of several outputs the one that is worst on unseen samples
-    /// counts.
-    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &[EvidenceV1]) {
+    /// Enters a model and writes the evidence of every output: `/evidence/<id>`, of several outputs
+    /// `/evidence/<id>/<number>`. Of several outputs the one that is worst on unseen samples counts.
+    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &mut [EvidenceV1]) -> anyhow::Result<()> {
         self.comparison.enter(id, usize::try_from(model.samples).unwrap_or(usize::MAX), evidence);
+        let single = evidence.len() == 1;
         let fits = match &model.output_fits_percent {
             fits if fits.len() == evidence.len() => fits.clone(),
             _ => vec![model.fit_percent; evidence.len()],
         };
-        let outputs = evidence.iter().zip(fits).filter_map(|(output_evidence, fit_percent)| {
-            Some(Unseen {
-                id: id.to_owned(),
-                from_s: output_evidence.validation_from_s?,
-                fit_percent,
-                unseen_fit_percent: output_evidence.validation_fit_percent?,
-                restarted_fit_percent: output_evidence.validation_restarted_fit_percent,
-                holds: output_evidence.holds_on_unseen(fit_percent)?,
-            })
-        });
-        self.unseen.extend(outputs.min_by(Unseen::compare));
+        let mut outputs = Vec::new();
+        for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(fits).enumerate() {
+            output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, fit_percent);
+            let place = if single { String::new() } else { format!("/{}", number + 1) };
+            self.out.put(&format!("/evidence/{id}{place}"), output_evidence)?;
+            outputs.extend(Unseen::new(id, output_evidence, fit_percent));
+        }
+        self.unseen.extend(outputs.into_iter().min_by(Unseen::compare));
+        Ok(())
     }
 
     /// Writes what the comparison says, and which models unseen samples contradict, before all other notes.
@@ -84,11 +105,10 @@ impl<'a> Results<'a> {
         let failing: Vec<String> = unseen.iter().filter(|model| !model.holds).map(Unseen::to_string).collect();
         if let Some(first) = unseen.first().filter(|_| !failing.is_empty()) {
             let best = unseen.iter().filter(|model| model.holds).max_by(|a, b| a.compare(b));
-            let instead = best.map_or_else(String::new, |model| format!("; {model} holds"));
+            let instead = best.map_or_else(String::new, |model| format!(". Use {model}"));
             let text = format!(
-                "on the samples from {} s on, which no model has seen, these fail: {}; do not use them beyond the \
-                 samples they were identified from{instead}",
-                first.from_s,
+                "not to be used beyond the samples up to {:.0} ms that they were identified from: {}{instead}",
+                1e3 * first.from_s,
                 failing.join(", "),
             );
             // Where one holds it is the one to use.

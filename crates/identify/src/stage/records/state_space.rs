@@ -9,8 +9,8 @@ use crumple_sysid::{IdentifyError, IoData, compare, continued, fit_measures, mod
 use crate::stage::options::evidence::BootstrapSettings;
 use crate::stage::records::discrete_model::DiscreteModel;
 use crate::stage::records::evidence::{
-    fit_in_words, identification_with_evidence, notes_on_poles, pole_record, prediction_tests, put_evidence,
-    put_transfer_functions, validate_all, validation_summary,
+    fit_in_words, identification_with_evidence, notes_on_poles, pole_record, prediction_tests, put_transfer_functions,
+    validate_all, validation_summary,
 };
 use crate::stage::records::poles::Poles;
 use crate::stage::records::realization::{shapes, state_space};
@@ -82,8 +82,7 @@ pub fn put_discrete_model(
     ));
     results.out.put(&format!("/identification/{id}"), &whole)?;
     poles.keep_those_of_modes(&mut evidence);
-    results.enter(id, &whole, &evidence);
-    put_evidence(id, &evidence, results.out)
+    results.enter(id, &whole, &mut evidence)
 }
 
 impl DiscreteTask<'_> {

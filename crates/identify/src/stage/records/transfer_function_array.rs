@@ -6,7 +6,7 @@ use crumple_sysid::TransferFunctionArray;
 
 use crate::stage::records::acceptance::note_on_fit;
 use crate::stage::records::evidence::{
-    fit_in_words, identification_with_evidence, if_determined, notes_on_poles, pole_record, put_evidence, put_search,
+    fit_in_words, identification_with_evidence, if_determined, notes_on_poles, pole_record, put_search,
     put_transfer_functions, validation_summary,
 };
 use crate::stage::records::poles::Poles;
@@ -65,8 +65,7 @@ pub fn put_array(
     let percent = fit_in_words(whole.fit_percent);
     results.out.put(&format!("/identification/{id}"), &whole)?;
     poles.keep_those_of_modes(&mut evidence);
-    put_evidence(id, &evidence, results.out)?;
-    results.enter(id, &whole, &evidence);
+    results.enter(id, &whole, &mut evidence)?;
     results.out.summary(format!(
         "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
         record.data.samples(),

@@ -12,20 +12,19 @@ use crumple_signal::Notes;
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::text::lines::without_mark;
-use crate::formats::waveform::channel::Waveform;
+use crate::formats::waveform::channel::{Instant, Waveform};
 use crate::formats::waveform::conversion;
+use crate::formats::waveform::date::time_of_day;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
 use crate::recording::read_channel::ReadChannel;
+use crate::time::time_unit;
 use crate::{IngestError, IngestSettings, Place};
 use header::{FileHeader, SegmentHeader};
 use lines::Lines;
 
 /// Difference of clocks that counts as the same, s.
 const CLOCK_SLACK_S: f64 = 1e-3;
-
-/// Channels that start farther apart than this are not of one event, s.
-const ONE_EVENT_S: f64 = 60.0;
 
 /// Reader of LVM files.
 pub struct Lvm;
@@ -94,10 +93,13 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
             segments.len()
         ));
     }
+    // A unit that is none is refused with the channels.
+    let stated = settings.time_unit.as_deref();
+    let time_unit_s = stated.and_then(|symbol| time_unit::stated_unit(Place::file(file), symbol, "").ok());
     let mut waveforms = Vec::new();
     for (k, segment) in segments.into_iter().enumerate() {
         let group = if several { format!("segment_{}", k + 1) } else { String::new() };
-        waveforms.extend(segment.waveforms(&group, &file_header, &mut notes));
+        waveforms.extend(segment.waveforms(&group, &file_header, time_unit_s, &mut notes));
     }
     let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
@@ -143,10 +145,10 @@ impl Segment {
             && a.columns.iter().zip(&self.values).all(|(column, values)| {
                 let (Some(dt), Some(next_dt)) = (self.interval(*column), next.interval(*column)) else { return false };
                 let length = values.len() as f64 * dt;
-                let clocks = [a, b].map(|header| clock_s(header.text("Time", *column)));
+                let clocks = [a, b].map(|header| time_of_day(header.text("Time", *column)));
                 let by_x0 = (next.start(*column) - self.start(*column) - length).abs() < 0.5 * dt;
                 let by_clock = next.start(*column) == self.start(*column)
-                    && matches!(clocks, [Some(a), Some(b)] if (b - a - length).abs() < 0.5 * dt)
+                    && matches!(clocks, [Some(a), Some(b)] if (b.since(a) - length).abs() < 0.5 * dt)
                     && a.text("Date", *column) == b.text("Date", *column);
                 dt == next_dt
                     && a.text("Y_Unit_Label", *column) == b.text("Y_Unit_Label", *column)
@@ -160,79 +162,53 @@ impl Segment {
         }
     }
 
-    fn waveforms(mut self, group: &str, file: &FileHeader, notes: &mut Notes) -> Vec<Waveform> {
-        let samples = std::mem::take(&mut self.values);
-        let starts = self.starts(&samples, file, notes);
-        let mut waveforms = Vec::with_capacity(samples.len());
-        for ((column, values), start) in self.header.columns.iter().zip(samples).zip(starts) {
-            let header = &self.header;
+    /// `time_unit_s`: factor of the unit of X that a person states.
+    fn waveforms(self, group: &str, file: &FileHeader, time_unit_s: Option<f64>, notes: &mut Notes) -> Vec<Waveform> {
+        let header = &self.header;
+        let date = file.keys.get("Date").map(String::as_str).unwrap_or_default();
+        let mut waveforms = Vec::with_capacity(self.values.len());
+        for (column, values) in header.columns.iter().zip(&self.values) {
             let mut waveform = Waveform::new(group, header.titles[*column].clone());
             header.text("Y_Unit_Label", *column).clone_into(&mut waveform.unit);
-            let steps = self.interval(*column).map(|dt| (start, dt));
+            let steps = self.interval(*column).map(|dt| (self.start(*column), dt));
             waveform.set_steps(steps, header.text("X_Dimension", *column), header.text("X_Unit_Label", *column));
-            waveform.values = Ok(values);
+            let is_of_day = header.text("Date", *column) == date && !values.is_empty();
+            waveform.origin = time_of_day(header.text("Time", *column)).filter(|_| is_of_day);
             waveforms.push(waveform);
+        }
+        let begin = file.keys.get("Time").and_then(|time| time_of_day(time));
+        settle_starts(&mut waveforms, begin, time_unit_s, notes);
+        for (waveform, values) in waveforms.iter_mut().zip(self.values) {
+            waveform.values = Ok(values);
         }
         waveforms
     }
-
-    /// Start of each channel on the axis of the one that starts first: X0, and how much later the channel started by
-    /// its clock, which X0 may hold already.
-    ///
-    /// X0 as the time since the program began, which is known from the clock of the file, is no time of the record.
-    fn starts(&self, samples: &[Vec<f64>], file: &FileHeader, notes: &mut Notes) -> Vec<f64> {
-        let columns = &self.header.columns;
-        let x0: Vec<f64> = columns.iter().map(|column| self.start(*column)).collect();
-        let begin = file.keys.get("Time").and_then(|time| clock_s(time));
-        let date = file.keys.get("Date").map(String::as_str).unwrap_or_default();
-        let clocks: Vec<Option<f64>> = columns
-            .iter()
-            .zip(samples)
-            .map(|(column, values)| {
-                let is_of_day = self.header.text("Date", *column) == date && !values.is_empty();
-                clock_s(self.header.text("Time", *column)).filter(|_| is_of_day)
-            })
-            .collect();
-        let earliest = clocks.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        let later = |k: usize| clocks[k].map_or(0.0, |clock| clock - earliest);
-        let known = || (0..columns.len()).filter(|k| clocks[*k].is_some());
-        let apart_s = known().map(later).fold(0.0, f64::max);
-        let first = known().find(|k| later(*k) == 0.0).unwrap_or(0);
-        let since_begin = |k: usize| clocks[k].zip(begin).map(|(clock, begin)| clock - begin);
-        let is_since_begin =
-            |k: usize| x0[k] > 0.0 && since_begin(k).is_some_and(|s| (s - x0[k]).abs() < CLOCK_SLACK_S);
-        // Either X0 grows as the clock does, or the clocks are those of different events.
-        let in_x0 = known().all(|k| (x0[k] - x0[first] - later(k)).abs() < CLOCK_SLACK_S);
-        let by_clock = |k: usize| if apart_s > ONE_EVENT_S { 0.0 } else { later(k) };
-        let since_program_start = (0..columns.len()).filter(|k| is_since_begin(*k)).map(|k| x0[k]).fold(0.0, f64::max);
-        if since_program_start > 0.0 {
-            notes.info(format!(
-                "X0 = {since_program_start} s is the time since the program began, by the clock: the samples start at \
-                 t = 0, and --time-zero counts from there"
-            ));
-        }
-        if (0.0..=ONE_EVENT_S).contains(&apart_s) && apart_s > 0.0 {
-            notes.info(format!(
-                "channels start up to {apart_s:.6} s apart by their clocks: all have the axis of the one that starts \
-                 first, and --time-zero counts on it"
-            ));
-        }
-        let start = |k: usize| match (is_since_begin(k), in_x0) {
-            (true, _) => by_clock(k),
-            (false, true) => x0[k],
-            (false, false) => x0[k] + by_clock(k),
-        };
-        (0..columns.len()).map(start).collect()
-    }
 }
 
-/// Seconds of the day of `13:40:37.7466657` or `09:54:07,483999`.
-fn clock_s(text: &str) -> Option<f64> {
-    let text = text.replace(',', ".");
-    let mut parts =
-        text.trim().splitn(3, ':').map(|part| part.parse::<f64>().ok().filter(|x| (0.0..100.0).contains(x)));
-    let (hours, minutes, seconds) = (parts.next()??, parts.next()??, parts.next()??);
-    Some(hours * 3600.0 + minutes * 60.0 + seconds)
+/// Leaves one of X0 and the clock where both say when a channel starts: X0 as the time since the program began, at
+/// `begin`, is no time of the record; where every X0 grows as the clocks do, it holds them already.
+fn settle_starts(waveforms: &mut [Waveform], begin: Option<Instant>, time_unit_s: Option<f64>, notes: &mut Notes) {
+    let mut since_begin_s: f64 = 0.0;
+    let mut starts: Vec<(Instant, f64)> = Vec::new();
+    for Waveform { steps, step_unit_s, origin, .. } in waveforms.iter_mut() {
+        let (Some(clock), Some((x0, _))) = (*origin, steps) else { continue };
+        let x0_s = *x0 * time_unit_s.unwrap_or(*step_unit_s);
+        if x0_s > 0.0 && begin.is_some_and(|begin| (clock.since(begin) - x0_s).abs() < CLOCK_SLACK_S) {
+            since_begin_s = since_begin_s.max(x0_s);
+            *x0 = 0.0;
+        }
+        starts.push((clock, if *x0 == 0.0 { 0.0 } else { x0_s }));
+    }
+    if since_begin_s > 0.0 {
+        notes.info(format!(
+            "X0 = {since_begin_s} s is the time since the program began, by the clock: the samples start at t = 0, and \
+             --time-zero counts from there"
+        ));
+    }
+    let Some((first, first_x0_s)) = starts.first().copied() else { return };
+    if starts.iter().all(|(clock, x0_s)| (x0_s - first_x0_s - clock.since(first)).abs() < CLOCK_SLACK_S) {
+        waveforms.iter_mut().for_each(|waveform| waveform.origin = None);
+    }
 }
 
 fn details(file: &FileHeader, first: &Segment) -> Details {
@@ -253,21 +229,5 @@ fn details(file: &FileHeader, first: &Segment) -> Details {
         title: title.map(|text| Stated { value: text.to_owned(), from: "the segment's header".to_owned() }),
         facts,
         ..Details::default()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn clocks_are_read_with_either_mark() {
-        // Half a unit in the last place of 49237 s is 4e-12.
-        assert!((clock_s("13:40:37.7466657312496152783").unwrap() - 49_237.746_665_731_25).abs() < 1e-9);
-        assert_eq!(clock_s("09:54:07,5"), Some(35_647.5));
-        assert_eq!(clock_s("19:00:00"), Some(68_400.0));
-        for text in ["", "12:00", "a:b:c", "1:2:3:4", "-1:0:0"] {
-            assert_eq!(clock_s(text), None, "{text}");
-        }
     }
 }

@@ -15,14 +15,20 @@ pub fn instant(text: &str) -> Option<Instant> {
     if !((FIRST_YEAR..10_000).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day)) {
         return None;
     }
-    let time = time.split(['Z', '+', '-']).next()?.replace(',', ".");
-    let mut time = time.splitn(3, ':');
-    let (hours, minutes) = (time.next()?.parse::<u8>().ok()?, time.next()?.parse::<u8>().ok()?);
-    let seconds = time.next().unwrap_or("0");
+    let of_day = time_of_day(time.split(['Z', '+', '-']).next()?)?;
+    Some(Instant { seconds: days(year, month, day) * 86_400 + of_day.seconds, ..of_day })
+}
+
+/// The instant of `13:40:37.7466657`, `09:54:07,483999` or `13:40`, in seconds since the day began.
+pub fn time_of_day(text: &str) -> Option<Instant> {
+    let text = text.replace(',', ".");
+    let mut parts = text.trim().splitn(3, ':');
+    let (hours, minutes) = (parts.next()?.parse::<u8>().ok()?, parts.next()?.parse::<u8>().ok()?);
+    let seconds = parts.next().unwrap_or("0");
     let (whole, fraction) = seconds.split_once('.').unwrap_or((seconds, "0"));
     let fraction_s = format!("0.{fraction}").parse::<f64>().ok()?;
     let seconds = i64::from(hours) * 3600 + i64::from(minutes) * 60 + i64::from(whole.parse::<u8>().ok()?);
-    Some(Instant { seconds: days(year, month, day) * 86_400 + seconds, fraction_s })
+    Some(Instant { seconds, fraction_s })
 }
 
 /// Days from 0001-01-01 to a date of the Gregorian calendar.
@@ -49,6 +55,12 @@ mod tests {
         assert!((between("2023-05-05T13:40:37.7466657", "2023-05-05T13:40:37.7467907+02:00") - 1.25e-4).abs() < 1e-15);
         for text in ["0000-01-01T00:00:00Z", "1904-01-01T00:00:00", "2023-13-01T00:00:00", "today", "2023-05-05T1:x"] {
             assert_eq!(instant(text), None, "{text}");
+        }
+        let of_day = |seconds, fraction_s| Some(Instant { seconds, fraction_s });
+        assert_eq!(time_of_day("09:54:07,5"), of_day(35_647, 0.5));
+        assert_eq!(time_of_day("13:40:37.7466657312496152783"), of_day(49_237, 0.746_665_731_249_615_3));
+        for text in ["", "12", "a:b:c", "1:2:3:4", "-1:0:0"] {
+            assert_eq!(time_of_day(text), None, "{text}");
         }
     }
 }

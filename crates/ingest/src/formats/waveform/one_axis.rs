@@ -49,7 +49,7 @@ pub fn align(
             IngestError::content(place, error.to_string(), "times in range", "correct the start time of the channel")
         })?;
         read.wave = Some(moved);
-        shifted.push(format!("{} {:+.6} s", read.channel.id, later_s));
+        shifted.push(format!("{} {:+.3} ms", read.channel.id, 1e3 * later_s));
     }
     if !shifted.is_empty() {
         notes.info(format!(

@@ -8,7 +8,8 @@ const PARTS: [&str; 10] =
     ["engine", "caliper", "brake", "wheel", "steering", "dashboard", "bumper", "radiator", "subframe", "firewall"];
 
 /// Places of the compartment that have a front of their own: elsewhere "front" is that of the vehicle.
-const WITH_A_FRONT: [&str; 7] = ["seat", "sill", "floor", "pillar", "door", "tunnel", "passenger"];
+const WITH_A_FRONT: [&str; 10] =
+    ["seat", "sill", "rocker", "floor", "pillar", "door", "tunnel", "console", "passenger", "gravity"];
 
 /// The channels of a list, or with `all` every x acceleration with data, not marked failed, whose location names
 /// nothing that moves apart from the compartment, and those the list names beside it.
@@ -107,11 +108,12 @@ pub fn channels_named(test: &TestDescription, name: &str, key: &str, input: &Inp
 pub fn is_of_compartment(channel: &Channel) -> bool {
     let place = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
     let place = place.to_lowercase();
+    let is_said = |wanted: &str| place.split(|c: char| !c.is_alphanumeric()).any(|word| word == wanted);
     channel.status != ChannelStatus::Failed
         && channel.may_be_on_vehicle()
         && part_of(channel).is_none()
         && !PARTS.iter().any(|word| place.contains(word))
-        && (!place.contains("front") || WITH_A_FRONT.iter().any(|word| place.contains(word)))
+        && (!is_said("front") || is_said("cg") || WITH_A_FRONT.iter().any(|word| place.contains(word)))
 }
 
 #[cfg(test)]
@@ -126,9 +128,16 @@ mod tests {
                 ..Channel::new("a_front", QuantityKind::Acceleration)
             })
         };
-        for place in
-            ["vehicle, left rear seat crossmember", "left front sill", "front floor, right", "right front door"]
-        {
+        for place in [
+            "vehicle, left rear seat crossmember",
+            "left front sill",
+            "front floor, right",
+            "right front door",
+            "front rocker",
+            "front console",
+            "vehicle CG, frontal impact",
+            "CG front",
+        ] {
             assert!(at(place), "{place}");
         }
         for place in ["", "vehicle, front end", "front crossmember", "bumper beam", "engine top", "firewall, left"] {

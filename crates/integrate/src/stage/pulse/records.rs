@@ -42,6 +42,7 @@ pub fn events_record(
         centroid_time_s: events.crush.map(|c| centroid_time_from_crush(c.displacement_m, impact_speed_m_per_s)),
         rebound_velocity_m_per_s: events.rebound.map(|rebound| rebound.velocity_m_per_s),
         coefficient_of_restitution: events.restitution(impact_speed_m_per_s),
+        still_separating: events.rebound.is_some_and(|rebound| rebound.still_separating),
         delta_v_m_per_s: events.delta_v_m_per_s(impact_speed_m_per_s),
         time_of_rebound_s: events.rebound.map(|rebound| rebound.time_s),
         impact_speed_m_per_s: Some(impact_speed_m_per_s),

@@ -1,6 +1,6 @@
 //! The pulse in words: findings, warnings, a line of the summary.
 
-use crumple_integrate::{WRONG_SIGN, findings, is_exchanged, question_speed, wrong_sign};
+use crumple_integrate::{WRONG_SIGN, findings, question_speed, wrong_sign};
 use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
 
 use crate::stage::pulse::integrated::Integrated;
@@ -8,8 +8,7 @@ use crate::stage::pulse::integrated::Integrated;
 /// Notes what the motion of the pulse shows: first where its sign is wrong or the impact speed does not fit it, because
 /// most other notes follow from that.
 ///
-/// Of a record whose speed was held against its pulse before, and where one exchange of units explains it, nothing more
-/// is asked.
+/// Where the stage that read the record asked for an exchange that explains it, nothing more is asked.
 pub fn note_findings(
     pulse: &Integrated,
     time_zero_s: f64,
@@ -25,9 +24,7 @@ pub fn note_findings(
     }
     let question =
         question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s).filter(|_| speed_rule != SpeedRule::Partner);
-    let is_asked = question.is_some()
-        && speed_rule == SpeedRule::AskedBefore
-        && is_exchanged(&pulse.motion, time_zero_s, impact_speed_m_per_s);
+    let is_asked = question.is_some() && speed_rule == SpeedRule::AskedBefore;
     // What follows from the exchange is no finding of its own.
     for note in of_pulse.iter().filter(|note| !(is_asked && is_decisive(note))) {
         notes.push(note.clone());
@@ -42,9 +39,9 @@ pub fn note_findings(
 pub enum SpeedRule {
     /// No: a partner gives way, too.
     Partner,
-    /// Yes, and the stage that read the record did so.
+    /// Yes, and the stage that read the record has asked for an exchange of one of both.
     AskedBefore,
-    /// Yes: the speed is one that the record does not have.
+    /// Yes, and nobody has asked yet.
     New,
 }
 

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{ParameterKind, parameter_kind, structure_of};
+use crumple_lumped::{HORIZON_S, ParameterKind, parameter_kind, structure_of};
 use crumple_lumped_fit::{
     ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement, Observation,
     ObservedWave, OwnTestErrors, SensorPlace, WallForce, crush_error_at_lower_speeds, least_without_shift, slow_misfit,
     without_shift,
 };
-use crumple_signal::{Displacement, Sampled};
+use crumple_signal::{Displacement, Notes, Sampled};
 use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Wave};
 use rayon::prelude::*;
@@ -16,9 +16,6 @@ use rayon::prelude::*;
 use crate::stage::inputs::motions::motion;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::recommend::felt::is_felt;
-
-/// A crash is over in two seconds or never.
-const HORIZON_S: f64 = 2.0;
 
 /// Share of the largest force at a knot, spring or damper of a model below which another is none.
 const NO_FORCE: f64 = 1e-3;
@@ -82,6 +79,7 @@ impl Comparison {
         input: &Inputs,
         events: &EventsV1,
         (mass_kg, impact_speed_m_per_s): (f64, f64),
+        notes: &mut Notes,
     ) -> anyhow::Result<Option<Self>> {
         let channel = &events.channel;
         let Some(to_s) = settings.solve.fit_to_s.or(events.time_of_dynamic_crush_s) else { return Ok(None) };
@@ -89,7 +87,6 @@ impl Comparison {
         let Some(displacement) = displacement.map(Wave::signal::<Displacement>).transpose().refuse()? else {
             return Ok(None);
         };
-        let (displacement_end_s, dt_s) = (displacement.end_s(), displacement.dt_s());
         let acceleration_of = |channel: &str| motion(input, channel, FitQuantity::Acceleration, mass_kg).ok();
         let Some(acceleration) = acceleration_of(channel) else { return Ok(None) };
         let observe = |channel: &str, wave: &Sampled, quantity: FitQuantity| -> anyhow::Result<Option<Observation>> {
@@ -107,15 +104,16 @@ impl Comparison {
         for (place, channel) in on_other_masses {
             let Some(observed) = acceleration.as_mut() else { break };
             let Some(wave) = acceleration_of(channel) else { continue };
-            let Some(other) = observe(channel, &wave, FitQuantity::Acceleration)? else { continue };
-            let size = observed.waves[0].size();
-            observed.waves.extend(other.waves.into_iter().map(|mut wave| {
-                wave.weight = size / wave.size();
-                wave
-            }));
+            let Some(mut other) = observe(channel, &wave, FitQuantity::Acceleration)? else { continue };
+            let sizes = observed.waves[0].size() / other.waves[0].size();
+            if !sizes.is_finite() {
+                notes.warning(format!("channel {channel} is zero throughout: it does not take part in the choice"));
+                continue;
+            }
+            other.waves[0].weight = sizes;
+            observed.waves.append(&mut other.waves);
             others.push((channel.clone(), *place));
         }
-        let tested_restitution = events.coefficient_of_restitution.filter(|e| *e > 0.0);
         let wall = input.wall_force(events)?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
             WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok()
@@ -126,8 +124,8 @@ impl Comparison {
                 channels: (channel.clone(), others),
                 displacement,
                 dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
-                tested_restitution,
-                rebound_is_cut: events.is_rebound_cut(displacement_end_s, dt_s),
+                tested_restitution: events.coefficient_of_restitution,
+                rebound_is_cut: events.still_separating,
                 mass_kg,
                 wall,
             }],
@@ -186,25 +184,29 @@ impl Comparison {
                 [test] => test.noise(),
                 _ => None,
             },
-            restitution: geometric_mean(self.tests.iter().filter_map(|test| test.tested_restitution)),
+            restitution: geometric_mean(self.tests.iter().filter_map(ComparedTest::usual_restitution)),
         }
     }
 
     /// What the candidates bring, in their order.
     pub fn candidates(&self, submitted: &[&Submitted]) -> Vec<ComparedCandidate> {
-        let all = |near: f64| submitted.par_iter().map(|candidate| self.candidate(candidate, near)).collect();
-        let compared: Vec<ComparedCandidate> = all(NEAR_NOISE);
+        let mut compared: Vec<ComparedCandidate> =
+            submitted.par_iter().map(|candidate| self.candidate(candidate, NEAR_NOISE)).collect();
         let Some(noise) = self.record().noise else { return compared };
-        let is_near = |misfit: &[f64]| {
-            let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
-            mean_square.sqrt() <= SOME_MODEL * noise
+        let times_noise = |candidate: &ComparedCandidate| {
+            let misfit = candidate.misfit.as_deref()?;
+            Some((misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64).sqrt() / noise)
         };
-        let mut physical = compared.iter().filter(|candidate| candidate.physical);
-        if physical.any(|candidate| candidate.misfit.as_deref().is_some_and(is_near)) {
-            all(NEAR_WHERE_SOME_MODEL)
-        } else {
-            compared
+        let is_some_model = |candidate: &ComparedCandidate| {
+            candidate.physical && times_noise(candidate).is_some_and(|times| times <= SOME_MODEL)
+        };
+        if compared.iter().any(is_some_model) {
+            // The others have been brought to their least.
+            let far = compared.par_iter_mut().zip(submitted);
+            far.filter(|(candidate, _)| times_noise(candidate).is_some_and(|times| times > NEAR_NOISE))
+                .for_each(|(candidate, from)| *candidate = self.candidate(from, NEAR_WHERE_SOME_MODEL));
         }
+        compared
     }
 
     fn candidate(&self, candidate: &Submitted, near: f64) -> ComparedCandidate {
@@ -344,6 +346,11 @@ impl ComparedTest {
             wave.mass = place.mass(masses);
         }
         observed
+    }
+
+    /// The restitution that a prior may be held against: neither a lower bound nor none at all.
+    fn usual_restitution(&self) -> Option<f64> {
+        self.tested_restitution.filter(|e| *e > 0.0 && !self.rebound_is_cut)
     }
 
     /// Independent samples that the filters let through at most.

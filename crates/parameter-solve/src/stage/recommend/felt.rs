@@ -1,10 +1,8 @@
 //! Whether what a record leaves open is felt in impacts at other speeds.
 
-use crumple_lumped::{Structure, structure_of};
+use crumple_lumped::{HORIZON_S, Structure, structure_of};
 use crumple_stage::records::CandidateV1;
 
-/// A crash is over in two seconds or never.
-const HORIZON_S: f64 = 2.0;
 /// Speeds over the tested one at which predictions are asked for: 40 and 64 km/h after 56.
 const SPEEDS: [f64; 2] = [40.0 / 56.0, 64.0 / 56.0];
 /// A speed so far below the slowest test, or further, is not held fast by it.

@@ -1,9 +1,10 @@
 //! The choice among the candidates of a run, as a record and in words.
 
-use crumple_lumped_fit::{CandidateSelection, Choice, ComparedCandidate, Rated, choose};
-use crumple_signal::{ANOTHER_VEHICLE, Axis};
+use crumple_lumped_fit::{CandidateSelection, Choice, ComparedCandidate, Rated, Strength, choose};
+use crumple_signal::{ANOTHER_VEHICLE, Axis, Notes};
 use crumple_stage::records::{
     CandidateV1, EventsV1, PriorTermV1, PriorV1, RatedCandidateV1, RecommendationEvidenceV1, RecommendationV1,
+    StrengthV1,
 };
 use crumple_stage::{Inputs, Output};
 
@@ -20,7 +21,7 @@ pub fn recommend(
     if candidates.is_empty() {
         return Ok(());
     }
-    let comparison = match compared(settings, input)? {
+    let comparison = match compared(settings, input, out.notes())? {
         Ok(comparison) => comparison,
         Err(because) => {
             out.summary(format!("none recommended: {because}"));
@@ -58,7 +59,7 @@ pub fn chosen(
 }
 
 /// What the candidates are compared with, or why they are not.
-fn compared(settings: &StageSettings, input: &Inputs) -> anyhow::Result<Result<Comparison, String>> {
+fn compared(settings: &StageSettings, input: &Inputs, notes: &mut Notes) -> anyhow::Result<Result<Comparison, String>> {
     let Some(events) = input.record_if::<EventsV1>("/events")? else {
         return Ok(Err("without crash events there is no record to compare the candidates with".to_owned()));
     };
@@ -80,7 +81,7 @@ fn compared(settings: &StageSettings, input: &Inputs) -> anyhow::Result<Result<C
     let Some((mass_kg, speed)) = settings.mass_kg.or(test.mass_kg).zip(speed) else {
         return Ok(Err("the test has no mass or no impact speed".to_owned()));
     };
-    let comparison = Comparison::read(settings, input, &events, (mass_kg, speed))?;
+    let comparison = Comparison::read(settings, input, &events, (mass_kg, speed), notes)?;
     Ok(comparison.ok_or_else(|| "no acceleration and displacement of the pulse up to dynamic crush".to_owned()))
 }
 
@@ -132,7 +133,12 @@ fn recommendation_record(
         simplest_because: selection.simplest.because.clone(),
         closest: id(&selection.closest),
         closest_because: selection.closest.because.clone(),
-        strength: selection.strength.map(|strength| strength.name().to_owned()),
+        strength: selection.strength.map(|(strength, _)| match strength {
+            Strength::Weak => StrengthV1::Weak,
+            Strength::Decisive => StrengthV1::Decisive,
+            Strength::Contrary => StrengthV1::Contrary,
+        }),
+        beside: selection.strength.map(|(_, beside)| candidates[beside].id.clone()),
         decided_by: comparison.channels(),
         evidence,
         priors: priors.collect(),

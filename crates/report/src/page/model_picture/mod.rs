@@ -32,7 +32,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Stat
     ));
     for (number, (role, candidate)) in shown.iter().enumerate() {
         // Nothing is recommended that is not to be used.
-        let role = if status == Status::DoNotUse && ranking.best.is_some() { &texts.in_doubt } else { role };
+        let is_recommended = ranking.best.as_ref() == Some(&candidate.id);
+        let role = if status == Status::DoNotUse && is_recommended { &texts.in_doubt } else { role };
         // What nobody is told to use waits.
         let (open, close) = match number {
             0 => (String::new(), ""),
@@ -94,7 +95,7 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     sentences.extend(candidate.certainties().words(run.language).map(|text| format!("{text}{intervals}.")));
     if let Some(simulation) = &candidate.simulation {
         let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
-        let error = |value: Option<f64>| or_absent(value.map(|x| language.signed(MILLI * x, 1)));
+        let error = |value: Option<f64>, places| or_absent(value.map(|x| language.signed(MILLI * x, places)));
         let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
         let restitution = simulation
             .coefficient_of_restitution
@@ -103,10 +104,10 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
             .filter(|(model, test)| !run.is_rebound_cut() || model < test)
             .map(|(model, test)| fill(texts.and_restitution, &[("restitution", language.signed(model - test, 2))]));
         let filled = [
-            ("crush", format!("{}{NBSP}mm", error(simulation.dynamic_crush_error_m))),
-            ("time", format!("{}{NBSP}ms", error(simulation.time_of_dynamic_crush_error_s))),
+            ("crush", format!("{}{NBSP}mm", error(simulation.dynamic_crush_error_m, 0))),
+            ("time", format!("{}{NBSP}ms", error(simulation.time_of_dynamic_crush_error_s, 1))),
             ("restitution", restitution.unwrap_or_default()),
-            ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| language.decimals(fit, 2))))),
+            ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| language.decimals(fit, 1))))),
         ];
         // Of a record without a crush there is none to be off.
         let has_crush = simulation.dynamic_crush_error_m.or(simulation.time_of_dynamic_crush_error_s).is_some();

@@ -49,10 +49,6 @@ pub const RULES: &[Rule] = &[
         holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())?;
         holds(!said.text("because").is_empty(), || "no reason is given".to_owned())
     }),
-    rule("conclusion.fit_too_low", &[("fit", Number), ("limit", Number)], |said, _| {
-        let [fit, limit] = said.values(["fit", "limit"]);
-        holds(fit < limit, || format!("{fit} % is not below {limit} %"))
-    }),
     rule("conclusion.no_crush", &[], |_, spot| {
         holds(spot.made.number("/events/dynamic_crush_m").is_none_or(|crush| crush <= 0.0), || "it stopped".to_owned())
     }),

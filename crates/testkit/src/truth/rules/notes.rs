@@ -20,7 +20,7 @@ pub const RULES: &[Rule] = &[
     ),
     says(
         "note.stop-question",
-        "check the impact speed ({speed}): the car would never stop and go on at {left}. {more}",
+        "check the impact speed ({speed}): the car would not stop, it would still move at {left}. {more}",
         &[("speed", At("/test/impact_speed_m_per_s")), ("left", Number)],
         |said, spot| {
             holds(!is_like_a_car(spot.made), || "it is right, and the car stops".to_owned())?;
@@ -179,7 +179,7 @@ pub const RULES: &[Rule] = &[
     }),
     says(
         "note.unseen-fails",
-        "on the samples from {time} s on, which no model has seen, these fail: {more}",
+        "not to be used beyond the samples up to {time} ms that they were identified from: {more}",
         &[],
         numbers_of_records,
     ),

@@ -63,8 +63,10 @@ pub const RULES: &[Rule] = &[
     rule("numbers.inputs_caption", &[("by", Words)], numbers_of_records),
     rule("numbers.resolution_caption", &[("by", Words)], numbers_of_records),
     rule("numbers.sensors_caption", &[("channels", Words)], |said, spot| {
-        let spreads = spot.made.list("/key_numbers").iter().filter_map(|number| number["spread"]["channels"].as_str());
-        let channels = spreads.map(|channels| channels.replace('+', ", ")).next();
+        let spreads =
+            spot.made.list("/key_numbers").iter().filter_map(|number| number["spread"]["channels"].as_array());
+        let joined = |channels: &Vec<Value>| channels.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(", ");
+        let channels = spreads.map(joined).next();
         holds(channels.as_deref() == Some(said.text("channels")), || format!("the sensors are {channels:?}"))?;
         holds(spot.made.known.sensors == 1, || "its sensors sit on different masses".to_owned())
     }),
@@ -107,7 +109,7 @@ pub const RULES: &[Rule] = &[
     says(
         "page.prediction",
         "{speed}{impact} | {crush} | {low} to {high} | {peak} | {range}",
-        &[("speed", Number), ("crush", Number), ("low", Number), ("high", Number), ("peak", Number)],
+        &[("speed", Number), ("crush", Number), ("low", Number), ("high", Number)],
         prediction_of_a_row,
     ),
     says(
@@ -165,7 +167,7 @@ fn card_interval(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 fn console_number(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let number = key_number(spot).ok_or_else(|| format!("the summary has no {}", spot.key))?;
     let own = ["/value", "/low", "/high", "/at_s", "/spread/low", "/spread/high"].map(|at| number.pointer(at));
-    let channels = number["spread"]["channels"].as_str().map_or(0, |channels| channels.split('+').count());
+    let channels = number["spread"]["channels"].as_array().map_or(0, Vec::len);
     let all = numbers(said.text("number"));
     for shown in &all {
         // The ends of the interval have the unit of the value before them.
@@ -196,6 +198,8 @@ fn prediction_of_a_row(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
             && is_close(value("peak"), p["peak_acceleration_m_per_s2"].as_f64().map(|a| a / 9.806_65))
     };
     let own = spot.made.list("/predictions").iter().find(is_it).ok_or("no prediction has these numbers")?;
+    let by_record = said.text("peak").ends_with("by the record");
+    holds(by_record == (own["peak_by"] == "record"), || format!("its peak is by {}", own["peak_by"]))?;
     let beyond = said.text("range").starts_with("beyond");
     holds(own["extrapolates"] == beyond, || format!("it is {}", said.text("range")))?;
     let tested = spot.made.number("/test/impact_speed_m_per_s").unwrap_or_default();

@@ -8,6 +8,8 @@ use crate::truth::template::Said;
 
 /// Half width of a prediction up to which a model is usable, and how far the truth may be then, percent.
 const USABLE_PERCENT: f64 = 10.0;
+/// Half width beyond which a prediction answers nothing, percent; less the rounding of what is shown.
+const WIDE_PERCENT: f64 = 29.0;
 
 /// The words.
 pub const WORDS: &[&str] = &["conclusion.usable_with_care", "conclusion.usable", "conclusion.do_not_use"];
@@ -22,6 +24,7 @@ pub const BECAUSE: &[&str] = &[
     "conclusion.because_unassessed",
     "conclusion.because_dual",
     "conclusion.because_weak",
+    "conclusion.because_contrary",
     "conclusion.because_misses_its_test",
     "conclusion.because_no_interval",
     "conclusion.because_no_stop",
@@ -85,7 +88,7 @@ pub const RULES: &[Rule] = &[
     rule("conclusion.because_weak", &[("model", Words)], |said, spot| {
         holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
     }),
-    rule("conclusion.weak", &[("model", Words)], |said, spot| {
+    rule("conclusion.because_contrary", &[("model", Words)], |said, spot| {
         holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
     }),
     rule("conclusion.because_no_interval", &[], |_, spot| {
@@ -124,7 +127,7 @@ pub const RULES: &[Rule] = &[
     rule("conclusion.the_motion", &[], |_, spot| is_doubted(spot, "motion")),
     rule("conclusion.the_model", &[], |_, spot| is_doubted(spot, "model:")),
     rule("conclusion.the_record", &[], |_, spot| is_doubted(spot, "")),
-    rule("conclusion.decisive", &[("number", Number)], decisive),
+    rule("conclusion.the_identified_models", &[], |_, spot| is_doubted(spot, "identified-models")),
     rule("conclusion.because_not_adequate", &[], none_adequate),
     rule("conclusion.because_poor_fit", &[("fit", Number), ("limit", Number)], |said, spot| {
         let [fit, limit] = said.values(["fit", "limit"]);
@@ -238,8 +241,9 @@ fn usable(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
 fn do_not_use(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     has_status(spot, "do-not-use")?;
     let made = spot.made;
+    let is_wide = answer(made).and_then(half_width_percent).is_some_and(|half| half > WIDE_PERCENT);
     let is_good = made.recommended().is_some_and(|best| misses_its_own_test(made, best).is_none());
-    holds(!(super::rule::is_like_a_car(made) && is_good), || {
+    holds(!(super::rule::is_like_a_car(made) && is_good) || is_wide, || {
         "the record is sound, and its recommended model repeats the test".to_owned()
     })
 }
@@ -338,8 +342,7 @@ fn few_determined(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 pub fn sensors_of_one_place(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let numbers = spot.made.list("/key_numbers");
     let crush = numbers.iter().find(|number| number["name"] == "dynamic_crush");
-    let channels = crush.and_then(|crush| crush["spread"]["channels"].as_str()).unwrap_or_default();
-    let count = channels.split('+').filter(|channel| !channel.is_empty()).count();
+    let count = crush.and_then(|crush| crush["spread"]["channels"].as_array()).map_or(0, Vec::len);
     holds(count > 1 && spot.made.known.sensors == 1, || {
         format!("the {} sensors of this vehicle sit on different masses", spot.made.known.sensors)
     })?;

@@ -108,9 +108,6 @@ pub const RULES: &[Rule] = &[
     }),
     rule("conclusion.mode", &[("frequency", Number), ("damping", Inner(&["conclusion.damping"]))], slowest_mode),
     rule("conclusion.damping", &[("ratio", Number)], numbers_of_records),
-    rule("conclusion.identified_use", &[], |_, spot| {
-        holds(spot.made.known.subject == Subject::InputOutput, || "it is a crash".to_owned())
-    }),
     rule("conclusion.no_model", &[("reason", Words)], |said, spot| {
         shows_reason(said.text("reason"), spot, "/verdict/reason")
     }),
