@@ -1,0 +1,314 @@
+//! The report of every kind of record in a browser: what it says first, whether its numbers are those of
+//! `summary.json`, and whether it can be read on a desk, on a telephone, in the dark and as wide as paper.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crumple_browser::{Browser, Page, Screen};
+use crumple_testkit::SAME_IN_GERMAN;
+use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
+use crumple_testkit::pipeline::{ARTIFACTS, binary, run};
+use serde_json::Value;
+
+/// Bytes of a page at most.
+const LARGEST_PAGE: u64 = 600_000;
+
+/// Factors from the SI unit of the summary to the units that a page may show it in.
+const UNITS: [(&str, f64); 12] = [
+    ("mm", 1e3),
+    ("ms", 1e3),
+    ("km/h", 3.6),
+    ("g", 1.0 / 9.806_65),
+    ("kN·s/m", 1e-3),
+    ("kN/m", 1e-3),
+    ("kN", 1e-3),
+    ("kg", 1.0),
+    ("m/s", 1.0),
+    ("%", 1.0),
+    ("Hz", 1.0),
+    ("", 1.0),
+];
+
+/// A number as a page shows it, with the unit behind it and its decimals.
+#[derive(Debug, Clone, PartialEq)]
+struct Shown {
+    value: f64,
+    decimals: usize,
+    factor: f64,
+}
+
+impl Shown {
+    /// Whether it is this number of the summary, rounded as it is shown.
+    fn is(&self, value: &Value) -> bool {
+        let half = 0.5000001 * 10f64.powi(-i32::try_from(self.decimals).unwrap());
+        value.as_f64().is_some_and(|value| (value * self.factor - self.value).abs() <= half)
+    }
+}
+
+/// The numbers of a text in their order. One without a unit, as before "to", has that of the next.
+fn numbers(text: &str) -> Vec<Shown> {
+    let text = text.replace(['\u{a0}', '\u{2009}', '\u{202f}'], " ").replace('−', "-");
+    let mut found = Vec::new();
+    let mut rest = text.as_str();
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let sign = rest[..start].ends_with('-');
+        let is_name = rest[..start].ends_with(|c: char| c.is_alphabetic() || c == '_');
+        let digits = &rest[start..];
+        let end = digits.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(digits.len());
+        let number = digits[..end].trim_end_matches('.');
+        rest = &digits[number.len()..];
+        if is_name {
+            continue;
+        }
+        let behind = rest.trim_start();
+        let unit = UNITS.iter().find(|(unit, _)| {
+            !unit.is_empty() && behind.strip_prefix(unit).is_some_and(|more| !more.starts_with(char::is_alphanumeric))
+        });
+        let sign = if sign { -1.0 } else { 1.0 };
+        let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        let value = sign * number.parse::<f64>().unwrap();
+        found.push((Shown { value, decimals, factor: 1.0 }, unit.map(|(_, factor)| *factor)));
+    }
+    let mut factor = 1.0;
+    let mut numbers: Vec<Shown> = Vec::new();
+    for (shown, own) in found.into_iter().rev() {
+        factor = own.unwrap_or(factor);
+        numbers.push(Shown { factor, ..shown });
+    }
+    numbers.reverse();
+    numbers
+}
+
+fn texts(page: &Page, selector: &str) -> Vec<String> {
+    let answer = page.ask(&format!("return [...document.querySelectorAll('{selector}')].map((e) => e.textContent)"));
+    answer.as_array().unwrap().iter().map(|text| text.as_str().unwrap().trim().to_owned()).collect()
+}
+
+/// The sentences of the page are those of the summary; every number in them stands where the summary says.
+fn check_sentences(page: &Page, summary: &Value) {
+    let sentences = &summary["verdict"]["sentences"];
+    let first = texts(page, "body > header section.verdict p");
+    let expected: Vec<&str> = sentences.as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
+    assert!(
+        first.iter().zip(&expected).all(|(a, b)| a == b) && first.len() >= expected.len(),
+        "{first:?} {expected:?}"
+    );
+    let because = summary["verdict"]["status_sentence"].as_str().unwrap();
+    let status = texts(page, "body > header .status");
+    assert!(status.len() == 1 && status[0] == because, "{status:?}: {because}");
+    let mut known = Vec::new();
+    for number in summary["verdict"]["numbers"].as_array().unwrap() {
+        let (at, shown) = (number["at"].as_str().unwrap(), number["shown"].as_str().unwrap());
+        assert_eq!(summary.pointer(at).and_then(Value::as_f64), number["value"].as_f64(), "{at}");
+        known.push(shown.replace('\u{a0}', " "));
+        assert!(because.contains(shown) || sentences.to_string().contains(shown), "{shown} is in no sentence");
+    }
+    assert!(!known.is_empty() || summary["verdict"]["standing"] != "model");
+}
+
+/// Every card of the key numbers: its value, interval and spread.
+fn check_key_numbers(page: &Page, summary: &Value) {
+    let cards = page.ask(
+        "return [...document.querySelectorAll('#numbers .card')].map((c) => ({key: c.dataset.key,
+            texts: [...c.querySelectorAll('dd')].map((d) => d.textContent)}))",
+    );
+    let cards = cards.as_array().unwrap();
+    let all = summary["key_numbers"].as_array().unwrap();
+    assert_eq!(cards.len(), all.len(), "{cards:?}");
+    for (card, number) in cards.iter().zip(all) {
+        assert_eq!(card["key"], number["name"]);
+        let lines: Vec<&str> = card["texts"].as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect();
+        let pair = |line: &str, what: &str, low: &Value, high: &Value| {
+            let found = numbers(line.split_once(':').unwrap().1);
+            assert!(found[0].is(low) && found[1].is(high), "{what} of {card}: {found:?}, {low} to {high}");
+        };
+        if number["value"].is_null() {
+            assert!(!number["absent_because"].as_str().unwrap_or_default().is_empty(), "{number}");
+            continue;
+        }
+        let value = &numbers(lines[0])[0];
+        let magnitude = number["value"].as_f64().map(|v| Value::from(v.abs())).unwrap();
+        assert!(value.is(&number["value"]) || value.is(&magnitude), "{card}: {number}");
+        assert_eq!(lines[0].starts_with('\u{2265}'), number["is_lower_bound"] == true, "{card}: {number}");
+        for line in &lines[1..] {
+            if line.starts_with("inputs") {
+                pair(line, "interval", &number["low"], &number["high"]);
+            } else if line.contains(" sensors: ") {
+                pair(line, "spread", &number["spread"]["low"], &number["spread"]["high"]);
+            }
+        }
+    }
+}
+
+/// What is said below a model's picture: how many of its numbers are known, and its fit.
+fn check_models(page: &Page, summary: &Value) {
+    let candidates = summary["candidates"].as_array().unwrap();
+    let captions = texts(page, "#model figcaption");
+    let names: Vec<&Value> = ["recommended", "closest"].iter().map(|name| &summary[*name]).collect();
+    let shown: Vec<&Value> = if names[0] == names[1] { vec![names[0]] } else { names };
+    let shown: Vec<&Value> = shown.into_iter().filter(|id| id.is_string()).collect();
+    assert!(captions.len() >= shown.len(), "{captions:?}");
+    for (caption, id) in captions.iter().zip(shown) {
+        let candidate = candidates.iter().find(|candidate| &candidate["id"] == id).unwrap();
+        let found = numbers(caption);
+        let simulation = &candidate["simulation"];
+        let fit = &simulation["fit_as_measured_percent"];
+        let fit = if fit.is_null() { &simulation["fit_percent"] } else { fit };
+        assert!(fit.is_null() || found.iter().any(|shown| shown.decimals > 0 && shown.is(fit)), "{caption}: {fit}");
+        let (parameters, determined) =
+            (&candidate["certainties"]["parameters"], &candidate["certainties"]["determined"]);
+        let words = format!("{determined} of {parameters} numbers determined");
+        // Behind the one stiffness of a curve, where there is one.
+        let is_said = caption.starts_with(&words) || caption.contains(&format!(". {words}"));
+        assert!(*parameters == 0 || is_said, "{caption}: {words}");
+        if let Some((_, spring)) = caption.split_once("k\u{a0}=\u{a0}") {
+            let stiffness = &summary["metrics"]["average_stiffness"];
+            let shown = numbers(&spring.replace("90\u{a0}%: ", ""));
+            assert!(shown[0].is(&stiffness["value"]), "{caption}: {stiffness}");
+            let ends = ["low", "high"].map(|end| &stiffness[end]).into_iter().filter(|end| !end.is_null());
+            assert!(ends.zip(&shown[1..]).all(|(end, shown)| shown.is(end)), "{caption}: {stiffness}");
+        }
+    }
+}
+
+/// At most three warnings, word for word the gravest of the summary.
+fn check_warnings(page: &Page, summary: &Value) {
+    let concerns: Vec<&str> =
+        summary["concerns"].as_array().unwrap().iter().filter_map(|concern| concern["text"].as_str()).collect();
+    let shown = texts(page, ".before-use li");
+    assert!(shown.len() <= 3 && (concerns.is_empty() || !shown.is_empty()), "{shown:?}");
+    let plain = |text: &str| text.replace('\u{a0}', " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    for line in shown {
+        assert!(concerns.iter().any(|text| plain(&line).contains(&plain(text))), "{line}");
+    }
+}
+
+/// What the page shows is wide enough for its screen, and its sentences are there.
+fn check_screen(browser: &Browser, file: &Path, screen: Screen, sentences: &[String]) {
+    let page = browser.open(file, "", screen);
+    assert_eq!(texts(&page, "section.verdict p"), sentences, "{screen:?}");
+    // What is beyond the window takes no room unless it is laid out.
+    page.ask("document.querySelectorAll('section').forEach((s) => { s.style.contentVisibility = 'visible'; })");
+    let wide = page.ask("return document.documentElement.scrollWidth").as_u64().unwrap();
+    assert!(wide <= u64::from(screen.width), "{}: {wide} wide on {screen:?}", file.display());
+    let colours = page.ask("const s = getComputedStyle(document.body); return [s.color, s.backgroundColor]");
+    let brightness = |k: usize| {
+        let text = colours[k].as_str().unwrap();
+        numbers(text.split_once('(').unwrap().1).iter().take(3).map(|shown| shown.value).sum::<f64>()
+    };
+    assert_eq!(brightness(0) > brightness(1), screen.is_dark, "{colours}");
+}
+
+/// What a German page may have in common with the English one: terms, symbols with units, names of standards, stages
+/// and models, and what the records themselves say.
+fn is_common(label: &str, names: &BTreeSet<String>) -> bool {
+    let has_words = label.split(|c: char| !c.is_alphabetic()).any(|word| word.chars().count() > 2);
+    SAME_IN_GERMAN.contains(&label) || !has_words || names.iter().any(|name| label.starts_with(name.as_str()))
+}
+
+/// Where a page names what its records name: title, stages, candidates, parameters, prior knowledge, places of sensors.
+const NAMES: &str = "h1, #notes h3, code, strong, #candidates li, .bars tbody th, #candidates details th abbr, \
+                     h3 + .scroll tbody th";
+
+/// The German page of a run has no label of the English one.
+fn check_german(browser: &Browser, folder: &Path, english: &Page) {
+    let page = folder.join("german.html");
+    let artifacts = ARTIFACTS.map(|name| folder.join(name)).into_iter().filter(|path| path.is_file());
+    let mut report = Command::new(binary("crumple-report"));
+    report.args(artifacts).args(["-q", "--language", "de", "--summary"]).arg(folder.join("german.json"));
+    let code = report.arg("-o").arg(&page).output().unwrap().status.code();
+    assert!(matches!(code, Some(0 | 4)), "{code:?}");
+    let german = browser.open(&page, "", Screen::DESK);
+    assert_eq!((german.console(), german.ask("return document.documentElement.lang")), (vec![], "de".into()));
+    // Names: what stands in the records. Candidates and models are named in `code`, `strong` and `td`, others by id.
+    let names = texts(english, NAMES);
+    let summary: Value = serde_json::from_slice(&fs::read(folder.join("summary.json")).unwrap()).unwrap();
+    let mut names: BTreeSet<String> = names.into_iter().filter(|name| !name.is_empty()).collect();
+    let channels = [&summary["test"]["channel"], &summary["other_channels"]];
+    names.extend(channels.iter().flat_map(|value| {
+        match value {
+            Value::Array(ids) => ids.clone(),
+            id => vec![(*id).clone()],
+        }
+        .into_iter()
+        .filter_map(|id| id.as_str().map(str::to_owned))
+    }));
+    let labels = german.labels();
+    let left: Vec<String> =
+        english.labels().into_iter().filter(|label| labels.contains(label) && !is_common(label, &names)).collect();
+    assert_eq!(left, Vec::<String>::new(), "{}", folder.display());
+    // The words of stages are marked as English, and those of the report are not.
+    let marked = "return [...document.querySelectorAll('.before-use li')].map((l) =>
+        (l.dataset.stage === 'report') !== Boolean(l.querySelector('q[lang=en]')))";
+    let marked = german.ask(marked);
+    assert!(marked.as_array().unwrap().iter().all(|is_right| *is_right == true), "{}: {marked}", folder.display());
+}
+
+fn check_kind(kind: &KindOfRecord) {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run(kind.variables, folder.path(), &kind.path, kind.flags);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 4)), "{}: {said}", kind.name);
+    eprintln!("{}: exit {:?}", kind.name, output.status.code());
+    let file = folder.path().join("report.html");
+    let summary: Value = serde_json::from_slice(&fs::read(folder.path().join("summary.json")).unwrap()).unwrap();
+    assert!(fs::metadata(&file).unwrap().len() < LARGEST_PAGE, "{}", kind.name);
+    let Some(browser) = Browser::start("the first screen") else { return };
+    let page = browser.open(&file, "", Screen::DESK);
+    assert_eq!((page.console(), page.requests()), (vec![], vec![]), "{}", kind.name);
+    assert_eq!(page.ask("return document.querySelectorAll('script[src], link, iframe, object').length"), 0);
+    check_sentences(&page, &summary);
+    check_key_numbers(&page, &summary);
+    check_models(&page, &summary);
+    check_warnings(&page, &summary);
+    let sentences = texts(&page, "section.verdict p");
+    let others = [Screen::PHONE, Screen::PHONE.dark(), Screen::DESK.dark(), Screen::DESK.wide(794)];
+    for screen in others.into_iter().chain([Screen::DESK.without_script()]) {
+        check_screen(&browser, &file, screen, &sentences);
+    }
+    let sheet = browser.open(&file, "", Screen::SHEET);
+    let curves =
+        "const all = document.querySelector('.figure .panels'); return all ? all.getBoundingClientRect().bottom : 0";
+    let bottom = sheet.ask(curves).as_f64().unwrap();
+    assert!(bottom <= f64::from(Screen::SHEET.height), "{}: the curves end at {bottom} of the sheet", kind.name);
+    check_german(&browser, folder.path(), &page);
+    if kind.name == "two vehicles" {
+        assert!(summary["recommended"].is_null() && summary["candidates"][0].is_object(), "{}", summary["recommended"]);
+        assert!(
+            sentences[1].contains("No model is recommended") && !sentences[1].contains("it gives"),
+            "{sentences:?}"
+        );
+    }
+    if output.status.code() == Some(4) {
+        let reason = summary["verdict"]["reason"].as_str().unwrap();
+        assert!(sentences.iter().any(|sentence| sentence.contains(reason.trim_end_matches('.'))), "{sentences:?}");
+    }
+}
+
+#[test]
+fn every_made_record_is_answered_on_the_first_screen_with_the_numbers_of_its_summary() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in made_kinds(folder.path()).unwrap() {
+        check_kind(&kind);
+    }
+}
+
+#[test]
+fn so_is_every_record_of_a_real_test() {
+    for kind in real_kinds() {
+        check_kind(&kind);
+    }
+}
+
+#[test]
+fn numbers_are_read_with_their_units() {
+    let found = numbers("739.8 to 759.1\u{a0}mm, CFC60 at −0.5\u{a0}ms, 3 of 4");
+    let expected = [(739.8, 1, 1e3), (759.1, 1, 1e3), (-0.5, 1, 1e3), (3.0, 0, 1.0), (4.0, 0, 1.0)];
+    let found: Vec<(f64, usize, f64)> = found.iter().map(|shown| (shown.value, shown.decimals, shown.factor)).collect();
+    assert_eq!(found, expected);
+    assert!(
+        numbers("749.9 mm")[0].is(&Value::from(0.74993)) && !numbers("749.9 mm")[0].is(&Value::from(0.74987 - 1e-4))
+    );
+}
