@@ -19,7 +19,7 @@ pub use crumple_findings::{
     OverviewLine, Ranking, Run, SensorMotion, StageNote, StageRecord, Standing, Status, StatusReason, Summary,
     TestOfJointModel, compare_ids, conclusion, overview, summary, summary_schema,
 };
-pub use crumple_phrases::language::{Language, fill};
+pub use crumple_phrases::words::fill;
 pub use figures::all::all_figures;
 pub use index::document::{FiguresOfRuns, RunIndex};
 pub use index::indexed_run::{IndexedRun, status};

@@ -31,7 +31,7 @@ impl Figure {
                      viewBox=\"0 0 {WIDTH} {h:.1}\">\n\
                      <desc>{} {}</desc>\n{}</svg>\n",
                     MARGIN + WIDTH * column as f64,
-                    self.words.panel,
+                    "panel",
                     row * columns + column + 1,
                     drawing.content(false),
                     h = drawing.height(),

@@ -6,7 +6,9 @@ use crumple_artifact::records::{
     TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::{Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,8 +19,6 @@ use crate::text::names::candidate_name;
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
-    /// The language that the verdict and its warnings speak.
-    pub language: Language,
     /// Name of the pipeline, e.g. `default` or `papers/civic`, if it has one.
     pub pipeline: Option<String>,
     /// The test.
@@ -220,8 +220,8 @@ impl CandidateResult {
     }
 
     /// Why the value of a parameter is in doubt, in words.
-    pub fn doubt(&self, name: &str, language: Language) -> Option<&'static str> {
-        let texts = &language.phrases().model;
+    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+        let texts = &PHRASES.model;
         self.record.doubt(name).map(|doubt| match doubt {
             "on a bound" => texts.on_a_bound,
             "not determined" => texts.not_determined,
@@ -286,15 +286,15 @@ pub struct Certainties<'a> {
 
 impl Certainties<'_> {
     /// `3 of 4`.
-    pub fn counts(&self, language: Language) -> String {
+    pub fn counts(&self) -> String {
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
-        fill(language.phrases().candidates.of, &[("determined", determined), ("parameters", parameters)])
+        fill(PHRASES.candidates.of, &[("determined", determined), ("parameters", parameters)])
     }
 
     /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
     /// magnitude`. `None`: nothing was asked of the record.
-    pub fn words(&self, language: Language) -> Option<String> {
-        let phrases = &language.phrases().conclusion;
+    pub fn words(&self) -> Option<String> {
+        let phrases = &PHRASES.conclusion;
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
         let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
         let others = [(&self.order_of_magnitude, phrases.order_of_magnitude), (&self.open, phrases.open)];
@@ -394,9 +394,9 @@ impl Run {
         let Some(candidate) = recommended.as_deref().and_then(|id| self.candidate(id)) else { return };
         let fit_percent = candidate.simulation.as_ref().and_then(|simulation| simulation.fit_as_measured_percent);
         let Some(fit_percent) = fit_percent.filter(|fit| *fit < ADEQUATE_FIT_PERCENT) else { return };
-        let [fit, limit] = [fit_percent, ADEQUATE_FIT_PERCENT].map(|x| self.language.quantity(x, 1, "%"));
+        let [fit, limit] = [fit_percent, ADEQUATE_FIT_PERCENT].map(|x| words::quantity(x, 1, "%"));
         let texts = [("model", candidate_name(&candidate.id)), ("fit", fit), ("limit", limit)];
-        let because = fill(self.language.phrases().conclusion.fit_too_low, &texts);
+        let because = fill(PHRASES.conclusion.fit_too_low, &texts);
         if let Some(choice) = &mut self.recommendation {
             (choice.recommended, choice.recommended_because) = (None, because);
         }

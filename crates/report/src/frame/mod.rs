@@ -4,4 +4,3 @@
 pub mod framed;
 pub mod heads;
 pub mod page_files;
-pub mod stage_words;

@@ -3,10 +3,10 @@
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
 use crumple_findings::{KeyNumber, Run, key_numbers};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::ANOTHER_VEHICLE;
-
-use crate::frame::stage_words::words_of_stage;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     let numbers = key_numbers(run);
@@ -16,46 +16,44 @@ pub(super) fn write(out: &mut String, run: &Run) {
     out.push_str(&format!(
         "<section id=\"numbers\" aria-labelledby=\"numbers-title\">\n\
          <h2 id=\"numbers-title\">{}</h2>\n<dl class=\"cards\">\n",
-        run.language.phrases().numbers.key_numbers
+        PHRASES.numbers.key_numbers
     ));
     for number in &numbers {
         out.push_str(&card(run, number));
     }
     out.push_str("</dl>\n");
-    caption(out, run.language, &numbers);
+    caption(out, &numbers);
     out.push_str("</section>\n");
 }
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
 fn card(run: &Run, number: &KeyNumber) -> String {
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let (texts) = (&PHRASES.numbers);
     let (factor, unit) = unit(number.unit);
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            let value = language.decimals(factor * value, places(number.name));
+            let value = words::decimals(factor * value, places(number.name));
             format!("<dd class=\"number\">{}{value}{unit}</dd>", number.sign())
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
     };
     let mut lines: Vec<String> = Vec::new();
     if let Some(reason) = &number.absent_because {
-        let own = [texts.velocity_never_zero, texts.peak_of_a_table, texts.peak_not_filtered];
-        let is_own = own.contains(&reason.as_str());
-        lines.push(if is_own { html(reason) } else { words_of_stage(language, reason) });
+        lines.push(html(reason));
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
-        let interval = html(&language.range(low, high, number.unit));
-        lines.push(format!("{}: {interval}", interval_name(language, number)));
+        let interval = html(&words::range(low, high, number.unit));
+        lines.push(format!("{}: {interval}", interval_name(number)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
-        lines.push(words_of_stage(language, reason));
+        lines.push(html(reason));
     } else if number.value.is_some() {
         lines.push(texts.no_interval.to_owned());
     }
     if let Some(spread) = &number.spread {
         let class = if number.interval_misses_a_sensor() { " class=\"beyond\"" } else { "" };
         let count = spread.channels.split('+').count().to_string();
-        let interval = html(&language.range(spread.low, spread.high, number.unit));
+        let interval = html(&words::range(spread.low, spread.high, number.unit));
         let words = fill(texts.sensors, &[("count", count), ("interval", interval)]);
         lines.push(format!("<span{class}>{words}</span>"));
     }
@@ -70,7 +68,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 
 /// The word of the trade.
 pub(crate) fn title(run: &Run, name: &str) -> String {
-    let texts = &run.language.phrases().numbers;
+    let texts = &PHRASES.numbers;
     let title = match name {
         "dynamic_crush" if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) => texts.motion_over_ground,
         "dynamic_crush" => texts.dynamic_crush,
@@ -87,11 +85,11 @@ pub(crate) fn title(run: &Run, name: &str) -> String {
             let filter = run.filter.as_ref();
             return match (filter.and_then(|filter| filter.cfc), filter.and_then(|f| f.cutoff_hz.first())) {
                 (Some(cfc), _) => fill(texts.peak_cfc, &[("cfc", cfc.to_string())]),
-                (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", run.language.quantity(*hz, 0, "Hz"))]),
+                (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", words::quantity(*hz, 0, "Hz"))]),
                 (None, None) => texts.peak.to_owned(),
             };
         }
-        other => return html(&run.language.metric(other)),
+        other => return html(&words::metric(other)),
     };
     title.to_owned()
 }
@@ -106,8 +104,8 @@ pub(crate) fn places(name: &str) -> usize {
 }
 
 /// `90 %` of `5-95 % of 400 replicates`, `resolution` of a recorder.
-fn interval_name(language: Language, number: &KeyNumber) -> String {
-    let texts = &language.phrases().numbers;
+fn interval_name(number: &KeyNumber) -> String {
+    let texts = &PHRASES.numbers;
     match number.interval_by.as_deref() {
         Some(by) if by.starts_with("5-95 %") => texts.inputs.to_owned(),
         Some(by) if by.starts_with("resolution") => texts.resolution.to_owned(),
@@ -117,9 +115,9 @@ fn interval_name(language: Language, number: &KeyNumber) -> String {
 }
 
 fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let (texts) = (&PHRASES.numbers);
     let events = run.events.as_ref();
-    let at = || number.at_s.map(|t| fill(texts.at, &[("time", language.quantity(MILLI * t, 1, "ms"))]));
+    let at = || number.at_s.map(|t| fill(texts.at, &[("time", words::quantity(MILLI * t, 1, "ms"))]));
     match number.name {
         "peak_acceleration" | "maximum_delta_v" => at(),
         "delta_v" if events.is_some_and(|e| e.end_of_event_s.is_some()) => {
@@ -127,10 +125,10 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
         }
         "coefficient_of_restitution" => events
             .and_then(|events| events.rebound_velocity_m_per_s)
-            .map(|v| fill(texts.rebound, &[("speed", language.quantity(3.6 * v.abs(), 1, "km/h"))])),
+            .map(|v| fill(texts.rebound, &[("speed", words::quantity(3.6 * v.abs(), 1, "km/h"))])),
         "time_of_dynamic_crush" => {
             let ratio = events.and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))?;
-            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", language.decimals(ratio, 3)))
+            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", words::decimals(ratio, 3)))
         }
         "olc" => Some(texts.olc.to_owned()),
         "hic15" | "hic36" => Some(texts.hic.to_owned()),
@@ -138,12 +136,12 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
     }
 }
 
-fn caption(out: &mut String, language: Language, numbers: &[KeyNumber]) {
-    let texts = &language.phrases().numbers;
+fn caption(out: &mut String, numbers: &[KeyNumber]) {
+    let texts = &PHRASES.numbers;
     let mut sentences: Vec<String> = Vec::new();
     let by = |start: &str| numbers.iter().filter_map(|n| n.interval_by.as_deref()).find(|by| by.starts_with(start));
     for (start, template) in [("5-95 %", texts.inputs_caption), ("resolution", texts.resolution_caption)] {
-        sentences.extend(by(start).map(|by| fill(template, &[("by", html(&language.interval_by(by)))])));
+        sentences.extend(by(start).map(|by| fill(template, &[("by", html(&by))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.replace('+', ", "));

@@ -1,6 +1,5 @@
 //! Several runs on one page: `crumple-report --compare`, and the Markdown of one run.
 
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

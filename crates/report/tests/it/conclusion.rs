@@ -8,7 +8,7 @@ use crumple_artifact::records::{
     UncertaintyV1,
 };
 use crumple_report::{
-    CandidateResult, Kind, Language, Model, Page, Ranking, Run, Standing, Status, conclusion, overview, summary,
+    CandidateResult, Kind, Model, Page, Ranking, Run, Standing, Status, conclusion, overview, summary,
 };
 use crumple_signal::{ANOTHER_VEHICLE, Axis, Channel, QuantityKind};
 use serde_json::{Value, json};
@@ -635,27 +635,6 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
             "remedy": null
         })
     );
-}
-
-#[test]
-fn german_has_its_own_sentences_and_a_comma() {
-    let run = Run { language: Language::German, ..car() };
-    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
-    assert_eq!(
-        said[0].replace('\u{a0}', " "),
-        "Das Fahrzeug wurde in 77 ms um 448 mm eingedrückt und prallte mit 7 km/h zurück."
-    );
-    assert_eq!(status_of(&run), "brauchbar: seine Eindrückung ist bei 28,8 km/h auf 6 % genau.");
-    assert!(page_of(&run).contains("<h2 id=\"before-use-title\">Vor dem Gebrauch</h2>"));
-    assert_eq!(summary_of(&run)["verdict"]["language"], "de");
-    // What a stage wrote is quoted, what the report says is not.
-    let mut run = without_result();
-    run.language = Language::German;
-    run.concerns.push(concern("ingest", "mass", 3, "a < b"));
-    let page = page_of(&run);
-    assert!(page.contains("<li data-stage=\"ingest\"><b>Aufzeichnung:</b> <q lang=\"en\">a &lt; b</q>"));
-    let reason = run.concerns[1].text.clone();
-    assert!(page.contains(&format!("Es gibt kein Modell: <q lang=\"en\">{reason}</q>.")), "{reason}");
 }
 
 #[test]

@@ -7,7 +7,6 @@ mod compare;
 mod conclusion;
 mod index;
 mod key_numbers;
-mod language;
 mod page_parts;
 mod report;
 mod sample;

@@ -6,7 +6,7 @@ use crumple_artifact::records::{
     CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
 use crumple_drawing::Figure;
-use crumple_report::{CandidateResult, Language, Model, Page, Ranking, Run, SensorMotion, all_figures, summary};
+use crumple_report::{CandidateResult, Model, Page, Ranking, Run, SensorMotion, all_figures, summary};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
@@ -359,7 +359,7 @@ fn an_interval_over_more_than_a_decade_is_an_order_of_magnitude_in_every_place_a
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
     assert_eq!(
-        also_open.certainties().words(Language::English).unwrap(),
+        also_open.certainties().words().unwrap(),
         "0 of 2 numbers determined, 1 to an order of magnitude, 1 open"
     );
     run.candidates.push(best);

@@ -1,6 +1,5 @@
 //! The program on the artifacts of a synthetic run.
 
-
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -7,7 +7,6 @@ use std::path::Path;
 use std::process::Command;
 
 use crumple_browser::{Browser, Page, Screen};
-use crumple_testkit::SAME_IN_GERMAN;
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
 use crumple_testkit::pipeline::{ARTIFACTS, binary, run};
 use serde_json::Value;
@@ -201,51 +200,6 @@ fn check_screen(browser: &Browser, file: &Path, screen: Screen, sentences: &[Str
     assert_eq!(brightness(0) > brightness(1), screen.is_dark, "{colours}");
 }
 
-/// What a German page may have in common with the English one: terms, symbols with units, names of standards, stages
-/// and models, and what the records themselves say.
-fn is_common(label: &str, names: &BTreeSet<String>) -> bool {
-    let has_words = label.split(|c: char| !c.is_alphabetic()).any(|word| word.chars().count() > 2);
-    SAME_IN_GERMAN.contains(&label) || !has_words || names.iter().any(|name| label.starts_with(name.as_str()))
-}
-
-/// Where a page names what its records name: title, stages, candidates, parameters, prior knowledge, places of sensors.
-const NAMES: &str = "h1, #notes h3, code, strong, #candidates li, .bars tbody th, #candidates details th abbr, \
-                     h3 + .scroll tbody th";
-
-/// The German page of a run has no label of the English one.
-fn check_german(browser: &Browser, folder: &Path, english: &Page) {
-    let page = folder.join("german.html");
-    let artifacts = ARTIFACTS.map(|name| folder.join(name)).into_iter().filter(|path| path.is_file());
-    let mut report = Command::new(binary("crumple-report"));
-    report.args(artifacts).args(["-q", "--language", "de", "--summary"]).arg(folder.join("german.json"));
-    let code = report.arg("-o").arg(&page).output().unwrap().status.code();
-    assert!(matches!(code, Some(0 | 4)), "{code:?}");
-    let german = browser.open(&page, "", Screen::DESK);
-    assert_eq!((german.console(), german.ask("return document.documentElement.lang")), (vec![], "de".into()));
-    // Names: what stands in the records. Candidates and models are named in `code`, `strong` and `td`, others by id.
-    let names = texts(english, NAMES);
-    let summary: Value = serde_json::from_slice(&fs::read(folder.join("summary.json")).unwrap()).unwrap();
-    let mut names: BTreeSet<String> = names.into_iter().filter(|name| !name.is_empty()).collect();
-    let channels = [&summary["test"]["channel"], &summary["other_channels"]];
-    names.extend(channels.iter().flat_map(|value| {
-        match value {
-            Value::Array(ids) => ids.clone(),
-            id => vec![(*id).clone()],
-        }
-        .into_iter()
-        .filter_map(|id| id.as_str().map(str::to_owned))
-    }));
-    let labels = german.labels();
-    let left: Vec<String> =
-        english.labels().into_iter().filter(|label| labels.contains(label) && !is_common(label, &names)).collect();
-    assert_eq!(left, Vec::<String>::new(), "{}", folder.display());
-    // The words of stages are marked as English, and those of the report are not.
-    let marked = "return [...document.querySelectorAll('.before-use li')].map((l) =>
-        (l.dataset.stage === 'report') !== Boolean(l.querySelector('q[lang=en]')))";
-    let marked = german.ask(marked);
-    assert!(marked.as_array().unwrap().iter().all(|is_right| *is_right == true), "{}: {marked}", folder.display());
-}
-
 fn check_kind(kind: &KindOfRecord) {
     let folder = tempfile::tempdir().unwrap();
     let output = run(kind.variables, folder.path(), &kind.path, kind.flags);
@@ -273,7 +227,6 @@ fn check_kind(kind: &KindOfRecord) {
         "const all = document.querySelector('.figure .panels'); return all ? all.getBoundingClientRect().bottom : 0";
     let bottom = sheet.ask(curves).as_f64().unwrap();
     assert!(bottom <= f64::from(Screen::SHEET.height), "{}: the curves end at {bottom} of the sheet", kind.name);
-    check_german(&browser, folder.path(), &page);
     if kind.name == "two vehicles" {
         assert!(summary["recommended"].is_null() && summary["candidates"][0].is_object(), "{}", summary["recommended"]);
         assert!(
