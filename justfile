@@ -78,7 +78,7 @@ together *args: build
         -- "$@"
 
 # A run that is up to date is left alone, a record that fails is a row with its error; tables and fleet.html in runs/fleet/NAME (docs/fleet.md).
-# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME] [--language de]`.
+# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
