@@ -14,11 +14,11 @@ mod tolerances;
 
 pub use compare::artifact::compare_artifacts;
 pub use compare::json::compare_json;
-pub use differences::report::{Comparison, Difference, FileReport, Side, TopicReport};
+pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
 pub use print::head::{head, tolerated_parameters};
 pub use print::text::{TextOptions, write_text};
-pub use tolerances::rules::{ToleranceRule, parse_rules};
-pub use tolerances::settings::CompareSettings;
-pub use tolerances::table::{Base, Tolerances};
-pub use tolerances::tolerance::Tolerance;
+pub use tolerances::CompareSettings;
+pub use tolerances::Tolerance;
+pub use tolerances::{Base, Tolerances};
+pub use tolerances::{ToleranceRule, parse_rules};

@@ -31,37 +31,37 @@ mod subspace;
 mod transfer_function;
 mod validation;
 
-pub use arx::arx::{Arx, ArxOrder, arx, arx_scan};
-pub use arx::vector_arx::{VectorArx, vector_arx};
-pub use data::decimation::{automatic_thinning, thinned};
-pub use data::free_decay::end_of_contact;
-pub use data::hold::Hold;
-pub use data::io_data::IoData;
-pub use data::markov_parameters::{MarkovParameters, markov_parameters};
+pub use arx::{Arx, ArxOrder, arx, arx_scan};
+pub use arx::{VectorArx, vector_arx};
+pub use data::Hold;
+pub use data::IoData;
+pub use data::end_of_contact;
+pub use data::{MarkovParameters, markov_parameters};
+pub use data::{automatic_thinning, thinned};
 pub use era::era::{Era, EraOptions, Order, era};
 pub use era::era_dc::{EraDc, EraDcOptions, era_dc};
 pub use era::realization::Realization;
 pub use era::shift_form::ShiftForm;
-pub use error::era::EraError;
-pub use error::identify::{IdentifyError, MissReason};
-pub use exponentials::exponential_sum::{ExponentialSumFit, exponential_sum};
-pub use exponentials::options::ExponentialOptions;
-pub use exponentials::terms::ExponentialTerm;
-pub use fir::fir::{Fir, FirOptions, Hyperparameters, fir};
-pub use fir::kernel::Kernel;
+pub use error::EraError;
+pub use error::{IdentifyError, MissReason};
+pub use exponentials::ExponentialOptions;
+pub use exponentials::ExponentialTerm;
+pub use exponentials::{ExponentialSumFit, exponential_sum};
+pub use fir::Kernel;
+pub use fir::{Fir, FirOptions, Hyperparameters, fir};
 pub use hankel::singular_value_gap::GapOrder;
 pub use hankel::svd::Decomposition;
-pub use modes::identified_mode::{IdentifiedMode, mode_shapes};
-pub use modes::mode_deviations::response_deviations;
-pub use modes::mode_shape::{modal_assurance, phase_collinearity};
-pub use modes::pole_kind::{PoleKind, PoleRecord, pole_kinds};
-pub use okid::observer_regression::Criterion;
-pub use okid::okid::{Lags, Okid, OkidModel, OkidOptions, OkidRealization};
-pub use order::order_scan::{era_order_scan, era_order_scan_of, subspace_order_scan};
-pub use order::stabilization::{
+pub use modes::response_deviations;
+pub use modes::{IdentifiedMode, mode_shapes};
+pub use modes::{PoleKind, PoleRecord, pole_kinds};
+pub use modes::{modal_assurance, phase_collinearity};
+pub use okid::Criterion;
+pub use okid::{Lags, Okid, OkidModel, OkidOptions, OkidRealization};
+pub use order::{
     DiagramPole, OrderPoles, PoleCluster, Quartiles, Stability, StabilizationDiagram, StabilizationOptions,
     stabilization,
 };
+pub use order::{era_order_scan, era_order_scan_of, subspace_order_scan};
 pub use output_error::options::OutputErrorOptions;
 pub use output_error::output_error::{OutputError, output_error};
 pub use poles::options::{InitialConditions, TransferFunctionOptions};
@@ -70,11 +70,11 @@ pub use poles::starts::Start;
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use simulation::mirrored_poles::mirrored_poles;
-pub use subspace::horizon::{Horizons, horizons};
-pub use subspace::subspace::{Subspace, SubspaceModel, SubspaceOptions};
-pub use subspace::weighting::Weighting;
-pub use transfer_function::array::{TransferFunctionArray, transfer_function_array};
-pub use transfer_function::fit::{TransferFunctionFit, transfer_function_fit};
+pub use subspace::Weighting;
+pub use subspace::{Horizons, horizons};
+pub use subspace::{Subspace, SubspaceModel, SubspaceOptions};
+pub use transfer_function::{TransferFunctionArray, transfer_function_array};
+pub use transfer_function::{TransferFunctionFit, transfer_function_fit};
 pub use validation::bootstrap::{
     BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
     bootstrap_outputs,

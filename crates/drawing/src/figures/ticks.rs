@@ -1,6 +1,6 @@
 //! Where an axis is marked, and with which numbers.
 
-use crate::text::numbers::{decimals, superscript};
+use crate::text::{decimals, superscript};
 
 /// Marks of an axis.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::model::state_space::check_sample_time;
+use crate::model::check_sample_time;
 use crate::{InputHold, LtiError, StateSpace, matrix_exponential, to_continuous};
 
 /// A sampled model driven by this sample of the input and the next:

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::model::state_space::check_sample_time;
+use crate::model::check_sample_time;
 use crate::{LtiError, StateSpace};
 
 /// Reciprocal condition, by the 1-norm, below which a matrix counts as singular.

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::matrix::exponential::one_norm;
-use crate::model::state_space::check_sample_time;
+use crate::model::check_sample_time;
 use crate::{LtiError, StateSpace, matrix_exponential, matrix_logarithm};
 
 /// The sampled model whose response to a zero-order hold is the continuous one's, exactly.

@@ -6,10 +6,10 @@
 
 use crumple_signal::{Acceleration, Sampled, Signal};
 
-use crate::metric::definitions::{OIV_X, OIV_Y, ORA_X, ORA_Y, PHD, THIV};
-use crate::metric::grid::same_grid;
-use crate::sums::cumulative::{self, cumulative, in_samples};
-use crate::sums::sliding_mean::window_end;
+use crate::metric::same_grid;
+use crate::metric::{OIV_X, OIV_Y, ORA_X, ORA_Y, PHD, THIV};
+use crate::sums::window_end;
+use crate::sums::{self, cumulative, in_samples};
 use crate::{Definition, Metric, MetricsError};
 
 /// Length of the mean after the impact, s.

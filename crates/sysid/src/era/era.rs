@@ -4,7 +4,7 @@ use crumple_lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::EraError;
-use crate::data::markov_parameters::MarkovParameters;
+use crate::data::MarkovParameters;
 use crate::era::realization::{Known, Realization, realization};
 use crate::era::shift_form::{ShiftForm, state_matrix};
 use crate::hankel::block_hankel::Hankel;

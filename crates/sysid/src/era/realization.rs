@@ -6,10 +6,10 @@ use crumple_metrics::fit_percent;
 use nalgebra::DMatrix;
 
 use crate::EraError;
-use crate::data::markov_parameters::{MarkovParameters, markov_parameters};
+use crate::data::{MarkovParameters, markov_parameters};
 use crate::hankel::singular_value_gap::GapOrder;
 use crate::hankel::svd::Decomposition;
-use crate::modes::identified_mode::{IdentifiedMode, modes, normalized};
+use crate::modes::{IdentifiedMode, modes, normalized};
 use crate::simulation::fit::{common_fit_percent, common_rmse};
 
 /// A model realised from a record, with the evidence for it.

@@ -4,7 +4,7 @@ use crumple_linalg::jacobi_svd;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::EraError;
-use crate::error::era::RANK_TOLERANCE;
+use crate::error::RANK_TOLERANCE;
 use crate::hankel::golub_kahan::GolubKahan;
 use crate::hankel::shift_pair::ShiftPair;
 

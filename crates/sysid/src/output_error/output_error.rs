@@ -178,7 +178,7 @@ mod tests {
                 let next = u.get(k + 1).copied().unwrap_or(0.0);
                 x = &held.a * x + held.b_now.column(0) * u[k] + held.b_next.column(0) * next;
             }
-            let rms = crate::data::io_data::scale(&y);
+            let rms = crate::data::scale(&y);
             for (k, y) in y.iter_mut().enumerate() {
                 // Uniform noise of 10 %: deviation 1/sqrt 12 without the factor.
                 *y += 0.1 * 12.0_f64.sqrt() * rms * (uniform_at(980 + system, k) - 0.5);
@@ -199,7 +199,7 @@ mod tests {
     fn deviations_are_the_spread_over_records() {
         let (clean, poles) = data(1, 1, 0);
         let exact: Vec<f64> = poles.iter().map(|z| (z.ln() / 0.01).norm()).collect();
-        let rms = crate::data::io_data::scale(&clean.outputs()[0]);
+        let rms = crate::data::scale(&clean.outputs()[0]);
         let records = 60;
         let (mut squares, mut expected) = (0.0, 0.0);
         for seed in 0..records {

@@ -8,10 +8,10 @@ use crumple_estimation::random::uniform_at;
 use crumple_lti::Complex;
 use rayon::prelude::*;
 
-use crate::arx::arx::arx;
+use crate::arx;
 use crate::output_error::options::OutputErrorOptions;
 use crate::poles::starts::{Start, StartProblem};
-use crate::subspace::balanced_truncation::balanced_truncation;
+use crate::subspace;
 use crate::{ArxOrder, Hold, IoData, Subspace, SubspaceOptions, Weighting};
 
 /// Continuous transfer functions are starts up to this order: above, their coefficients have lost the digits.

@@ -12,7 +12,7 @@ use crumple_linalg::dot;
 use crumple_lti::{Complex, polynomial_roots, undo_zero_order_hold};
 use nalgebra::{DMatrix, DVector};
 
-use crate::data::io_data::scale;
+use crate::data::scale;
 use crate::era::era::era;
 use crate::poles::cascade::{Drive, SectionChain, sections_of};
 use crate::{EraOptions, Hold, IoData, Order, Subspace, SubspaceOptions, Weighting};

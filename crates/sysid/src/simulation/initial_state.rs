@@ -7,7 +7,7 @@ use crumple_linalg::TriangularFactor;
 use crumple_linalg::dot;
 use crumple_lti::StateSpace;
 
-use crate::data::contiguous::{columns_of, rows_of};
+use crate::data::{columns_of, rows_of};
 use crate::{IdentifyError, IoData};
 
 /// Directions of the state that the record shows with less than this fraction of the strongest are left at zero.

@@ -5,7 +5,7 @@ use crumple_linalg::dot;
 use crumple_lti::StateSpace;
 use nalgebra::DMatrix;
 
-use crate::data::contiguous::columns_of;
+use crate::data::columns_of;
 use crate::simulation::initial_state::left_multiply;
 use crate::{IdentifyError, IoData};
 
