@@ -12,13 +12,10 @@ mod plain;
 mod show;
 
 pub use checks::{Checked, check};
-pub use curves::{CurveFormat, text};
-pub use curves::{StaticCurve, static_curves};
+pub use curves::{CurveFormat, StaticCurve, static_curves, text};
 pub use error::{CurveError, PlainError};
-pub use plain::{NearestSchema, assemble, parse_lines};
-pub use plain::{PlainInput, PlainProvenance, PlainRecord, PlainWave};
-pub use plain::{f64_bytes, plain_records, plain_waves};
-pub use show::StageNotes;
-pub use show::write_json;
-pub use show::write_text;
-pub use show::{ShowOptions, Wanted};
+pub use plain::{
+    NearestSchema, PlainInput, PlainProvenance, PlainRecord, PlainWave, assemble, f64_bytes, parse_lines,
+    plain_records, plain_waves,
+};
+pub use show::{ShowOptions, StageNotes, Wanted, write_json, write_text};

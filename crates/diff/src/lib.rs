@@ -18,7 +18,4 @@ pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
 pub use print::head::{head, tolerated_parameters};
 pub use print::text::{TextOptions, write_text};
-pub use tolerances::CompareSettings;
-pub use tolerances::Tolerance;
-pub use tolerances::{Base, Tolerances};
-pub use tolerances::{ToleranceRule, parse_rules};
+pub use tolerances::{Base, CompareSettings, Tolerance, ToleranceRule, Tolerances, parse_rules};

@@ -31,9 +31,7 @@ mod filter;
 mod recursion;
 mod samples;
 
-pub use butterworth::Design;
-pub use butterworth::run_sections;
-pub use butterworth::{Butterworth, Pass, Phase};
+pub use butterworth::{Butterworth, Design, Pass, Phase, run_sections};
 pub use cfc::class::{Cfc, Class};
 pub use cfc::coefficients::Coefficients;
 pub use cfc::corridor::{CorridorPoint, corridor};

@@ -62,14 +62,12 @@ pub use families::kelvin::Kelvin;
 pub use families::load_paths::{CrushedLoadPaths, LoadPath};
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
-pub use kind::ModelKind;
-pub use kind::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, Parameter, ParameterKind};
+pub use kind::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, ModelKind, Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
-pub use model::Model;
-pub use model::{parameter_kind, parameter_kind_of_unit, structure_of};
+pub use model::{Model, parameter_kind, parameter_kind_of_unit, structure_of};
 pub use motion::collision::{
     Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Meeting, MeetingState, Moment, Turn,
 };

@@ -3,7 +3,9 @@
 
 use crumple_signal::{Acceleration, Displacement, Signal};
 
-use crate::metric::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY, same_grid};
+use crate::metric::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
+
+use crate::metric::grid::same_grid;
 use crate::{DynamicCrush, Metric, MetricsError};
 
 // Average stiffness from mass, impact speed and dynamic crush.

@@ -29,11 +29,10 @@ pub use curves::cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use curves::corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
 pub use curves::iso18571::rating::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
-pub use energy;
-pub use energy::DamageProfile;
-pub use energy::energy_equivalent_speed;
-pub use energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
-pub use energy::{INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, WallStiffness, wall_stiffness};
+pub use energy::{
+    CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,
+    average_stiffness, energy_equivalent_speed, wall_stiffness,
+};
 pub use error::MetricsError;
 pub use events::collision::{MutualCrush, TwoVehicleImpact, collision, common_velocity};
 pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
@@ -45,8 +44,8 @@ pub use events::time_zero::{
     EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold, time_zero_by_velocity_change,
 };
 pub use events::unstopped::{EventEnd, Unstopped, unstopped};
-pub use metric::{self, Definition, Mark};
-pub use metric::{Interval, IntervalBy, Metric, Window};
+pub use metric::definitions::{self, Definition, Mark};
+pub use metric::value::{Interval, IntervalBy, Metric, Window};
 pub use occupant::clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
 pub use occupant::hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
 pub use occupant::resultant::resultant;
@@ -62,4 +61,4 @@ pub use pulse::vpi::{VpiOptions, vpi};
 pub use roadside::asi::{AsiLimits, AsiMethod, asi};
 pub use roadside::butterworth::through_class;
 pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
-pub use sums;
+pub use sums::sliding_mean;

@@ -3,7 +3,7 @@
 
 use crumple_signal::{Acceleration, Signal, Velocity};
 
-use crate::metric::{SLIDING_MEAN, SM25};
+use crate::metric::definitions::{SLIDING_MEAN, SM25};
 use crate::{Definition, Metric};
 
 // Cumulative trapezoid and reading it between samples.
@@ -19,7 +19,7 @@ pub(crate) fn cumulative(a: &[f64], dt_s: f64) -> Vec<f64> {
 }
 
 /// Cumulative trapezoid of the trapezoid: also the second integral.
-pub(crate) fn from(start: f64, rate: &[f64], dt_s: f64) -> Vec<f64> {
+pub(crate) fn cumulative_from(start: f64, rate: &[f64], dt_s: f64) -> Vec<f64> {
     let mut sums = cumulative(rate, dt_s);
     sums.iter_mut().for_each(|sum| *sum += start);
     sums
@@ -102,7 +102,7 @@ mod tests {
     fn sums_by_the_trapezoid() {
         assert_eq!(cumulative(&[0.0, 2.0, 4.0], 0.5), [0.0, 0.5, 2.0]);
         assert!(cumulative(&[], 0.5).is_empty());
-        assert_eq!(from(4.0, &[2.0, 2.0], 0.5), [4.0, 5.0]);
+        assert_eq!(cumulative_from(4.0, &[2.0, 2.0], 0.5), [4.0, 5.0]);
     }
 
     #[test]

@@ -16,15 +16,14 @@ mod samples;
 mod units;
 
 pub use channels::{Axis, Channel, ChannelStatus};
-pub use description::{ANOTHER_VEHICLE, PulseError, Source, TestDescription};
-pub use description::{BodyPart, part_of};
-pub use description::{is_pattern, resolve_channels};
-pub use notes::{About, Bearing, UnknownAbout, Weight};
-pub use notes::{Note, Notes, Severity};
-pub use samples::{BeforeEvent, RecordingSteps};
-pub use samples::{FreeFall, falls_before_event, free_fall, is_gravity};
-pub use samples::{PreEvent, PreEventWindow, pre_event};
-pub use samples::{Sampled, Signal, SignalError};
+pub use description::{
+    ANOTHER_VEHICLE, BodyPart, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
+};
+pub use notes::{About, Bearing, Note, Notes, Severity, UnknownAbout, Weight};
+pub use samples::{
+    BeforeEvent, FreeFall, PreEvent, PreEventWindow, RecordingSteps, Sampled, Signal, SignalError, falls_before_event,
+    free_fall, is_gravity, pre_event,
+};
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
 pub use units::uncertain::{Distribution, Uncertain};

@@ -31,37 +31,30 @@ mod subspace;
 mod transfer_function;
 mod validation;
 
-pub use arx::{Arx, ArxOrder, arx, arx_scan};
-pub use arx::{VectorArx, vector_arx};
-pub use data::Hold;
-pub use data::IoData;
-pub use data::end_of_contact;
-pub use data::{MarkovParameters, markov_parameters};
-pub use data::{automatic_thinning, thinned};
+pub use arx::{Arx, ArxOrder, VectorArx, arx, arx_scan, vector_arx};
+pub use crumple_estimation::minimise::{Stop, StopReason};
+pub use crumple_estimation::statistics::{
+    InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
+};
+pub use data::{Hold, IoData, MarkovParameters, automatic_thinning, end_of_contact, markov_parameters, thinned};
 pub use era::era::{Era, EraOptions, Order, era};
 pub use era::era_dc::{EraDc, EraDcOptions, era_dc};
 pub use era::realization::Realization;
 pub use era::shift_form::ShiftForm;
-pub use error::EraError;
-pub use error::{IdentifyError, MissReason};
-pub use exponentials::ExponentialOptions;
-pub use exponentials::ExponentialTerm;
-pub use exponentials::{ExponentialSumFit, exponential_sum};
-pub use fir::Kernel;
-pub use fir::{Fir, FirOptions, Hyperparameters, fir};
+pub use error::{EraError, IdentifyError, MissReason};
+pub use exponentials::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, exponential_sum};
+pub use fir::{Fir, FirOptions, Hyperparameters, Kernel, fir};
 pub use hankel::singular_value_gap::GapOrder;
 pub use hankel::svd::Decomposition;
-pub use modes::response_deviations;
-pub use modes::{IdentifiedMode, mode_shapes};
-pub use modes::{PoleKind, PoleRecord, pole_kinds};
-pub use modes::{modal_assurance, phase_collinearity};
-pub use okid::Criterion;
-pub use okid::{Lags, Okid, OkidModel, OkidOptions, OkidRealization};
+pub use modes::{
+    IdentifiedMode, PoleKind, PoleRecord, modal_assurance, mode_shapes, phase_collinearity, pole_kinds,
+    response_deviations,
+};
+pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions, OkidRealization};
 pub use order::{
     DiagramPole, OrderPoles, PoleCluster, Quartiles, Stability, StabilizationDiagram, StabilizationOptions,
-    stabilization,
+    era_order_scan, era_order_scan_of, stabilization, subspace_order_scan,
 };
-pub use order::{era_order_scan, era_order_scan_of, subspace_order_scan};
 pub use output_error::options::OutputErrorOptions;
 pub use output_error::output_error::{OutputError, output_error};
 pub use poles::options::{InitialConditions, TransferFunctionOptions};
@@ -70,11 +63,10 @@ pub use poles::starts::Start;
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use simulation::mirrored_poles::mirrored_poles;
-pub use subspace::Weighting;
-pub use subspace::{Horizons, horizons};
-pub use subspace::{Subspace, SubspaceModel, SubspaceOptions};
-pub use transfer_function::{TransferFunctionArray, transfer_function_array};
-pub use transfer_function::{TransferFunctionFit, transfer_function_fit};
+pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
+pub use transfer_function::{
+    TransferFunctionArray, TransferFunctionFit, transfer_function_array, transfer_function_fit,
+};
 pub use validation::bootstrap::{
     BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
     bootstrap_outputs,
@@ -82,8 +74,3 @@ pub use validation::bootstrap::{
 pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};
 pub use validation::residual_resampling::Resampling;
-
-pub use crumple_estimation::minimise::{Stop, StopReason};
-pub use crumple_estimation::statistics::{
-    InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
-};

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::figure::{Entry, Figure};
 use super::look::{Symbol, file_rules};
 use super::panel::{Drawing, WIDTH};
-use crate::text::html;
+use crate::text::escape::html;
 
 const MARGIN: f64 = 16.0;
 const HEAD: f64 = 40.0;

@@ -1,6 +1,6 @@
 //! Where an axis is marked, and with which numbers.
 
-use crate::text::{decimals, superscript};
+use crate::text::numbers::{decimals, superscript};
 
 /// Marks of an axis.
 #[derive(Debug, Clone, PartialEq)]

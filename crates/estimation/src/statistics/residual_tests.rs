@@ -55,7 +55,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crate::random;
+    use crate::random::uniform_at;
     use crate::statistics::autoregressive_effective_samples;
 
     #[test]

@@ -16,7 +16,6 @@ const HEIGHT: f64 = 210.0;
 pub(crate) fn distributions(rows: &[Row], quantities: &[Quantity]) -> Figure {
     let texts = &PHRASES.fleet;
     let mut figure = Figure::new("distributions", texts.runs_by_value);
-    figure.words = words::words_of_drawings();
     let entry = figure.entry(texts.runs, Look::line(Colour::Series(0), Dash::Solid), true);
     for quantity in quantities {
         let values: Vec<f64> = rows.iter().filter_map(|row| (quantity.of)(row.summary.as_ref()?)).collect();

@@ -17,7 +17,6 @@ const HEIGHT: f64 = 300.0;
 pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, Quantity), over: &[Quantity]) -> Figure {
     let texts = &PHRASES.fleet;
     let mut figure = Figure::new(id, capitalised(y.name()));
-    figure.words = words::words_of_drawings();
     let entries = [
         figure.entry(texts.a_run, Look::marks(Colour::Series(0), Symbol::Point), true),
         figure.entry(texts.line, Look::line(Colour::Muted, Dash::Dashed), true),

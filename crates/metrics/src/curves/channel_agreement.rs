@@ -3,7 +3,7 @@
 use crumple_signal::{Acceleration, Signal, Velocity};
 
 use crate::curves::residuals::residuals;
-use crate::metric::same_grid;
+use crate::metric::grid::same_grid;
 use crate::{Interval, IntervalBy, Metric, MetricsError};
 
 /// Dynamic crushes further apart than this share are not averaged.
@@ -76,7 +76,7 @@ pub fn over_channels(of: &Metric, others: &[&Metric]) -> Option<Metric> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metric::{OLC, VPI};
+    use crate::metric::definitions::{OLC, VPI};
 
     #[test]
     fn the_spread_of_channels_is_the_interval_of_the_first() {

@@ -4,8 +4,10 @@ use crumple_signal::Sampled;
 
 use crate::curves::best_shift::{Correlation, best_shift, overlap};
 use crate::curves::corridor_rating::corridor_score;
-use crate::metric::rated_grid;
-use crate::metric::{CORA, CORA_AUTOMATIC, CORA_CORRIDOR, CORA_CORRIDOR_AUTOMATIC, CORA_CROSS, CORA_CROSS_AUTOMATIC};
+use crate::metric::definitions::{
+    CORA, CORA_AUTOMATIC, CORA_CORRIDOR, CORA_CORRIDOR_AUTOMATIC, CORA_CROSS, CORA_CROSS_AUTOMATIC,
+};
+use crate::metric::grid::rated_grid;
 use crate::{Metric, MetricsError};
 
 /// Which part of the signals is rated.

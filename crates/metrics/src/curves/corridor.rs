@@ -2,8 +2,8 @@
 
 use crumple_signal::Sampled;
 
-use crate::metric::same_grid;
-use crate::metric::{CORRIDOR_EXCURSION, CORRIDOR_EXIT, CORRIDOR_INSIDE};
+use crate::metric::definitions::{CORRIDOR_EXCURSION, CORRIDOR_EXIT, CORRIDOR_INSIDE};
+use crate::metric::grid::same_grid;
 use crate::{Metric, MetricsError};
 
 /// How wide a corridor of several tests is.

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use crumple_signal::Sampled;
 
-use crate::metric::same_grid;
-use crate::metric::{
+use crate::metric::definitions::{
     ANOVA_MEAN, ANOVA_STD, FIT, NRMSE, R2, RMSE, SPRAGUE_GEERS_C, SPRAGUE_GEERS_M, SPRAGUE_GEERS_P, THEIL_U1, THEIL_U2,
     VAF,
 };
+use crate::metric::grid::same_grid;
 use crate::{Metric, MetricsError};
 
 /// All measures of one pair of curves; `None` where a measure is not defined for them.

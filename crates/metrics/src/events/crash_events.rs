@@ -3,7 +3,7 @@
 use crumple_signal::{Displacement, Signal, Velocity};
 
 use crate::events::unstopped::unstopped;
-use crate::metric::same_grid;
+use crate::metric::grid::same_grid;
 use crate::{MetricsError, Unstopped};
 
 /// The moment of largest crush: the first zero of velocity.

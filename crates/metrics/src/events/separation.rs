@@ -3,7 +3,7 @@
 use crumple_signal::{Signal, Velocity};
 
 use crate::Metric;
-use crate::metric::{RESTITUTION_TWO, SEPARATION};
+use crate::metric::definitions::{RESTITUTION_TWO, SEPARATION};
 
 /// Stretch at the end of the record, s.
 const STRETCH_S: f64 = 0.02;

@@ -3,7 +3,7 @@
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
 use crate::Metric;
-use crate::metric::{TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
+use crate::metric::definitions::{TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
 use crate::sums::window_end;
 use crate::sums::{cumulative, in_samples};
 

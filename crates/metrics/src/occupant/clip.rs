@@ -2,7 +2,7 @@
 
 use crumple_signal::{Acceleration, Signal};
 
-use crate::metric::{CLIP_CONTIGUOUS, CLIP_CUMULATIVE};
+use crate::metric::definitions::{CLIP_CONTIGUOUS, CLIP_CUMULATIVE};
 use crate::{Metric, Window};
 
 /// Duration of the 3 ms clip, s.

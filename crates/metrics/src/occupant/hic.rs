@@ -3,7 +3,7 @@
 
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
-use crate::metric::{GSI, HIC, HIC15, HIC36, HICD};
+use crate::metric::definitions::{GSI, HIC, HIC15, HIC36, HICD};
 use crate::sums::in_samples;
 use crate::{Definition, Metric};
 

@@ -3,7 +3,7 @@
 use crumple_signal::{Acceleration, Signal};
 
 use crate::MetricsError;
-use crate::metric::same_grid;
+use crate::metric::grid::same_grid;
 
 /// Resultant of components at one place, sample by sample: `sqrt(x² + y² + z²)`.
 ///

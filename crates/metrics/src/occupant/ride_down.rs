@@ -2,8 +2,8 @@
 
 use crumple_signal::{Acceleration, Signal};
 
-use crate::metric::same_grid;
-use crate::metric::{OCCUPANT_TRAVEL, RESTRAINT, RIDE_DOWN};
+use crate::metric::definitions::{OCCUPANT_TRAVEL, RESTRAINT, RIDE_DOWN};
+use crate::metric::grid::same_grid;
 use crate::sums;
 use crate::{Metric, MetricsError};
 
@@ -44,9 +44,9 @@ pub fn ride_down(
         return Err(MetricsError::ImpactSpeed(v0));
     }
     let dt = vehicle.dt_s();
-    let v = sums::from(v0, vehicle.samples(), dt);
+    let v = sums::cumulative_from(v0, vehicle.samples(), dt);
     let a_o = occupant.samples();
-    let v_o = sums::from(v0, a_o, dt);
+    let v_o = sums::cumulative_from(v0, a_o, dt);
     let (mut crush, mut belt, mut travel) = (0.0, 0.0, 0.0);
     let mut largest = (0.0, 0);
     for k in 1..v.len() {

@@ -5,8 +5,8 @@
 
 use crumple_signal::{Displacement, Signal, Velocity};
 
-use crate::metric::OLC;
-use crate::metric::same_grid;
+use crate::metric::definitions::OLC;
+use crate::metric::grid::same_grid;
 use crate::{Metric, MetricsError};
 
 /// The two lengths of the occupant load criterion.

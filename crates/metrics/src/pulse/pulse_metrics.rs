@@ -7,12 +7,12 @@
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
 use crate::energy::{absorbed_energy, kinetic_energy, loading_work_per_kg};
-use crate::metric::same_grid;
-use crate::metric::{
+use crate::metric::definitions::{
     ABSORBED_ENERGY, ASW, AVERAGE_STIFFNESS, CENTROID, CENTROID_MOMENT, CENTROID_RATIO, CLOSURE, DELTA_V,
     DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, PEAK, REBOUND_DISPLACEMENT, RESTITUTION, RETURNED_ENERGY,
     SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
 };
+use crate::metric::grid::same_grid;
 use crate::pulse::olc::olc;
 use crate::pulse::peak::{index_of_largest, peak};
 use crate::pulse::vpi::vpi;

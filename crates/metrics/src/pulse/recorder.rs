@@ -2,7 +2,7 @@
 
 use crumple_signal::Sampled;
 
-use crate::metric::{MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V};
+use crate::metric::definitions::{MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V};
 use crate::{Interval, IntervalBy, Metric};
 
 /// Last moment that counts, s from time zero.

@@ -6,7 +6,7 @@
 use crumple_signal::{Acceleration, Signal};
 
 use crate::Metric;
-use crate::metric::VPI;
+use crate::metric::definitions::VPI;
 
 /// The occupant and belt of the vehicle pulse index.
 #[derive(Debug, Clone, Copy, PartialEq)]

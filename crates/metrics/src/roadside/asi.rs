@@ -4,8 +4,8 @@ use std::f64::consts::SQRT_2;
 
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
-use crate::metric::same_grid;
-use crate::metric::{ASI_1998, ASI_2010, ASI_2010_TWO_PASS};
+use crate::metric::definitions::{ASI_1998, ASI_2010, ASI_2010_TWO_PASS};
+use crate::metric::grid::same_grid;
 use crate::roadside::butterworth::two_pass;
 use crate::sums::window_end;
 use crate::sums::{cumulative, in_samples};

@@ -23,7 +23,7 @@ use super::table::to_markdown;
 /// known: the artifacts hold its name alone.
 pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&str>) -> String {
     let (said, concerns) = conclusion(&run.run, &run.ranking);
-    let phrases = PHRASES;
+    let phrases = &PHRASES;
     let texts = &phrases.runs;
     let title = if run.run.test.title.is_empty() { phrases.page.untitled } else { &run.run.test.title };
     let mut text = format!("{HEAD}## {}\n\n", markdown(title));

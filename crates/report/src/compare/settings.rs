@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_drawing::numbers::ABSENT;
+use crumple_phrases::PHRASES;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;

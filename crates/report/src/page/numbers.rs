@@ -171,7 +171,7 @@ struct Row<'a> {
 fn definition(metric: &MetricV1) -> String {
     let texts = &PHRASES.numbers;
     let key = metric.definition_id.as_deref().filter(|_| metric.value.is_some());
-    let mut text = &metric.definition;
+    let mut text = metric.definition.clone();
     if let Some(id) = key {
         text.push_str(&format!(" [{id}]"));
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::arx;
 use crate::output_error::options::OutputErrorOptions;
 use crate::poles::starts::{Start, StartProblem};
-use crate::subspace;
+use crate::subspace::balanced_truncation;
 use crate::{ArxOrder, Hold, IoData, Subspace, SubspaceOptions, Weighting};
 
 /// Continuous transfer functions are starts up to this order: above, their coefficients have lost the digits.

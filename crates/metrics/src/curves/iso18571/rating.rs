@@ -5,8 +5,8 @@ use crumple_signal::Sampled;
 use crate::curves::best_shift::{Correlation, best_shift, overlap};
 use crate::curves::corridor_rating::corridor_score;
 use crate::curves::iso18571::{magnitude, slope};
-use crate::metric::rated_grid;
-use crate::metric::{ISO, ISO_CORRIDOR, ISO_MAGNITUDE, ISO_PHASE, ISO_SLOPE};
+use crate::metric::definitions::{ISO, ISO_CORRIDOR, ISO_MAGNITUDE, ISO_PHASE, ISO_SLOPE};
+use crate::metric::grid::rated_grid;
 use crate::{Metric, MetricsError};
 
 /// The constants of the rating.

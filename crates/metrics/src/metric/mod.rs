@@ -1,0 +1,6 @@
+//! What a metric is: value, unit, definition, window, interval; the catalogue of definitions; one grid for two signals.
+//! May use nothing.
+
+pub mod definitions;
+pub mod grid;
+pub mod value;
