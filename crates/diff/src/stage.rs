@@ -122,7 +122,7 @@ fn settings(args: &Args) -> Result<CompareSettings, DiffError> {
     let rules = match &args.tolerance {
         None => Vec::new(),
         Some(path) => {
-            let text = std::fs::read_to_string(path).map_err(|source| DiffError::Io { path: path.clone(), source })?;
+            let text = fs::read_to_string(path).map_err(|source| DiffError::Io { path: path.clone(), source })?;
             parse_rules(&text)?
         }
     };

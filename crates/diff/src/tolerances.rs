@@ -151,7 +151,7 @@ struct Line {
 ///
 /// `#<place>` may be left out: everything under the topic. An empty topic: every topic.
 pub fn parse_rules(text: &str) -> Result<Vec<ToleranceRule>, DiffError> {
-    let lines: std::collections::BTreeMap<String, Line> =
+    let lines: BTreeMap<String, Line> =
         toml::from_str(text).map_err(|error| DiffError::Tolerance(error.to_string().trim_end().to_owned()))?;
     lines.into_iter().map(|(pattern, line)| rule(&pattern, line)).collect()
 }
@@ -396,7 +396,7 @@ mod tests {
     use crate::{Base, CompareSettings, Tolerances, compare_json};
     use serde_json::json;
 
-    fn candidate(stiffness: f64, deviation: f64, fit: f64, energy: f64) -> serde_json::Value {
+    fn candidate(stiffness: f64, deviation: f64, fit: f64, energy: f64) -> Value {
         json!({
             "parameters": {"k": stiffness, "mass": 873.0},
             "uncertainty": {
@@ -406,7 +406,7 @@ mod tests {
         })
     }
 
-    fn same(a: &serde_json::Value, b: &serde_json::Value) -> bool {
+    fn same(a: &Value, b: &Value) -> bool {
         compare_json("/parameters/kelvin/closed-form/1", a, b, &CompareSettings::default()).same
     }
 

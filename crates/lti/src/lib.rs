@@ -14,9 +14,7 @@ mod responses;
 
 pub use conversion::continuous::{Continuous, InputHold, to_continuous};
 pub use conversion::first_order_hold::{FirstOrderHold, discretize_first_order_hold, undo_first_order_hold};
-pub use conversion::from_transfer_function::to_state_space;
 pub use conversion::to_transfer_function::to_transfer_function;
-pub use conversion::tustin::{discretize_tustin, undo_tustin};
 pub use conversion::zero_order_hold::{discretize_zero_order_hold, undo_zero_order_hold};
 pub use error::LtiError;
 pub use matrix::complex::Complex;

@@ -91,7 +91,7 @@ pub fn thinned(data: &IoData, every: usize) -> Result<IoData, IdentifyError> {
     let cut = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
         signals
             .iter()
-            .map(|s| s.windows(filter.len()).step_by(every).map(|w| crumple_linalg::dot(w, &filter)).collect())
+            .map(|s| s.windows(filter.len()).step_by(every).map(|w| dot(w, &filter)).collect())
             .collect()
     };
     IoData::new(cut(data.inputs()), cut(data.outputs()), data.sample_time_s() * every as f64)

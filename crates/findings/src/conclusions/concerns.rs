@@ -179,7 +179,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         let text = fill(phrases.sensors_differ, &texts);
         found.push((About::Motion, Weight::Marked, text));
     }
-    if let Some(tests) = run.joint.as_ref().and_then(|joint| missed(joint)) {
+    if let Some(tests) = run.joint.as_ref().and_then(missed) {
         let text = fill(PHRASES.joint.warn_missed, &[("tests", tests)]);
         found.push((About::Predictions, Weight::Decisive, text));
     }

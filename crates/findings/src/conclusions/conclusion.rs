@@ -247,7 +247,7 @@ impl<'a> Text<'a> {
                     Kind::NoStop => self.no_stop(),
                     Kind::TwoVehicles => self.two_vehicles(),
                     Kind::SeveralTests => {
-                        self.run.joint.as_ref().map_or_else(String::new, |joint| several_tests(joint))
+                        self.run.joint.as_ref().map_or_else(String::new, several_tests)
                     }
                     _ => self.changed().unwrap_or_else(|| phrases.measured_only.to_owned()),
                 };
@@ -522,7 +522,7 @@ impl<'a> Text<'a> {
         if kind == Kind::TwoVehicles {
             return Some(phrases.other_partner.to_owned());
         }
-        if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint)) {
+        if let Some(tests) = self.run.joint.as_ref().and_then(missed) {
             return Some(fill(PHRASES.joint.tests_disagree, &[("tests", tests)]));
         }
         if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {

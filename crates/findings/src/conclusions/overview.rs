@@ -128,7 +128,7 @@ fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [Conc
 }
 
 fn with_interval(
-    run: &Run,
+    _run: &Run,
     value: f64,
     ends: Option<(f64, f64)>,
     interval_by: Option<&str>,
@@ -170,7 +170,7 @@ fn named_value(run: &Run, candidate: &CandidateResult, name: &str) -> String {
 }
 
 /// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
-fn how_sure(run: &Run, candidate: &CandidateResult, name: &str) -> String {
+fn how_sure(_run: &Run, candidate: &CandidateResult, name: &str) -> String {
     let known = candidate.record.uncertainty.as_ref();
     let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
     let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));

@@ -2,7 +2,6 @@
 
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, span};
 use crumple_phrases::PHRASES;
-use crumple_phrases::words;
 use crumple_report::Quantity;
 
 use crate::tables::rows::Row;

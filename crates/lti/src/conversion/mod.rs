@@ -3,7 +3,5 @@
 
 pub mod continuous;
 pub mod first_order_hold;
-pub mod from_transfer_function;
 pub mod to_transfer_function;
-pub mod tustin;
 pub mod zero_order_hold;

@@ -5,7 +5,6 @@ use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time,
 use crumple_findings::names::candidate_name;
 use crumple_phrases::PHRASES;
 use crumple_phrases::phrases::FigureTexts;
-use crumple_phrases::words;
 use crumple_phrases::words::fill;
 use crumple_signal::Sampled;
 

@@ -67,7 +67,7 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
 
 /// A row a distinct curve.
 fn candidates(run: &ComparedRun) -> String {
-    let (texts) = (&PHRASES.runs);
+    let texts = &PHRASES.runs;
     let curves = distinct_curves(&run.run, &run.ranking);
     let row = |id: &str, same: usize| {
         let candidate = run.run.candidate(id)?;

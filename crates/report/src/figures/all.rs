@@ -2,7 +2,6 @@
 
 use crumple_drawing::Figure;
 use crumple_findings::{Ranking, Run};
-use crumple_phrases::words;
 
 use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};

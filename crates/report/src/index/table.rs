@@ -58,7 +58,7 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
         let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| words::significant(value, DIGITS)));
     }
     let recommended = summary.and_then(|summary| summary.recommended.as_deref());
-    let certainty = summary.and_then(|summary| summary.certainty()).unwrap_or_default();
+    let certainty = summary.and_then(super::run_summary::RunSummary::certainty).unwrap_or_default();
     let _ = match (recommended, run.is_done()) {
         (Some(id), true) => write!(out, "<td>{}", html(&model_name(id.split('/').next().unwrap_or(id)))),
         (None, true) => write!(out, "<td>{}", texts.none),

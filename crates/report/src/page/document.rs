@@ -103,7 +103,7 @@ impl Page {
         body.push_str("</main>\n");
         let toggles = figures::toggle_rules(crash.iter().chain(&identification));
         let title = header::title(run);
-        Self(framed_with(&files, (&title), &toggles, &body, SCRIPT))
+        Self(framed_with(&files, &title, &toggles, &body, SCRIPT))
     }
 
     /// Writes it.

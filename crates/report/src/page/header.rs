@@ -11,7 +11,7 @@ use super::conclusion;
 
 pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     let test = &run.test;
-    let (texts) = (&PHRASES.page);
+    let texts = &PHRASES.page;
     let brand = match (&run.joint, run.is_generic()) {
         (Some(_), _) => PHRASES.joint.brand,
         (None, true) => texts.brand_generic,
@@ -19,9 +19,9 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     };
     let title = html(&title(run));
     out.push_str(&format!("<header>\n<p class=\"brand\">{brand}</p>\n<div class=\"title\"><h1>{title}</h1>\n"));
-    conclusion::write_status(out, run, verdict);
+    conclusion::write_status(out, verdict);
     out.push_str("</div>\n");
-    conclusion::write(out, run, verdict);
+    conclusion::write(out, verdict);
     if run.joint.is_some() {
         // A table has what was tested.
         out.push_str("</header>\n");

@@ -51,7 +51,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         heads(&columns)
     ));
     for (candidate, residual) in shown.iter().zip(&residuals) {
-        row(out, run, ranking, candidate, residual.as_ref());
+        row(out, ranking, candidate, residual.as_ref());
     }
     out.push_str("</tbody>\n</table></div>\n<div class=\"models\">\n");
     for (number, (candidate, residual)) in shown.iter().zip(&residuals).enumerate() {
@@ -65,7 +65,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(&format!("<p class=\"caption\">{over}{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
+fn row(out: &mut String, _run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);

@@ -28,7 +28,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
 fn card(run: &Run, number: &KeyNumber) -> String {
-    let (texts) = (&PHRASES.numbers);
+    let texts = &PHRASES.numbers;
     let (factor, unit) = unit(number.unit);
     let shown = match number.value {
         Some(value) => {
@@ -115,7 +115,7 @@ fn interval_name(number: &KeyNumber) -> String {
 }
 
 fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
-    let (texts) = (&PHRASES.numbers);
+    let texts = &PHRASES.numbers;
     let events = run.events.as_ref();
     let at = || number.at_s.map(|t| fill(texts.at, &[("time", words::quantity(MILLI * t, 1, "ms"))]));
     match number.name {
@@ -141,7 +141,7 @@ fn caption(out: &mut String, numbers: &[KeyNumber]) {
     let mut sentences: Vec<String> = Vec::new();
     let by = |start: &str| numbers.iter().filter_map(|n| n.interval_by.as_deref()).find(|by| by.starts_with(start));
     for (start, template) in [("5-95 %", texts.inputs_caption), ("resolution", texts.resolution_caption)] {
-        sentences.extend(by(start).map(|by| fill(template, &[("by", html(&by))])));
+        sentences.extend(by(start).map(|by| fill(template, &[("by", html(by))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.replace('+', ", "));

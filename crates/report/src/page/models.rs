@@ -23,7 +23,7 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
     if run.models.is_empty() {
         return;
     }
-    let (texts) = (&PHRASES.identification);
+    let texts = &PHRASES.identification;
     out.push_str(&format!("<section id=\"identification\">\n<h2>{}</h2>\n", texts.title));
     // Of a crash they are a way to the physical model, of any other record they are the result.
     if !run.is_generic() {

@@ -18,7 +18,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
     if run.events.is_none() && run.metrics.is_empty() {
         return;
     }
-    let (texts) = (&PHRASES.numbers);
+    let texts = &PHRASES.numbers;
     out.push_str(&format!("<section>\n<h2>{}</h2>\n<div class=\"pair\">\n", texts.events_and_metrics));
     if let Some(events) = &run.events {
         out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.events));
@@ -64,7 +64,7 @@ fn unlike_pulse(out: &mut String, run: &Run) {
     if rows.is_empty() {
         return;
     }
-    let (texts) = (&PHRASES.numbers);
+    let texts = &PHRASES.numbers;
     let columns = [Column::text(texts.place), Column::text(texts.metric), Column::number(texts.value)];
     out.push_str(&format!("<h3>{}</h3>\n{}", texts.of_others, heads::table("", &columns)));
     for metric in rows {
@@ -120,7 +120,7 @@ fn other_channels(out: &mut String, run: &Run) {
     let is_range = |id: &str| id.contains('+') && run.test.channel(id).is_none();
     channels.sort_by_key(|id| is_range(id));
     let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
-    let (texts) = (&PHRASES.numbers);
+    let texts = &PHRASES.numbers;
     let template = if others == 1 { texts.other_channel } else { texts.other_channels };
     out.push_str(&format!(
         "<details><summary>{}</summary>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">{}</th>",
@@ -141,7 +141,7 @@ fn other_channels(out: &mut String, run: &Run) {
     for (name, first) in names {
         out.push_str(&format!(
             "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th>",
-            html(&&first.definition),
+            html(&first.definition),
             html(&words::metric(name))
         ));
         for id in &channels {

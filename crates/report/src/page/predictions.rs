@@ -35,7 +35,7 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     ];
     let title = texts.at_other_speeds;
     out.push_str(&format!("<section id=\"other-speeds\">\n<h2>{title}</h2>\n{}", table("", &columns)));
-    shown.iter().take(SHOWN_FIRST).for_each(|prediction| first_row(out, run, prediction));
+    shown.iter().take(SHOWN_FIRST).for_each(|prediction| first_row(out, prediction));
     let more = if all.len() > SHOWN_FIRST.min(shown.len()) {
         format!("<p><a href=\"#predictions\">{}</a></p>\n", texts.all_predictions)
     } else {
@@ -45,7 +45,7 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
 }
 
 fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
-    let (texts) = (&PHRASES.predictions);
+    let texts = &PHRASES.predictions;
     let mm = |m: f64| words::decimals(MILLI * m, 0);
     let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
@@ -101,12 +101,12 @@ pub(super) fn write(out: &mut String, run: &Run) {
     ];
     out.push_str(&format!("<section id=\"predictions\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
     for prediction in &run.predictions {
-        row(out, run, prediction);
+        row(out, prediction);
     }
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
+fn row(out: &mut String, _run: &Run, prediction: &PredictionV1) {
     let texts = &PHRASES.predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };

@@ -101,7 +101,7 @@ fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1,
             None => ABSENT.to_owned(),
         };
         let note = rating.and_then(|rating| rating.note.as_deref()).filter(|_| *id != "cora");
-        let note = note.map(|note| grade(note));
+        let note = note.map(grade);
         out.push_str(&match note {
             Some(note) => format!("<td class=\"n\"><abbr title=\"{}\">{shown}</abbr></td>", html(note)),
             None => format!("<td class=\"n\">{shown}</td>"),

@@ -70,7 +70,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
 }
 
 pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
-    let (texts) = (&PHRASES.remarks);
+    let texts = &PHRASES.remarks;
     let mut limits = Vec::new();
     // A fit that saw a second sensor has decided between the two.
     let one_sensor = |c: &CandidateResult| c.other_channels().next().is_none();

@@ -21,7 +21,6 @@ use crumple_report::{
 };
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
-    unknown_name,
 };
 use pictures::{Fonts, write_figures};
 

@@ -1,14 +1,12 @@
 //! The report of every kind of record in a browser: what it says first, whether its numbers are those of
 //! `summary.json`, and whether it can be read on a desk, on a telephone, in the dark and as wide as paper.
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use crumple_browser::{Browser, Page, Screen};
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
-use crumple_testkit::pipeline::{ARTIFACTS, binary, run};
+use crumple_testkit::pipeline::run;
 use serde_json::Value;
 
 /// Bytes of a page at most.

@@ -11,7 +11,7 @@ use crumple_phrases::words::fill;
 /// The tests as points, the recommended model's predictions as a line with their interval; `None` of one test alone.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let joint = run.joint.as_ref()?;
-    let (texts) = (&PHRASES.joint);
+    let texts = &PHRASES.joint;
     let best = ranking.best.as_deref()?;
     let of_best = run.predictions.iter().filter(|p| p.candidate == best && p.partner.is_none());
     let mut predictions: Vec<&PredictionV1> = of_best.filter(|p| p.dynamic_crush_m.is_some()).collect();

@@ -153,7 +153,7 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
 }
 
 fn caption(run: &Run, models: &DrawnModels) -> String {
-    let (texts) = (&PHRASES.figures);
+    let texts = &PHRASES.figures;
     let mut text = fill(texts.channel, &[("id", run.channel_id().unwrap_or(texts.unknown))]);
     if let Some(channel) = run.channel().filter(|channel| !channel.location.is_empty()) {
         text.push_str(&format!(" ({})", channel.location));

@@ -20,7 +20,7 @@ pub fn panel(
     figure: &mut Figure,
 ) -> Option<(Panel, String)> {
     let displacement = run.measured.displacement.as_ref()?;
-    let (texts) = (&PHRASES.figures);
+    let texts = &PHRASES.figures;
     let drawn = match &run.measured.force {
         Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: texts.force },
         None => Ordinate { signal: negated(run.acceleration()?)?, factor: G_PER_M_PER_S2, title: texts.deceleration },
@@ -118,7 +118,7 @@ fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 
 }
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
-    let (texts) = (&PHRASES.figures);
+    let texts = &PHRASES.figures;
     let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", words::significant(value, 4));
     let mut caption = String::from(" ");
     if let Some(crush) = crush

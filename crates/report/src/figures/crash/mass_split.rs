@@ -23,7 +23,7 @@ const PARAMETERS: [Parameter; 4] = [
 /// See [`Divisions::of_run`] for whose.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let divisions = Divisions::of_run(run, ranking)?;
-    let (texts) = (&PHRASES.figures);
+    let texts = &PHRASES.figures;
     let used = divisions.m2_kg / divisions.m1_kg;
     let feasible = divisions.feasible_ranges();
     let mut figure = Figure::new("mass-split", texts.mass_split);

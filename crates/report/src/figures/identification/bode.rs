@@ -41,7 +41,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
 
-    let (texts) = (&PHRASES.identification);
+    let texts = &PHRASES.identification;
     let axis = || Axis { logarithmic: true, ..Axis::new(texts.frequency).from_to([low, high]) };
     let mut figure = Figure::new("bode", texts.bode);
     let mut magnitude = Panel::new(axis(), Axis::new(texts.magnitude));

@@ -24,7 +24,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     moduli.sort_by(f64::total_cmp);
     let (radius, outside) = first_view(&moduli);
-    let (texts) = (&PHRASES.identification);
+    let texts = &PHRASES.identification;
 
     let mut figure = Figure::new("poles", texts.poles);
     // The upper half of the plane: poles of a real system are mirrored in the lower one.

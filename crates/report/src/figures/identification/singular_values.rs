@@ -12,7 +12,7 @@ const SYMBOLS: [Symbol; 4] = [Symbol::Disc, Symbol::Square, Symbol::Diamond, Sym
 
 /// Relative singular values of every model; `None` where none has any.
 pub fn figure(run: &Run) -> Option<Figure> {
-    let (texts) = (&PHRASES.identification);
+    let texts = &PHRASES.identification;
     let mut figure = Figure::new("singular-values", texts.singular_values);
     let axis = Axis { whole: true, ..Axis::new(texts.index) };
     let mut panel = Panel::new(axis, Axis { logarithmic: true, ..Axis::new(texts.relative_singular_value) });

@@ -24,7 +24,7 @@ const fn marks(texts: &IdentificationTexts) -> [(&'static str, &'static str, Sym
 pub fn figure(run: &Run) -> Option<Figure> {
     let diagram = run.stabilizations.first().filter(|d| !d.poles.is_empty())?;
     let hz = |re: f64, im: f64| re.hypot(im) / TAU;
-    let (texts) = (&PHRASES.identification);
+    let texts = &PHRASES.identification;
     let mut figure = Figure::new("stabilisation", texts.stabilisation);
     let axis = Axis { logarithmic: true, ..Axis::new(texts.natural_frequency_axis) };
     let mut panel = Panel::new(axis, Axis { whole: true, ..Axis::new(texts.order_axis) });

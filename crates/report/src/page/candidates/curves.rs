@@ -23,7 +23,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     let speeds = speeds(run);
-    let (texts) = (&PHRASES.candidates);
+    let texts = &PHRASES.candidates;
     let has_evidence = run.recommendation.as_ref().is_some_and(|choice| !choice.candidates.is_empty());
     let of_speed =
         |speed: &f64| fill(texts.crush_at, &[("speed", words::quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"))]);
@@ -82,7 +82,7 @@ fn wall(run: &Run) -> impl Iterator<Item = &PredictionV1> {
 
 fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, speeds: &[f64], has_evidence: bool) {
     let Some(candidate) = run.candidate(&curve.id) else { return };
-    let (texts) = (&PHRASES.candidates);
+    let texts = &PHRASES.candidates;
     let best = ranking.best.as_deref() == Some(&candidate.id);
     let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
     let simulation = candidate.simulation.as_ref();

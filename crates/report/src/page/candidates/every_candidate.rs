@@ -20,7 +20,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {
         return;
     }
-    let (texts) = (&PHRASES.candidates);
+    let texts = &PHRASES.candidates;
     let columns = [
         Column::text(texts.rank),
         Column::text(texts.model_and_method),

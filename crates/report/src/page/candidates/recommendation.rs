@@ -36,7 +36,7 @@ pub(super) fn write_evidence(out: &mut String, run: &Run) {
 }
 
 fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
-    let (texts) = (&PHRASES.candidates);
+    let texts = &PHRASES.candidates;
     let mut columns = vec![
         Column::text(texts.model),
         Column::text(texts.energy_goes_into),
@@ -84,7 +84,7 @@ fn has_force(choice: &RecommendationV1) -> bool {
 
 fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCandidateV1) {
     let certainties = run.candidate(&rated.id).map(CandidateResult::certainties).filter(|known| known.parameters > 0);
-    let (texts) = (&PHRASES.candidates);
+    let texts = &PHRASES.candidates;
     let determined = certainties.map_or_else(|| ABSENT.to_owned(), |known| known.counts());
     let number =
         |value: Option<f64>, digits: usize| value.map_or_else(|| ABSENT.to_owned(), |v| words::decimals(v, digits));

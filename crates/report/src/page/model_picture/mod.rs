@@ -68,7 +68,7 @@ fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a Candidat
 }
 
 fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: &CandidateResult) {
-    let (texts) = (&PHRASES.model);
+    let texts = &PHRASES.model;
     let name = candidate_name(&candidate.id);
     out.push_str(&format!("<figure class=\"model\">\n<h3>{}: {}</h3>\n", html(role), html(&name)));
     match parts(candidate) {
@@ -89,7 +89,7 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 
 /// How well it is known, how well it follows the test, and what the second sensor says.
 fn words(run: &Run, candidate: &CandidateResult) -> String {
-    let (texts) = (&PHRASES.model);
+    let texts = &PHRASES.model;
     let mut sentences = Vec::new();
     let intervals = candidate.record.uncertainty.as_ref().filter(|known| !known.interval_low.is_empty());
     let intervals = intervals.map_or("", |_| texts.by_noise_alone);
@@ -160,7 +160,7 @@ fn sensor_with_place(run: &Run, channel: &str) -> String {
 
 /// What sensors on the masses in front say of a model with several masses.
 fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
-    let (texts) = (&PHRASES.model);
+    let texts = &PHRASES.model;
     let masses = parts(candidate)?.masses.len();
     if masses < 2 {
         return None;
