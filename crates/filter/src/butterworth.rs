@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use crumple_linalg::Complex64;
+use crumple_numerics::linalg::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::FilterError;

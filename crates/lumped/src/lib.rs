@@ -52,7 +52,7 @@ mod response;
 mod series;
 mod structure;
 
-pub use crumple_lti::Complex;
+pub use crumple_numerics::lti::Complex;
 pub use error::LumpedError;
 pub use families::chain::{Chain, TripleSpringMassDamper};
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;

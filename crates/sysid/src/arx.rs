@@ -1,8 +1,8 @@
 //! Linear regression on past outputs and inputs: ARX of one output and of several.
 //! May use modes, data, error.
 
-use crumple_linalg::{CONDITION_LIMIT, Solution, TriangularFactor};
-use crumple_lti::StateSpace;
+use crumple_numerics::linalg::{CONDITION_LIMIT, Solution, TriangularFactor};
+use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -207,7 +207,7 @@ impl Arx {
     /// Standard deviations of natural frequency (rad/s) and damping ratio of the poles of [`Arx::state_space`], given
     /// in its order, from the covariance: for white equation errors. `None` for poles at zero, multiple ones, and those
     /// that are not roots of `a` but of the delay.
-    pub fn mode_deviations(&self, poles: &[crumple_lti::Complex]) -> Vec<Option<(f64, f64)>> {
+    pub fn mode_deviations(&self, poles: &[crumple_numerics::lti::Complex]) -> Vec<Option<(f64, f64)>> {
         let na = self.a.len();
         let covariance = self.covariance.view((0, 0), (na, na)).into_owned();
         discrete_mode_deviations(&self.a, &covariance, poles, self.sample_time_s)
@@ -274,7 +274,7 @@ pub struct VectorArx {
 /// Fits an ARX model to any number of outputs and inputs by least squares. What is said of [`arx`](crate::arx()) holds
 /// here, for every output.
 ///
-/// Errors: too few samples, condition above [`CONDITION_LIMIT`](crumple_linalg::CONDITION_LIMIT) (collinear outputs,
+/// Errors: too few samples, condition above [`CONDITION_LIMIT`](crumple_numerics::linalg::CONDITION_LIMIT) (collinear outputs,
 /// noise-free data of lower order).
 pub fn vector_arx(data: &IoData, order: ArxOrder) -> Result<VectorArx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
@@ -371,8 +371,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
-    use crumple_lti::simulate;
+    use crumple_numerics::estimation::random::uniform_at;
+    use crumple_numerics::lti::simulate;
 
     /// Uniform on [-1, 1).
     fn noise(k: usize) -> f64 {

@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use crumple_linalg::{dot, real_transform};
-use crumple_lti::StateSpace;
+use crumple_numerics::linalg::{dot, real_transform};
+use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::{EraError, IdentifyError};
@@ -89,10 +89,7 @@ pub fn thinned(data: &IoData, every: usize) -> Result<IoData, IdentifyError> {
     let sum: f64 = filter.iter().sum();
     filter.iter_mut().for_each(|f| *f /= sum);
     let cut = |signals: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        signals
-            .iter()
-            .map(|s| s.windows(filter.len()).step_by(every).map(|w| dot(w, &filter)).collect())
-            .collect()
+        signals.iter().map(|s| s.windows(filter.len()).step_by(every).map(|w| dot(w, &filter)).collect()).collect()
     };
     IoData::new(cut(data.inputs()), cut(data.outputs()), data.sample_time_s() * every as f64)
 }
@@ -139,7 +136,7 @@ impl IoData {
     /// Checks lengths and values. Errors: no output or no sample, different lengths, not finite, sampling interval.
     pub fn new(inputs: Vec<Vec<f64>>, outputs: Vec<Vec<f64>>, sample_time_s: f64) -> Result<Self, IdentifyError> {
         if !(sample_time_s.is_finite() && sample_time_s > 0.0) {
-            return Err(crumple_lti::LtiError::SampleTime(sample_time_s).into());
+            return Err(crumple_numerics::lti::LtiError::SampleTime(sample_time_s).into());
         }
         let samples = outputs.first().map_or(0, Vec::len);
         if samples == 0 {
@@ -326,7 +323,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
+    use crumple_numerics::estimation::random::uniform_at;
 
     fn wave(frequency_hz: f64, noise: f64) -> IoData {
         let y = (0..2000)

@@ -1,7 +1,7 @@
 //! Why an estimator gives no model.
 //! Uses no other room.
 
-use crumple_lti::LtiError;
+use crumple_numerics::lti::LtiError;
 
 // Why ERA has no model.
 

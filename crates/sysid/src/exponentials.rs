@@ -1,12 +1,12 @@
 //! A record as a sum of exponentials: the free motion of a linear system.
 //! May use poles, simulation, data, error.
 
-use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
-use crumple_estimation::minimise::variable_projection::{Separable, SeparableFit, minimize};
-use crumple_estimation::minimise::{Stop, StopReason};
-use crumple_estimation::random::uniform_at;
-use crumple_estimation::statistics::autoregressive_effective_samples;
-use crumple_lti::Complex;
+use crumple_numerics::estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
+use crumple_numerics::estimation::minimise::variable_projection::{Separable, SeparableFit, minimize};
+use crumple_numerics::estimation::minimise::{Stop, StopReason};
+use crumple_numerics::estimation::random::uniform_at;
+use crumple_numerics::estimation::statistics::autoregressive_effective_samples;
+use crumple_numerics::lti::Complex;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -421,7 +421,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::RandomNumbers;
+    use crumple_numerics::estimation::random::RandomNumbers;
 
     fn sum(terms: &[(f64, f64)], dt: f64, samples: usize) -> Vec<f64> {
         (0..samples).map(|k| terms.iter().map(|(c, s)| c * (s * k as f64 * dt).exp()).sum()).collect()

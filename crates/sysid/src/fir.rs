@@ -1,7 +1,7 @@
 //! Impulse responses by regularised least squares.
 //! May use regression, data, error.
 
-use crumple_linalg::CONDITION_LIMIT;
+use crumple_numerics::linalg::CONDITION_LIMIT;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 

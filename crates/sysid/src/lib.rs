@@ -32,8 +32,8 @@ mod transfer_function;
 mod validation;
 
 pub use arx::{Arx, ArxOrder, VectorArx, arx, arx_scan, vector_arx};
-pub use crumple_estimation::minimise::{Stop, StopReason};
-pub use crumple_estimation::statistics::{
+pub use crumple_numerics::estimation::minimise::{Stop, StopReason};
+pub use crumple_numerics::estimation::statistics::{
     InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
 };
 pub use data::{Hold, IoData, MarkovParameters, automatic_thinning, end_of_contact, markov_parameters, thinned};

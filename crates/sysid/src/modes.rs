@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use crumple_lti::{Complex, Mode, StateSpace, TransferFunction, eigenvectors};
+use crumple_numerics::lti::{Complex, Mode, StateSpace, TransferFunction, eigenvectors};
 use nalgebra::{DMatrix, DVector};
 
 // The modes of a realisation, and how much the data supports each.
@@ -323,7 +323,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_lti::{Mode, polynomial_roots};
+    use crumple_numerics::lti::{Mode, polynomial_roots};
 
     #[test]
     fn deviations_of_roots_and_modes_are_those_of_finite_differences() {

@@ -1,7 +1,7 @@
 //! Observer/Kalman filter identification: Markov parameters of system and observer from any input and output.
 //! May use era, regression, data, error.
 
-use crumple_lti::StateSpace;
+use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::era::realization::input_matrix_of;

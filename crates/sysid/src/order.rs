@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use crumple_estimation::statistics::{autoregressive_effective_samples, quantile};
-use crumple_lti::{Complex, Mode, eigenvalues, eigenvectors};
+use crumple_numerics::estimation::statistics::{autoregressive_effective_samples, quantile};
+use crumple_numerics::lti::{Complex, Mode, eigenvalues, eigenvectors};
 use nalgebra::DMatrix;
 
 use crate::hankel::block_hankel::Hankel;

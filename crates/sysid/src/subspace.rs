@@ -1,8 +1,8 @@
 //! Subspace identification (N4SID, MOESP, CVA), its horizon, and balanced truncation.
 //! May use okid, simulation, regression, data, error.
 
-use crumple_linalg::{jacobi_svd, numerical_rank, pseudo_inverse_times};
-use crumple_lti::{InputHold, StateSpace, matrix_exponential, to_continuous};
+use crumple_numerics::linalg::{jacobi_svd, numerical_rank, pseudo_inverse_times};
+use crumple_numerics::lti::{InputHold, StateSpace, matrix_exponential, to_continuous};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -453,9 +453,9 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
-    use crumple_lti::impulse_response;
-    use crumple_lti::simulate;
+    use crumple_numerics::estimation::random::uniform_at;
+    use crumple_numerics::lti::impulse_response;
+    use crumple_numerics::lti::simulate;
 
     fn model(weak: f64) -> StateSpace {
         StateSpace::new(

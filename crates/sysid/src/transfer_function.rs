@@ -1,12 +1,12 @@
 //! Continuous transfer functions of one or several inputs and outputs.
 //! May use poles, simulation, modes, data, error.
 
-use crumple_estimation::minimise::Stop;
-use crumple_estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
-use crumple_estimation::minimise::variable_projection::{SeparableFit, minimize};
-use crumple_estimation::statistics::autoregressive_effective_samples;
-use crumple_linalg::dot;
-use crumple_lti::{Complex, Mode, StateSpace, TransferFunction};
+use crumple_numerics::estimation::minimise::Stop;
+use crumple_numerics::estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
+use crumple_numerics::estimation::minimise::variable_projection::{SeparableFit, minimize};
+use crumple_numerics::estimation::statistics::autoregressive_effective_samples;
+use crumple_numerics::linalg::dot;
+use crumple_numerics::lti::{Complex, Mode, StateSpace, TransferFunction};
 use nalgebra::DMatrix;
 
 use crate::modes::root_deviations;
@@ -350,8 +350,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
-    use crumple_lti::{Complex, discretize_first_order_hold, simulate, to_transfer_function};
+    use crumple_numerics::estimation::random::uniform_at;
+    use crumple_numerics::lti::{Complex, discretize_first_order_hold, simulate, to_transfer_function};
 
     const DT_S: f64 = 2e-3;
 
@@ -430,7 +430,7 @@ mod tests {
         let (data, _) = record(1, 1, 0.1);
         let options = TransferFunctionOptions::new(4, 3);
         let (array, single) =
-            (transfer_function_array(&data, &options).unwrap(), crate::transfer_function_fit(&data, &options).unwrap());
+            (transfer_function_array(&data, &options).unwrap(), transfer_function_fit(&data, &options).unwrap());
         assert_eq!(array.entries[0][0], single.transfer_function);
         assert_eq!(array.numerator_deviations[0][0], single.numerator_deviations);
         let again = to_transfer_function(&array.state_space).unwrap();

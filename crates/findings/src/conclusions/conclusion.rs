@@ -246,9 +246,7 @@ impl<'a> Text<'a> {
                     Kind::Barrier => self.crushed(),
                     Kind::NoStop => self.no_stop(),
                     Kind::TwoVehicles => self.two_vehicles(),
-                    Kind::SeveralTests => {
-                        self.run.joint.as_ref().map_or_else(String::new, several_tests)
-                    }
+                    Kind::SeveralTests => self.run.joint.as_ref().map_or_else(String::new, several_tests),
                     _ => self.changed().unwrap_or_else(|| phrases.measured_only.to_owned()),
                 };
                 let mut sentences = vec![happened];

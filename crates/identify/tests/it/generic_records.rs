@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{EvidenceV1, IdentificationV1, ModesV2, NotesV1, StateSpaceV1, TransferFunctionV1};
-use crumple_lti::{Complex, StateSpace, discretize_first_order_hold, simulate};
+use crumple_numerics::lti::{Complex, StateSpace, discretize_first_order_hold, simulate};
 use crumple_signal::{Channel, QuantityKind};
 use crumple_testkit::uniform;
 use nalgebra::DMatrix;

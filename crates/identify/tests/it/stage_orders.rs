@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{IdentificationV1, NotesV1};
-use crumple_lti::{StateSpace, simulate};
+use crumple_numerics::lti::{StateSpace, simulate};
 use crumple_signal::{Channel, QuantityKind};
 use crumple_testkit::white_noise;
 

@@ -7,7 +7,7 @@ use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     ArxScanV1, EvidenceV1, ExponentialSumV1, IdentificationV1, ModesV2, NotesV1, StateSpaceV1,
 };
-use crumple_lti::{Complex, StateSpace, simulate};
+use crumple_numerics::lti::{Complex, StateSpace, simulate};
 use crumple_signal::{Channel, QuantityKind};
 use crumple_testkit::uniform;
 

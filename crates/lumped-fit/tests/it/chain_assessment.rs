@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Chain, Drive, Kelvin, Model, PiecewiseLinear};
 use crumple_lumped_fit::{
     AssessmentOptions, ChainAssessment, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity,
     InputUncertainty, IntegrationRule, Measurement, Observation, ObservedWave, Stated, StatedChain, StatedElement,
     StatedMass, TwoPassFilter, assess_chain, fit_chain,
 };
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Sampled;
 use nalgebra::{DMatrix, DVector};
 

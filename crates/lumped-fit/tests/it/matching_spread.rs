@@ -1,10 +1,10 @@
 //! Deviations of matched springs and dampers, against the matching repeated with coefficients drawn anew.
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_lumped_fit::{
     Candidate, CoefficientSpread, Identified, Quartic, match_as_the_paper_typed, match_identified,
 };
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Notes;
 use nalgebra::{Cholesky, Matrix4, Vector4};
 

@@ -1,8 +1,8 @@
 //! Chains of masses: characteristic polynomials, dynamic crush, coefficient matching, least squares of the curve fit.
 
-use crumple_lti::Complex;
 use crumple_lumped::{Chain, CoefficientMatching, CrushEvents, DoubleSpringMassDamper, Reading};
 use crumple_lumped_fit::{front_from_amplitudes, rear_from_amplitudes};
+use crumple_numerics::lti::Complex;
 use serde_json::{Map, Value, json};
 
 use crate::inputs::{Inputs, complex, complexes, text};

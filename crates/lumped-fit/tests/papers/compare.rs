@@ -1,6 +1,6 @@
 //! Recomputed against expected, by relative tolerance.
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use serde_json::Value;
 
 use crate::inputs::complex_of;

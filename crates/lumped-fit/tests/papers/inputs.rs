@@ -1,6 +1,6 @@
 //! Inputs of a case by name, and numbers as the case files write them.
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 

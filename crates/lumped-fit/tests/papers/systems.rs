@@ -1,7 +1,7 @@
 //! State spaces, transfer functions, sums of exponentials, polynomials.
 
-use crumple_linalg::jacobi_svd;
-use crumple_lti::{
+use crumple_numerics::linalg::jacobi_svd;
+use crumple_numerics::lti::{
     Complex, StateSpace, TransferFunction, discretize_zero_order_hold, eigenvalues, eigenvectors, polynomial_roots,
 };
 use nalgebra::DMatrix;

@@ -1,10 +1,10 @@
 //! Closed forms of the lumped models.
 
-use crumple_lti::{Complex, Mode};
 use crumple_lumped::{CoefficientMatching, Kelvin, MatchedSolution, Reading};
 use crumple_lumped_fit::{
     KelvinBranch, MaxwellExponents, elastoplastic_from_events, kelvin_from_events, maxwell_from_exponents,
 };
+use crumple_numerics::lti::{Complex, Mode};
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::{Value, json};
 

@@ -8,7 +8,7 @@ use crumple_phrases::words::fill;
 use crumple_signal::About;
 
 /// The word of the status with its reason, beside the title.
-pub(super) fn write_status(out: &mut String, _run: &Run, verdict: &Conclusion) {
+pub(super) fn write_status(out: &mut String, verdict: &Conclusion) {
     let class = match verdict.status {
         Status::Usable => "good",
         Status::UsableWithCare => "care",
@@ -20,7 +20,7 @@ pub(super) fn write_status(out: &mut String, _run: &Run, verdict: &Conclusion) {
 }
 
 /// What happened and what to use; without a result a bar that says what to do.
-pub(super) fn write(out: &mut String, _run: &Run, verdict: &Conclusion) {
+pub(super) fn write(out: &mut String, verdict: &Conclusion) {
     let phrases = &PHRASES.conclusion;
     let (class, role) = match (verdict.standing, verdict.status) {
         (Standing::NoResult, _) => ("verdict bad", " role=\"alert\""),

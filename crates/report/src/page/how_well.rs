@@ -65,7 +65,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(&format!("<p class=\"caption\">{over}{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, _run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
+fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);

@@ -35,7 +35,7 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     ];
     let title = texts.at_other_speeds;
     out.push_str(&format!("<section id=\"other-speeds\">\n<h2>{title}</h2>\n{}", table("", &columns)));
-    shown.iter().take(SHOWN_FIRST).for_each(|prediction| first_row(out, prediction));
+    shown.iter().take(SHOWN_FIRST).for_each(|prediction| first_row(out, run, prediction));
     let more = if all.len() > SHOWN_FIRST.min(shown.len()) {
         format!("<p><a href=\"#predictions\">{}</a></p>\n", texts.all_predictions)
     } else {
@@ -106,7 +106,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, _run: &Run, prediction: &PredictionV1) {
+fn row(out: &mut String, prediction: &PredictionV1) {
     let texts = &PHRASES.predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };

@@ -1,6 +1,6 @@
 //! The eigensystem realization algorithm.
 
-use crumple_lti::{LtiError, StateSpace};
+use crumple_numerics::lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::EraError;

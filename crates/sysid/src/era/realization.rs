@@ -1,8 +1,8 @@
 //! A model realised from Markov parameters, and the evidence for it.
 
-use crumple_linalg::TriangularFactor;
-use crumple_lti::{Complex, LtiError, StateSpace, undo_zero_order_hold};
 use crumple_metrics::fit_percent;
+use crumple_numerics::linalg::TriangularFactor;
+use crumple_numerics::lti::{Complex, LtiError, StateSpace, undo_zero_order_hold};
 use nalgebra::DMatrix;
 
 use crate::EraError;

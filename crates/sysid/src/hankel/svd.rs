@@ -1,6 +1,6 @@
 //! The singular value decomposition of a record's Hankel matrix, as much of it as is asked for.
 
-use crumple_linalg::jacobi_svd;
+use crumple_numerics::linalg::jacobi_svd;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::EraError;

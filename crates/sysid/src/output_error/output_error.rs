@@ -1,10 +1,10 @@
 //! Output-error models in discrete time: the poles that simulate a record best.
 
-use crumple_estimation::minimise::StopReason;
-use crumple_estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
-use crumple_estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
-use crumple_estimation::statistics::autoregressive_effective_samples;
-use crumple_lti::{Complex, StateSpace};
+use crumple_numerics::estimation::minimise::StopReason;
+use crumple_numerics::estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
+use crumple_numerics::estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
+use crumple_numerics::estimation::statistics::autoregressive_effective_samples;
+use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -117,9 +117,9 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::minimise::variable_projection::Separable;
-    use crumple_estimation::random::uniform_at;
-    use crumple_lti::simulate;
+    use crumple_numerics::estimation::minimise::variable_projection::Separable;
+    use crumple_numerics::estimation::random::uniform_at;
+    use crumple_numerics::lti::simulate;
 
     fn data(m: usize, q: usize, delay: usize) -> (IoData, Vec<Complex>) {
         // Poles 0.9 +- 0.3i and 0.5, with every coupling different.
@@ -169,7 +169,7 @@ mod tests {
             let b = DMatrix::from_element(4, 1, 1.0);
             let c = DMatrix::from_fn(1, 4, |_, j| (draw(4 + j) - 0.5) * [1.0, 30.0, 60.0, 60.0][j]);
             let model = StateSpace::new(a, b, c, DMatrix::zeros(1, 1), None).unwrap();
-            let held = crumple_lti::discretize_first_order_hold(&model, DT_S).unwrap();
+            let held = crumple_numerics::lti::discretize_first_order_hold(&model, DT_S).unwrap();
             let u: Vec<f64> = (0..500).map(|k| uniform_at(950 + system, k) - 0.5).collect();
             let mut x = nalgebra::DVector::zeros(4);
             let mut y = Vec::new();

@@ -4,8 +4,8 @@
 //! that are biased by noise in different ways, cut to the order asked for; from subspace methods; from continuous
 //! transfer functions; and from random poles near the unit circle.
 
-use crumple_estimation::random::uniform_at;
-use crumple_lti::Complex;
+use crumple_numerics::estimation::random::uniform_at;
+use crumple_numerics::lti::Complex;
 use rayon::prelude::*;
 
 use crate::arx;

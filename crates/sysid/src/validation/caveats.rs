@@ -6,7 +6,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crumple_lti::{Complex, Mode};
+use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::Notes;
 
 use crate::Realization;

@@ -1,7 +1,7 @@
 //! The transfer-function fit against an independent optimiser: Levenberg-Marquardt on all unknowns of a modal model at
 //! once, numerical derivatives, 200 random starts.
 
-use crumple_lti::{StateSpace, discretize_first_order_hold};
+use crumple_numerics::lti::{StateSpace, discretize_first_order_hold};
 use crumple_sysid::{IoData, TransferFunctionOptions, transfer_function_fit};
 use nalgebra::{DMatrix, DVector};
 

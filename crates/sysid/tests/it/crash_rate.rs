@@ -1,7 +1,7 @@
 //! Subspace methods at the rate of crash records, 10 kHz: ten block rows are a millisecond there, so the record is
 //! thinned.
 
-use crumple_lti::{Complex, to_continuous};
+use crumple_numerics::lti::{Complex, to_continuous};
 use crumple_sysid::{IoData, Subspace, SubspaceOptions, Weighting, automatic_thinning, compare, thinned};
 
 const DT_S: f64 = 1e-4;
@@ -53,7 +53,7 @@ fn identified(data: &IoData, order: usize) -> (Vec<Complex>, f64, usize) {
     let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows: BLOCK_ROWS, direct: true };
     let estimated = Subspace::new(&thin, options).unwrap().realize_on(order, data).unwrap();
     let fit = compare(&estimated.model, data).unwrap()[0].unwrap().fit_percent.unwrap();
-    let continuous = to_continuous(&estimated.model, crumple_lti::InputHold::First).unwrap();
+    let continuous = to_continuous(&estimated.model, crumple_numerics::lti::InputHold::First).unwrap();
     (continuous.model.poles().unwrap(), fit, every)
 }
 

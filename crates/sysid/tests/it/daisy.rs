@@ -1,7 +1,7 @@
 //! Measured records of other people: DaISy, the database for the identification of systems (De Moor, ESAT/STADIUS, KU
 //! Leuven). Models from the first part simulate the second; the tables of our methods are printed side by side.
 
-use crumple_lti::{StateSpace, discretize_zero_order_hold};
+use crumple_numerics::lti::{StateSpace, discretize_zero_order_hold};
 use crumple_sysid::{
     ArxOrder, Criterion, EraOptions, FirOptions, Hold, Horizons, IdentifyError, IoData, Kernel, Lags, Okid,
     OkidOptions, OkidRealization, Order, OutputErrorOptions, Stop, Subspace, SubspaceOptions, TransferFunctionOptions,

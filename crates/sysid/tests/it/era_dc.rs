@@ -1,6 +1,6 @@
 //! ERA with data correlations on records whose poles are known.
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use crumple_sysid::{Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, ShiftForm, era, era_dc};
 use crumple_testkit::white_noise;
 

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crumple_lti::{Complex, Mode, StateSpace, frequency_response, impulse_response, simulate, undo_zero_order_hold};
+use crumple_numerics::lti::{
+    Complex, Mode, StateSpace, frequency_response, impulse_response, simulate, undo_zero_order_hold,
+};
 use crumple_sysid::{
     ArxOrder, BootstrapOptions, EraOptions, ExponentialOptions, IoData, Order, Resampling, Sample, Subspace,
     SubspaceOptions, TransferFunctionOptions, Weighting, arx, bootstrap, era, era_order_scan, exponential_sum,
@@ -275,7 +277,7 @@ fn bootstrap_of_a_transfer_function_agrees_with_records_and_with_its_covariance(
 #[test]
 fn bootstrap_of_exponentials_tells_the_spread_over_many_records() {
     let model = two_modes(1);
-    let clean = crumple_lti::free_response(&model, &nalgebra::dvector![1.0, -0.5, 0.7, 0.4], 300).unwrap();
+    let clean = crumple_numerics::lti::free_response(&model, &nalgebra::dvector![1.0, -0.5, 0.7, 0.4], 300).unwrap();
     let truth = poles();
     let options = ExponentialOptions {
         random_starts: 0,

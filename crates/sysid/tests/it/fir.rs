@@ -1,6 +1,6 @@
 //! Regularised impulse responses of systems that are known.
 
-use crumple_lti::{StateSpace, simulate};
+use crumple_numerics::lti::{StateSpace, simulate};
 use crumple_sysid::{EraOptions, Fir, FirOptions, IdentifyError, IoData, Kernel, Order, era, fir, markov_parameters};
 use crumple_testkit::white_noise;
 use nalgebra::dmatrix;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use crumple_sysid::{EraOptions, Order, Realization, era};
 use nalgebra::DMatrix;
 use serde_json::{Value, json};

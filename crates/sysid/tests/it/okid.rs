@@ -1,6 +1,6 @@
 //! OKID on data of systems that are known.
 
-use crumple_lti::{StateSpace, simulate};
+use crumple_numerics::lti::{StateSpace, simulate};
 use crumple_sysid::{
     Criterion, IdentifyError, IoData, Lags, Okid, OkidOptions, OkidRealization, Order, compare, fit_measures,
     markov_parameters,

@@ -1,6 +1,6 @@
 //! Modes of the system matrices printed in the ERA crash paper (Munyazikwiye et al.), eq. 63, 65 and 67.
 
-use crumple_lti::{Mode, eigenvalues};
+use crumple_numerics::lti::{Mode, eigenvalues};
 use nalgebra::{DMatrix, dmatrix};
 
 fn modes(a: &DMatrix<f64>) -> Vec<Mode> {

@@ -1,6 +1,6 @@
 //! ERA on systems made here: known poles come back over orders, rates and shapes; what cannot work says so.
 
-use crumple_lti::{Complex, impulse_response};
+use crumple_numerics::lti::{Complex, impulse_response};
 use crumple_sysid::{Decomposition, Era, EraError, EraOptions, Order, era};
 use proptest::prelude::*;
 
@@ -79,7 +79,7 @@ fn continuous_model_has_the_same_poles_and_samples_back() {
         // Rounding unit over dt is 2e-12, amplified by the eigenvalue condition, about 1e2.
         assert!((pole - identified.mode.unwrap().pole).norm() < 1e-8, "{pole}");
     }
-    let back = crumple_lti::discretize_zero_order_hold(&continuous, 1e-4).unwrap();
+    let back = crumple_numerics::lti::discretize_zero_order_hold(&continuous, 1e-4).unwrap();
     assert!((&back.a - &model.discrete.a).norm() < 1e-12);
     assert!((&back.b - &model.discrete.b).norm() < 1e-11 * model.discrete.b.norm());
 }

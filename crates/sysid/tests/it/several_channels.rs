@@ -1,6 +1,6 @@
 //! ERA on several sensors and several impulses at once: a system that is known is given back.
 
-use crumple_lti::{Complex, StateSpace, discretize_zero_order_hold};
+use crumple_numerics::lti::{Complex, StateSpace, discretize_zero_order_hold};
 use crumple_sysid::{
     Era, EraOptions, MarkovParameters, Order, ShiftForm, markov_parameters, modal_assurance, phase_collinearity,
 };

@@ -1,6 +1,6 @@
 //! Continuous transfer functions with known answers.
 
-use crumple_lti::{StateSpace, discretize_first_order_hold};
+use crumple_numerics::lti::{StateSpace, discretize_first_order_hold};
 use crumple_sysid::{Hold, InitialConditions, IoData, Start, TransferFunctionOptions, transfer_function_fit};
 use nalgebra::{DMatrix, DVector};
 
@@ -159,7 +159,7 @@ fn every_start_alone_reaches_the_optimum() {
 #[test]
 fn state_space_and_transfer_function_are_the_same() {
     let fit = transfer_function_fit(&crash(1e-4), &TransferFunctionOptions::new(4, 1)).unwrap();
-    let again = crumple_lti::to_transfer_function(&fit.state_space).unwrap();
+    let again = crumple_numerics::lti::to_transfer_function(&fit.state_space).unwrap();
     for (a, b) in again.denominator().iter().zip(fit.transfer_function.denominator()) {
         // Rounding of the eigenvalues of a small matrix.
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");

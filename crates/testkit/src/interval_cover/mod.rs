@@ -8,8 +8,8 @@ mod family;
 mod record;
 mod trial;
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{LumpedError, Model};
+use crumple_numerics::estimation::random::RandomNumbers;
 
 pub use choice::{Choices, DRAWN, Drawn, choices_of};
 pub use cover::{Cover, Miss};

@@ -1,5 +1,0 @@
-//! Tests of `crumple-lti`, one program.
-
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
-
-mod round_trips;
