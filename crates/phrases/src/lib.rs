@@ -2,8 +2,6 @@
 //!
 //! A [`Language`](language::Language) has its [`Phrases`](phrases::Phrases); identifiers, notes of the stages and units
 //! are not translated.
-//!
-//! rooms: language | names | phrases
 
 pub mod language;
 pub mod names;

@@ -1,7 +1,4 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
-//!
-//! rooms: truth | bytes fuzz interval_cover made_fleet prediction_error | programs records |
-//! random places benchmark labels
 
 mod benchmark;
 pub mod bytes;

@@ -1,5 +1,4 @@
 //! Shows an artifact, as text for people or as NDJSON for programs.
-//! Uses no other room.
 
 pub mod json;
 pub mod notes;

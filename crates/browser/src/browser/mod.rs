@@ -1,5 +1,4 @@
 //! A running browser.
-//! May use `page` and `screen`.
 
 mod start;
 

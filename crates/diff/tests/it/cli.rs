@@ -1,6 +1,5 @@
 //! The program as people and CI run it, on artifacts made here.
 
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;

@@ -1,6 +1,5 @@
 //! The program: run folders, and files that cannot be read.
 
-
 use std::fs;
 use std::path::Path;
 

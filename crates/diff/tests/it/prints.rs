@@ -1,6 +1,5 @@
 //! What people read of a comparison: which lines, in which order, how many.
 
-
 use crumple_artifact::records::NotesV1;
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 use crumple_diff::{

@@ -1,6 +1,5 @@
 //! The program: values and texts of records, and what differs for information.
 
-
 use crumple_artifact::records::{SourceV1, TestV1};
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 use crumple_signal::TestDescription;

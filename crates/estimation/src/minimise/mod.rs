@@ -1,5 +1,5 @@
 //! Bounded minimisation: Levenberg-Marquardt, variable projection, interior point, L-SHADE; and why each stopped.
-//! Uses [`random`](crate::random); linear algebra from `crumple-linalg`.
+//! Linear algebra from `crumple-linalg`.
 
 pub mod interior_point;
 pub mod l_shade;

@@ -1,5 +1,4 @@
 //! Random numbers that are the same for any number of threads.
-//! Uses nothing of this crate.
 
 mod circular_blocks;
 mod random_numbers;

@@ -1,5 +1,5 @@
-//! Statistics of residuals and estimates: autocorrelation, covariance, information criteria, quantiles.
-//! Uses [`random`](crate::random) in tests only; linear algebra from `crumple-linalg`.
+//! Statistics of residuals and estimates: autocorrelation, covariance, information criteria, quantiles. Linear algebra
+//! from `crumple-linalg`.
 
 mod autocorrelated_covariance;
 mod autocorrelation;

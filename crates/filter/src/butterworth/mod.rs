@@ -1,5 +1,4 @@
 //! Butterworth filters of any order: design into sections, run over a record.
-//! May use `recursion`.
 
 pub mod design;
 pub mod pass;

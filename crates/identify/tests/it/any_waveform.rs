@@ -1,6 +1,5 @@
 //! The program's realisations and subspace models of waveforms of any quantity, one and several together.
 
-
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;

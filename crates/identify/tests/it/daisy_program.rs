@@ -1,6 +1,5 @@
 //! The program on the measured records of `tests/it/daisy.rs`, with the flags that the documentation prints.
 
-
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;

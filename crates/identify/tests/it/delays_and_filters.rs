@@ -1,6 +1,5 @@
 //! The program on records with a late input, a filter that is no class, and a level of their own.
 
-
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 

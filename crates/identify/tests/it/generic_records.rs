@@ -1,6 +1,5 @@
 //! The program on records that are no crashes: any quantities, several inputs and outputs, no mass, speed or pulse.
 
-
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;

@@ -1,6 +1,5 @@
 //! The program: artifact in, artifact out.
 
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

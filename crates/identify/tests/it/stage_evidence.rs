@@ -1,6 +1,5 @@
 //! The program's evidence: diagram, bootstrap, validation, responses, comparison, and the papers' procedures.
 
-
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::process::Command;

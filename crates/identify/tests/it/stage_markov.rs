@@ -1,6 +1,5 @@
 //! The program with the methods that go through Markov parameters.
 
-
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;

@@ -1,6 +1,5 @@
 //! The program with the methods that take an input and an output.
 
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

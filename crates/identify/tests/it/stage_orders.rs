@@ -1,6 +1,5 @@
 //! The program: orders that the record chooses, and reasons that are told once.
 
-
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;

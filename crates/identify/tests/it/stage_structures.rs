@@ -1,7 +1,6 @@
 //! The program: structures of ARX models, several outputs of output error, papers' curve fit, and fits that do not
 //! pass.
 
-
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::Artifact;

@@ -1,6 +1,5 @@
 //! What the program says of records that are no crash holds: failures, unseen samples, poles that are no modes, words.
 
-
 use std::path::Path;
 
 use crumple_artifact::Artifact;

@@ -1,5 +1,4 @@
 //! Discrete Fourier transforms of real vectors.
-//! Uses nothing of this crate.
 
 mod real_transform;
 

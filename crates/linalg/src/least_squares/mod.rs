@@ -1,5 +1,4 @@
 //! Linear least squares: tall systems row block by row block, and with non-negative unknowns.
-//! Uses [`svd`](crate::svd) and [`product`](crate::product).
 
 mod nonnegative_least_squares;
 mod triangular_factor;

@@ -1,5 +1,4 @@
 //! Singular values of small matrices, and what is made of them: numerical rank, pseudo-inverse.
-//! Uses [`product`](crate::product).
 
 mod jacobi_svd;
 mod pseudo_inverse;

@@ -1,5 +1,4 @@
 //! Work of the pulse, average stiffness, crush energy.
-//! May use `events` and `metric`.
 
 pub mod average_stiffness;
 pub mod crush_energy;

@@ -1,5 +1,4 @@
 //! Cumulative sums and means over windows.
-//! May use `metric`.
 
 pub mod cumulative;
 pub mod sliding_mean;

@@ -1,5 +1,4 @@
 //! The languages: their phrases, their numbers, and what fills the places in a text.
-//! Uses names and phrases.
 
 mod words;
 

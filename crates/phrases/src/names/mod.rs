@@ -1,5 +1,4 @@
-//! What the names and keys of records are called: metrics, quantities, states of channels, definitions. Uses no other
-//! room.
+//! What the names and keys of records are called: metrics, quantities, states of channels, definitions.
 
 pub mod definitions;
 pub mod metrics;

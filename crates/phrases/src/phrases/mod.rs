@@ -1,5 +1,4 @@
 //! All words of pages, Markdown and console, English and German beside each other. `{name}` in a text is filled in.
-//! Uses no other room.
 
 /// Texts as fields of a struct: `name: "English", "Deutsch";`. One that lacks a language does not compile.
 macro_rules! texts {

@@ -1,6 +1,5 @@
 //! The report in a real browser: the console stays silent, nothing is asked of a network, the script does what it says.
 
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

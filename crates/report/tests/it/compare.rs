@@ -1,6 +1,6 @@
 //! Several runs on one page: `crumple-report --compare`, and the Markdown of one run.
 
-
+use crate::sample;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

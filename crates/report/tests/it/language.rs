@@ -1,6 +1,5 @@
 //! The pages in German: no text of the English page is left in them.
 
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;

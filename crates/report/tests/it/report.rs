@@ -1,6 +1,6 @@
 //! The program on the artifacts of a synthetic run.
 
-
+use crate::sample;
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -1,6 +1,5 @@
 //! Pages that share their style and their scripts.
 
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,5 +1,4 @@
 //! A record as a sum of exponentials: the free motion of a linear system.
-//! May use poles, simulation, data, error.
 
 pub(crate) mod exponential_sum;
 pub(crate) mod options;

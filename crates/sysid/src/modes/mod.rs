@@ -1,5 +1,5 @@
 //! Modes of an identified model: how much the data support each, how alike their shapes are, how sure their
-//! frequencies. Uses no other room.
+//! frequencies.
 
 pub(crate) mod identified_mode;
 pub(crate) mod mode_deviations;

@@ -1,5 +1,4 @@
 //! What labels of pages have in common in English and German.
-//! Uses no other room.
 
 mod same_in_german;
 

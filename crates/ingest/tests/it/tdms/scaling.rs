@@ -2,7 +2,9 @@
 
 use crumple_ingest::IngestSettings;
 
-use crate::tdms::writer::{INTERLEAVED, NEW_LIST, RAW, Value, Writer, has_note, read, read_with, samples, segment, waveform};
+use crate::tdms::writer::{
+    INTERLEAVED, NEW_LIST, RAW, Value, Writer, has_note, read, read_with, samples, segment, waveform,
+};
 
 pub fn daqmx(out: &mut Writer, path: &str, rows: u64, offset: u32, width: u32, properties: &[(&str, Value)]) {
     // i16 at `offset` in the only buffer, scale id 0.
