@@ -1,5 +1,4 @@
 //! Checks that an intact artifact says what the format demands.
-//! Uses show.
 
 use crumple_artifact::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,

@@ -1,5 +1,4 @@
 //! Static force-deflection curves of a candidate, as tables for people and for other programs.
-//! Uses no other room.
 
 use std::fmt::Write;
 

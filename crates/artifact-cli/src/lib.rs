@@ -2,8 +2,6 @@
 //! files and put it together again.
 //!
 //! Everything here works on artifacts and texts in memory; files are the business of the program.
-//!
-//! rooms: checks plain curves | show
 
 mod checks;
 mod curves;

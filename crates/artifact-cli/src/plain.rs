@@ -1,5 +1,4 @@
 //! An artifact as plain text and numbers, and back, so that any language can be a stage.
-//! Uses show.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

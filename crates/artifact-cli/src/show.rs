@@ -1,5 +1,4 @@
 //! Shows an artifact, as text for people or as NDJSON for programs.
-//! Uses no other room.
 
 use std::io::{self, Write};
 

@@ -1,5 +1,4 @@
 //! A running browser.
-//! May use `page` and `screen`.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 //! An open page: what it answers, what it says to the console, keys and pointer, paper.
-//! May use `screen`.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};

@@ -1,5 +1,4 @@
 //! What a page is shown on.
-//! May use nothing.
 
 // What a page is shown on.
 

@@ -1,5 +1,4 @@
 //! The result of a comparison: reports of runs, files and topics, and their differences.
-//! Uses no other room.
 
 use serde::Serialize;
 use serde_json::Value;

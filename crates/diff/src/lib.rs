@@ -3,8 +3,6 @@
 //! Two files with different bytes may hold the same result: another encoding, compression, processor or order of
 //! topics. What counts as the same is a tolerance by topic and place ([`Tolerances`]); the normative text is
 //! `docs/diff.md`. Everything here works on values in memory; reading files is the business of the program.
-//!
-//! rooms: print | compare | tolerances differences
 
 mod compare;
 mod differences;

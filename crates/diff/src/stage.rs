@@ -1,5 +1,4 @@
 //! The program: options, the files to compare, output, exit code.
-//! Uses the library and crumple-stage.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,5 +1,4 @@
 //! How far two values may be apart: tables, rules of the user, units, candidates and their deviations.
-//! Uses no other room.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -3,8 +3,6 @@
 //!
 //! A [`Figure`] is panels of curves, bands and marks over axes with one legend; [`Drawing`] lays a panel out for a
 //! page, [`Figure::to_svg`] the whole as a file of its own. The same figure gives the same bytes.
-//!
-//! rooms: figures | text
 
 mod figures;
 mod text;

@@ -1,5 +1,4 @@
 //! Butterworth filters of any order: design into sections, run over a record.
-//! May use `recursion`.
 
 use std::f64::consts::{PI, SQRT_2};
 

@@ -1,5 +1,4 @@
 //! Which channels of a test are filtered, and to which class.
-//! May use `cfc`.
 
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
 

@@ -20,8 +20,6 @@
 //! has 1 % of its height 7 ms and 0.1 % of it 11 ms before it.
 //!
 //! Definitions and how sure they are: `docs/methods/cfc-filter.md`.
-//!
-//! rooms: stage | channels | cfc butterworth samples | recursion
 
 mod butterworth;
 mod cfc;

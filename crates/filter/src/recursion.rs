@@ -1,5 +1,4 @@
 //! The second-order difference equation that every recursive filter here runs.
-//! May use nothing.
 
 // The second-order recursion that class filters and Butterworth sections run.
 

@@ -23,8 +23,6 @@
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
 //!
-//! rooms: joint | solvers | papers chain | matching uncertainty | fit | closed_form candidate selection extraction |
-//! free | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two

@@ -1,5 +1,4 @@
 //! The families by name and what their parameters are: mass, stiffness, damping, the place of a knot.
-//! May use nothing.
 
 use std::fmt;
 use std::str::FromStr;

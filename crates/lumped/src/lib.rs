@@ -38,8 +38,6 @@
 //! Taylor series of order 20 from event to event, about `1e-15` of the largest motion a step. No result depends on the
 //! sampling interval. A motion that leaves the range of numbers is [`LumpedError::Diverges`] with its time,
 //! never a NaN.
-//!
-//! rooms: model matching | families | response | series | exact | structure | motion | kind
 
 mod error;
 mod exact;

@@ -1,5 +1,4 @@
 //! A model of any family: its parameters by name, and what its structure answers.
-//! May use every other room but `matching`.
 
 use std::collections::BTreeMap;
 

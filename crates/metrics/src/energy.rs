@@ -1,5 +1,4 @@
 //! Work of the pulse, average stiffness, crush energy.
-//! May use `events` and `metric`.
 
 use crumple_signal::{Acceleration, Displacement, Signal};
 

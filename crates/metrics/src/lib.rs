@@ -11,8 +11,6 @@
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
-//!
-//! rooms: pulse | energy | events occupant roadside curves | sums | metric
 
 mod curves;
 mod energy;

@@ -1,5 +1,4 @@
 //! Cumulative sums and means over windows.
-//! May use `metric`.
 
 use crumple_signal::{Acceleration, Signal, Velocity};
 

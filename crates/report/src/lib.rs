@@ -2,8 +2,6 @@
 //!
 //! A [`Run`] is what the artifacts say (`crumple-findings`), [`Page`] what a person looks at. It is a
 //! function of the run alone. Units other than SI exist on the page only.
-//!
-//! rooms: compare index | page | frame figures
 
 mod compare;
 mod figures;

@@ -5,8 +5,6 @@
 //! any moment, nothing lost by a run that fails, and a plain word where a program breaks the contract of a stage.
 //!
 //! [`together`] fits one model to several tests after their runs.
-//!
-//! rooms: together | messages | steps | folder | command
 
 mod command;
 mod folder;

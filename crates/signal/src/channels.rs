@@ -1,5 +1,4 @@
 //! Identity and state of a measuring channel, and its sensitive axis.
-//! Uses units.
 
 use std::fmt;
 use std::str::FromStr;

@@ -5,8 +5,6 @@
 //! Inside Crumple every number is SI. A value typed by a person carries its unit
 //! ([`value::Mass`], [`value::Speed`], ...); an array carries its quantity in its type
 //! ([`Signal<Acceleration>`](Signal)).
-//!
-//! rooms: description | iso13499 | channels samples | notes units
 
 mod channels;
 mod description;

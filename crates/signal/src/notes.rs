@@ -1,5 +1,4 @@
 //! Remarks of a computation, each with a severity.
-//! Uses no other room.
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,5 +1,4 @@
 //! Uniformly sampled signals, the zero level before the event, and the steps from an acceleration to its motion.
-//! Uses units.
 
 use std::marker::PhantomData;
 use std::ops::Range;

@@ -3,8 +3,6 @@
 //! A stage implements [`Stage`]: how its options become settings, how its inputs are loaded, what it computes. The rest
 //! happens here, once: the command line and the pipeline file, freshness, provenance, atomic output, notes, summaries,
 //! progress, errors with cause and hint, exit codes.
-//!
-//! rooms: process | artifacts chain_table | command_line | terminal names shell
 
 mod artifacts;
 mod chain_table;

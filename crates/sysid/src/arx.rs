@@ -1,5 +1,4 @@
 //! Linear regression on past outputs and inputs: ARX of one output and of several.
-//! May use modes, data, error.
 
 use crumple_numerics::linalg::{CONDITION_LIMIT, Solution, TriangularFactor};
 use crumple_numerics::lti::StateSpace;

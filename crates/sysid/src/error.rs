@@ -1,5 +1,4 @@
 //! Why an estimator gives no model.
-//! Uses no other room.
 
 use crumple_numerics::lti::LtiError;
 

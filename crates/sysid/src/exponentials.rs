@@ -1,5 +1,4 @@
 //! A record as a sum of exponentials: the free motion of a linear system.
-//! May use poles, simulation, data, error.
 
 use crumple_numerics::estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
 use crumple_numerics::estimation::minimise::variable_projection::{Separable, SeparableFit, minimize};

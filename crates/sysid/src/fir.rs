@@ -1,5 +1,4 @@
 //! Impulse responses by regularised least squares.
-//! May use regression, data, error.
 
 use crumple_numerics::linalg::CONDITION_LIMIT;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

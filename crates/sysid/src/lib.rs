@@ -9,9 +9,6 @@
 //! Functions of numbers only: no file, clock, environment or terminal. The same record and options give the same model
 //! on any number of threads; random starts and draws are seeded. Signals are slices of `f64` in any unit, sampled
 //! together at `sample_time_s` seconds; poles of continuous models are in 1/s and rad/s.
-//!
-//! rooms: validation order transfer_function exponentials output_error | poles | subspace fir | okid arx | era
-//! | hankel simulation modes regression | data | error
 
 mod arx;
 mod data;

@@ -1,5 +1,4 @@
 //! Observer/Kalman filter identification: Markov parameters of system and observer from any input and output.
-//! May use era, regression, data, error.
 
 use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;

@@ -1,5 +1,4 @@
 //! Models of many orders: their poles, and those that stay in the stabilisation diagram.
-//! May use subspace, hankel, modes, data, error.
 
 use std::f64::consts::PI;
 

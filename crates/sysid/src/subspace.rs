@@ -1,5 +1,4 @@
 //! Subspace identification (N4SID, MOESP, CVA), its horizon, and balanced truncation.
-//! May use okid, simulation, regression, data, error.
 
 use crumple_numerics::linalg::{jacobi_svd, numerical_rank, pseudo_inverse_times};
 use crumple_numerics::lti::{InputHold, StateSpace, matrix_exponential, to_continuous};

@@ -1,5 +1,4 @@
 //! Continuous transfer functions of one or several inputs and outputs.
-//! May use poles, simulation, modes, data, error.
 
 use crumple_numerics::estimation::minimise::Stop;
 use crumple_numerics::estimation::minimise::separable_covariance::{propagated, unknowns_covariance};

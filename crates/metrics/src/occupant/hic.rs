@@ -1,5 +1,4 @@
 //! Head injury criterion and its relatives on a resultant, and the pruned search for the worst window.
-//! May use `sums` and `metric`.
 
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 

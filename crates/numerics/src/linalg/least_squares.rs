@@ -1,5 +1,4 @@
 //! Linear least squares: tall systems row block by row block, and with non-negative unknowns.
-//! Uses [`svd`](crate::linalg::svd) and [`product`](crate::linalg::product).
 
 use nalgebra::{DMatrix, DVector};
 

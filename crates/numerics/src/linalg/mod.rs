@@ -4,8 +4,6 @@
 //! Every function gives the same bits for the same input: sums run in an order that is written down, and no routine
 //! picks another one by the processor, but the Fourier transform. Matrices are nalgebra's `DMatrix<f64>`, column-major;
 //! vectors are slices.
-//!
-//! rooms: least_squares | svd | product fourier
 
 mod fourier;
 mod least_squares;

@@ -1,5 +1,4 @@
 //! Singular values of small matrices, and what is made of them: numerical rank, pseudo-inverse.
-//! Uses [`product`](crate::linalg::product).
 
 use nalgebra::{DMatrix, SymmetricEigen};
 

@@ -3,8 +3,6 @@
 //!
 //! Everything here is small and dense (a crash model has two to twenty states), `f64`, sequential and free of files.
 //! Time is in seconds, poles in 1/s and rad/s.
-//!
-//! rooms: responses | conversion | model | matrix
 
 mod conversion;
 mod error;

@@ -1,5 +1,4 @@
 //! Linear models: state space, transfer function, and the modes of a pole.
-//! Uses matrix.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,4 @@
 //! What is around every page and every table: head, style, script, what the browser may load, heads of columns.
-//! Uses text.
 
 pub mod framed;
 pub mod heads;

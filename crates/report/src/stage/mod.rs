@@ -1,5 +1,4 @@
 //! The program: options, the artifacts of a run in, the report and its summary out.
-//! Uses the library and crumple-stage.
 
 mod compare;
 mod console;

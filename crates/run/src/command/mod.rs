@@ -1,5 +1,4 @@
 //! The command line: options, the commands of the stages, the pipeline file, where a command's program is.
-//! May use no other room.
 
 pub mod options;
 pub mod pipeline;

@@ -1,5 +1,4 @@
 //! The program: reads candidates and the motion of the test, simulates, writes responses and comparisons.
-//! Uses the library and `crumple_stage`.
 
 mod chain_table;
 mod drive;

@@ -1,5 +1,5 @@
 //! Cars of known parameters, recorded as a laboratory does, through the programs: how often the intervals of fitted
-//! parameters hold the truth, and how often the true model is chosen. May use `programs` and `records`.
+//! parameters hold the truth, and how often the true model is chosen.
 
 mod car;
 mod choice;

@@ -1,5 +1,4 @@
 //! Dynamic time warping of two curves in a band, without a table of the band.
-//! May use nothing.
 //!
 //! The band is filled along anti-diagonals, whose cells do not depend on each other, several diagonals at a time in
 //! tiles that stay in the cache. A narrower band gives a path, and so a cost that the least one does not exceed: on

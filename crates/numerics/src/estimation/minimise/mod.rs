@@ -1,5 +1,4 @@
 //! Bounded minimisation: Levenberg-Marquardt, variable projection, interior point, L-SHADE; and why each stopped.
-//! Uses [`random`](crate::estimation::random); linear algebra from `crumple-numerics`.
 
 pub mod interior_point;
 pub mod l_shade;

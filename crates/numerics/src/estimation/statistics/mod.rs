@@ -1,5 +1,4 @@
 //! Statistics of residuals and estimates: autocorrelation, covariance, information criteria, quantiles.
-//! Uses [`random`](crate::estimation::random) in tests only; linear algebra from `crumple-numerics`.
 
 mod autocorrelated_covariance;
 mod autocorrelation;

@@ -1,5 +1,4 @@
 //! Between continuous and sampled models, and between state space and transfer function.
-//! Uses model and matrix.
 
 pub mod continuous;
 pub mod first_order_hold;

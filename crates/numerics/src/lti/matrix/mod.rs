@@ -1,5 +1,4 @@
 //! Functions of small real matrices: eigenvalues and eigenvectors, exponential, logarithm, polynomial roots.
-//! Uses no other room.
 
 pub mod checks;
 pub mod complex;

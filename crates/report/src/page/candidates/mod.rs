@@ -1,5 +1,4 @@
 //! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
-//! Uses results and text.
 
 use crumple_findings::{Ranking, Run};
 use crumple_phrases::PHRASES;

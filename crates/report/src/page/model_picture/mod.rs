@@ -1,5 +1,4 @@
 //! A model as a picture: barrier, masses, springs, dampers and curves, each with its value and interval.
-//! Uses figures, results and text.
 
 mod layout;
 mod motion;

@@ -1,5 +1,4 @@
 //! Sliders on the recommended model: the structure as data, and the script that moves it.
-//! Uses frame, results and text.
 
 mod structure;
 

@@ -1,5 +1,9 @@
 //! The sample's candidates: what they are and how they answer.
 
+use std::collections::BTreeMap;
+
+use crumple_artifact::records::{CandidateV1, FitV1, UncertaintyV1};
+
 use super::kelvin::{Kelvin, TEST};
 
 pub(super) struct Sketch {
@@ -9,6 +13,42 @@ pub(super) struct Sketch {
     pub(super) equivalent_to: Option<&'static str>,
     pub(super) response: Option<Kelvin>,
     pub(super) fit_percent: f64,
+}
+
+impl Sketch {
+    pub(super) fn candidate(&self) -> CandidateV1 {
+        let mut parts = self.id.split('/');
+        let parameters: BTreeMap<String, f64> =
+            self.parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+        let fitted = self.id.contains("fit");
+        CandidateV1 {
+            model: parts.next().unwrap().to_owned(),
+            method: parts.next().unwrap().to_owned(),
+            uncertainty: fitted.then(|| UncertaintyV1 {
+                method: "linearised".to_owned(),
+                standard_deviation: parameters.iter().map(|(name, value)| (name.clone(), 0.013 * value)).collect(),
+                condition: Some(41.2),
+                ..UncertaintyV1::default()
+            }),
+            parameters,
+            physical: self.physical,
+            equivalent_to: self.equivalent_to.map(str::to_owned),
+            fit: fitted.then(|| FitV1 {
+                channel: "accel".to_owned(),
+                quantity: "displacement".to_owned(),
+                from_s: 0.0,
+                to_s: TEST.time_of_crush(),
+                samples: 764,
+                rmse: 0.0011,
+                iterations: 14,
+                evaluations: 212,
+                stop_reason: "gradient-converged".to_owned(),
+                active_bounds: vec![],
+                sensors: vec![],
+            }),
+            notes: vec!["the test mass is taken for the mass that moves".to_owned()],
+        }
+    }
 }
 
 pub(super) fn sketches() -> Vec<Sketch> {

@@ -1,6 +1,6 @@
 //! The sample's test, events and metrics.
 
-use crumple_artifact::records::{EventIntervalV1, EventsV1, MetricV1, MetricsV2};
+use crumple_artifact::records::{ChannelFilterV1, EventIntervalV1, EventsV1, MetricV1, MetricsV2};
 use crumple_signal::{Channel, ChannelStatus, QuantityKind, Source, TestDescription};
 
 use super::TITLE;
@@ -86,5 +86,25 @@ pub(super) fn metrics() -> MetricsV2 {
             metric("energy_absorbed", Some(33_214.0), "J", "m*(v0^2 - v_s^2)/2"),
             metric("olc", None, "m/s^2", "not reached: the restraint travel of 235 mm is not used up"),
         ],
+    }
+}
+
+pub(super) fn channel_filter() -> ChannelFilterV1 {
+    ChannelFilterV1 {
+        cfc: Some(60),
+        mode: "iso6487".to_owned(),
+        frequency_factor: Some(2.0775),
+        samples_added: 100,
+        coefficients: vec![0.1, 0.2, 0.1, 1.2, -0.6],
+        gain_at_class_db: Some(-0.45),
+        zero_level_removed: 0.0,
+        notes: vec!["samples added by point reflection at both ends".to_owned()],
+        corridor: vec![],
+        corridor_ok: None,
+        cutoff_hz: vec![],
+        phase: Some("zero".to_owned()),
+        width_s: None,
+        resampled_to_hz: None,
+        shift_s: None,
     }
 }

@@ -7,17 +7,14 @@ mod crash;
 mod kelvin;
 mod models;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, FitV1, NotesV1, SimulationV1, TestV1, TransferFunctionV1, UncertaintyV1,
-};
+use crumple_artifact::records::{NotesV1, SimulationV1, TestV1, TransferFunctionV1};
 use crumple_artifact::{ArtifactBuilder, Compression, InputDigest, Provenance};
 use crumple_signal::QuantityKind;
 
 use candidates::sketches;
-use crash::{events, metrics, test};
+use crash::{channel_filter, events, metrics, test};
 use kelvin::{AFTER, TEST, record_wave, wave};
 use models::{identification, modes, response, stabilization};
 
@@ -73,24 +70,7 @@ pub fn write_with_longer_crush(folder: &Path, simulated: bool, more_m: f64) -> V
 
     let mut filter = Stage::new("filter", "2-filter.mcap", &[]);
     filter.builder.wave("accel", QuantityKind::Acceleration, record_wave(|t| TEST.at(t)[2])).unwrap();
-    let channel_filter = ChannelFilterV1 {
-        cfc: Some(60),
-        mode: "iso6487".to_owned(),
-        frequency_factor: Some(2.0775),
-        samples_added: 100,
-        coefficients: vec![0.1, 0.2, 0.1, 1.2, -0.6],
-        gain_at_class_db: Some(-0.45),
-        zero_level_removed: 0.0,
-        notes: vec!["samples added by point reflection at both ends".to_owned()],
-        corridor: vec![],
-        corridor_ok: None,
-        cutoff_hz: vec![],
-        phase: Some("zero".to_owned()),
-        width_s: None,
-        resampled_to_hz: None,
-        shift_s: None,
-    };
-    filter.builder.put("/filter/accel", &channel_filter).unwrap();
+    filter.builder.put("/filter/accel", &channel_filter()).unwrap();
     paths.push(filter.write(folder));
 
     let mut integrate =
@@ -131,38 +111,7 @@ pub fn write_with_longer_crush(folder: &Path, simulated: bool, more_m: f64) -> V
         Stage::new("simulate", "6-simulate.mcap", &["warning: maxwell/closed-form/1 could not be simulated"]);
     let t_m = TEST.time_of_crush();
     for sketch in sketches() {
-        let mut parts = sketch.id.split('/');
-        let parameters: BTreeMap<String, f64> =
-            sketch.parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
-        let fitted = sketch.id.contains("fit");
-        let candidate = CandidateV1 {
-            model: parts.next().unwrap().to_owned(),
-            method: parts.next().unwrap().to_owned(),
-            uncertainty: fitted.then(|| UncertaintyV1 {
-                method: "linearised".to_owned(),
-                standard_deviation: parameters.iter().map(|(name, value)| (name.clone(), 0.013 * value)).collect(),
-                condition: Some(41.2),
-                ..UncertaintyV1::default()
-            }),
-            parameters,
-            physical: sketch.physical,
-            equivalent_to: sketch.equivalent_to.map(str::to_owned),
-            fit: fitted.then(|| FitV1 {
-                channel: "accel".to_owned(),
-                quantity: "displacement".to_owned(),
-                from_s: 0.0,
-                to_s: t_m,
-                samples: 764,
-                rmse: 0.0011,
-                iterations: 14,
-                evaluations: 212,
-                stop_reason: "gradient-converged".to_owned(),
-                active_bounds: vec![],
-                sensors: vec![],
-            }),
-            notes: vec!["the test mass is taken for the mass that moves".to_owned()],
-        };
-        solve.builder.put(&format!("/parameters/{}", sketch.id), &candidate).unwrap();
+        solve.builder.put(&format!("/parameters/{}", sketch.id), &sketch.candidate()).unwrap();
         let Some(response) = sketch.response.filter(|_| simulated) else { continue };
         let crush_time = response.time_of_crush();
         let simulation = SimulationV1 {
