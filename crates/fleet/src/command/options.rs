@@ -87,10 +87,6 @@ pub struct Options {
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
-
-    /// Command that runs one record: `crumple-run` with the stages.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) run: String,
 }
 
 /// Folder of a fleet with the style and the scripts of its pages.
@@ -193,7 +189,7 @@ mod tests {
     use super::*;
 
     fn options(words: &[&str]) -> Options {
-        Options::parse_from([&["fleet", "--run", "r", "--project", "/p"], words].concat())
+        Options::parse_from([&["fleet", "--project", "/p"], words].concat())
     }
 
     #[test]
@@ -212,7 +208,7 @@ mod tests {
         let flags = |words: &[&str]| options(words).report_flags("runs/a/papers/civic");
         assert_eq!(flags(&["a"]), "--shared ../../../../page");
         assert_eq!(flags(&["a", "--whole-pages", "--language", "de"]), "--language de");
-        assert!(Options::try_parse_from(["fleet", "--run", "r", "a", "--language", "fr"]).is_err());
+        assert!(Options::try_parse_from(["fleet", "a", "--language", "fr"]).is_err());
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! The command line: options, the commands of the stages, the pipeline file, where a command's program is.
+//! The command line: options, the stages with their programs, the pipeline file.
 //! May use no other room.
 
 pub mod options;
 pub mod pipeline;
 pub mod program;
 pub mod stages;
+pub mod words;
