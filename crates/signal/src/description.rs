@@ -1,5 +1,4 @@
 //! What is known of a test beside its samples: description, channels by name, parts of a dummy's body.
-//! Uses iso13499, channels and units.
 
 use crate::iso13499::{IsoCode, wildcard};
 use crate::{Channel, QuantityKind};

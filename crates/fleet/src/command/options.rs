@@ -82,10 +82,6 @@ pub struct Options {
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
-
-    /// Command that runs one record: `crumple-run` with the stages.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) run: String,
 }
 
 /// Folder of a fleet with the style and the scripts of its pages.
@@ -179,7 +175,7 @@ mod tests {
     use super::*;
 
     fn options(words: &[&str]) -> Options {
-        Options::parse_from([&["fleet", "--run", "r", "--project", "/p"], words].concat())
+        Options::parse_from([&["fleet", "--project", "/p"], words].concat())
     }
 
     #[test]

@@ -155,7 +155,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let fleet = folder.path().join("made <fleet>");
         let rows = made(&fleet);
-        let options = Options::parse_from(["fleet", "--run", "r", "records"]);
+        let options = Options::parse_from(["fleet", "records"]);
         write_page(&fleet, &rows, &options).unwrap();
         let html = fs::read_to_string(fleet.join("fleet.html")).unwrap();
         eprintln!("fleet.html of 500 runs: {} bytes", html.len());

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
@@ -37,14 +38,17 @@ pub struct Fleet(TempDir);
 
 impl Fleet {
     pub fn new() -> Self {
-        let fleet = Self(tempfile::tempdir().unwrap());
+        // Beside the program, so that it can be linked.
+        let fleet = Self(tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap());
         let root = fleet.0.path();
         fs::create_dir_all(root.join("records")).unwrap();
         fs::create_dir_all(root.join("pipelines")).unwrap();
         for name in ["default", "one", "two"] {
             fs::write(root.join(format!("pipelines/{name}.toml")), format!("title = \"{name}\"\n")).unwrap();
         }
-        fs::write(root.join("program"), PROGRAM).unwrap();
+        fs::hard_link(env!("CARGO_BIN_EXE_crumple-fleet"), root.join("crumple-fleet")).unwrap();
+        fs::write(root.join("crumple-run"), PROGRAM).unwrap();
+        fs::set_permissions(root.join("crumple-run"), fs::Permissions::from_mode(0o755)).unwrap();
         fleet
     }
 
@@ -62,9 +66,8 @@ impl Fleet {
 
     pub fn command(&self, args: &[&str]) -> Command {
         let root = self.0.path();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_crumple-fleet"));
-        command.arg("--project").arg(root).arg("--out").arg(self.out()).arg("--run");
-        command.arg(format!("sh '{}'", root.join("program").display())).arg(root.join("records")).args(args);
+        let mut command = Command::new(root.join("crumple-fleet"));
+        command.arg("--project").arg(root).arg("--out").arg(self.out()).arg(root.join("records")).args(args);
         command
     }
 

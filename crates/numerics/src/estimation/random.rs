@@ -1,5 +1,4 @@
 //! Random numbers that are the same for any number of threads.
-//! Uses nothing of this crate.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};

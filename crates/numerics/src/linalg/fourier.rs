@@ -1,5 +1,4 @@
 //! Discrete Fourier transforms of real vectors.
-//! Uses nothing of this crate.
 
 use std::sync::Arc;
 

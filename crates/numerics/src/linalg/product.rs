@@ -1,5 +1,4 @@
 //! Products of vectors in a fixed order of summation.
-//! Uses nothing of this crate.
 
 // The inner product of two slices.
 //

@@ -1,4 +1,4 @@
-//! A chain of seven stages that copy a record, and what a run folder holds after it.
+//! A chain of eight stages that copy a record, and what a run folder holds after it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,13 +9,14 @@ use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 /// What a finished run leaves.
-pub const RESULTS: [&str; 8] = [
+pub const RESULTS: [&str; 9] = [
     "1-ingest.mcap",
     "2-filter.mcap",
     "3-integrate.mcap",
     "4-identify.mcap",
     "5-parameter-solve.mcap",
     "6-simulate.mcap",
+    "7-predict.mcap",
     "report.html",
     "summary.json",
 ];
@@ -40,10 +41,10 @@ impl Chain {
     pub fn new(stages: Stages) -> Self {
         // Beside the program, so that it can be linked.
         let root = tempfile::Builder::new().prefix("run '$x ").tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/run/fake-stage.sh");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/fake-stage.sh");
         let program = root.path().join("crumple-run");
         fs::hard_link(env!("CARGO_BIN_EXE_crumple-run"), &program).unwrap();
-        let names = RESULTS[..7].iter().map(|output| output.trim_end_matches(".mcap").trim_end_matches(".html"));
+        let names = RESULTS[..8].iter().map(|output| output.trim_end_matches(".mcap").trim_end_matches(".html"));
         let commands = names.map(|name| {
             let own =
                 root.path().join(format!("crumple-{}", name.trim_start_matches(|c: char| !c.is_ascii_lowercase())));
@@ -55,7 +56,7 @@ impl Chain {
         });
         let commands = commands.collect();
         fs::create_dir(root.path().join("pipelines")).unwrap();
-        fs::write(root.path().join("pipelines/default.toml"), "base = \"none\"\n[simulate]\n").unwrap();
+        fs::write(root.path().join("pipelines/default.toml"), "base = \"none\"\n[predict]\n").unwrap();
         for record in ["a", "b"] {
             fs::write(
                 root.path().join(record),
@@ -97,44 +98,37 @@ impl Chain {
 
     /// The same with flags for every stage.
     pub fn run_with_flags(&self, record: &str, flags: &str) -> Command {
-        let mut command = Command::new(&self.program);
-        let plain = self.run(record);
-        command.args(["--flags", flags]).args(plain.get_args()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command
+        self.run_with(record, &["--flags", flags])
     }
 
     pub fn run_into(&self, folder: &Path, record: &Path) -> Command {
+        let mut command = self.start();
+        command.process_group(0).arg("--out").arg(folder).arg("--").arg(record);
+        command
+    }
+
+    /// The program with the project and the commands of the stages, and nothing else.
+    fn start(&self) -> Command {
         let mut command = Command::new(&self.program);
-        command.process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped());
-        command.arg("--project").arg(self.root.path()).arg("--out").arg(folder);
-        for (number, stage) in self.commands.iter().enumerate() {
-            command.args(["--stage", stage]);
-            match number {
-                0 => command.arg("RECORD"),
-                6 => command.args(&RESULTS[..6]),
-                _ => command.args(&RESULTS[..number]),
-            };
-            command.args(["-o", RESULTS[number]]);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).arg("--project").arg(self.root.path());
+        for (output, stage) in RESULTS.iter().zip(&self.commands) {
+            let name = output.trim_start_matches(|c: char| !c.is_ascii_lowercase()).split('.').next().unwrap();
+            command.env(format!("CRUMPLE_{}", name.to_uppercase().replace('-', "_")), stage);
         }
-        command.arg("summary.json").arg("--").arg(record);
         command
     }
 
     /// The same with more options of the run itself.
     pub fn run_with(&self, record: &str, options: &[&str]) -> Command {
-        let mut command = Command::new(&self.program);
-        let plain = self.run(record);
-        command.args(options).args(plain.get_args()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut command = self.start();
+        command.args(options).arg("--out").arg(self.folder()).arg("--").arg(self.record(record));
         command
     }
 
-    /// Simulation and report again in a folder, with flags of the first.
+    /// Prediction and report again in a folder, with flags of the first.
     pub fn again(&self, folder: &Path, flags: &[&str]) -> Command {
-        let mut command = Command::new(&self.program);
-        command.stdout(Stdio::piped()).stderr(Stdio::piped());
-        command.arg("--project").arg(self.root.path()).arg("--again").arg(folder);
-        command.args(["--stage", self.command(RESULTS[5]), RESULTS[4], "RECORD", "-o", RESULTS[5]]);
-        command.args(["--stage", self.command(RESULTS[6]), RESULTS[5], "-o", RESULTS[6], RESULTS[7], "--"]).args(flags);
+        let mut command = self.start();
+        command.arg("--again").arg(folder).arg("--").args(flags);
         command
     }
 

@@ -2,14 +2,13 @@
 //! before.
 
 use std::fs;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use crate::chain::{Chain, RESULTS, Stages, said};
 
 /// A run of the record `a` with words behind it.
 fn run(chain: &Chain, options: &[&str], behind: &[&str]) -> Output {
-    let mut command = Command::new(chain.run("a").get_program());
-    command.args(options).args(chain.run("a").get_args()).args(behind).output().unwrap()
+    chain.run_with("a", options).args(behind).output().unwrap()
 }
 
 fn pipeline(chain: &Chain) -> String {
@@ -41,14 +40,14 @@ fn a_pipeline_elsewhere_keeps_the_rest_of_the_default_unless_it_stands_alone() {
     let own = chain.record("my own.toml");
     let run_with = |text: &str| {
         fs::write(&own, text).unwrap();
-        let output = run(&chain, &["--pipeline", own.to_str().unwrap(), "--optional", "simulate"], &[]);
+        let output = run(&chain, &["--pipeline", own.to_str().unwrap()], &[]);
         assert!(output.status.success(), "{}", said(&output));
         chain.names()
     };
     assert_eq!(run_with("[filter]\ncfc = 180\n"), RESULTS);
     assert!(pipeline(&chain).contains("name = \"my own\""), "{}", pipeline(&chain));
-    let without: Vec<&str> = RESULTS.into_iter().filter(|name| *name != "6-simulate.mcap").collect();
-    assert_eq!(run_with("simulate = false\n"), without);
+    let without: Vec<&str> = RESULTS.into_iter().filter(|name| *name != "7-predict.mcap").collect();
+    assert_eq!(run_with("predict = false\n"), without);
     assert_eq!(run_with("base = \"none\"\n"), without);
 }
 
@@ -98,23 +97,21 @@ fn an_unchanged_run_starts_the_first_stage_alone_and_nothing_else_passes_for_one
     let log = chain.record("started");
     let ran = |options: &[&str], behind: &[&str]| {
         fs::write(&log, "").unwrap();
-        let mut command = Command::new(chain.run("a").get_program());
-        command.args(options).args(chain.run("a").get_args()).args(behind).env("STARTED", &log);
-        let output = command.output().unwrap();
+        let output = chain.run_with("a", options).args(behind).env("STARTED", &log).output().unwrap();
         assert!(output.status.success(), "{}", said(&output));
         (fs::read_to_string(&log).unwrap().lines().count(), said(&output).contains("up to date"))
     };
-    assert_eq!(ran(&[], &[]), (7, false));
+    assert_eq!(ran(&[], &[]), (8, false));
     assert_eq!(ran(&[], &[]), (1, true));
     // One byte of a result, an option, --force, a result that is gone.
     fs::write(chain.folder().join("4-identify.mcap"), b"\x89MCAP b").unwrap();
-    assert_eq!(ran(&[], &[]), (7, false));
-    assert_eq!(ran(&[], &["--mass", "900kg"]), (7, false));
+    assert_eq!(ran(&[], &[]), (8, false));
+    assert_eq!(ran(&[], &["--mass", "900kg"]), (8, false));
     assert_eq!(ran(&[], &["--mass", "900kg"]), (1, true));
-    assert_eq!(ran(&["--flags", "--force"], &["--mass", "900kg"]), (7, false));
-    assert_eq!(ran(&[], &["--mass", "900kg"]), (7, false));
+    assert_eq!(ran(&["--flags", "--force"], &["--mass", "900kg"]), (8, false));
+    assert_eq!(ran(&[], &["--mass", "900kg"]), (8, false));
     fs::remove_file(chain.folder().join("summary.json")).unwrap();
-    assert_eq!(ran(&[], &["--mass", "900kg"]), (7, false));
+    assert_eq!(ran(&[], &["--mass", "900kg"]), (8, false));
     chain.assert_whole("a");
 }
 

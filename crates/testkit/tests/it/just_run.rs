@@ -117,7 +117,7 @@ fn a_flag_of_another_stage_is_told_whose_it_is() {
     let output = run(&[], folder.path(), &fixture("kelvin"), &["--mass=873kg", "--cfc", "180"]);
     assert_eq!(output.status.code(), Some(2));
     let error = error(&output);
-    assert!(error.contains("tip: --cfc is an option of crumple-filter: just filter="), "{error}");
+    assert!(error.contains("tip: --cfc is an option of filter: --set filter.cfc=VALUE"), "{error}");
     assert!(!error.contains("--mass is"), "{error}");
 }
 
