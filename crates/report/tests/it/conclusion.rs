@@ -541,24 +541,3 @@ fn every_method_without_a_model_is_named_with_its_reason() {
     }
     assert!(lines.iter().any(|line| line == "1. unseen samples"), "{lines:?}");
 }
-
-#[test]
-fn german_has_its_own_sentences_and_a_comma() {
-    let run = Run { language: Language::German, ..car() };
-    let said = assert_numbers_are_those_of_the_summary(&run, &[]);
-    assert_eq!(
-        said[0].replace('\u{a0}', " "),
-        "Das Fahrzeug wurde in 77 ms um 448 mm eingedrückt und prallte mit 7 km/h zurück."
-    );
-    assert_eq!(status_of(&run), "brauchbar: seine Eindrückung ist bei 28,8 km/h auf 6 % genau.");
-    assert!(page_of(&run).contains("<h2 id=\"before-use-title\">Vor dem Gebrauch</h2>"));
-    assert_eq!(summary_of(&run)["verdict"]["language"], "de");
-    // What a stage wrote is quoted, what the report says is not.
-    let mut run = without_result();
-    run.language = Language::German;
-    run.concerns.push(concern("ingest", "mass", 3, "a < b"));
-    let page = page_of(&run);
-    assert!(page.contains("<li data-stage=\"ingest\"><b>Aufzeichnung:</b> <q lang=\"en\">a &lt; b</q>"));
-    let reason = run.concerns[1].text.clone();
-    assert!(page.contains(&format!("Es gibt kein Modell: <q lang=\"en\">{reason}</q>.")), "{reason}");
-}
