@@ -174,7 +174,7 @@ budget:
 # Writes docs/schemas/, the JSON Schemas of all records and of summary.json. They are built into the programs: for a record type that is new, make an empty file first.
 [group('development')]
 schemas:
-    CRUMPLE_WRITE_SCHEMAS=1 cargo test --quiet --workspace --test schemas the_schemas_in_the_docs
+    CRUMPLE_WRITE_SCHEMAS=1 cargo nextest run --workspace -E 'test(the_schemas_in_the_docs)'
 
 # Runs the fixtures and compares with the committed results.
 [group('development')]
@@ -237,19 +237,24 @@ fleet-benchmark $records="2000" $folder="target/fleet-benchmark": build
     done
     @du -sh "$folder/fleet/runs"
 
-# The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
+# The product over a file of reference cases, every number compared, ends with `N of M cases`: `just cases metrics|papers|prediction FILE`.
+[group('development')]
+cases subject file:
+    @cargo test --quiet --workspace --test cases -- "$@"
+
+# The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M cases`.
 [group('development')]
 papers:
-    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-lumped-fit --test papers
+    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --workspace --test cases -- papers
 
 # What every change must pass, and what is too slow for that: before an issue is called resolved.
 [group('development')]
 ci-full:
     .ci/run
-    CRUMPLE_KILLS=120 cargo nextest run --package crumple-run --package crumple-testkit --test run --test just_run
-    CRUMPLE_FLEET_RECORDS=200 cargo nextest run --package crumple-testkit --test fleet
+    CRUMPLE_KILLS=120 cargo nextest run --workspace -E 'package(crumple-run) | test(/^just_run::/)'
+    CRUMPLE_FLEET_RECORDS=200 cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^fleet::/)'
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
-        cargo nextest run --package crumple-testkit --test slurm --run-ignored all
+        cargo nextest run --workspace -E 'test(/^slurm::/)' --run-ignored all
     just papers
     just truth
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt

@@ -16,5 +16,7 @@ pub use benchmark::stopwatch;
 pub use places::{shared, workspace};
 pub use programs::{StepError, asked_for_tests, fleet, pipeline, program};
 pub use random::{uniform, white_noise};
-pub use records::{IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, integrated, kinds, known_truth, known_truths, known_truths_in, other_records, reference_signals, table_5, write_filtered, write_known_truth};
-
+pub use records::{
+    IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, integrated, kinds, known_truth, known_truths,
+    known_truths_in, other_records, reference_signals, table_5, write_filtered, write_known_truth,
+};

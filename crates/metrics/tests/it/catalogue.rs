@@ -22,7 +22,7 @@ fn table() -> String {
     table
 }
 
-/// `CRUMPLE_WRITE_DOCS=1 cargo test -p crumple-metrics --test catalogue` writes the table.
+/// `CRUMPLE_WRITE_DOCS=1 cargo test -p crumple-metrics --test it catalogue` writes the table.
 #[test]
 fn the_page_lists_every_definition() {
     let path = crumple_testkit::workspace().join("docs/metrics.md");

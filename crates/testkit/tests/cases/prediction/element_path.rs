@@ -3,8 +3,8 @@
 use crumple_lumped::{Leg, PathPoint, lead};
 use serde_json::{Value, json};
 
-use crate::fields::Fields;
-use crate::model::{force_deflection, say};
+use crate::prediction::fields::Fields;
+use crate::prediction::model::{force_deflection, say};
 
 pub fn answer(inputs: &Fields) -> Result<Value, String> {
     let element = inputs.object("element")?;

@@ -5,7 +5,7 @@ use crumple_lumped::{
     Structure,
 };
 
-use crate::fields::Fields;
+use crate::prediction::fields::Fields;
 
 /// A structure with the names of the case.
 pub struct Case {

@@ -3,8 +3,8 @@
 use crumple_lumped::{CrashPulse, Occupant};
 use serde_json::{Value, json};
 
-use crate::fields::Fields;
-use crate::model::{force_deflection, say};
+use crate::prediction::fields::Fields;
+use crate::prediction::model::{force_deflection, say};
 
 fn pulse(fields: &Fields) -> Result<CrashPulse, String> {
     match fields.text("kind")? {

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use crate::inputs::Inputs;
-use crate::{chains, one_mass, systems};
+use crate::papers::inputs::Inputs;
+use crate::papers::{chains, one_mass, systems};
 
 /// The recomputed quantities of a case, named as in the case files. An unknown kind is an error with its name.
 pub fn evaluate(kind: &str, inputs: &Value) -> Result<Value, String> {

@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::evaluate::evaluate;
-use crate::inputs::complex_of;
+use crate::papers::evaluate::evaluate;
+use crate::papers::inputs::complex_of;
 
 /// Project-owned table: what the papers print, from which inputs, and why it differs.
 pub const TABLE: &str = include_str!("values.json");

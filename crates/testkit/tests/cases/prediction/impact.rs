@@ -3,8 +3,8 @@
 use crumple_lumped::{Collision, CollisionQuestions, Drive, ElementState, Moment, State};
 use serde_json::{Map, Value, json};
 
-use crate::fields::Fields;
-use crate::model::{Case, force_deflection, say};
+use crate::prediction::fields::Fields;
+use crate::prediction::model::{Case, force_deflection, say};
 
 pub fn answer(inputs: &Fields) -> Result<Value, String> {
     let case = Case::of(inputs)?;

@@ -8,7 +8,7 @@ use crumple_numerics::lti::{Complex, Mode};
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::{Value, json};
 
-use crate::check::Check;
+use crate::metrics::check::Check;
 
 pub fn kelvin(check: &mut Check<'_>) {
     let (v0, mass_kg) = (check.param("v0_ms"), check.param("mass_kg"));

@@ -7,7 +7,7 @@ use crumple_lumped_fit::{
 };
 use serde_json::{Value, json};
 
-use crate::inputs::{CHECKPOINT_TIMES, Inputs, text};
+use crate::papers::inputs::{CHECKPOINT_TIMES, Inputs, text};
 
 pub fn kelvin_curve(i: &Inputs<'_>) -> Result<Value, String> {
     let zeta = i.n("zeta")?;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crumple_metrics::{CLIP_3MS_S, clip_contiguous, clip_cumulative, hic_all_pairs, hic_d_of};
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
-use crate::check::Check;
+use crate::metrics::check::Check;
 
 /// The signal of the case, or the one that its parameter writes out: `sin(20 pi t), t=0..0.05 s step 0.1 ms`, in g.
 fn resultant(check: &Check<'_>) -> Signal<Acceleration> {

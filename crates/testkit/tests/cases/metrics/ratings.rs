@@ -4,7 +4,7 @@ use crumple_metrics::{CoraOptions, Grade, Iso18571Options};
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::json;
 
-use crate::check::Check;
+use crate::metrics::check::Check;
 
 pub fn iso18571(check: &mut Check<'_>) {
     let d = Iso18571Options::default();

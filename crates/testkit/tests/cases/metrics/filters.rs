@@ -6,7 +6,7 @@ use crumple_signal::{PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal}
 use crumple_testkit::reference_signals::{list, number, text};
 use serde_json::json;
 
-use crate::check::Check;
+use crate::metrics::check::Check;
 
 pub fn cfc(class: f64) -> Cfc {
     Cfc::ALL.into_iter().find(|cfc| cfc.frequency_hz() == class).unwrap()

@@ -6,8 +6,8 @@ use crumple_lumped_fit::{
 };
 use serde_json::{Value, json};
 
-use crate::fields::Fields;
-use crate::model::{Case, force_deflection, say};
+use crate::prediction::fields::Fields;
+use crate::prediction::model::{Case, force_deflection, say};
 
 /// Motions of all masses, sampled up to an instant.
 fn motions(structure: &Structure, drive: &Drive, until_s: f64, dt_s: f64) -> Result<Vec<MeasuredMass>, String> {

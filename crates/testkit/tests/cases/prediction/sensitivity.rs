@@ -3,8 +3,8 @@
 use crumple_lumped::{CollisionQuestions, Drive, Element, ForceDeflectionParameter, Place};
 use serde_json::{Map, Value, json};
 
-use crate::fields::Fields;
-use crate::model::{Case, say};
+use crate::prediction::fields::Fields;
+use crate::prediction::model::{Case, say};
 
 /// The place in the structure of an entry of the case's model.
 fn place(case: &Case, path: &Value) -> Result<Place, String> {

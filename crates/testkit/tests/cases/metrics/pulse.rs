@@ -8,7 +8,7 @@ use crumple_metrics::{
 use crumple_signal::{Acceleration, Displacement, STANDARD_GRAVITY_M_PER_S2, Signal, Velocity};
 use crumple_testkit::reference_signals::{list, number};
 
-use crate::check::Check;
+use crate::metrics::check::Check;
 
 /// A motion from the first sample of an acceleration.
 pub struct Motion {

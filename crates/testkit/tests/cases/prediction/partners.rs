@@ -3,8 +3,8 @@
 use crumple_lumped::{Partner, collide};
 use serde_json::{Map, Value, json};
 
-use crate::fields::Fields;
-use crate::model::{force_deflection, say};
+use crate::prediction::fields::Fields;
+use crate::prediction::model::{force_deflection, say};
 
 fn partner(fields: &Fields) -> Result<Partner, String> {
     let front = fields.object("front")?;

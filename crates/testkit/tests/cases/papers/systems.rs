@@ -7,8 +7,8 @@ use crumple_numerics::lti::{
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 
-use crate::chains::configuration;
-use crate::inputs::{Inputs, complexes, text};
+use crate::papers::chains::configuration;
+use crate::papers::inputs::{Inputs, complexes, text};
 
 pub fn quotient(i: &Inputs<'_>) -> Result<Value, String> {
     let (product, target) = (i.n("a")? * i.n("b")?, i.n("m1")? * i.n("m2")? * i.n("w")?);

@@ -3,7 +3,7 @@
 use crumple_metrics::{CrushStiffness, DamageProfile, energy_equivalent_speed, wall_stiffness};
 use serde_json::{Map, Value, json};
 
-use crate::fields::Fields;
+use crate::prediction::fields::Fields;
 
 pub fn of_wall(inputs: &Fields) -> Result<Value, String> {
     let of = wall_stiffness(&inputs.numbers("displacement_m")?, &inputs.numbers("wall_force_n")?);

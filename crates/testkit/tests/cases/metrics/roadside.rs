@@ -4,7 +4,7 @@ use crumple_metrics::{AsiLimits, AsiMethod, FlailSpace};
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
 use crumple_testkit::reference_signals::{list, number};
 
-use crate::check::Check;
+use crate::metrics::check::Check;
 
 pub fn asi(check: &mut Check<'_>) {
     let signals = [0, 1, 2].map(|k| check.acceleration(k));

@@ -6,9 +6,9 @@ use crumple_metrics::peak;
 use crumple_signal::{PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled};
 use crumple_testkit::reference_signals::{number, text, two_columns};
 
-use crate::check::Check;
-use crate::filters::{cfc, mode};
-use crate::pulse::Motion;
+use crate::metrics::check::Check;
+use crate::metrics::filters::{cfc, mode};
+use crate::metrics::pulse::Motion;
 
 pub fn end_to_end(check: &mut Check<'_>) {
     let params = &check.case["params"];
