@@ -5,67 +5,59 @@ set shell := ["sh", "-euc"]
 
 # Pipeline: a file below pipelines/ without its ending, e.g. `just pipeline=papers/civic run crash.csv`, or the path of a file elsewhere, e.g. `./my.toml`.
 # It says what it changes of the default pipeline, unless it stands alone (base = "none").
-pipeline := "default"
+export pipeline := "default"
 # Run folder; empty: runs/<input stem>/<pipeline>.
-out := ""
+export out := ""
 # Flags for every stage, e.g. `just flags="-q --force" run crash.csv`.
-flags := ""
+export flags := ""
 # Where the binaries are.
-bin := env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release"
+export bin := env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release"
+export project := justfile_directory()
 
+# The chain, one line a stage with what it reads and writes, is pipelines/chain: `just chain`.
 # Any stage can be any program that follows docs/format.md, e.g. `just identify="python3 my_stage.py" run crash.csv`.
-ingest := quote(bin / "crumple-ingest")
-filter := quote(bin / "crumple-filter")
-integrate := quote(bin / "crumple-integrate")
-identify := quote(bin / "crumple-identify")
-parameter_solve := quote(bin / "crumple-parameter-solve")
-simulate := quote(bin / "crumple-simulate")
-predict := quote(bin / "crumple-predict")
-report := quote(bin / "crumple-report")
+ingest := "crumple-ingest"
+filter := "crumple-filter"
+integrate := "crumple-integrate"
+identify := "crumple-identify"
+parameter_solve := "crumple-parameter-solve"
+simulate := "crumple-simulate"
+predict := "crumple-predict"
+report := "crumple-report"
 
-# One model for several tests.
-together := quote(bin / "crumple-together") + " --project " + quote(justfile_directory()) + \
-    " --parameter-solve " + quote(parameter_solve) + " --predict " + quote(predict) + " --report " + quote(report)
-
-# Which program reads what and writes what.
-stages := "--optional predict " + \
-    "--stage " + quote(ingest) + " RECORD -o 1-ingest.mcap " + \
-    "--stage " + quote(filter) + " 1-ingest.mcap -o 2-filter.mcap " + \
-    "--stage " + quote(integrate) + " 2-filter.mcap -o 3-integrate.mcap " + \
-    "--stage " + quote(identify) + " 2-filter.mcap 3-integrate.mcap -o 4-identify.mcap " + \
-    "--stage " + quote(parameter_solve) + " 2-filter.mcap 3-integrate.mcap 4-identify.mcap -o 5-parameter-solve.mcap " + \
-    "--stage " + quote(simulate) + " 2-filter.mcap 3-integrate.mcap 5-parameter-solve.mcap -o 6-simulate.mcap " + \
-    "--stage " + quote(predict) + " 3-integrate.mcap 5-parameter-solve.mcap -o 7-predict.mcap " + \
-    "--stage " + quote(report) + " 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap" + \
-    " 6-simulate.mcap 7-predict.mcap -o report.html summary.json"
+export CRUMPLE_INGEST := ingest
+export CRUMPLE_FILTER := filter
+export CRUMPLE_INTEGRATE := integrate
+export CRUMPLE_IDENTIFY := identify
+export CRUMPLE_PARAMETER_SOLVE := parameter_solve
+export CRUMPLE_SIMULATE := simulate
+export CRUMPLE_PREDICT := predict
+export CRUMPLE_REPORT := report
 
 [private]
 default:
     @just --list --unsorted
 
-# crumple-run starts the stages above and keeps what a run folder promises.
+# The stages are the lines of pipelines/chain; crumple-run starts them and keeps what a run folder promises.
 # The main job: `just run crash.csv [--set filter.cfc=180] [--mass 873kg --impact-speed 35km/h ...]`; other flags go to ingest.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 run record *args: build
-    @{{ quote(bin / "crumple-run") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} {{ stages }} \
-        -- "$@"
+    @"$bin/crumple-run" --project "$project" --pipeline "$pipeline" --out "$out" --flags "$flags" -- "$@"
+
+# The stages of pipelines/chain, one plain line each.
+[group('pipeline')]
+chain:
+    @cat pipelines/chain
 
 # Writes 7-predict.mcap of that run again, with the speeds of its pipeline and those asked for, and the report and the summary.
 # The models of a run, or of several tests (runs/together/NAME), at other speeds and masses: `just predict runs/crash/default --speed 40km/h,64km/h [--mass 1500kg] [--candidate ID] [--partner OTHER_RUN]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
-predict folder *args: build
-    @shift; {{ quote(bin / "crumple-run") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --again {{ quote(folder) }} --flags {{ quote(flags) }} \
-        --joint {{ quote(together + " --run false") }} \
-        --stage {{ quote(predict) }} 3-integrate.mcap 5-parameter-solve.mcap RECORD -o 7-predict.mcap \
-        --stage {{ quote(report) }} 1-ingest.mcap 2-filter.mcap 3-integrate.mcap 4-identify.mcap 5-parameter-solve.mcap \
-                 6-simulate.mcap 7-predict.mcap -o report.html summary.json \
-        -- "$@"
+predict $folder *args: build
+    @shift; "$bin/crumple-run" --project "$project" --pipeline "$pipeline" --again "$folder" --flags "$flags" -- "$@"
 
 # Runs every record, fits one model to all of them into runs/together/NAME, and predicts every test from the others.
 # One model for several tests: `just together A.EV5 B.EV5 ... [--name NAME] [--speed 64km/h]`; a run folder stands for its record.
@@ -73,32 +65,25 @@ predict folder *args: build
 [no-cd]
 [no-exit-message]
 together *args: build
-    @{{ together }} --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
-        --run {{ quote(quote(just_executable()) + " --justfile " + quote(justfile()) + " bin=" + quote(bin) + " pipeline=" + quote(pipeline) + " flags=" + quote(flags) + " run") }} \
-        -- "$@"
+    @"$bin/crumple-together" --project "$project" --pipeline "$pipeline" --out "$out" --flags "$flags" -- "$@"
 
 # A run that is up to date is left alone, a record that fails is a row with its error; tables and fleet.html in runs/fleet/NAME (docs/fleet.md).
-# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME] [--language de]`.
+# Many records: `just fleet FOLDER|@LIST|'PATTERN' [--pipelines a,b] [--set STAGE.KEY=v1,v2] [-j N] [--name NAME]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 fleet *args: build
-    @{{ quote(bin / "crumple-fleet") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
-        --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
-        "$@"
+    @"$bin/crumple-fleet" --project "$project" --pipeline "$pipeline" --out "$out" --flags "$flags" "$@"
 
 # Words behind the records: settings of pipelines/fleet/config.yaml, then flags of Snakemake. Records and fleet lie on a disk that every node sees.
 # A fleet on a Slurm cluster: `just fleet-slurm FOLDER|@LIST|'PATTERN' [out=FOLDER] [batches=N] [--dry-run ...]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
-fleet-slurm records *settings: build
-    @{{ quote(justfile_directory() / "scripts/setup.sh") }} fleet >&2
-    @shift; {{ quote(justfile_directory() / ".venv-fleet/bin/snakemake") }} \
-        --snakefile {{ quote(justfile_directory() / "pipelines/fleet/Snakefile") }} \
-        --profile {{ quote(justfile_directory() / "pipelines/fleet/profiles/slurm") }} \
-        --config records={{ quote(records) }} out={{ quote(out) }} flags={{ quote(flags) }} "$@"
+fleet-slurm $records *settings: build
+    @"$project/scripts/setup.sh" fleet >&2
+    @shift; "$project/.venv-fleet/bin/snakemake" --snakefile "$project/pipelines/fleet/Snakefile" \
+        --profile "$project/pipelines/fleet/profiles/slurm" --config records="$records" out="$out" flags="$flags" "$@"
 
 # Runs the fleet, joins the tests of each vehicle, regresses stiffness and damping, predicts each test from the others: runs/fleet/NAME/study.
 # What many tests say of vehicles: `just study FOLDER [--classes FILE] [flags of just fleet]`.
@@ -106,61 +91,57 @@ fleet-slurm records *settings: build
 [no-cd]
 [no-exit-message]
 study *args: build
-    @{{ quote(bin / "crumple-study") }} --project {{ quote(justfile_directory()) }} \
-        --pipeline {{ quote(pipeline) }} --out {{ quote(out) }} --flags {{ quote(flags) }} \
-        --run {{ quote(quote(bin / "crumple-run") + " --project " + quote(justfile_directory()) + " " + stages) }} \
-        --together {{ quote(together + " --run false") }} \
-        "$@"
+    @"$bin/crumple-study" --project "$project" --pipeline "$pipeline" --out "$out" --flags "$flags" "$@"
 
 # Semantic comparison of two run folders or artifacts: exit 0 same, 1 different, 2 trouble.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 diff a b *args: build
-    @{{ quote(bin / "crumple-diff") }} "$@"
+    @"$bin/crumple-diff" "$@"
 
 # One page of several runs: curves over each other, numbers and settings side by side: `just compare RUN_A RUN_B [-o compare.html] [--markdown FILE]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 compare *runs: build
-    @{{ report }} --compare "$@"
+    @"$bin/crumple-report" --compare "$@"
 
 # Many runs as one sortable table with their pulses, numbers and first warnings: `just index RUN...|@LIST [-o index.html]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 index *runs: build
-    @{{ report }} --index "$@"
+    @"$bin/crumple-report" --index "$@"
 
 # Records of an artifact as JSON, waveforms summarised.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 show artifact *args: build
-    @{{ quote(bin / "crumple-artifact") }} show "$@"
+    @"$bin/crumple-artifact" show "$@"
 
 # The notes of a run alone: warnings by their weight, then what is good to know: `just notes runs/crash/default`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
 notes folder *args: build
-    @{{ quote(bin / "crumple-artifact") }} notes "$@"
+    @"$bin/crumple-artifact" notes "$@"
 
 # Static force-deflection curves of a run's recommended candidate: `just curve runs/crash/default [--candidate ID] [--format csv|ls-dyna|madymo|pc-crash] [--to 900mm]`.
 [group('pipeline')]
 [no-cd]
 [no-exit-message]
-curve folder *args: build
-    @shift; {{ quote(bin / "crumple-artifact") }} curve {{ quote(folder / "5-parameter-solve.mcap") }} "$@"
+curve $folder *args: build
+    @shift; "$bin/crumple-artifact" curve "$folder/5-parameter-solve.mcap" "$@"
 
 # Release build of all binaries. Asks cargo only if a source is newer than the last build: cargo alone takes 0.2 s to see that nothing is to do.
 [group('development')]
 build:
-    @stamp={{ quote(bin / ".crumple-built") }}; \
-    if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates \
+    @stamp="$bin/.crumple-built"; \
+    if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates pipelines/chain \
         -type d \( -name tests -o -name testkit \) -prune -o -newer "$stamp" -print -quit)" ]; then \
-        mkdir -p {{ quote(bin) }}; touch "$stamp.$$"; \
+        mkdir -p "$bin"; touch "$stamp.$$"; \
         cargo build --release --workspace --exclude crumple-testkit --bins; \
         mv "$stamp.$$" "$stamp"; \
     fi
@@ -185,15 +166,15 @@ lint:
     cargo clippy --workspace --all-targets --quiet -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 
-# Writes the section "Rooms" of ARCHITECTURE.md from the `mod.rs` of the rooms.
+# Writes down the lines of crates that became shorter: crates/testkit/tests/architecture/budget.toml.
 [group('development')]
-rooms:
-    CRUMPLE_WRITE_ROOMS=1 cargo test --quiet --workspace --test architecture the_page_names_every_room
+budget:
+    CRUMPLE_WRITE_BUDGET=1 cargo test --quiet --workspace --test architecture the_house
 
 # Writes docs/schemas/, the JSON Schemas of all records and of summary.json. They are built into the programs: for a record type that is new, make an empty file first.
 [group('development')]
 schemas:
-    CRUMPLE_WRITE_SCHEMAS=1 cargo test --quiet --workspace --test schemas the_schemas_in_the_docs
+    CRUMPLE_WRITE_SCHEMAS=1 cargo nextest run --workspace -E 'test(the_schemas_in_the_docs)'
 
 # Runs the fixtures and compares with the committed results.
 [group('development')]
@@ -203,7 +184,7 @@ golden: build
         fresh="target/golden/$(basename "$fixture")"; \
         just flags=-q out="$fresh" run "$fixture/crash.csv"; \
         for expected in "$fixture"golden/*; do \
-            {{ quote(bin / "crumple-diff") }} "$expected" "$fresh/$(basename "$expected")"; \
+            "$bin/crumple-diff" "$expected" "$fresh/$(basename "$expected")"; \
         done; \
     done
 
@@ -226,49 +207,54 @@ golden-update: build
 [no-cd]
 [no-exit-message]
 bytes *args:
-    @[ {{ quote(bin) }} != {{ quote(env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release") }} ] || [ "${1-}" = --compare ] || just --justfile {{ quote(justfile()) }} build
-    @cargo run --quiet --manifest-path {{ quote(justfile_directory() / "Cargo.toml") }} --package crumple-testkit --bin bytes -- --bin {{ quote(bin) }} "$@"
+    @[ "$bin" != "${CARGO_TARGET_DIR:-$project/target}/release" ] || [ "${1-}" = --compare ] || just --justfile "$project/justfile" build
+    @cargo run --quiet --manifest-path "$project/Cargo.toml" --package crumple-testkit --bin bytes -- --bin "$bin" "$@"
 
 # How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--clean] [--records N] [--first K] [FAMILY ...]`.
 [group('development')]
 interval-benchmark *args: build
-    @cargo run --quiet --release --package crumple-testkit --bin interval-benchmark -- --bin {{ quote(bin) }} "$@"
+    @cargo run --quiet --release --package crumple-testkit --bin interval-benchmark -- --bin "$bin" "$@"
 
 # How far predictions of other tests are off, 50 made cars of 13 kinds each: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [--candidates] [--keep FOLDER] [KIND ...]`.
 [group('development')]
 prediction-benchmark *args: build
-    @cargo run --quiet --release --package crumple-testkit --bin prediction-benchmark -- --bin {{ quote(bin) }} "$@"
+    @cargo run --quiet --release --package crumple-testkit --bin prediction-benchmark -- --bin "$bin" "$@"
 
 # Every sentence and number of first screens against known truth, 4 made cars a family and kind: `just truth [--cars N] [--short] [NAME ...]`.
 [group('development')]
 truth *args: build
-    @cargo run --quiet --release --package crumple-testkit --bin truth -- --bin {{ quote(bin) }} "$@"
+    @cargo run --quiet --release --package crumple-testkit --bin truth -- --bin "$bin" "$@"
 
 # What a fleet costs, on an idle machine: wall times as the fleet says them, then CPU time of all children so far, and disk: `just fleet-benchmark [RECORDS]`.
 [group('development')]
-fleet-benchmark records="2000" folder="target/fleet-benchmark": build
-    @rm -rf {{ quote(folder) }}
-    @cargo run --quiet --release --package crumple-testkit --bin make-fleet -- {{ quote(folder / "records") }} {{ quote(records) }} 1
+fleet-benchmark $records="2000" $folder="target/fleet-benchmark": build
+    @rm -rf "$folder"
+    @cargo run --quiet --release --package crumple-testkit --bin make-fleet -- "$folder/records" "$records" 1
     @for run in first second; do \
         echo "$run run"; \
-        just out={{ quote(folder / "fleet") }} fleet {{ quote(folder / "records") }}; \
+        just out="$folder/fleet" fleet "$folder/records"; \
         times; \
     done
-    @du -sh {{ quote(folder / "fleet/runs") }}
+    @du -sh "$folder/fleet/runs"
 
-# The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M items`.
+# The product over a file of reference cases, every number compared, ends with `N of M cases`: `just cases metrics|papers|prediction FILE`.
+[group('development')]
+cases subject file:
+    @cargo test --quiet --workspace --test cases -- "$@"
+
+# The three papers' numbers, recomputed and compared: writes docs/papers.md, ends with `N of M cases`.
 [group('development')]
 papers:
-    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --package crumple-lumped-fit --test papers
+    CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --workspace --test cases -- papers
 
 # What every change must pass, and what is too slow for that: before an issue is called resolved.
 [group('development')]
 ci-full:
     .ci/run
-    CRUMPLE_KILLS=120 cargo nextest run --package crumple-run --package crumple-testkit --test run --test just_run
-    CRUMPLE_FLEET_RECORDS=200 cargo nextest run --package crumple-testkit --test fleet
+    CRUMPLE_KILLS=120 cargo nextest run --workspace -E 'package(crumple-run) | test(/^just_run::/)'
+    CRUMPLE_FLEET_RECORDS=200 cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^fleet::/)'
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
-        cargo nextest run --package crumple-testkit --test slurm --run-ignored all
+        cargo nextest run --workspace -E 'test(/^slurm::/)' --run-ignored all
     just papers
     just truth
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
@@ -278,7 +264,7 @@ ci-full:
 # Mutated files and tampered artifacts through the programs, 1000 of each: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
 [group('development')]
 fuzz *args: build
-    @cargo run --quiet --release --package crumple-testkit --bin fuzz -- --bin {{ quote(bin) }} "$@"
+    @cargo run --quiet --release --package crumple-testkit --bin fuzz -- --bin "$bin" "$@"
 
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]
@@ -286,7 +272,7 @@ shell-files: build
     @mkdir -p target/shell
     @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run; do \
         for kind in bash zsh fish man; do \
-            {{ quote(bin) }}/crumple-$program --generate $kind > target/shell/crumple-$program.$kind; \
+            "$bin/crumple-$program" --generate $kind > target/shell/crumple-$program.$kind; \
         done; \
     done
 

@@ -2,8 +2,6 @@
 //! files and put it together again.
 //!
 //! Everything here works on artifacts and texts in memory; files are the business of the program.
-//!
-//! rooms: checks plain curves | show
 
 mod checks;
 mod curves;
@@ -11,14 +9,11 @@ mod error;
 mod plain;
 mod show;
 
-pub use checks::check::{Checked, check};
-pub use curves::static_curve::{StaticCurve, static_curves};
-pub use curves::tables::{CurveFormat, text};
+pub use checks::{Checked, check};
+pub use curves::{CurveFormat, StaticCurve, static_curves, text};
 pub use error::{CurveError, PlainError};
-pub use plain::layout::{PlainInput, PlainProvenance, PlainRecord, PlainWave};
-pub use plain::pack::{NearestSchema, assemble, parse_lines};
-pub use plain::unpack::{f64_bytes, plain_records, plain_waves};
-pub use show::json::write_json;
-pub use show::notes::StageNotes;
-pub use show::options::{ShowOptions, Wanted};
-pub use show::text::write_text;
+pub use plain::{
+    NearestSchema, PlainInput, PlainProvenance, PlainRecord, PlainWave, assemble, f64_bytes, parse_lines,
+    plain_records, plain_waves,
+};
+pub use show::{ShowOptions, StageNotes, Wanted, write_json, write_text};

@@ -3,8 +3,6 @@
 //! The normative text is `docs/format.md`. In short: small records are JSON, waveforms are blocks of 65,536 samples in
 //! bincode; each channel declares its encoding and the reader takes either for any type; every CRC is written and
 //! checked; provenance and a content digest travel with the data; the bytes depend on data and configuration alone.
-//!
-//! rooms: json | read write | layout | records
 
 mod error;
 mod json;

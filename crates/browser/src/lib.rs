@@ -2,8 +2,6 @@
 //!
 //! The browser is driven over its DevTools protocol by the crate `headless_chrome`. What fails here fails the test that
 //! asked, so functions panic with what the browser said.
-//!
-//! rooms: browser | page | screen
 
 mod browser;
 mod page;

@@ -3,13 +3,11 @@
 //!
 //! A [`Figure`] is panels of curves, bands and marks over axes with one legend; [`Drawing`] lays a panel out for a
 //! page, [`Figure::to_svg`] the whole as a file of its own. The same figure gives the same bytes.
-//!
-//! rooms: figures | text
 
 mod figures;
 mod text;
 
-pub use figures::figure::{Axis, Curve, Entry, Figure, Label, Link, Mark, Panel, Words, over, over_time, span};
+pub use figures::figure::{Axis, Curve, Entry, Figure, Label, Link, Mark, Panel, over, over_time, span};
 pub use figures::file::swatch;
 pub use figures::look::{Colour, Dash, Look, Symbol, Width, file_rules, page_rules, palette};
 pub use figures::panel::{Drawing, WIDTH};

@@ -2,7 +2,7 @@
 
 use crumple_signal::SignalError;
 
-use crate::butterworth::pass::HIGHEST_ORDER;
+use crate::butterworth::HIGHEST_ORDER;
 use crate::cfc::class::Cfc;
 
 /// Why a channel cannot be filtered, resampled or aligned. In each case the result would be wrong or does not exist, so

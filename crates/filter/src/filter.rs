@@ -3,7 +3,7 @@
 use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, Weight};
 use serde::Serialize;
 
-use crate::butterworth::sections::sections_extension;
+use crate::butterworth::sections_extension;
 use crate::cfc::corridor::corridor;
 use crate::cfc::zero_phase::Report;
 use crate::samples::moving_average::{moving_average, samples_of_width};

@@ -20,8 +20,6 @@
 //! has 1 % of its height 7 ms and 0.1 % of it 11 ms before it.
 //!
 //! Definitions and how sure they are: `docs/methods/cfc-filter.md`.
-//!
-//! rooms: stage | channels | cfc butterworth samples | recursion
 
 mod butterworth;
 mod cfc;
@@ -31,17 +29,13 @@ mod filter;
 mod recursion;
 mod samples;
 
-pub use butterworth::design::Design;
-pub use butterworth::pass::{Butterworth, Pass, Phase};
-pub use butterworth::sections::run_sections;
+pub use butterworth::{Butterworth, Design, Pass, Phase, run_sections};
 pub use cfc::class::{Cfc, Class};
 pub use cfc::coefficients::Coefficients;
 pub use cfc::corridor::{CorridorPoint, corridor};
 pub use cfc::mode::Mode;
 pub use cfc::zero_phase::{filter_both_ways, filter_both_ways_into, samples_added};
-pub use channels::selection::{
-    SelectionError, class_of_body, is_barrier_force, occupants_left, resolve_id, resolve_ids, select,
-};
+pub use channels::{SelectionError, class_of_body, is_barrier_force, occupants_left, resolve_id, resolve_ids, select};
 pub use error::FilterError;
 pub use filter::{Applied, Filtered, Instead, Settings, filter, filter_reporting};
 pub use samples::delay::{Delay, delay};

@@ -3,8 +3,6 @@
 //!
 //! A [`Run`] is everything the artifacts say, gathered by topic; [`summary`](fn@summary) is what a script reads of it.
 //! Both are SI alone; units of people stand in sentences only.
-//!
-//! rooms: conclusions | results | text
 
 mod conclusions;
 mod results;

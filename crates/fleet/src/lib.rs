@@ -3,8 +3,6 @@
 //! It knows which records there are, which of their runs are up to date, and how many run at a time. A run itself is
 //! that of `crumple-run`, with all that it promises. What the runs found is gathered into tables and a page; [`study`]
 //! asks what they say of vehicles.
-//!
-//! rooms: study | fleet | page | tables | runs | records | command
 
 mod command;
 mod fleet;

@@ -5,8 +5,6 @@
 //! are recognised by content: [`READERS`]. Nothing is guessed: what a record does not say is asked for by name, and
 //! what is chosen (the pulse, a unit of time) is noted. Nothing is corrected either: zero level, time zero,
 //! clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
-//!
-//! rooms: listing | files | checks formats | pulse | recording time
 
 mod checks;
 mod error;

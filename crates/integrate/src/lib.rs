@@ -23,8 +23,6 @@
 //!
 //! The rule of summation is smaller than any of them: below 0.01 mm for the trapezoid at 10 kHz. Definitions and how
 //! sure they are: `docs/methods/integration.md`.
-//!
-//! rooms: stage | uncertainty events | motion barrier
 
 mod barrier;
 mod error;

@@ -3,13 +3,13 @@
 //! `cargo run -p crumple-lumped-fit --example nonlinear_search > docs/methods/nonlinear-search.md`
 
 use anyhow::Context;
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Instants, Model, ModelKind, Nonlinear2};
 use crumple_lumped_fit::{
     FireflyOptions, FireflyUnits, LShadeOptions, Method, SingleMassFitOptions, SolveSettings, TestData,
     firefly_nonlinear2, search_nonlinear2, solve,
 };
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{Displacement, Notes, Signal};
 use crumple_testkit::table_5;
 use nalgebra::DMatrix;

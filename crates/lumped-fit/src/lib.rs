@@ -23,8 +23,6 @@
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
 //!
-//! rooms: joint | solvers | papers chain | matching uncertainty | fit | closed_form candidate selection extraction |
-//! free | record
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
@@ -56,9 +54,9 @@ pub use chain::fit::{ChainSolution, fit_chain};
 pub use closed_form::elastoplastic::{elastoplastic_from_events, unloads_rigidly};
 pub use closed_form::kelvin::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
 pub use closed_form::maxwell::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
-pub use crumple_estimation::minimise::StopReason;
-pub use crumple_estimation::minimise::l_shade::LShadeOptions;
-pub use crumple_estimation::statistics::{Covariance, covariance};
+pub use crumple_numerics::estimation::minimise::StopReason;
+pub use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
+pub use crumple_numerics::estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::Distribution;
 pub use error::SolveError;
 pub use extraction::extract::{extract, hats};

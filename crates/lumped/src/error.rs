@@ -43,7 +43,7 @@ pub enum LumpedError {
     },
     /// The poles could not be computed.
     #[error("poles or motion of a chain of masses: {0}")]
-    Poles(#[from] crumple_lti::LtiError),
+    Poles(#[from] crumple_numerics::lti::LtiError),
     /// The response leaves the range of numbers.
     #[error("the response of the {model} model is not finite from t = {time_s} s on: it diverges or is too stiff")]
     Diverges {

@@ -38,8 +38,6 @@
 //! Taylor series of order 20 from event to event, about `1e-15` of the largest motion a step. No result depends on the
 //! sampling interval. A motion that leaves the range of numbers is [`LumpedError::Diverges`] with its time,
 //! never a NaN.
-//!
-//! rooms: model matching | families | response | series | exact | structure | motion | kind
 
 mod error;
 mod exact;
@@ -52,7 +50,7 @@ mod response;
 mod series;
 mod structure;
 
-pub use crumple_lti::Complex;
+pub use crumple_numerics::lti::Complex;
 pub use error::LumpedError;
 pub use families::chain::{Chain, TripleSpringMassDamper};
 pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
@@ -62,14 +60,12 @@ pub use families::kelvin::Kelvin;
 pub use families::load_paths::{CrushedLoadPaths, LoadPath};
 pub use families::maxwell::Maxwell;
 pub use families::nonlinear::{Nonlinear1, Nonlinear2};
-pub use kind::model_kind::ModelKind;
-pub use kind::parameter::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, Parameter, ParameterKind};
+pub use kind::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, ModelKind, Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
 };
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
-pub use model::lumped_model::Model;
-pub use model::parameters::{parameter_kind, parameter_kind_of_unit, structure_of};
+pub use model::{Model, parameter_kind, parameter_kind_of_unit, structure_of};
 pub use motion::collision::{
     Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Meeting, MeetingState, Moment, Turn,
 };

@@ -11,8 +11,6 @@
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
-//!
-//! rooms: pulse | energy | events occupant roadside curves | sums | metric
 
 mod curves;
 mod energy;
@@ -29,11 +27,10 @@ pub use curves::cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use curves::corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
 pub use curves::iso18571::rating::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
-pub use energy::average_stiffness::average_stiffness;
-pub use energy::crush_energy::{CrushStiffness, NO_DAMAGE_SPEED_M_PER_S};
-pub use energy::damage_profile::DamageProfile;
-pub use energy::wall_stiffness::{INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, WallStiffness, wall_stiffness};
-pub use energy::work::energy_equivalent_speed;
+pub use energy::{
+    CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,
+    average_stiffness, energy_equivalent_speed, wall_stiffness,
+};
 pub use error::MetricsError;
 pub use events::collision::{MutualCrush, TwoVehicleImpact, collision, common_velocity};
 pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
@@ -48,9 +45,7 @@ pub use events::unstopped::{EventEnd, Unstopped, unstopped};
 pub use metric::definitions::{self, Definition, Mark};
 pub use metric::value::{Interval, IntervalBy, Metric, Window};
 pub use occupant::clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
-pub use occupant::hic::criterion::{
-    HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of,
-};
+pub use occupant::hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
 pub use occupant::resultant::resultant;
 pub use occupant::ride_down::{RideDown, ride_down};
 pub use pulse::centroid::{centroid_time_by_moment, centroid_time_from_crush};
@@ -64,4 +59,4 @@ pub use pulse::vpi::{VpiOptions, vpi};
 pub use roadside::asi::{AsiLimits, AsiMethod, asi};
 pub use roadside::butterworth::through_class;
 pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
-pub use sums::sliding_mean::sliding_mean;
+pub use sums::sliding_mean;

@@ -1,10 +1,6 @@
-//! All texts of reports in each language, and numbers as each writes them.
-//!
-//! A [`Language`](language::Language) has its [`Phrases`](phrases::Phrases); identifiers, notes of the stages and units
-//! are not translated.
-//!
-//! rooms: language | names | phrases
+//! All texts of pages, Markdown and console, and numbers as people write them.
 
-pub mod language;
-pub mod names;
 pub mod phrases;
+pub mod words;
+
+pub use phrases::PHRASES;

@@ -10,8 +10,6 @@
 //! this test can know: a part that was not reached, another failure mode, another overlap.
 //!
 //! Quantities are SI; displacement is crush, positive towards the barrier.
-//!
-//! rooms: stage | intervals | impact
 
 mod error;
 mod impact;

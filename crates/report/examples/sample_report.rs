@@ -1,6 +1,6 @@
 //! Writes the report of a synthetic run into a folder: `cargo run --example sample_report -- FOLDER`.
 
-#[path = "../tests/sample/mod.rs"]
+#[path = "../tests/it/sample/mod.rs"]
 mod sample;
 #[path = "../src/stage/mod.rs"]
 mod stage;

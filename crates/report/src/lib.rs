@@ -2,8 +2,6 @@
 //!
 //! A [`Run`] is what the artifacts say (`crumple-findings`), [`Page`] what a person looks at. It is a
 //! function of the run alone. Units other than SI exist on the page only.
-//!
-//! rooms: compare index | page | frame figures
 
 mod compare;
 mod figures;
@@ -19,7 +17,7 @@ pub use crumple_findings::{
     OverviewLine, Ranking, Run, SensorMotion, StageNote, StageRecord, Standing, Status, StatusReason, Summary,
     TestOfJointModel, compare_ids, conclusion, overview, summary, summary_schema,
 };
-pub use crumple_phrases::language::{Language, fill};
+pub use crumple_phrases::words::fill;
 pub use figures::all::all_figures;
 pub use index::document::{FiguresOfRuns, RunIndex};
 pub use index::indexed_run::{IndexedRun, status};

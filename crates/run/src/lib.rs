@@ -1,12 +1,10 @@
 //! Runs the stages of a pipeline one after another into one folder: the program behind `just run`.
 //!
-//! The stages know nothing of each other and this program knows nothing of what they compute. It knows the commands it
-//! was given, and it keeps the promises of a run folder: one run at a time, no results of two records side by side at
+//! The stages know nothing of each other and this program knows nothing of what they compute. It knows the chain
+//! (`pipelines/chain`) and the commands of its stages, and it keeps the promises of a run folder: one run at a time, no results of two records side by side at
 //! any moment, nothing lost by a run that fails, and a plain word where a program breaks the contract of a stage.
 //!
 //! [`together`] fits one model to several tests after their runs.
-//!
-//! rooms: together | messages | steps | folder | command
 
 mod command;
 mod folder;
@@ -17,6 +15,7 @@ mod together;
 
 pub use command::options::Options;
 pub use command::pipeline::Pipeline;
+pub use command::program::{own_program, typed_commands};
 pub use run::run;
 pub use together::joint_run::together;
 pub use together::options::TogetherOptions;

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, Usage, memory_limit_flag, request_for_information, say, shell_words};
+use crumple_stage::{ExitStatus, Usage, chain, memory_limit_flag, say};
 
 use crate::command::options::Options;
 use crate::command::pipeline::{PIPELINE_OF_A_RUN, Pipeline};
 use crate::command::program::{Program, own_program};
-use crate::command::stages::{Stage, Stages};
+use crate::command::stages::{Stage, chain_of, dependents, stages_of};
+use crate::command::words::Words;
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::ours::refuse_files_of_others;
 use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before};
@@ -22,7 +23,7 @@ use crate::messages::replaced_record::say_what_is_replaced;
 use crate::messages::stage_failed::{say_what_failed, say_which_stage_failed};
 use crate::messages::whose_flag::say_whose_flags;
 use crate::steps::ending::Ending;
-use crate::steps::start::{arguments, run_in_shell};
+use crate::steps::start::{arguments, run_program, start};
 use crate::steps::take_over::take_over;
 use crate::together::files::{INTEGRATED, SOLVED};
 
@@ -30,46 +31,40 @@ use crate::together::files::{INTEGRATED, SOLVED};
 /// shows the diagnosis, and the last stage decides. Any other failure does.
 pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if let Some(limit) = memory_limit_flag() {
-        options.flags = format!("{} {limit}", options.flags).trim_start().to_owned();
+        options.flags.0.push(limit);
     }
     options.take_set()?;
-    options.take_flags_of_last();
-    let Some(first) = options.stages.0.first() else { return Err(Usage::new("a stage is needed").into()) };
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
     }
     if options.asks_for_information() {
-        return information(first, &options);
+        return information(&options);
     }
-    if let (Some(made), Some(joint)) = (&options.again, &options.joint)
-        && is_joint(made)
-    {
-        return predict_joint(made, joint, &options);
+    if let Some(made) = options.again.as_ref().filter(|made| is_joint(made)) {
+        return predict_joint(made, &options);
     }
     let (pipeline, path) = pipeline_and_folder(&options)?;
     let mut composed = pipeline.read(&options.project, &options.set)?;
-    let (in_use, left_out) =
-        options.stages.in_use(|name| !options.optional.iter().any(|o| o == name) || composed.table(name).is_some());
-    let stages = &in_use.0;
-    let programs = stages.iter().map(|stage| program_of(stage, &options.flags)).collect::<anyhow::Result<Vec<_>>>()?;
+    let (stages, left_out) = stages_of(&options, &composed)?;
+    let outputs = || chain().flat_map(|stage| stage.outputs);
     composed.note_run(&pipeline.name);
     if options.again.is_none() {
-        note_typed(&mut composed, &options, stages, &programs);
+        note_typed(&mut composed, &options, &stages);
     }
     let folder = LockedFolder::lock(&path)?;
     let before = pipeline_before(folder.path())?;
     if options.again.is_none() {
-        refuse_files_of_others(folder.path(), options.stages.outputs())?;
+        refuse_files_of_others(folder.path(), outputs())?;
     }
     if folder.is_locked() {
-        sweep(folder.path(), options.stages.outputs().chain([PIPELINE_OF_A_RUN]))
+        sweep(folder.path(), outputs().chain([PIPELINE_OF_A_RUN]))
             .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
     }
     let given = PipelineOfRun::write(folder.path(), &composed, before.as_ref())?;
-    let run = Run { options: &options, stages: &in_use, pipeline: given.path(), folder: &folder };
+    let run = Run { options: &options, stages: &stages, composed: &composed, pipeline: given.path(), folder: &folder };
     if !given.is_unchanged()
         && (composed.is_set() || !pipeline.is_of(&options.project))
-        && let Some(status) = run.check_options(&programs)?
+        && let Some(status) = run.check_options()?
     {
         return Ok(status);
     }
@@ -77,28 +72,26 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         say_what_changed(&composed, before);
     }
     let end_before = before.as_ref().and_then(crumple_stage::Pipeline::end).filter(|_| given.is_unchanged());
-    remove_left_out(folder.path(), &left_out, stages)?;
+    remove_left_out(folder.path(), &left_out, &stages)?;
 
     let mut status = ExitStatus::Done;
-    for (number, (stage, program)) in stages.iter().zip(&programs).enumerate() {
+    for (number, stage) in stages.iter().enumerate() {
         let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
         let looks_back = number == 0 && end_before.is_some();
-        let (ending, state) = run.stage_and_state(number, (stage, program), looks_back.then_some(&programs));
+        let (ending, state) = run.stage_and_state(number, stage, looks_back);
         let output = run.folder.path().join(stage.output());
         let is_kept = before.as_ref().is_some_and(|before| is_at(before, &output));
         match ending? {
             Ending::WithResult(so_far) => status = so_far,
             Ending::Failed(failure) => {
-                if !is_own(stage, program) {
-                    say_which_stage_failed(stage, failure);
+                if !stage.program.is_own {
+                    say_which_stage_failed(stage.name, &stage.program, failure);
                 }
-                if number == 0 && failure == ExitStatus::Usage {
-                    say_whose_flags(options.flags_of_the_first(), stages);
-                }
+                run.say_whose_flags(number, failure);
                 return Ok(run.failed(failure));
             }
             Ending::Unforeseen(failure) => {
-                say_what_failed(stage, failure, Some(run.folder.path()));
+                say_what_failed((stage.name, &stage.outputs), &stage.program, failure, Some(run.folder.path()));
                 return Ok(run.failed(ExitStatus::Failure));
             }
         }
@@ -120,7 +113,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
             say_what_is_replaced(before, &output, run.folder.path());
         }
     }
-    if let Some(state) = run.state(&programs) {
+    if let Some(state) = run.state() {
         composed.note_end(&state, status as u8);
     }
     given.keep(folder.path(), &composed)?;
@@ -138,7 +131,7 @@ fn pipeline_and_folder(options: &Options) -> anyhow::Result<(Pipeline, PathBuf)>
 }
 
 /// Notes flags typed for single stages, and programs from elsewhere: what a run depends on beside its pipeline.
-fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages: &[Stage], programs: &[Program]) {
+fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages: &[Stage]) {
     let changes_nothing = |word: &String| matches!(word.as_str(), "-q" | "--quiet" | "--force" | "--json");
     let mut note = |what: &str, stage: &str, words: &mut dyn Iterator<Item = String>| {
         let typed: Vec<String> = words.filter(|word| !changes_nothing(word)).collect();
@@ -147,17 +140,16 @@ fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages:
         }
     };
     let mut behind = Some(options.flags_of_the_first());
-    for (stage, program) in stages.iter().zip(programs) {
+    for Stage { name, program, .. } in stages {
         let behind = behind.take().unwrap_or_default().iter().map(|word| word.to_string_lossy().into_owned());
-        let typed = shell_words(&stage.command).collect::<Vec<_>>().into_iter();
-        if is_own(stage, program) {
-            note("flags", stage.name(), &mut typed.skip(1).chain(behind));
+        if program.is_own {
+            note("flags", name, &mut program.flags.iter().cloned().chain(behind));
         } else {
-            note("program", stage.name(), &mut { typed });
-            note("flags", stage.name(), &mut { behind });
+            note("program", name, &mut std::iter::once(program.typed.clone()));
+            note("flags", name, &mut { behind });
         }
     }
-    note("flags", "every stage", &mut shell_words(&options.flags));
+    note("flags", "every stage", &mut options.flags.iter().cloned());
 }
 
 /// The folder of a run that was made.
@@ -177,22 +169,18 @@ fn is_joint(made: &Path) -> bool {
 }
 
 /// Predicts again with the joint result of a folder.
-fn predict_joint(made: &Path, joint: &str, options: &Options) -> anyhow::Result<ExitStatus> {
-    let mut arguments: Vec<OsString> = vec!["--again".into(), made.into()];
+fn predict_joint(made: &Path, options: &Options) -> anyhow::Result<ExitStatus> {
+    let mut arguments: Vec<OsString> = vec!["--again".into(), made.into(), "--project".into()];
+    arguments.push(options.project.clone().into());
     arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
-    arguments.extend(["--flags".into(), OsString::from(&options.flags), "--".into()]);
+    arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into()]);
     arguments.extend_from_slice(&options.record);
-    Ok(match Ending::of(run_in_shell(joint, &arguments, "")?) {
-        Ending::WithResult(status) | Ending::Failed(status) => status,
-        Ending::Unforeseen(_) => {
-            say(format_args!("error: {joint} ended in an unforeseen way"));
-            ExitStatus::Failure
-        }
-    })
+    let together = own_program("together");
+    Ok(Ending::of(run_program(&together, &arguments)?).status_of(&together))
 }
 
 /// Removes what stages that are left out wrote once, the reports made from it first.
-fn remove_left_out(folder: &Path, left_out: &[String], stages: &[Stage]) -> anyhow::Result<()> {
+fn remove_left_out(folder: &Path, left_out: &[&str], stages: &[Stage]) -> anyhow::Result<()> {
     let stale: Vec<PathBuf> = left_out.iter().map(|name| folder.join(name)).filter(|path| path.exists()).collect();
     if stale.is_empty() {
         return Ok(());
@@ -203,18 +191,19 @@ fn remove_left_out(folder: &Path, left_out: &[String], stages: &[Stage]) -> anyh
 }
 
 /// What the first stage prints about itself or the record, in place of a run.
-fn information(first: &Stage, options: &Options) -> anyhow::Result<ExitStatus> {
-    let program = program_of(first, "")?;
-    Ok(match Ending::of(run_in_shell(&first.command, &options.record, "")?) {
+fn information(options: &Options) -> anyhow::Result<ExitStatus> {
+    let Some(first) = chain_of(options).next() else { return Ok(ExitStatus::Done) };
+    let program = Program::of_stage(first.name, &Words::default())?;
+    Ok(match Ending::of(start(&program, &options.record, &[])?) {
         Ending::WithResult(status) => status,
         Ending::Failed(failure) => {
-            if !is_own(first, &program) {
-                say_which_stage_failed(first, failure);
+            if !program.is_own {
+                say_which_stage_failed(first.name, &program, failure);
             }
             failure
         }
         Ending::Unforeseen(failure) => {
-            say_what_failed(first, failure, None);
+            say_what_failed((first.name, &first.outputs), &program, failure, None);
             ExitStatus::Failure
         }
     })
@@ -223,7 +212,8 @@ fn information(first: &Stage, options: &Options) -> anyhow::Result<ExitStatus> {
 /// A run on its way.
 struct Run<'a> {
     options: &'a Options,
-    stages: &'a Stages,
+    stages: &'a [Stage],
+    composed: &'a crumple_stage::Pipeline,
     pipeline: &'a Path,
     folder: &'a LockedFolder,
 }
@@ -231,70 +221,71 @@ struct Run<'a> {
 impl Run<'_> {
     /// The state of the folder after a whole run, where every stage is a program of the project and leaves alone what
     /// is up to date. Others are always run.
-    fn state(&self, programs: &[Program]) -> Option<String> {
-        let stages = &self.stages.0;
-        let is_asked = |text: &str| shell_words(text).any(|word| matches!(word.as_str(), "--force" | "--json"));
-        let always = is_asked(&self.options.flags) || stages.iter().any(|stage| is_asked(&stage.command));
-        if always || self.options.again.is_some() || !stages.iter().zip(programs).all(|(s, p)| is_own(s, p)) {
+    fn state(&self) -> Option<String> {
+        let is_asked = |words: &[String]| words.iter().any(|word| matches!(word.as_str(), "--force" | "--json"));
+        let always = is_asked(&self.options.flags) || self.stages.iter().any(|stage| is_asked(&stage.program.flags));
+        if always || self.options.again.is_some() || !self.stages.iter().all(|stage| stage.program.is_own) {
             return None;
         }
-        let programs: Vec<PathBuf> = stages.iter().map(|stage| own_program(stage.name())).collect();
-        state_of(self.folder.path(), self.stages.outputs(), &programs).ok()
+        let programs: Vec<PathBuf> = self.stages.iter().map(|stage| own_program(stage.name)).collect();
+        let outputs = self.stages.iter().flat_map(|stage| stage.outputs.iter().copied());
+        state_of(self.folder.path(), outputs, &programs).ok()
     }
 
-    /// Runs a stage, and meanwhile finds the state that the folder had before it, where `programs` are given.
+    /// Runs a stage, and meanwhile finds the state that the folder had before it, where that is asked for.
     fn stage_and_state(
         &self,
         number: usize,
-        (stage, program): (&Stage, &Program),
-        programs: Option<&Vec<Program>>,
+        stage: &Stage,
+        looks_back: bool,
     ) -> (anyhow::Result<Ending>, Option<String>) {
         std::thread::scope(|scope| {
-            let state = programs.map(|programs| scope.spawn(|| self.state(programs)));
-            let ending = self.stage(number, stage, program);
+            let state = looks_back.then(|| scope.spawn(|| self.state()));
+            let ending = self.stage(number, stage);
             (ending, state.and_then(|reading| reading.join().ok().flatten()))
         })
     }
 
     /// Has the programs of the project check their options before anything runs. `Some`: how the first that refuses
     /// them ended; it has said why.
-    fn check_options(&self, programs: &[Program]) -> anyhow::Result<Option<ExitStatus>> {
-        for (number, (stage, program)) in self.stages.0.iter().zip(programs).enumerate() {
-            if !is_own(stage, program) {
-                continue;
-            }
+    fn check_options(&self) -> anyhow::Result<Option<ExitStatus>> {
+        for (number, stage) in self.stages.iter().enumerate().filter(|(_, stage)| stage.program.is_own) {
             let mut arguments = self.arguments(stage, &self.folder.path().join(stage.output()));
             arguments.push("--check-options".into());
-            if let Ending::Failed(failure) = Ending::of(run_in_shell(&stage.command, &arguments, &self.options.flags)?)
-            {
-                if number == 0 && failure == ExitStatus::Usage {
-                    say_whose_flags(self.options.flags_of_the_first(), &self.stages.0);
-                }
+            if let Ending::Failed(failure) = Ending::of(start(&stage.program, &arguments, &self.options.flags)?) {
+                self.say_whose_flags(number, failure);
                 return Ok(Some(failure));
             }
         }
         Ok(None)
     }
 
+    /// Where the first stage does not know its flags: whose they may be.
+    fn say_whose_flags(&self, number: usize, failure: ExitStatus) {
+        if number == 0 && failure == ExitStatus::Usage {
+            say_whose_flags(self.options.flags_of_the_first(), self.composed);
+        }
+    }
+
     /// Runs one stage. Where it ends with a result, this stands in the run folder.
-    fn stage(&self, number: usize, stage: &Stage, program: &Program) -> anyhow::Result<Ending> {
+    fn stage(&self, number: usize, stage: &Stage) -> anyhow::Result<Ending> {
         let folder = self.folder.path();
-        let dependents: Vec<PathBuf> = self.stages.dependents(number).map(|name| folder.join(name)).collect();
-        if is_own(stage, program) {
+        let dependents: Vec<PathBuf> = dependents(self.stages, number).map(|name| folder.join(name)).collect();
+        if stage.program.is_own {
             let output = folder.join(stage.output());
             let mut arguments = self.arguments(stage, &output);
             for dependent in dependents {
                 arguments.extend(["--dependent".into(), dependent.into()]);
             }
             // The report sums the run up, so that it is said once. What a stage is asked again for, it says itself.
-            if self.options.again.is_none() && self.has_a_report() && stage.writes_an_artifact() {
+            if self.options.again.is_none() && stage.writes_an_artifact() {
                 arguments.push("--no-summary".into());
             }
             // Asked again, it answers, also where the answer is there.
             if self.options.again.is_some() && number == 0 && !self.is_forced() {
                 arguments.push("--force".into());
             }
-            let status = run_in_shell(&stage.command, &arguments, &self.options.flags)?;
+            let status = start(&stage.program, &arguments, &self.options.flags)?;
             return Ok(Ending::of(status).checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
@@ -309,11 +300,11 @@ impl Run<'_> {
             return Err(Usage::new(problem).hint("remove it once no other run works in this folder").into());
         }
         let output = new.join(stage.output());
-        let status = run_in_shell(&stage.command, &self.arguments(stage, &output), &self.options.flags)?;
+        let status = start(&stage.program, &self.arguments(stage, &output), &self.options.flags)?;
         let ending = Ending::of(status).checked(&new, &stage.outputs);
         if matches!(ending, Ending::WithResult(_)) {
             take_over(&new, folder, &stage.outputs, &dependents)
-                .with_context(|| format!("the result of {} cannot be moved to {}", stage.name(), folder.display()))?;
+                .with_context(|| format!("the result of {} cannot be moved to {}", stage.name, folder.display()))?;
         }
         let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };
         removed.with_context(|| format!("cannot remove {}", new.display()))?;
@@ -322,13 +313,7 @@ impl Run<'_> {
 
     /// Whether a flag makes stages compute what is up to date.
     fn is_forced(&self) -> bool {
-        shell_words(&self.options.flags).any(|word| word == "--force")
-            || self.options.record.iter().any(|w| w == "--force")
-    }
-
-    /// Whether the last stage is one that sums the run up.
-    fn has_a_report(&self) -> bool {
-        self.stages.0.last().is_some_and(|last| !last.writes_an_artifact())
+        self.options.flags.iter().any(|word| word == "--force") || self.options.record.iter().any(|w| w == "--force")
     }
 
     fn arguments(&self, stage: &Stage, output: &Path) -> Vec<OsString> {
@@ -337,47 +322,10 @@ impl Run<'_> {
 
     /// The exit status of a run that failed; a report from before is named as that.
     fn failed(&self, status: ExitStatus) -> ExitStatus {
-        let report = self.stages.0.last().map(|stage| self.folder.path().join(stage.output()));
+        let report = self.stages.last().map(|stage| self.folder.path().join(stage.output()));
         if report.is_some_and(|report| report.exists()) {
             say(format_args!("note: the report in {} is that of an earlier run", self.folder.path().display()));
         }
         status
     }
-}
-
-/// Whether a stage is run by the program of the project.
-fn is_own(stage: &Stage, program: &Program) -> bool {
-    program.is(&own_program(stage.name()))
-}
-
-/// The program of a stage. One that does not exist is noticed before anything runs, and so is one of the project that
-/// would print something and compute nothing, while an old result passes for its own.
-fn program_of(stage: &Stage, flags: &str) -> anyhow::Result<Program> {
-    let name = stage.name();
-    let program = Program::of(&stage.command);
-    if let Program::Missing(file) = &program {
-        let hint = format!("it is the command of the stage {name}");
-        return Err(if stage.command.trim().is_empty() {
-            let recipe = name.replace('-', "_");
-            Usage::new(format!("the command of the stage {name} is empty; nothing was run"))
-                .hint(format!("leave {recipe}= out for the program of the project"))
-        } else {
-            Usage::new(format!("{file}: no such program; nothing was run")).hint(hint)
-        }
-        .into());
-    }
-    if is_own(stage, &program) {
-        for (place, arguments) in [
-            (format!("the command of the stage {name}"), shell_words(&stage.command).skip(1).collect::<Vec<_>>()),
-            ("flags".to_owned(), shell_words(flags).collect::<Vec<_>>()),
-        ] {
-            if let Some(flag) = request_for_information(arguments.into_iter()) {
-                let problem =
-                    format!("{flag} in {place}: crumple-{name} would print and compute nothing; nothing was run");
-                let hint = format!("call the program by itself: crumple-{name} {flag}");
-                return Err(Usage::new(problem).hint(hint).into());
-            }
-        }
-    }
-    Ok(program)
 }

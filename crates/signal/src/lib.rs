@@ -5,8 +5,6 @@
 //! Inside Crumple every number is SI. A value typed by a person carries its unit
 //! ([`value::Mass`], [`value::Speed`], ...); an array carries its quantity in its type
 //! ([`Signal<Acceleration>`](Signal)).
-//!
-//! rooms: description | iso13499 | channels samples | notes units
 
 mod channels;
 mod description;
@@ -15,16 +13,15 @@ mod notes;
 mod samples;
 mod units;
 
-pub use channels::channel::{Axis, Channel, ChannelStatus};
-pub use description::body_part::{BodyPart, part_of};
-pub use description::channel_selection::{is_pattern, resolve_channels};
-pub use description::test_description::{ANOTHER_VEHICLE, PulseError, Source, TestDescription};
-pub use notes::bearing::{About, Bearing, UnknownAbout, Weight};
-pub use notes::note::{Note, Notes, Severity};
-pub use samples::free_fall::{FreeFall, falls_before_event, free_fall, is_gravity};
-pub use samples::pre_event::{PreEvent, PreEventWindow, pre_event};
-pub use samples::recording_steps::{BeforeEvent, RecordingSteps};
-pub use samples::signal::{Sampled, Signal, SignalError};
+pub use channels::{Axis, Channel, ChannelStatus};
+pub use description::{
+    ANOTHER_VEHICLE, BodyPart, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
+};
+pub use notes::{About, Bearing, Note, Notes, Severity, UnknownAbout, Weight};
+pub use samples::{
+    BeforeEvent, FreeFall, PreEvent, PreEventWindow, RecordingSteps, Sampled, Signal, SignalError, falls_before_event,
+    free_fall, is_gravity, pre_event,
+};
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
 pub use units::uncertain::{Distribution, Uncertain};

@@ -13,8 +13,6 @@
 //! model was fitted to shows how well it was fitted; only another sensor or another test is a check.
 //!
 //! Definitions of the models: `docs/methods/lumped-models.md`; of the numbers: `docs/metrics.md`.
-//!
-//! rooms: stage | comparison drive
 
 mod comparison;
 mod drive;

@@ -3,8 +3,6 @@
 //! A stage implements [`Stage`]: how its options become settings, how its inputs are loaded, what it computes. The rest
 //! happens here, once: the command line and the pipeline file, freshness, provenance, atomic output, notes, summaries,
 //! progress, errors with cause and hint, exit codes.
-//!
-//! rooms: process | artifacts chain_table | command_line | terminal names shell
 
 mod artifacts;
 mod chain_table;
@@ -12,7 +10,6 @@ mod command_line;
 mod error;
 mod names;
 mod process;
-mod shell;
 mod terminal;
 
 pub use artifacts::inputs::{Inputs, Loaded, load_artifacts};
@@ -29,10 +26,9 @@ pub use command_line::pipeline_file::Pipeline;
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
 pub use names::folders::told_apart;
 pub use names::nearest::nearest;
+pub use names::stages::{ChainStage, chain};
 pub use process::run::{Outcome, Stage, main};
 pub use process::tool::tool_main;
-pub use shell::command::shell_command;
-pub use shell::words::{only_program, request_for_information, shell_words};
 pub use terminal::layout::{columns, labelled, labelled_and_cut, wrapped};
 pub use terminal::progress::{Progress, be_quiet};
 pub use terminal::say::{printable, say, to_stdout};

@@ -4,7 +4,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use crumple_lti::{StateSpace, discretize_first_order_hold};
+use crumple_numerics::lti::{StateSpace, discretize_first_order_hold};
 use crumple_sysid::{
     ArxOrder, Criterion, Era, EraDcOptions, EraOptions, FirOptions, IoData, Kernel, Lags, MarkovParameters, Okid,
     OkidOptions, OkidRealization, Order, OutputErrorOptions, Start, Stop, Subspace, SubspaceOptions,

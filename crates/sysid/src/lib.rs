@@ -9,9 +9,6 @@
 //! Functions of numbers only: no file, clock, environment or terminal. The same record and options give the same model
 //! on any number of threads; random starts and draws are seeded. Signals are slices of `f64` in any unit, sampled
 //! together at `sample_time_s` seconds; poles of continuous models are in 1/s and rad/s.
-//!
-//! rooms: validation order transfer_function exponentials output_error | poles | subspace fir | okid arx | era
-//! | hankel simulation modes regression | data | error
 
 mod arx;
 mod data;
@@ -31,36 +28,29 @@ mod subspace;
 mod transfer_function;
 mod validation;
 
-pub use arx::arx::{Arx, ArxOrder, arx, arx_scan};
-pub use arx::vector_arx::{VectorArx, vector_arx};
-pub use data::decimation::{automatic_thinning, thinned};
-pub use data::free_decay::end_of_contact;
-pub use data::hold::Hold;
-pub use data::io_data::IoData;
-pub use data::markov_parameters::{MarkovParameters, markov_parameters};
+pub use arx::{Arx, ArxOrder, VectorArx, arx, arx_scan, vector_arx};
+pub use crumple_numerics::estimation::minimise::{Stop, StopReason};
+pub use crumple_numerics::estimation::statistics::{
+    InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
+};
+pub use data::{Hold, IoData, MarkovParameters, automatic_thinning, end_of_contact, markov_parameters, thinned};
 pub use era::era::{Era, EraOptions, Order, era};
 pub use era::era_dc::{EraDc, EraDcOptions, era_dc};
 pub use era::realization::Realization;
 pub use era::shift_form::ShiftForm;
-pub use error::era::EraError;
-pub use error::identify::{IdentifyError, MissReason};
-pub use exponentials::exponential_sum::{ExponentialSumFit, exponential_sum};
-pub use exponentials::options::ExponentialOptions;
-pub use exponentials::terms::ExponentialTerm;
-pub use fir::fir::{Fir, FirOptions, Hyperparameters, fir};
-pub use fir::kernel::Kernel;
+pub use error::{EraError, IdentifyError, MissReason};
+pub use exponentials::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, exponential_sum};
+pub use fir::{Fir, FirOptions, Hyperparameters, Kernel, fir};
 pub use hankel::singular_value_gap::GapOrder;
 pub use hankel::svd::Decomposition;
-pub use modes::identified_mode::{IdentifiedMode, mode_shapes};
-pub use modes::mode_deviations::response_deviations;
-pub use modes::mode_shape::{modal_assurance, phase_collinearity};
-pub use modes::pole_kind::{PoleKind, PoleRecord, pole_kinds};
-pub use okid::observer_regression::Criterion;
-pub use okid::okid::{Lags, Okid, OkidModel, OkidOptions, OkidRealization};
-pub use order::order_scan::{era_order_scan, era_order_scan_of, subspace_order_scan};
-pub use order::stabilization::{
+pub use modes::{
+    IdentifiedMode, PoleKind, PoleRecord, modal_assurance, mode_shapes, phase_collinearity, pole_kinds,
+    response_deviations,
+};
+pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions, OkidRealization};
+pub use order::{
     DiagramPole, OrderPoles, PoleCluster, Quartiles, Stability, StabilizationDiagram, StabilizationOptions,
-    stabilization,
+    era_order_scan, era_order_scan_of, stabilization, subspace_order_scan,
 };
 pub use output_error::options::OutputErrorOptions;
 pub use output_error::output_error::{OutputError, output_error};
@@ -70,11 +60,10 @@ pub use poles::starts::Start;
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use simulation::mirrored_poles::mirrored_poles;
-pub use subspace::horizon::{Horizons, horizons};
-pub use subspace::subspace::{Subspace, SubspaceModel, SubspaceOptions};
-pub use subspace::weighting::Weighting;
-pub use transfer_function::array::{TransferFunctionArray, transfer_function_array};
-pub use transfer_function::fit::{TransferFunctionFit, transfer_function_fit};
+pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
+pub use transfer_function::{
+    TransferFunctionArray, TransferFunctionFit, transfer_function_array, transfer_function_fit,
+};
 pub use validation::bootstrap::{
     BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
     bootstrap_outputs,
@@ -82,8 +71,3 @@ pub use validation::bootstrap::{
 pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};
 pub use validation::residual_resampling::Resampling;
-
-pub use crumple_estimation::minimise::{Stop, StopReason};
-pub use crumple_estimation::statistics::{
-    InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
-};

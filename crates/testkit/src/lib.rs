@@ -1,13 +1,9 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
-//!
-//! rooms: truth | bytes fuzz interval_cover made_fleet prediction_error | programs records |
-//! random places benchmark labels
 
 mod benchmark;
 pub mod bytes;
 pub mod fuzz;
 pub mod interval_cover;
-mod labels;
 pub mod made_fleet;
 mod places;
 pub mod prediction_error;
@@ -17,7 +13,6 @@ mod records;
 pub mod truth;
 
 pub use benchmark::stopwatch;
-pub use labels::SAME_IN_GERMAN;
 pub use places::{shared, workspace};
 pub use programs::{StepError, asked_for_tests, fleet, pipeline, program};
 pub use random::{uniform, white_noise};

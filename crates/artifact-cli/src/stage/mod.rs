@@ -1,5 +1,4 @@
 //! The program: commands and their options, files in and out, exit code.
-//! Uses the library and crumple-stage.
 
 mod folder;
 

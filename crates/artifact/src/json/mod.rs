@@ -1,5 +1,4 @@
 //! Records as JSON text, known by the name of their schema alone, and patterns of topics.
-//! Uses `read`, `write` and `records`.
 
 pub mod registry;
 pub mod topics;

@@ -1,5 +1,4 @@
 //! How an artifact is laid out: encodings, schemas, digest, provenance, times, blocks of waveforms.
-//! Uses records.
 
 pub mod codec;
 pub mod digest;

@@ -4,8 +4,6 @@
 //! What code works with is the domain type it converts to and from. Rules that keep every type readable in both
 //! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
 //! numbers are finite.
-//!
-//! This room uses nothing of the crate but its errors.
 
 mod fitted;
 mod identified;

@@ -10,7 +10,7 @@ use crate::CompareSettings;
 use crate::compare::json::compare_json;
 use crate::compare::provenance::compare_provenance;
 use crate::compare::wave::compare_waves;
-use crate::differences::report::{Difference, FileReport, Side, TopicReport};
+use crate::differences::{Difference, FileReport, Side, TopicReport};
 
 /// Compares the content of two artifacts; `name` is what the report calls them.
 ///

@@ -6,9 +6,9 @@ use serde_json::{Map, Value};
 
 use crate::compare::polynomial;
 use crate::compare::words::{same_but_for_numbers, same_words};
-use crate::differences::report::{Difference, TopicReport};
-use crate::tolerances::candidate::{Candidate, same_ranking};
-use crate::tolerances::unit::Unit;
+use crate::differences::{Difference, TopicReport};
+use crate::tolerances::Unit;
+use crate::tolerances::{Candidate, same_ranking};
 use crate::{Base, CompareSettings, Tolerance};
 
 /// Compares two values: numbers by tolerance (also decimal numbers inside texts), texts exactly, maps by key. Notes

@@ -1,5 +1,4 @@
 //! Compares artifacts, records, waveforms and provenance.
-//! Uses tolerances and differences.
 
 pub mod artifact;
 pub mod json;

@@ -6,7 +6,7 @@ use crumple_artifact::Provenance;
 use serde_json::{Value, json};
 
 use crate::compare::json::compare_json;
-use crate::differences::report::Difference;
+use crate::differences::Difference;
 use crate::{Base, CompareSettings, Tolerances};
 
 /// Stage, version, options and inputs that differ.

@@ -4,9 +4,9 @@ use crumple_artifact::Wave;
 use serde_json::{Value, json};
 
 use crate::CompareSettings;
-use crate::differences::report::{Difference, TopicReport};
-use crate::tolerances::table::Base;
-use crate::tolerances::unit::Unit;
+use crate::differences::{Difference, TopicReport};
+use crate::tolerances::Base;
+use crate::tolerances::Unit;
 
 /// Two grids are the same if no sample's time moves by more than this part of the sampling interval, plus the
 /// nanosecond to which the start is stored.

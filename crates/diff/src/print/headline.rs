@@ -1,6 +1,6 @@
 //! What a reader asks for first when two results differ: events of the crash, parameters of candidates, metrics.
 
-use crate::differences::report::Difference;
+use crate::differences::Difference;
 
 /// The kinds of difference that are printed first, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

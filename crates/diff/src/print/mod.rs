@@ -1,5 +1,4 @@
 //! The comparison as text for people.
-//! Uses differences; its tests use compare.
 
 pub mod head;
 pub mod headline;

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use crumple_artifact::WAVE_PREFIX;
 use serde_json::Value;
 
-use crate::differences::report::{Comparison, Difference, FileReport, Side, TopicReport};
+use crate::differences::{Comparison, Difference, FileReport, Side, TopicReport};
 use crate::print::headline::{Headline, sort_key};
 
 /// Differences of a topic that are shown without `--all`.

@@ -5,47 +5,6 @@ use crumple_signal::Sampled;
 
 use super::look::{Colour, Dash, Look};
 
-/// What a drawing says beside the texts of its figure, in the language of these.
-#[derive(Debug, Clone, Copy)]
-pub struct Words {
-    /// Between what is upward and what is along: `force over time`.
-    pub over: &'static str,
-    /// Before the least value of a curve.
-    pub lowest: &'static str,
-    /// Before its largest.
-    pub highest: &'static str,
-    /// Before a place along the axis.
-    pub at: &'static str,
-    /// Before the name of a mark.
-    pub marked: &'static str,
-    /// Before the number of a panel.
-    pub panel: &'static str,
-    /// What stands before the decimals of a number.
-    pub decimal_mark: char,
-}
-
-impl Default for Words {
-    /// In English.
-    fn default() -> Self {
-        Self {
-            over: "over",
-            lowest: "lowest",
-            highest: "highest",
-            at: "at",
-            marked: "Marked",
-            panel: "panel",
-            decimal_mark: '.',
-        }
-    }
-}
-
-impl Words {
-    /// A number with its decimal mark.
-    pub fn number(&self, text: &str) -> String {
-        text.replace('.', self.decimal_mark.encode_utf8(&mut [0; 4]))
-    }
-}
-
 /// A figure of the report: panels that share a legend.
 #[derive(Debug, Clone)]
 pub struct Figure {
@@ -59,8 +18,6 @@ pub struct Figure {
     pub legend: Vec<Entry>,
     /// The panels, in the order of reading.
     pub panels: Vec<Panel>,
-    /// Words of the drawing itself.
-    pub words: Words,
 }
 
 /// One name of a legend.
@@ -166,14 +123,7 @@ pub struct Link {
 impl Figure {
     /// A figure without panels.
     pub fn new(id: &'static str, title: impl Into<String>) -> Self {
-        Self {
-            id,
-            title: title.into(),
-            caption: String::new(),
-            legend: vec![],
-            panels: vec![],
-            words: Words::default(),
-        }
+        Self { id, title: title.into(), caption: String::new(), legend: vec![], panels: vec![] }
     }
 
     /// Puts a name into the legend; its place is what curves refer to.

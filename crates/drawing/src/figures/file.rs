@@ -29,9 +29,8 @@ impl Figure {
                     body,
                     "<svg x=\"{}\" y=\"{below:.1}\" width=\"{WIDTH}\" height=\"{h:.1}\" \
                      viewBox=\"0 0 {WIDTH} {h:.1}\">\n\
-                     <desc>{} {}</desc>\n{}</svg>\n",
+                     <desc>panel {}</desc>\n{}</svg>\n",
                     MARGIN + WIDTH * column as f64,
-                    self.words.panel,
                     row * columns + column + 1,
                     drawing.content(false),
                     h = drawing.height(),

@@ -1,5 +1,4 @@
 //! What figures are made of: panels, axes, looks; and the SVG they become, on a page or as a file.
-//! Uses text.
 
 pub mod figure;
 pub mod file;

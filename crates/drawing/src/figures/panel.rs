@@ -78,7 +78,7 @@ impl<'a> Drawing<'a> {
         let follows = self.panel.follows.map_or_else(String::new, |factor| format!(" data-follows=\"{factor}\""));
         format!(
             "<svg class=\"plot\" id=\"{id}\" viewBox=\"0 0 {WIDTH} {}\" role=\"{}\" aria-labelledby=\"{id}-t {id}-d\" \
-             data-x=\"{}\" data-y=\"{}\"{kind}{follows}>\n<title id=\"{id}-t\">{}: {} {} {}</title>\n\
+             data-x=\"{}\" data-y=\"{}\"{kind}{follows}>\n<title id=\"{id}-t\">{}: {} over {}</title>\n\
              <desc id=\"{id}-d\">{}</desc>\n\
              {}</svg>\n",
             self.height(),
@@ -88,7 +88,6 @@ impl<'a> Drawing<'a> {
             ends(&self.y),
             html(&self.figure.title),
             html(y),
-            self.figure.words.over,
             html(x),
             html(&self.description()),
             self.content(hidden)
@@ -127,7 +126,6 @@ impl<'a> Drawing<'a> {
             let y = top + self.y.at(*y);
             let _ = write!(out, "<path class=\"g\" d=\"M{LEFT} {y:.1}H{}\"/>", WIDTH - RIGHT);
             if !number.is_empty() {
-                let number = self.figure.words.number(number);
                 let _ =
                     write!(out, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{number}</text>", LEFT - 6.0, y + 4.5);
             }
@@ -137,7 +135,6 @@ impl<'a> Drawing<'a> {
             let x = LEFT + self.x.at(*x);
             let _ = write!(out, "<path class=\"g\" d=\"M{x:.1} {top:.1}V{bottom:.1}\"/>");
             if !number.is_empty() {
-                let number = self.figure.words.number(number);
                 let _ =
                     write!(out, "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{number}</text>", bottom + 19.0);
             }
@@ -307,8 +304,7 @@ impl<'a> Drawing<'a> {
 
     /// The curves in words: how far each reaches.
     fn description(&self) -> String {
-        let said = self.figure.words;
-        let number = |value: f64| said.number(&significant(value, 4));
+        let number = |value: f64| significant(value, 4);
         let mut words = String::new();
         for curve in self.panel.curves.iter().filter(|c| self.figure.legend[c.entry].shown) {
             let inside = |p: &&[f64; 2]| p[1].is_finite() && (self.x.view[0]..=self.x.view[1]).contains(&p[0]);
@@ -317,19 +313,16 @@ impl<'a> Drawing<'a> {
             let (Some(low), Some(high)) = (points().min_by(by), points().max_by(by)) else { continue };
             let _ = write!(
                 words,
-                "{}: {} {} {at} {}, {} {} {at} {}. ",
+                "{}: lowest {} at {}, highest {} at {}. ",
                 self.figure.legend[curve.entry].name,
-                said.lowest,
                 number(low[1]),
                 number(low[0]),
-                said.highest,
                 number(high[1]),
-                number(high[0]),
-                at = said.at
+                number(high[0])
             );
         }
         for mark in self.panel.marks.iter().filter(|mark| !mark.name.is_empty()) {
-            let _ = write!(words, "{}: {}. ", said.marked, mark.name);
+            let _ = write!(words, "Marked: {}. ", mark.name);
         }
         words.trim_end().to_owned()
     }

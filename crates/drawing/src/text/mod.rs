@@ -1,5 +1,4 @@
 //! Numbers as people write them, and text made safe for HTML.
-//! Uses no other room.
 
 pub mod escape;
 pub mod numbers;

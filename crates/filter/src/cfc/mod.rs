@@ -1,5 +1,4 @@
 //! The channel frequency classes: coefficients, limits of the response, both passes over a record.
-//! May use `recursion`.
 
 pub mod class;
 pub mod coefficients;

@@ -1,6 +1,6 @@
 //! Both passes of a class filter over a record, and what happens at its ends.
 
-use crate::recursion::second_order::Recursion;
+use crate::recursion::Recursion;
 use crate::{Coefficients, FilterError};
 
 /// Samples of which the mean starts a pass.

@@ -1,6 +1,6 @@
 //! The delay between two channels, by the maximum of their correlation.
 
-use crumple_linalg::{Complex64, RealTransform, real_transform};
+use crumple_numerics::linalg::{Complex64, RealTransform, real_transform};
 use crumple_signal::Sampled;
 
 use crate::FilterError;

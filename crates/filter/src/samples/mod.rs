@@ -1,6 +1,5 @@
 //! What is done to samples beside the filters: zero level, moving average, derivative, resampling, delay; which are
 //! kept.
-//! May use nothing.
 
 pub mod delay;
 pub mod derivative;

@@ -1,5 +1,4 @@
 //! The program: reads the raw channels, filters them, writes them with the record of how.
-//! Uses the library and `crumple_stage`.
 
 mod align;
 mod channels_to_filter;

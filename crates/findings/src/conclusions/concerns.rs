@@ -2,7 +2,9 @@
 
 use crumple_artifact::records::ConcernV1;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::{About, Severity, Weight};
 
 use crate::conclusions::key_numbers::{KeyNumber, channels_of, key_numbers};
@@ -160,8 +162,7 @@ fn prominence_of_model(name: &str, run: &Run, ranking: &Ranking) -> u8 {
 
 /// What follows from typed fields of the results, whatever the stages remarked.
 fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, String)> {
-    let language = run.language;
-    let phrases = &language.phrases().conclusion;
+    let phrases = &PHRASES.conclusion;
     let mut found = Vec::new();
     if kind == Kind::TwoVehicles {
         found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
@@ -176,13 +177,13 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     }
     let crush = numbers.into_iter().find(|number| number.name == "dynamic_crush");
     if let Some(spread) = crush.filter(KeyNumber::interval_misses_a_sensor).and_then(|crush| crush.spread) {
-        let mm = |m: f64| language.quantity(MILLI * m, 0, "mm");
+        let mm = |m: f64| words::quantity(MILLI * m, 0, "mm");
         let texts = [("count", spread.sensors().to_string()), ("low", mm(spread.low)), ("high", mm(spread.high))];
         let text = fill(phrases.sensors_differ, &texts);
         found.push((About::Motion, Weight::Marked, text));
     }
-    if let Some(tests) = run.joint.as_ref().and_then(|joint| missed(joint, language)) {
-        let text = fill(language.phrases().joint.warn_missed, &[("tests", tests)]);
+    if let Some(tests) = run.joint.as_ref().and_then(missed) {
+        let text = fill(PHRASES.joint.warn_missed, &[("tests", tests)]);
         found.push((About::Predictions, Weight::Decisive, text));
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
@@ -197,14 +198,14 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
             (best.certainties().order_of_magnitude, phrases.warn_hardly, Weight::Marked),
         ] {
             if !names.is_empty() {
-                let names = symbols(&best.record, &names, language);
+                let names = symbols(&best.record, &names);
                 found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
             }
         }
     }
     let beyond = run.predictions.iter().any(|p| p.recommended && p.extrapolates);
     if let Some(speed) = run.test.impact_speed_m_per_s.filter(|_| beyond) {
-        let speed = language.quantity(KM_PER_H_PER_M_PER_S * speed, 1, "km/h");
+        let speed = words::quantity(KM_PER_H_PER_M_PER_S * speed, 1, "km/h");
         let text = fill(phrases.warn_extrapolates, &[("speed", &speed)]);
         found.push((About::Predictions, Weight::Slight, text));
     }

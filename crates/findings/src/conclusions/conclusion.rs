@@ -2,7 +2,9 @@
 
 use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::About;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -48,7 +50,7 @@ pub struct Conclusion {
     pub kind: Kind,
     /// Whether there is what was asked for.
     pub standing: Standing,
-    /// ISO 639-1 code of its language.
+    /// ISO 639-1 code of the language of the sentences: `en`.
     pub language: &'static str,
     /// Whether the results may be used.
     pub status: Status,
@@ -79,10 +81,9 @@ pub struct Conclusion {
 
 /// The verdict on a run and its concerns.
 pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
-    let language = run.language;
     let kind = kind_of(run);
     let concerns = concerns(run, ranking, kind);
-    let mut text = Text { run, ranking, language, numbers: Vec::new() };
+    let mut text = Text { run, ranking, numbers: Vec::new() };
     let reason = status_reason(run, ranking, kind, &concerns);
     let because = text.because(&reason);
     let sentences = text.sentences(kind, &reason, &concerns);
@@ -96,9 +97,9 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
     let verdict = Conclusion {
         kind,
         standing,
-        language: language.code(),
+        language: "en",
         status: reason.status(),
-        status_sentence: reason.status().sentence(language, &because),
+        status_sentence: reason.status().sentence(&because),
         status_reason: reason,
         because,
         sentences,
@@ -129,14 +130,13 @@ fn in_ms(time_s: f64) -> (f64, usize, &'static str) {
 struct Text<'a> {
     run: &'a Run,
     ranking: &'a Ranking,
-    language: Language,
     numbers: Vec<Number>,
 }
 
 impl<'a> Text<'a> {
     /// A number of the summary, shown by `factor`, so many decimals and the unit.
     fn number(&mut self, at: &str, value: f64, (factor, places, unit): (f64, usize, &str)) -> String {
-        let shown = self.language.quantity(factor * value, places, unit);
+        let shown = words::quantity(factor * value, places, unit);
         self.numbers.push(Number { at: at.to_owned(), value, shown: shown.clone() });
         shown
     }
@@ -144,7 +144,7 @@ impl<'a> Text<'a> {
     /// `the crush at 40 km/h is known to ±16 %`.
     fn because(&mut self, reason: &StatusReason) -> String {
         use StatusReason as Reason;
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let (percent, mm) = ((1.0, 0, "%"), (MILLI, 0, "mm"));
         let at = |name: &str| format!("/verdict/status_reason/{name}");
         match reason {
@@ -193,7 +193,7 @@ impl<'a> Text<'a> {
                 fill(phrases.because_poor_fit, &texts)
             }
             Reason::MissesItsTest { events } => {
-                let names: Vec<String> = events.iter().map(|name| self.language.metric(name)).collect();
+                let names: Vec<String> = events.iter().map(|name| words::metric(name)).collect();
                 fill(phrases.because_misses_its_test, &[("events", listed(&names, phrases.and))])
             }
             Reason::Weak { candidate } => fill(phrases.because_weak, &[("model", candidate_name(candidate))]),
@@ -220,7 +220,7 @@ impl<'a> Text<'a> {
 
     /// `at 40 km/h with 2000 kg against mpdb`: the mass where it is not that of the test.
     fn scenario(&mut self, place: usize) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let Some(prediction) = self.run.predictions.get(place) else { return String::new() };
         let PredictionV1 { impact_speed_m_per_s, mass_kg, partner, .. } = prediction;
         let speed = self.speed(&format!("/predictions/{place}/impact_speed_m_per_s"), *impact_speed_m_per_s);
@@ -241,7 +241,7 @@ impl<'a> Text<'a> {
     }
 
     fn sentences(&mut self, kind: Kind, reason: &StatusReason, concerns: &[ConcernV1]) -> Vec<String> {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         match kind {
             Kind::NoModel => {
                 let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
@@ -262,9 +262,7 @@ impl<'a> Text<'a> {
                     Kind::Barrier if self.run.other_axis().is_none() => self.crushed(),
                     Kind::NoStop => self.no_stop(),
                     Kind::TwoVehicles => self.two_vehicles(),
-                    Kind::SeveralTests => {
-                        self.run.joint.as_ref().map_or_else(String::new, |joint| several_tests(joint, self.language))
-                    }
+                    Kind::SeveralTests => self.run.joint.as_ref().map_or_else(String::new, several_tests),
                     _ => self.changed().unwrap_or_else(|| phrases.measured_only.to_owned()),
                 };
                 let mut sentences = vec![happened];
@@ -290,11 +288,11 @@ impl<'a> Text<'a> {
     fn interval(&mut self, at: &str, low: f64, high: f64, (factor, places): (f64, usize)) -> String {
         let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
         let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
-        fill(self.language.phrases().conclusion.interval, &[("low", low), ("high", high)])
+        fill(PHRASES.conclusion.interval, &[("low", low), ("high", high)])
     }
 
     fn crushed(&mut self) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let Some(events) = &self.run.events else { return String::new() };
         let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
             return phrases.measured_only.to_owned();
@@ -304,7 +302,7 @@ impl<'a> Text<'a> {
         let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
             (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
                 let km_per_h = KM_PER_H_PER_M_PER_S * velocity_m_per_s.abs();
-                let shown = self.language.quantity(km_per_h, usize::from(km_per_h < 3.0), "km/h");
+                let shown = words::quantity(km_per_h, usize::from(km_per_h < 3.0), "km/h");
                 let at = "/events/rebound_velocity_m_per_s".to_owned();
                 self.numbers.push(Number { at, value: velocity_m_per_s, shown: shown.clone() });
                 let is_cut = self.run.is_rebound_cut();
@@ -329,7 +327,7 @@ impl<'a> Text<'a> {
     }
 
     fn no_stop(&mut self) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         match self.change_of_velocity() {
             Some((change, Some(time))) => fill(phrases.no_stop, &[("change", &change), ("time", &time)]),
             _ => phrases.no_stop_no_end.to_owned(),
@@ -337,7 +335,7 @@ impl<'a> Text<'a> {
     }
 
     fn two_vehicles(&mut self) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         match self.change_of_velocity() {
             Some((change, time)) => {
                 let time = time.map_or_else(String::new, |time| fill(phrases.within, &[("time", time)]));
@@ -349,7 +347,7 @@ impl<'a> Text<'a> {
 
     /// The change of velocity, the peak and the OLC of a pulse without a crush; `None` without a change.
     fn changed(&mut self) -> Option<String> {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
         let (delta_v, peak, olc) = (metric("delta_v")?, metric("peak_acceleration"), metric("olc"));
         let change = self.number("/metrics/delta_v/value", delta_v.1, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
@@ -371,7 +369,7 @@ impl<'a> Text<'a> {
         for (name, label, unit) in [
             ("hic15", "HIC15", (1.0, 0, "")),
             ("hic36", "HIC36", (1.0, 0, "")),
-            ("clip_3ms_contiguous", self.language.phrases().numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
+            ("clip_3ms_contiguous", PHRASES.numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
         ] {
             // The summary has a name once, as the run finds it.
             let Some((value, metric)) = self.run.metric(name).and_then(|m| m.value.zip(Some(m))) else { continue };
@@ -380,11 +378,11 @@ impl<'a> Text<'a> {
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
         let place = self.run.channel().map_or("", |channel| channel.location.as_str());
-        fill(self.language.phrases().conclusion.occupant, &[("place", place), ("criteria", &criteria)])
+        fill(PHRASES.conclusion.occupant, &[("place", place), ("criteria", &criteria)])
     }
 
     fn occupant_use(&self, concerns: &[ConcernV1]) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
         fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })])
     }
@@ -396,13 +394,13 @@ impl<'a> Text<'a> {
         let change = self.number(&format!("{at}/value"), value, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
         let time = from_s.map_or_else(String::new, |time_s| {
             let time = self.number(&format!("{at}/from_s"), time_s, (MILLI, 0, "ms"));
-            fill(self.language.phrases().conclusion.reached, &[("time", time)])
+            fill(PHRASES.conclusion.reached, &[("time", time)])
         });
-        fill(self.language.phrases().conclusion.recorded, &[("change", &change), ("time", &time)])
+        fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
     }
 
     fn recorder_use(&mut self) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
             let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
             let interval = self.interval_of_event("dynamic_crush_m", (MILLI, 0));
@@ -414,7 +412,7 @@ impl<'a> Text<'a> {
 
     /// The identified model that follows the record closest.
     fn identified(&mut self) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.identified_none.to_owned() };
         let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
         let unseen = model.unseen_fit_percent().map_or_else(String::new, |unseen| {
@@ -444,7 +442,7 @@ impl<'a> Text<'a> {
 
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.
     fn what_to_use(&mut self, kind: Kind, reason: &StatusReason) -> Vec<String> {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         use StatusReason::{Beyond, DecisiveWarning, GoodTo};
         let is_of_the_answer = matches!(reason, DecisiveWarning { .. } | GoodTo { .. } | Beyond { .. });
         if is_of_the_answer && reason.status() == Status::DoNotUse {
@@ -480,12 +478,12 @@ impl<'a> Text<'a> {
         if let Some((low, high)) = metric.low.zip(metric.high) {
             stiffness.push_str(&self.interval(at, low, high, (KILO, 0)));
         }
-        Some(fill(self.language.phrases().conclusion.one_spring, &[("stiffness", stiffness)]))
+        Some(fill(PHRASES.conclusion.one_spring, &[("stiffness", stiffness)]))
     }
 
     /// The recommended model and what it gives for the impact that was asked for.
     fn use_model(&mut self, best: &CandidateResult) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let predicts = self.given(best).map(|(prediction, texts)| {
             fill(if prediction.extrapolates { phrases.predicts_beyond } else { phrases.predicts }, &texts)
         });
@@ -499,11 +497,11 @@ impl<'a> Text<'a> {
         answer(self.run, best).filter(|(_, prediction)| prediction.asked)?;
         let (_, [scenario, crush, interval]) = self.given(best)?;
         let texts = [scenario, ("model", self.named(best)), crush, interval];
-        Some(fill(self.language.phrases().conclusion.asked_for, &texts))
+        Some(fill(PHRASES.conclusion.asked_for, &texts))
     }
 
     fn named(&self, candidate: &CandidateResult) -> String {
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         match candidate.record.model.as_str() {
             "force-deflection" => phrases.force_deflection_curve.to_owned(),
             other => fill(phrases.named_model, &[("model", model_name(other))]),
@@ -534,9 +532,9 @@ impl<'a> Text<'a> {
 
     /// The one thing that the model does not give, before all others; what the status says is not said again.
     fn caution(&mut self, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
-        let phrases = &self.language.phrases().conclusion;
-        if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint, self.language)) {
-            return Some(fill(self.language.phrases().joint.tests_disagree, &[("tests", tests)]));
+        let phrases = &PHRASES.conclusion;
+        if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint)) {
+            return Some(fill(PHRASES.joint.tests_disagree, &[("tests", tests)]));
         }
         if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {
             return Some(open);
@@ -559,7 +557,7 @@ impl<'a> Text<'a> {
     /// Says how many of the numbers of a model are determined, if not all.
     fn few_determined(&mut self, best: &CandidateResult) -> Option<String> {
         let known = best.certainties();
-        let phrases = &self.language.phrases().conclusion;
+        let phrases = &PHRASES.conclusion;
         let template = if has_only_forces(best) { phrases.few_forces } else { phrases.few_parameters };
         let mut count = |name: &str, count: usize| {
             (name.to_owned(), self.number(&format!("/verdict/{name}"), count as f64, (1.0, 0, "")))
@@ -576,11 +574,11 @@ impl<'a> Text<'a> {
         for (name, deflection_m) in names.iter().filter_map(|name| deflection_of_knot(&candidate.record, name)) {
             self.number(&format!("/candidates/{place}/parameters/{name}"), deflection_m, DEFLECTION);
         }
-        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(&candidate.record, names, self.language))]))
+        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(&candidate.record, names))]))
     }
 
     fn none_recommended(&mut self) -> String {
-        let (phrases, run) = (&self.language.phrases().conclusion, self.run);
+        let (phrases, run) = (&PHRASES.conclusion, self.run);
         let no_crush =
             run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0));
         let because = match run.other_axis() {
@@ -600,6 +598,6 @@ impl<'a> Text<'a> {
         let fit = self.follows(&run.candidates[place])?;
         let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, in_ms(to_s));
         let texts = [("model", candidate_name(id)), ("fit", fit), ("time", time)];
-        Some(fill(self.language.phrases().conclusion.closest, &texts))
+        Some(fill(PHRASES.conclusion.closest, &texts))
     }
 }

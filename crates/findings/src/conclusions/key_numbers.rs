@@ -1,6 +1,7 @@
 //! The numbers that people ask for first, each with its interval, its spread over sensors and why it is missing.
 
 use crumple_artifact::records::{EventsV1, MetricV1};
+use crumple_phrases::PHRASES;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -162,7 +163,7 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
 
 fn why_no_event(run: &Run, name: &str) -> String {
     let stated = run.metric(name).filter(|metric| metric.value.is_none()).map(|metric| metric.definition.clone());
-    stated.unwrap_or_else(|| run.language.phrases().numbers.velocity_never_zero.to_owned())
+    stated.unwrap_or_else(|| PHRASES.numbers.velocity_never_zero.to_owned())
 }
 
 /// What a pulse without a motion has: change of velocity, peak, OLC.
@@ -242,7 +243,7 @@ fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
 /// Largest deceleration of a filtered pulse, or of a channel without events its largest magnitude. `None`: no
 /// acceleration.
 fn peak(run: &Run) -> Option<KeyNumber> {
-    let texts = &run.language.phrases().numbers;
+    let texts = &PHRASES.numbers;
     let acceleration = run.acceleration()?;
     let channel = run.channel_id().unwrap_or_default().to_owned();
     let mut number = KeyNumber {

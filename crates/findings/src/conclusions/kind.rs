@@ -1,5 +1,6 @@
 //! What kind of record a run is of: what its verdict speaks about.
 
+use crumple_phrases::PHRASES;
 use crumple_signal::{ANOTHER_VEHICLE, part_of};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -67,7 +68,7 @@ pub fn lacks_mass_or_speed(run: &Run) -> bool {
 
 /// Which of mass and impact speed is not stated, and what there is not for want of it.
 pub fn not_stated(run: &Run) -> &'static str {
-    let phrases = &run.language.phrases().conclusion;
+    let phrases = &PHRASES.conclusion;
     match (run.test.mass_kg, run.test.impact_speed_m_per_s) {
         (None, None) => phrases.not_stated_both,
         (None, Some(_)) => phrases.not_stated_mass,

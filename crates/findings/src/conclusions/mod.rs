@@ -1,5 +1,4 @@
 //! What a run comes to: kind of record, concerns, status, sentences, key numbers, distinct curves, console, summary.
-//! Uses results and text.
 
 pub mod concerns;
 pub mod conclusion;

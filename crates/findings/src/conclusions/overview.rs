@@ -1,11 +1,13 @@
 //! The numbers of a run in a few lines, as the console shows them below the verdict.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use crumple_artifact::records::{Certainty, ConcernV1};
 use crumple_drawing::numbers::{KILO, MILLI, digits_of_interval, unit};
-use crumple_phrases::language::fill;
+use crumple_phrases::words::fill;
 use crumple_signal::About;
 
 use crate::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
@@ -42,8 +44,7 @@ pub fn overview(
     concerns: &[ConcernV1],
     folder: &Path,
 ) -> Vec<OverviewLine> {
-    let language = run.language;
-    let phrases = &language.phrases().conclusion;
+    let phrases = &PHRASES.conclusion;
     let mut lines: Vec<OverviewLine> = Vec::new();
     let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
     // Of an occupant's sensor these are no numbers of the vehicle.
@@ -65,11 +66,11 @@ pub fn overview(
         let own = with_interval(run, value, ends, number.interval_by.as_deref(), (factor, places, unit));
         let mut text = format!("{}{own}", number.sign());
         if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
-            text.push_str(&format!(", {}", language.quantity(MILLI * at_s, 1, "ms")));
+            text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
-            let [low, high] = [spread.low, spread.high].map(|end| language.quantity(factor * end, places, ""));
-            let texts = [("count", spread.sensors().to_string()), ("range", language.between(&low, &high))];
+            let [low, high] = [spread.low, spread.high].map(|end| words::quantity(factor * end, places, ""));
+            let texts = [("count", spread.sensors().to_string()), ("range", words::between(&low, &high))];
             text.push_str(&fill(phrases.over_sensors, &texts));
         }
         lines.push(line(label, text));
@@ -124,17 +125,16 @@ fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [Conc
 }
 
 fn with_interval(
-    run: &Run,
+    _run: &Run,
     value: f64,
     ends: Option<(f64, f64)>,
     interval_by: Option<&str>,
     (factor, places, unit): (f64, usize, &str),
 ) -> String {
-    let language = run.language;
-    let number = language.quantity(factor * value, places, unit);
+    let number = words::quantity(factor * value, places, unit);
     let Some((low, high)) = ends else { return number };
-    let [low, high] = [low, high].map(|end| language.quantity(factor * end, places, ""));
-    format!("{number} ({}{})", language.level(interval_by.and_then(level_percent)), language.between(&low, &high))
+    let [low, high] = [low, high].map(|end| words::quantity(factor * end, places, ""));
+    format!("{number} ({}{})", words::level(interval_by.and_then(level_percent)), words::between(&low, &high))
 }
 
 /// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
@@ -162,27 +162,27 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
 /// masses aside, is said to be given.
 fn named_value(run: &Run, candidate: &CandidateResult, name: &str) -> String {
     let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
-    let value = run.language.significant(value, 4);
+    let value = words::significant(value, 4);
     format!("{symbol} {value} {unit}{}", how_sure(run, candidate, name)).trim_end().to_owned()
 }
 
 /// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
-fn how_sure(run: &Run, candidate: &CandidateResult, name: &str) -> String {
+fn how_sure(_run: &Run, candidate: &CandidateResult, name: &str) -> String {
     let known = candidate.record.uncertainty.as_ref();
     let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
     let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
     let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
     let interval = interval.map_or_else(String::new, |(low, high)| {
         let digits = digits_of_interval(low, high, 3);
-        let [low, high] = [low, high].map(|si| run.language.significant(in_unit(si), digits));
-        let level = run.language.level(Some(LEVEL_OF_PARAMETERS));
-        format!(" ({level}{})", run.language.between(&low, &high))
+        let [low, high] = [low, high].map(|si| words::significant(in_unit(si), digits));
+        let level = words::level(Some(LEVEL_OF_PARAMETERS));
+        format!(" ({level}{})", words::between(&low, &high))
     });
     let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
     match candidate.record.certainty(name) {
         Some(Certainty::Determined) => interval,
         None if is_mass || !interval.is_empty() => interval,
-        None => format!(" ({})", run.language.phrases().conclusion.given),
+        None => format!(" ({})", PHRASES.conclusion.given),
         Some(Certainty::OrderOfMagnitude | Certainty::Open) => format!("{interval}?"),
     }
 }
@@ -196,8 +196,8 @@ fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let parameters = &candidate.record.parameters;
     let deflections_m = (1..).map_while(|number| parameters.get(&format!("{KNOT}{number}_m")));
     let (count, last_m) = deflections_m.enumerate().last().map(|(index, last_m)| (index + 1, last_m))?;
-    let phrases = &run.language.phrases().conclusion;
-    let end = run.language.quantity(MILLI * last_m, 0, "mm");
+    let phrases = &PHRASES.conclusion;
+    let end = words::quantity(MILLI * last_m, 0, "mm");
     let curve = fill(phrases.curve, &[("count", count.to_string()), ("end", end)]);
     let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
     let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };

@@ -2,21 +2,23 @@
 
 use crumple_drawing::numbers::KM_PER_H_PER_M_PER_S;
 use crumple_drawing::span;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::results::joint::JointTests;
 
 /// Which tests, and how far each is off what the others say of it.
-pub fn several_tests(joint: &JointTests, language: Language) -> String {
-    let texts = &language.phrases().joint;
+pub fn several_tests(joint: &JointTests) -> String {
+    let texts = &PHRASES.joint;
     let names: Vec<&str> = joint.tests.iter().map(|test| test.test.name.as_str()).collect();
     let speeds: Vec<f64> =
         joint.tests.iter().map(|test| KM_PER_H_PER_M_PER_S * test.test.impact_speed_m_per_s).collect();
     let (low, high) = span(&speeds).unwrap_or_default();
     let filled = [
         ("count", names.len().to_string()),
-        ("low", language.decimals(low, 1)),
-        ("high", language.quantity(high, 1, "km/h")),
+        ("low", words::decimals(low, 1)),
+        ("high", words::quantity(high, 1, "km/h")),
         ("names", names.join(", ")),
     ];
     let against: Vec<_> = joint.tests.iter().filter_map(|test| test.against()).collect();
@@ -24,7 +26,7 @@ pub fn several_tests(joint: &JointTests, language: Language) -> String {
     let Some(largest) = errors.max_by(|a, b| a.abs().total_cmp(&b.abs())) else { return fill(texts.happened, &filled) };
     let held = against.iter().filter(|against| against.held.iter().any(|name| name == "dynamic_crush_m")).count();
     let left_out = [
-        ("worst", language.quantity(largest.abs(), 1, "%")),
+        ("worst", words::quantity(largest.abs(), 1, "%")),
         ("held", held.to_string()),
         ("predicted", against.len().to_string()),
     ];
@@ -32,9 +34,9 @@ pub fn several_tests(joint: &JointTests, language: Language) -> String {
 }
 
 /// `ka (−23.3 %) and kb (+30.1 %)`: the tests that the others miss; nothing without any.
-pub fn missed(joint: &JointTests, language: Language) -> Option<String> {
-    let named = |(name, error): (&str, f64)| format!("{name} ({})", language.deviation(error, 1, "%"));
+pub fn missed(joint: &JointTests) -> Option<String> {
+    let named = |(name, error): (&str, f64)| format!("{name} ({})", words::deviation(error, 1, "%"));
     let names: Vec<String> = joint.missed().into_iter().map(named).collect();
-    let between = format!(" {} ", language.phrases().conclusion.and);
+    let between = format!(" {} ", PHRASES.conclusion.and);
     (!names.is_empty()).then(|| names.join(&between))
 }

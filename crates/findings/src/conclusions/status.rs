@@ -2,7 +2,8 @@
 
 use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1, StrengthV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -34,8 +35,8 @@ pub enum Status {
 
 impl Status {
     /// Its word.
-    pub fn word(self, language: Language) -> &'static str {
-        let phrases = &language.phrases().conclusion;
+    pub fn word(self) -> &'static str {
+        let phrases = &PHRASES.conclusion;
         match self {
             Self::Usable => phrases.usable,
             Self::UsableWithCare => phrases.usable_with_care,
@@ -44,8 +45,8 @@ impl Status {
     }
 
     /// Its word with the reason.
-    pub(crate) fn sentence(self, language: Language, because: &str) -> String {
-        fill(language.phrases().conclusion.status, &[("status", self.word(language)), ("reason", because)])
+    pub(crate) fn sentence(self, because: &str) -> String {
+        fill(PHRASES.conclusion.status, &[("status", self.word()), ("reason", because)])
     }
 }
 

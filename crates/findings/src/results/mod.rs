@@ -1,5 +1,4 @@
 //! Everything the artifacts of a run say: its types, the ranking of candidates, residuals, bands of models.
-//! Uses text.
 
 pub mod joint;
 pub mod mass_divisions;

@@ -1,8 +1,9 @@
 //! Which candidate stands before which.
 
+use crumple_phrases::PHRASES;
 use std::cmp::Ordering;
 
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 use crumple_signal::ANOTHER_VEHICLE;
 
 use crate::{CandidateResult, Run};
@@ -42,10 +43,6 @@ impl Ranking {
     /// to: rounding does not decide. Equal fits stand in id order. Candidates without a fit are left out. A physical
     /// candidate has every parameter positive.
     pub fn of_candidates(candidates: &[CandidateResult]) -> Self {
-        Self::in_words(candidates, Language::default())
-    }
-
-    fn in_words(candidates: &[CandidateResult], language: Language) -> Self {
         let stands_for = pairs_of_equals(candidates);
         let fit = |index: usize| candidates[index].fit_percent().filter(|fit| !fit.is_nan());
         let mut fitted: Vec<(f64, &CandidateResult)> = candidates
@@ -61,7 +58,7 @@ impl Ranking {
         Self {
             order: fitted.iter().map(|(_, candidate)| candidate.id.clone()).collect(),
             best: best_of_the_good(&fitted).map(|candidate| candidate.id.clone()),
-            because: language.phrases().remarks.by_fit_alone.to_owned(),
+            because: PHRASES.remarks.by_fit_alone.to_owned(),
             no_best: None,
         }
     }
@@ -70,7 +67,7 @@ impl Ranking {
     /// the pulse is no crush along the vehicle: a model of springs that stop a mass is no explanation of a lateral or
     /// vertical record, nor, beyond its window, of one that never stops.
     pub fn of_run(run: &Run) -> Self {
-        let mut ranking = Self::in_words(&run.candidates, run.language);
+        let mut ranking = Self::of_candidates(&run.candidates);
         if let Some(choice) = &run.recommendation {
             ranking.best.clone_from(&choice.recommended);
             ranking.because.clone_from(&choice.recommended_because);
@@ -110,12 +107,12 @@ impl Ranking {
 /// for.
 fn no_crush(run: &Run) -> Option<String> {
     let events = run.events.as_ref()?;
-    let texts = &run.language.phrases().remarks;
+    let texts = &PHRASES.remarks;
     if let Some(axis) = run.other_axis() {
         return Some(fill(texts.other_axis, &[("channel", events.channel.clone()), ("axis", axis.to_string())]));
     }
     if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) {
-        return Some(run.language.phrases().conclusion.warn_two_vehicles.to_owned());
+        return Some(PHRASES.conclusion.warn_two_vehicles.to_owned());
     }
     let crushed = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
     (!crushed).then(|| texts.no_end_of_crush.to_owned())

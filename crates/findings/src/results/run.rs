@@ -6,7 +6,8 @@ use crumple_artifact::records::{
     TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,8 +18,6 @@ use crate::text::names::candidate_name;
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
 pub struct Run {
-    /// The language that the verdict and its warnings speak.
-    pub language: Language,
     /// Name of the pipeline, e.g. `default` or `papers/civic`, if it has one.
     pub pipeline: Option<String>,
     /// The test.
@@ -208,8 +207,8 @@ impl CandidateResult {
     }
 
     /// Why the value of a parameter is in doubt, in words.
-    pub fn doubt(&self, name: &str, language: Language) -> Option<&'static str> {
-        let texts = &language.phrases().model;
+    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+        let texts = &PHRASES.model;
         self.record.doubt(name).map(|doubt| match doubt {
             "on a bound" => texts.on_a_bound,
             "not determined" => texts.not_determined,
@@ -274,15 +273,15 @@ pub struct Certainties<'a> {
 
 impl Certainties<'_> {
     /// `3 of 4`.
-    pub fn counts(&self, language: Language) -> String {
+    pub fn counts(&self) -> String {
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
-        fill(language.phrases().candidates.of, &[("determined", determined), ("parameters", parameters)])
+        fill(PHRASES.candidates.of, &[("determined", determined), ("parameters", parameters)])
     }
 
     /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
     /// magnitude`. `None`: nothing was asked of the record.
-    pub fn words(&self, language: Language) -> Option<String> {
-        let phrases = &language.phrases().conclusion;
+    pub fn words(&self) -> Option<String> {
+        let phrases = &PHRASES.conclusion;
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
         let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
         let others = [(&self.order_of_magnitude, phrases.order_of_magnitude), (&self.open, phrases.open)];

@@ -1,5 +1,4 @@
 //! Names as people write them, and text made safe for Markdown; languages and phrases are those of `crumple-phrases`.
-//! Uses no other room.
 
 pub mod markdown;
 pub mod names;

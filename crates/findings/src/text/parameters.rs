@@ -3,7 +3,9 @@
 use crumple_artifact::records::CandidateV1;
 use crumple_drawing::numbers::{KILO, MILLI};
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 /// How the deflection of a knot is shown: factor, digits after the point, unit.
 pub const DEFLECTION: (f64, usize, &str) = (MILLI, 0, "mm");
@@ -75,14 +77,14 @@ pub fn deflection_of_knot(candidate: &CandidateV1, force: &str) -> Option<(Strin
 }
 
 /// `k and c` of a candidate; of knots of a force-deflection curve `the forces at 97 mm and 283 mm`.
-pub fn symbols(candidate: &CandidateV1, names: &[&str], language: Language) -> String {
-    let phrases = &language.phrases().conclusion;
+pub fn symbols(candidate: &CandidateV1, names: &[&str]) -> String {
+    let phrases = &PHRASES.conclusion;
     let (mut deflections, mut symbols) = (Vec::new(), Vec::new());
     for name in names {
         let (texts, text) = match deflection_of_knot(candidate, name) {
             Some((_, deflection_m)) => {
                 let (factor, places, unit) = DEFLECTION;
-                (&mut deflections, language.quantity(factor * deflection_m, places, unit))
+                (&mut deflections, words::quantity(factor * deflection_m, places, unit))
             }
             None => (&mut symbols, parameter(&candidate.model, name, 0.0).0),
         };

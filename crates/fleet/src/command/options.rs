@@ -3,7 +3,6 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use crumple_report::Language;
 use crumple_stage::Usage;
 
 use crate::command::sweep::Sweep;
@@ -57,10 +56,6 @@ pub struct Options {
     #[arg(long, value_name = "KIND", value_parser = ["zstd"])]
     pub(crate) compress: Option<String>,
 
-    /// Language of the pages, of the fleet and of its runs: en or de.
-    #[arg(long, value_name = "CODE", value_parser = language, default_value = "en")]
-    pub(crate) language: Language,
-
     /// Style and scripts in the page of every run, so that each can be mailed alone, in place of files in `page/` that
     /// all share.
     #[arg(long)]
@@ -87,18 +82,10 @@ pub struct Options {
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
-
-    /// Command that runs one record: `crumple-run` with the stages.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) run: String,
 }
 
 /// Folder of a fleet with the style and the scripts of its pages.
 pub(crate) const PAGE_FILES: &str = "page";
-
-fn language(code: &str) -> Result<Language, String> {
-    Language::of_code(code).ok_or_else(|| format!("languages are {}", Language::CODES.join(", ")))
-}
 
 /// One part of a fleet that is run in several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -140,12 +127,7 @@ impl Options {
     /// Flags of the report of a run in this folder below that of the fleet.
     pub(crate) fn report_flags(&self, folder: &str) -> String {
         let up = "../".repeat(Path::new(folder).components().count());
-        let shared = if self.whole_pages { String::new() } else { format!("--shared {up}{PAGE_FILES}") };
-        let language = match self.language {
-            Language::English => String::new(),
-            other => format!("--language {}", other.code()),
-        };
-        format!("{shared} {language}").trim().to_owned()
+        if self.whole_pages { String::new() } else { format!("--shared {up}{PAGE_FILES}") }
     }
 
     /// The pipelines, as they are typed.
@@ -193,7 +175,7 @@ mod tests {
     use super::*;
 
     fn options(words: &[&str]) -> Options {
-        Options::parse_from([&["fleet", "--run", "r", "--project", "/p"], words].concat())
+        Options::parse_from([&["fleet", "--project", "/p"], words].concat())
     }
 
     #[test]
@@ -208,11 +190,10 @@ mod tests {
     }
 
     #[test]
-    fn reports_know_the_way_to_the_files_they_share_and_their_language() {
+    fn reports_know_the_way_to_the_files_they_share() {
         let flags = |words: &[&str]| options(words).report_flags("runs/a/papers/civic");
         assert_eq!(flags(&["a"]), "--shared ../../../../page");
-        assert_eq!(flags(&["a", "--whole-pages", "--language", "de"]), "--language de");
-        assert!(Options::try_parse_from(["fleet", "--run", "r", "a", "--language", "fr"]).is_err());
+        assert_eq!(flags(&["a", "--whole-pages"]), "");
     }
 
     #[test]

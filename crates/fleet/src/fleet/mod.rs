@@ -1,4 +1,3 @@
 //! A fleet as a whole: its records found, its runs made, its tables and its page written.
-//! May use every room but `study`.
 
 pub mod make;

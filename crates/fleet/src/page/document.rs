@@ -1,12 +1,13 @@
 //! The page as a whole.
 
+use crumple_phrases::PHRASES;
 use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
-use crumple_report::{FiguresOfRuns, IndexedRun, Language, RunIndex, write_shared_files};
+use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex, write_shared_files};
 use rayon::prelude::*;
 
 use crate::command::options::{Options, PAGE_FILES};
@@ -22,13 +23,13 @@ pub(crate) fn write_page(fleet: &Path, rows: &[Row], options: &Options) -> anyho
         write_shared_files(&folder).with_context(|| format!("cannot write into {}", folder.display()))?;
     }
     let path = fleet.join("fleet.html");
-    let page = page(fleet, rows, options.language);
+    let page = page(fleet, rows);
     write_atomically(&path, OutputKind::Report, |file| file.write_all(page.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))
 }
 
-fn page(fleet: &Path, rows: &[Row], language: Language) -> String {
-    let texts = &language.phrases().fleet;
+fn page(fleet: &Path, rows: &[Row]) -> String {
+    let texts = &PHRASES.fleet;
     let name = fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let differ = |row: &Row| row.run.pipeline_name != rows[0].run.pipeline_name || !row.run.settings.is_empty();
     let several = rows.iter().any(differ);
@@ -39,12 +40,12 @@ fn page(fleet: &Path, rows: &[Row], language: Language) -> String {
         FiguresOfRuns {
             heading: texts.over,
             text: texts.no_law,
-            figures: scatters.into_iter().map(|(id, y)| scatter(rows, (id, y), &over, language)).collect(),
+            figures: scatters.into_iter().map(|(id, y)| scatter(rows, (id, y), &over)).collect(),
         },
         FiguresOfRuns {
             heading: texts.distributions,
             text: texts.how_many,
-            figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION], language)],
+            figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION])],
         },
     ];
     let tables = [
@@ -53,7 +54,7 @@ fn page(fleet: &Path, rows: &[Row], language: Language) -> String {
         (texts.metrics, "metrics.csv"),
         (texts.predictions, "predictions.csv"),
     ];
-    RunIndex { language, title: &name, tables: &tables, runs: &runs, figures }.to_html()
+    RunIndex { title: &name, tables: &tables, runs: &runs, figures }.to_html()
 }
 
 fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
@@ -154,7 +155,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let fleet = folder.path().join("made <fleet>");
         let rows = made(&fleet);
-        let options = Options::parse_from(["fleet", "--run", "r", "records"]);
+        let options = Options::parse_from(["fleet", "records"]);
         write_page(&fleet, &rows, &options).unwrap();
         let html = fs::read_to_string(fleet.join("fleet.html")).unwrap();
         eprintln!("fleet.html of 500 runs: {} bytes", html.len());
@@ -164,37 +165,16 @@ mod tests {
         assert_eq!(html.matches("<svg class=\"plot\"").count(), 9 + 6);
         assert!(html.contains("href=\"runs/00005-56/default/report.html\"><circle class=\"link\""));
         assert!(html.contains("<summary>10 × refused: …, line #: &quot;…&quot; is no number</summary>"));
-        assert_eq!(html, page(&fleet, &rows, Language::English));
+        assert_eq!(html, page(&fleet, &rows));
         assert_eq!(fs::read_dir(fleet.join(PAGE_FILES)).unwrap().count(), 3, "style and two scripts");
-    }
-
-    #[test]
-    fn a_german_page_has_its_own_words_and_numbers() {
-        let folder = tempfile::tempdir().unwrap();
-        let rows = made(folder.path());
-        let [english, german] =
-            [Language::English, Language::German].map(|language| page(folder.path(), &rows, language));
-        for heading in ["<h2>Verteilungen</h2>", "Über Masse, Geschwindigkeit und Modelljahr", "html lang=\"de\""] {
-            assert!(german.contains(heading) && !english.contains(heading), "{heading}");
-        }
-        // Names of records and what stages said stay as they are; the table is that of every index.
-        let texts = |html: &str| -> std::collections::BTreeSet<String> {
-            let part = html.split_once("<main>").unwrap().1.split_once("id=\"runs\"").unwrap().0;
-            let after_tags = part.split('>').filter_map(|text| text.split('<').next().map(str::trim));
-            after_tags.filter(|text| text.contains(' ') && !text.contains(".csv")).map(str::to_owned).collect()
-        };
-        let (of_english, of_german) = (texts(&english), texts(&german));
-        assert!(of_english.len() > 20, "{of_english:?}");
-        let same: Vec<&String> = of_english.intersection(&of_german).collect();
-        assert!(same.is_empty(), "{same:?}");
     }
 
     #[test]
     fn a_fleet_without_a_single_result_has_a_page() {
         let folder = tempfile::tempdir().unwrap();
         let found = RunSummary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
-        let html = page(folder.path(), &[row(49, &found)], Language::English);
+        let html = page(folder.path(), &[row(49, &found)]);
         assert!(html.contains("1 run, 0 with a recommended model, 1 without a result") && !html.contains("Distrib"));
-        assert!(page(folder.path(), &[], Language::English).contains("0 runs"));
+        assert!(page(folder.path(), &[]).contains("0 runs"));
     }
 }

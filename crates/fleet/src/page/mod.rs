@@ -1,5 +1,5 @@
-//! `fleet.html`: the runs of a fleet as an index, with figures of all of them.
-//! May use `tables`, `runs` and `records`; the page, its table and its quantities are those of `crumple-report`.
+//! `fleet.html`: the runs of a fleet as an index, with figures of all of them. The page, its table and its quantities
+//! are those of `crumple-report`.
 
 pub mod distributions;
 pub mod document;

@@ -1,5 +1,4 @@
 //! The runs of a fleet: which there are, which are up to date, how they are started side by side, how each ended.
-//! May use `records` and `command`.
 
 pub mod journal;
 pub mod plan;

@@ -44,7 +44,7 @@ impl Run {
 /// The runs of all records with all pipelines and settings, in the order of the tables: by digest of the record, name
 /// of the pipeline, settings, name of the record.
 pub(crate) fn plan(records: &[Record], options: &Options) -> anyhow::Result<Vec<Run>> {
-    let programs = digest_of_programs(&options.run).context("cannot read the programs")?;
+    let programs = digest_of_programs().context("cannot read the programs")?;
     let settings = combinations(&options.sweeps);
     // Other pipelines may be laid over it.
     let default = fs::read(options.project.join("pipelines/default.toml")).unwrap_or_default();

@@ -5,17 +5,17 @@ use std::fs;
 use std::io;
 use std::path::PathBuf;
 
+use crumple_run::typed_commands;
+
 /// Programs of the project that no run is made with.
 const OTHERS: [&str; 5] = ["crumple-fleet", "crumple-study", "crumple-together", "crumple-diff", "crumple-artifact"];
 
-/// Digest of the programs that a command names: of its text, of every file that stands in it, and of the programs of
-/// the project beside this one. A program that another one starts is not seen.
-pub(crate) fn digest_of_programs(command: &str) -> io::Result<String> {
-    let mut files: BTreeSet<PathBuf> = command
-        .split(|c: char| c.is_whitespace() || "'\"\\".contains(c))
-        .map(PathBuf::from)
-        .filter(|path| path.is_file())
-        .collect();
+/// Digest of the programs of the stages: of their commands as typed, of every file that stands in one, and of the
+/// programs of the project beside this one. A program that another one starts is not seen.
+pub(crate) fn digest_of_programs() -> io::Result<String> {
+    let commands = typed_commands();
+    let words = commands.iter().flat_map(|command| command.split(|c: char| c.is_whitespace() || "'\"\\".contains(c)));
+    let mut files: BTreeSet<PathBuf> = words.map(PathBuf::from).filter(|path| path.is_file()).collect();
     let own = std::env::current_exe()?;
     for entry in own.parent().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -25,7 +25,7 @@ pub(crate) fn digest_of_programs(command: &str) -> io::Result<String> {
         }
     }
     let mut hasher = blake3::Hasher::new();
-    hasher.update(command.as_bytes());
+    hasher.update(commands.join("\n").as_bytes());
     for path in files {
         hasher.update_reader(fs::File::open(&path)?)?;
     }

@@ -3,11 +3,11 @@
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::Context;
-use crumple_stage::shell_command;
+use crumple_run::own_program;
 
 use crate::command::options::Options;
 use crate::runs::journal::{Ended, digest_of_summary};
@@ -21,7 +21,8 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
     let folder = path_in(fleet, run);
     // What stands in the folder may be of other programs, which the stages do not look at.
     let force = if folder.exists() { " --force" } else { "" };
-    let mut arguments: Vec<OsString> = vec!["--pipeline".into(), OsString::from(&run.pipeline)];
+    let mut arguments: Vec<OsString> = vec!["--project".into(), options.project.clone().into()];
+    arguments.extend(["--pipeline".into(), OsString::from(&run.pipeline)]);
     arguments.extend(["--out".into(), OsString::from(&folder)]);
     arguments.extend(["--flags".into(), format!("{} -q{force}", options.flags()).into()]);
     let of_report = options.report_flags(&run.folder);
@@ -30,17 +31,19 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
     }
     arguments.extend(run.settings.iter().flat_map(|setting| ["--set".into(), OsString::from(setting)]));
     arguments.extend(["--".into(), OsString::from(&run.record.path)]);
-    let mut command = shell_command(&options.run, &arguments, "");
+    let program = own_program("run");
+    let mut command = Command::new(&program);
     // Runs side by side keep the cores busy; threads of one run would only be in each other's way.
     if options.jobs != Some(1) {
         command.env("RAYON_NUM_THREADS", "1");
     }
     let started = Instant::now();
     let output = command
+        .args(arguments)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .output()
-        .with_context(|| format!("cannot start {}", options.run))?;
+        .with_context(|| format!("cannot start {}", program.display()))?;
     let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
     let said = String::from_utf8_lossy(&output.stderr);
     let mut ended = Ended {

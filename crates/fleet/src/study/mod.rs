@@ -1,5 +1,5 @@
 //! What a fleet says of vehicles: one model for the tests of each, how stiffness and damping depend on mass, year and
-//! class, and how far each test is predicted from the others. May use `tables`, `runs`, `records` and `command`.
+//! class, and how far each test is predicted from the others.
 
 pub mod classes;
 pub mod left_out;

@@ -21,8 +21,4 @@ pub struct StudyOptions {
     /// Classes of vehicles: a CSV file with the columns `vehicle` and `class`.
     #[arg(long, value_name = "FILE")]
     pub(crate) classes: Option<PathBuf>,
-
-    /// Command that fits one model to several run folders: `crumple-together` with its stages.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) together: String,
 }

@@ -5,11 +5,11 @@ use std::ffi::OsString;
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use anyhow::Context;
 use crumple_report::SummaryCandidate;
-use crumple_stage::shell_command;
+use crumple_run::own_program;
 use serde::Deserialize;
 
 use crate::runs::journal::{Ended, digest_of_summary};
@@ -53,7 +53,7 @@ impl<'a> JointFits<'a> {
         fleet: &'a Path,
         known: &'a HashMap<(String, String), Ended>,
     ) -> anyhow::Result<Self> {
-        let programs = digest_of_programs(&options.together).context("cannot read the programs")?;
+        let programs = digest_of_programs().context("cannot read the programs")?;
         Ok(Self { options, fleet, programs, known })
     }
 
@@ -75,18 +75,19 @@ impl<'a> JointFits<'a> {
     fn fit_anew(&self, vehicle: &Vehicle<'_>, key: String, folder: String) -> anyhow::Result<Ended> {
         let path = self.fleet.join(&folder);
         let force = if path.exists() { " --force" } else { "" };
-        let mut arguments: Vec<OsString> =
-            vec!["--pipeline".into(), OsString::from(&self.options.fleet.pipelines()[0])];
+        let mut arguments: Vec<OsString> = vec!["--project".into(), self.options.fleet.project.clone().into()];
+        arguments.extend(["--pipeline".into(), OsString::from(&self.options.fleet.pipelines()[0])]);
         arguments.extend(["--out".into(), OsString::from(&path)]);
         arguments.extend(["--flags".into(), format!("-q{force}").into(), "--".into()]);
         arguments.extend(vehicle.tests.iter().map(|row| OsString::from(self.fleet.join(&row.run.folder))));
-        let mut command = shell_command(&self.options.together, &arguments, "");
-        command.env("RAYON_NUM_THREADS", "1");
-        let output = command
+        let program = own_program("together");
+        let output = Command::new(&program)
+            .args(arguments)
+            .env("RAYON_NUM_THREADS", "1")
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .output()
-            .with_context(|| format!("cannot start {}", self.options.together))?;
+            .with_context(|| format!("cannot start {}", program.display()))?;
         let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
         let said = String::from_utf8_lossy(&output.stderr);
         let error = if exit_code == 0 { "" } else { said.lines().next().unwrap_or_default() };

@@ -1,5 +1,4 @@
 //! Tables of a fleet: tests, candidates, metrics, predictions, read from the run folders.
-//! May use `runs`, `records` and `command`.
 
 pub mod candidates;
 pub mod comma_separated;

@@ -1,6 +1,6 @@
 //! `tests`: one row a run.
 
-use crumple_report::{Language, RunSummary, status};
+use crumple_report::{RunSummary, status};
 use crumple_signal::{Note, Severity};
 
 use crate::runs::journal::Ended;
@@ -71,7 +71,7 @@ pub(crate) fn row(run: &Run, ended: &Ended, summary: Option<&RunSummary>) -> Vec
         |summary: &RunSummary| summary.notes.iter().filter(|text| severity(text) == Severity::Warning).count();
     let row = vec![
         (&run.folder).into(),
-        status(ended.exit_code, Language::English).into(),
+        status(ended.exit_code).into(),
         Cell::Count(ended.exit_code.into()),
         (&ended.error).into(),
         text(test.map(|test| &test.title)),

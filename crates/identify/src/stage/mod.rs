@@ -1,7 +1,5 @@
-//! The stage: models of every method asked for, one after the other, and their comparison.
-//! May use the rooms below; the estimators are those of `crumple-sysid`.
-//!
-//! rooms: methods | records | waves | options
+//! The stage: models of every method asked for, one after the other, and their comparison. The estimators are those of
+//! `crumple-sysid`.
 
 mod methods;
 mod options;

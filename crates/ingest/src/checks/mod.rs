@@ -1,5 +1,5 @@
 //! What is noted about the channels: quality, time grids, sensors that should agree, units and signs exchanged.
-//! May use pulse, time and recording; corrects nothing.
+//! Corrects nothing.
 
 pub mod channel_quality;
 pub mod exchange_question;

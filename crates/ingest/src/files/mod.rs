@@ -1,5 +1,5 @@
-//! The disk: a record's files, folders and zip archives into memory, the sidecar beside them.
-//! May use formats and recording; the only room that uses std::fs.
+//! The disk: a record's files, folders and zip archives into memory, the sidecar beside them. The only room that uses
+//! std::fs.
 
 pub mod digests;
 pub mod open;

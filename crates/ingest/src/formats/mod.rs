@@ -1,5 +1,5 @@
-//! What can be read: one reader a format, the registry that recognises them, what several formats share.
-//! May use pulse, time and recording; sees bytes and settings only.
+//! What can be read: one reader a format, the registry that recognises them, what several formats share. Sees bytes and
+//! settings only.
 
 pub mod diadem;
 pub mod ev5;

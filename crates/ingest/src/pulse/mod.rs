@@ -1,5 +1,4 @@
 //! Which channel is the crash pulse: rank of its place, choice, doubts, polarity.
-//! May use recording.
 
 pub mod choice;
 pub mod compartment;

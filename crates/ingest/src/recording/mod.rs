@@ -1,5 +1,4 @@
 //! What a record says: channels, test details, settings of a person, quality as measured.
-//! May use no other room.
 
 pub mod channel_selection;
 pub mod content;

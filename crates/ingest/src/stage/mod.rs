@@ -1,5 +1,4 @@
 //! The program: the stage `ingest`, the listing of channels, how progress and refusals are shown.
-//! May use the library and crumple_stage; nothing uses it.
 
 mod ingest;
 mod list;

@@ -1,5 +1,4 @@
 //! The time axis: uniform grid, resampling, unit, time zero.
-//! May use no other room.
 
 pub mod grid;
 pub mod resampling;

@@ -1,5 +1,4 @@
 //! What a motion says about the crash: time zero, sign of the pulse, events, findings in words.
-//! May use `motion`.
 
 pub mod findings;
 pub mod sign;

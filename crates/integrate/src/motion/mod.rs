@@ -1,5 +1,4 @@
 //! From acceleration to velocity and displacement: rule of summation, start, drift.
-//! May use nothing.
 
 pub mod drift;
 pub mod integration;

@@ -1,7 +1,4 @@
 //! The program: reads the filtered pulse, integrates it, writes motion, events and metrics.
-//! May use the library and `crumple_stage`; nothing uses it.
-//!
-//! rooms: without_motion without_speed collision | pulse criteria | options metric_record
 
 mod collision;
 mod criteria;

@@ -1,4 +1,3 @@
 //! How far the uncertainty of the inputs moves motion, events and metrics: repetitions with perturbed inputs.
-//! May use `motion`.
 
 pub mod propagation;

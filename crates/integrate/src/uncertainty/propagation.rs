@@ -4,10 +4,10 @@
 //! misalignment and pitch of the sensor (5° are 0.4 % of the acceleration and 0.09 g), the mass, the filter class
 //! (0.2 mm of crush), and what another sensor would have read (2.4 % of crush over four channels of one real test).
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events, definitions, pulse_metrics,
 };
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{Acceleration, Distribution, Signal};
 use rayon::prelude::*;
 use serde::Serialize;

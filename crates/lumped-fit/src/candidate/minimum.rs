@@ -1,7 +1,7 @@
 //! The minimum of a misfit as measured: what a candidate is made from and assessed by.
 
-use crumple_estimation::minimise::StopReason;
 use crumple_lumped::Model;
+use crumple_numerics::estimation::minimise::StopReason;
 use nalgebra::DMatrix;
 
 use crate::free::coordinates::Coordinates;

@@ -1,5 +1,4 @@
 //! A parameter set with how it was found, how it was fitted and how well it is known, and its parameters in words.
-//! May use `free` and `record`.
 
 pub mod method;
 pub mod minimum;

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use crumple_estimation::minimise::StopReason;
 use crumple_lumped::{Model, ParameterKind};
+use crumple_numerics::estimation::minimise::StopReason;
 use crumple_signal::Note;
 
 use crate::candidate::minimum::Minimum;

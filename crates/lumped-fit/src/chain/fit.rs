@@ -13,7 +13,7 @@ use crate::fit::problem::Problem;
 use crate::fit::search::{Search, search};
 use crate::uncertainty::assessment::{Assessment, AssessmentOptions, AtMinimum};
 use crate::{Fit, Observation, SolveError};
-use crumple_estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Optimum, derivatives};
 
 /// Rounds of weighing sensors seen through their filters, and the change of a weight that is worth another.
 const WEIGHINGS: usize = 8;

@@ -1,6 +1,4 @@
-//! Chains of any number of masses: stated, fitted to waves, with covariance, dual, profiles, bootstrap and
-//! propagation.
-//! May use `uncertainty`, `fit`, `free`, `candidate` and `record`.
+//! Chains of any number of masses: stated, fitted to waves, with covariance, dual, profiles, bootstrap and propagation.
 
 pub mod assessment;
 pub mod coordinates;

@@ -1,5 +1,4 @@
 //! Kelvin, elastoplastic and Maxwell model from crash events or exponents, by formula.
-//! Uses no other room.
 
 pub mod elastoplastic;
 pub mod kelvin;

@@ -6,7 +6,7 @@
 //! the filter of the accelerations: left out, it puts a third of itself into the first knots. The idea is that
 //! of SISAME (Mentzer, NHTSA 2006): force-deflection curves and masses in one constrained fit of test data.
 
-use crumple_linalg::nonnegative_least_squares;
+use crumple_numerics::linalg::nonnegative_least_squares;
 use nalgebra::{DMatrix, DVector};
 
 use super::loading_history::{Phase, phases};

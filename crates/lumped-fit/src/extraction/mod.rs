@@ -1,5 +1,4 @@
 //! Force-deflection curves and masses read off measured motions: a bounded linear least squares problem.
-//! May use `record`.
 
 pub mod extract;
 pub mod joint_rate;

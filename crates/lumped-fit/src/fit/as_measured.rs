@@ -16,7 +16,7 @@ use crate::free::coordinates::Coordinates;
 use crate::free::free_parameter::FreeParameter;
 use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
 
 /// Relative residual below which the model is exact: rounding of a response of size one through filter and
 /// integration.
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::free::free_parameter::free_masses;
     use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
-    use crumple_estimation::minimise::levenberg_marquardt::Response;
+    use crumple_numerics::estimation::minimise::levenberg_marquardt::Response;
     use nalgebra::DVector;
 
     /// CFC 60 at 10 kHz.

@@ -1,6 +1,6 @@
 //! Descents from several points at once: their bounds, their ends in order, and which ends are distinct.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use rayon::prelude::*;
 
 use crate::free::coordinates::Coordinates;

@@ -1,5 +1,4 @@
 //! Models fitted to records by bounded least squares: searches on the motion itself, and the one fit as measured.
-//! May use `candidate`, `free` and `record`.
 
 pub mod as_measured;
 pub mod at_crush;

@@ -1,12 +1,12 @@
 //! Search for the minima of an error: descents from many starts, then hops along the weakest direction.
 
-use crumple_linalg::jacobi_svd;
+use crumple_numerics::linalg::jacobi_svd;
 
 use crate::fit::descents::{SCREENING_ITERATIONS, SEARCH_SAMPLES, all, bounds, distinct};
 use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;
 use crate::free::parametric::Parametric;
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response};
 
 /// Relative residual below which a minimum is the exact model: rounding of a response of size one.
 const EXACT: f64 = 1e-14;

@@ -1,6 +1,6 @@
 //! A model of which some numbers are free, compared with the waves of a test.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use nalgebra::DMatrix;
 
 use crate::Observation;

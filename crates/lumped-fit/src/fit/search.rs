@@ -3,9 +3,9 @@
 //! What it finds are starts of the fit [as measured](crate::fit::as_measured): the motion is quick to compare, since
 //! it is exact at any spacing of the samples.
 
-use crumple_estimation::minimise::StopReason;
-use crumple_estimation::minimise::l_shade::{LShadeOptions, l_shade};
-use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response};
+use crumple_numerics::estimation::minimise::StopReason;
+use crumple_numerics::estimation::minimise::l_shade::{LShadeOptions, l_shade};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Optimum, Response};
 
 use crate::fit::descents::{SCREENING_SAMPLES, SEARCH_SAMPLES, all, distinct};
 use crate::fit::halton_starts::start;

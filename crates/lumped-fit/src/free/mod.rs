@@ -1,5 +1,4 @@
 //! Which numbers of a model are free, as coordinates of size one with bounds, and how the mass divides.
-//! Uses no other room.
 
 pub mod coordinates;
 pub mod free_parameter;

@@ -1,5 +1,4 @@
 //! The double model from the poles of an identified model: every solution, and the standard deviations of each.
-//! May use `candidate`.
 
 pub mod coefficient_matching;
 pub mod coefficient_spread;

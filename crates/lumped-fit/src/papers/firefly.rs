@@ -1,8 +1,8 @@
 //! The firefly search of the single-mass paper for the second nonlinear model, in its own units and in the unit box.
 
-use crumple_estimation::minimise::StopReason;
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Model, Nonlinear2};
+use crumple_numerics::estimation::minimise::StopReason;
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{Displacement, Signal};
 
 use crate::error::positive;

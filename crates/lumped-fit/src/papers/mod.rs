@@ -1,5 +1,4 @@
 //! Methods as papers print them, for reproduction and comparison.
-//! May use `matching`, `fit`, `closed_form`, `candidate`, `free` and `record`.
 
 pub mod era_amplitude_ratios;
 pub mod era_curve_fit;

@@ -1,8 +1,8 @@
 //! The first nonlinear model by the method of its paper: an interior point with side constraints.
 
-use crumple_estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
-use crumple_estimation::minimise::levenberg_marquardt::Response;
 use crumple_lumped::{Model, Nonlinear1};
+use crumple_numerics::estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::Response;
 use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -235,7 +235,7 @@ impl TwoPassFilter {
 pub(crate) mod tests {
     use std::f64::consts::SQRT_2;
 
-    use crumple_estimation::random::RandomNumbers;
+    use crumple_numerics::estimation::random::RandomNumbers;
     use crumple_signal::{BeforeEvent, Sampled};
 
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-use crumple_estimation::statistics::InformationCriteria;
+use crumple_numerics::estimation::statistics::InformationCriteria;
 
 use crate::record::measurement::TwoPassFilter;
 use crate::record::observation::Observation;

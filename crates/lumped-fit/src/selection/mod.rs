@@ -1,5 +1,4 @@
 //! Which candidate to use: evidence as measured, prior knowledge of vehicles, and the choice with its reasons.
-//! May use `record`.
 
 pub mod choice;
 pub mod compared_candidate;

@@ -1,5 +1,4 @@
 //! The table of solvers, the functions of its rows, and the call that runs all that settings ask for.
-//! May use every other room.
 
 pub mod closed_forms;
 pub mod crush_curves;

@@ -1,7 +1,7 @@
 //! Any model fitted to acceleration, velocity or displacement of one or several sensors.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Optimum, descend};
 use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Optimum, descend};
 use crumple_signal::Notes;
 
 use crate::fit::descents::{APART, bounds};

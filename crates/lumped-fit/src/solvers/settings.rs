@@ -2,7 +2,7 @@
 
 use crumple_lumped::ModelKind;
 
-use crumple_estimation::minimise::l_shade::LShadeOptions;
+use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 
 use crate::{FireflyOptions, FitQuantity, MassFit, MassSplit, Method};
 

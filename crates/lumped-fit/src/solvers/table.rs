@@ -12,7 +12,7 @@ use crate::solvers::crush_curves::one_mass;
 use crate::solvers::task::{Needs, Task};
 use crate::solvers::{closed_forms, sensors, single_mass};
 use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
-use crumple_estimation::minimise::l_shade::LShadeOptions;
+use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 
 /// The function of a row: candidates and notes from a task.
 type Solve = fn(&Task<'_>, &mut Notes) -> Result<Vec<Candidate>, SolveError>;

@@ -1,14 +1,16 @@
 //! Assessment of a model at the minimum of its misfit: covariance, intervals, correlation, profiles and bootstrap.
 //!
 //! The covariance is the sandwich `(J'J)^-1 J' L J (J'J)^-1` with the autocovariance `L` of the residuals, see
-//! [`covariance`](crumple_estimation::statistics::covariance); coordinates are logarithms, or near zero shares of a
+//! [`covariance`](crumple_numerics::estimation::statistics::covariance); coordinates are logarithms, or near zero shares of a
 //! scale. Its intervals are valid while the model is true and the response straight over the interval. The profile
 //! drops the second condition, the bootstrap makes no use of a formula; neither drops the first.
 
 use std::collections::BTreeMap;
 
-use crumple_estimation::statistics::{Block, Covariance, SensorError, covariance_of_blocks, lag_1_autocorrelation};
 use crumple_lumped::{Model, ModelKind, ParameterKind};
+use crumple_numerics::estimation::statistics::{
+    Block, Covariance, SensorError, covariance_of_blocks, lag_1_autocorrelation,
+};
 use nalgebra::DMatrix;
 
 use crate::candidate::minimum::Minimum;

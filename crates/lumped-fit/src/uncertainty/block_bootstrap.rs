@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::record::observation::Observation;
-use crumple_estimation::random::{RandomNumbers, circular_blocks};
-use crumple_estimation::statistics::{geyer_autocorrelation_time, quantile};
+use crumple_numerics::estimation::random::{RandomNumbers, circular_blocks};
+use crumple_numerics::estimation::statistics::{geyer_autocorrelation_time, quantile};
 
 /// Seed of the generators; replicate `i` uses its stream `i`.
 const SEED: u64 = 1;

@@ -7,7 +7,7 @@
 use crumple_lumped::ParameterKind;
 
 use crate::FitQuantity;
-use crumple_estimation::statistics::Covariance;
+use crumple_numerics::estimation::statistics::Covariance;
 
 /// Parameters whose part of the weakest direction is below this share of the largest part are not named.
 const WORTH_NAMING: f64 = 0.2;
@@ -112,7 +112,7 @@ fn size(value: f64, quantity: FitQuantity) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_estimation::statistics::covariance;
+    use crumple_numerics::estimation::statistics::covariance;
     use nalgebra::DMatrix;
 
     fn spring(name: &str, value: f64) -> NamedCoordinate {

@@ -1,6 +1,5 @@
 //! How well fitted parameters are determined: covariance, intervals, profiles, bootstrap, propagation of uncertain
 //! inputs.
-//! May use `fit`, `closed_form`, `free`, `candidate` and `record`.
 
 pub mod assessment;
 pub mod block_bootstrap;

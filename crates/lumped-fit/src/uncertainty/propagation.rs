@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{Model, Parameter, ParameterKind};
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Distribution;
 
 use crate::fit::as_measured::near;

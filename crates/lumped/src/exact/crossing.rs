@@ -3,7 +3,7 @@
 //! Several exponentials of different speeds stand in one quantity; no closed form gives the first zero of their sum.
 //! The search is by exact steps, so that only the bracketing can miss anything, never the motion.
 
-use crumple_lti::{Complex, eigenvalues};
+use crumple_numerics::lti::{Complex, eigenvalues};
 use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DMatrix, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 

@@ -6,7 +6,7 @@
 //! quadratic forms of the state and come from a block exponential of twice the size: Van Loan, "Computing integrals
 //! involving the matrix exponential", IEEE Trans. Automatic Control 23(3), 1978.
 
-use crumple_lti::matrix_exponential;
+use crumple_numerics::lti::matrix_exponential;
 use nalgebra::{DMatrix, DVector};
 
 use crate::exact::linear_system::{LinearElement, LinearSystem};

@@ -1,5 +1,4 @@
 //! Exact steps of linear equations of motion, their derivatives, and the search for the first zero on them.
-//! May use `structure`, `motion` and `kind`.
 
 pub mod crossing;
 pub mod derivatives;

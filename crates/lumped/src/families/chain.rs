@@ -1,6 +1,6 @@
 //! Masses in a row, each on a spring and a damper: double, triple and the user's chains.
 
-use crumple_lti::{Complex, polynomial_roots};
+use crumple_numerics::lti::{Complex, polynomial_roots};
 
 use crate::error::{finite, row_of_masses};
 use crate::families::values::check_values;

@@ -1,6 +1,6 @@
 //! The double model: two masses, two springs, two dampers.
 
-use crumple_lti::{Complex, polynomial_roots};
+use crumple_numerics::lti::{Complex, polynomial_roots};
 use nalgebra::Matrix4;
 
 use crate::families::chain::constants;

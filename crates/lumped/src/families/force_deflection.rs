@@ -4,7 +4,7 @@
 //! another, which a damper's force does not. The law is that of [`ForceDeflection`].
 
 use crate::error::positive;
-use crate::kind::parameter::MOST_KNOTS;
+use crate::kind::MOST_KNOTS;
 use crate::structure::connected_masses::Structure;
 use crate::structure::elements::force_deflection::ForceDeflection;
 use crate::{LumpedError, ModelKind};

@@ -4,7 +4,7 @@
 //! barrier past the engine to the compartment (the rails). Each is a [`ForceDeflection`] with a curve, an unloading and
 //! a rate factor of its own; a path that the record does not ask for is left out.
 
-use crate::kind::parameter::{LOAD_PATHS, MOST_KNOTS_OF_PATH, OF_PATH};
+use crate::kind::{LOAD_PATHS, MOST_KNOTS_OF_PATH, OF_PATH};
 use crate::structure::connected_masses::{Connection, Node, Place, Structure};
 use crate::structure::elements::force_deflection::ForceDeflection;
 use crate::{LumpedError, ModelKind};

@@ -1,5 +1,4 @@
 //! One file a family of models: what it is made of, its closed form where it has one, the names of its parameters.
-//! May use `response` and the rooms below it.
 
 pub mod chain;
 pub mod chain_parameters;

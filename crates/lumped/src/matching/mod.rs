@@ -1,5 +1,4 @@
 //! Springs and dampers of the double model from poles or a state space: every solution, in double length.
-//! May use `families` and the rooms below it, not `model`.
 
 pub mod coefficient_matching;
 pub mod cubic;

@@ -1,6 +1,6 @@
 //! The masses' own motions in an identified state space: the transformation to physical coordinates.
 
-use crumple_linalg::jacobi_svd;
+use crumple_numerics::linalg::jacobi_svd;
 use nalgebra::{DMatrix, Matrix2, Matrix4, RowVector4, Vector4};
 
 use crate::error::{finite, positive};

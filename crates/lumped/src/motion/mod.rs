@@ -1,5 +1,4 @@
 //! What moves a model and what it answers: start, drive, motion, forces, energies, events, derivatives.
-//! May use nothing.
 
 pub mod collision;
 pub mod drive;

@@ -1,5 +1,4 @@
 //! What a structure answers: motions, derivatives, forces, energies, events; exactly or by series.
-//! May use `series`, `exact`, `structure`, `motion` and `kind`.
 
 pub mod collisions;
 pub mod element_paths;

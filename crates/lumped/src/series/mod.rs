@@ -1,5 +1,4 @@
 //! Motions of any structure by Taylor series from event to event, with their derivatives.
-//! May use `exact`, `structure`, `motion` and `kind`.
 
 pub mod changes;
 pub mod exit;

@@ -1,5 +1,4 @@
 //! What a model is made of: masses, and elements between any two nodes. An element is one file in `elements/`.
-//! May use `motion` and `kind`.
 
 pub mod connected_masses;
 pub mod element;

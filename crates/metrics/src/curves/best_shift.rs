@@ -4,7 +4,7 @@
 //! that is a sum of products for every shift, N² in all; a transform gives all sums at once but with rounding that may
 //! exchange two near shifts. Here the transform only narrows the choice, the definition decides.
 
-use crumple_linalg::real_transform;
+use crumple_numerics::linalg::real_transform;
 
 /// What is maximised over the shifts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

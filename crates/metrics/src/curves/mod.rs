@@ -1,5 +1,4 @@
 //! One curve against another: ISO/TS 18571, CORA, residuals, corridors, agreement of channels.
-//! May use `metric`.
 
 pub mod best_shift;
 pub mod channel_agreement;

@@ -1,5 +1,4 @@
 //! The instants of a crash: time zero, dynamic crush, rebound, end of the event, separation.
-//! May use `sums` and `metric`.
 
 pub mod collision;
 pub mod crash_events;

@@ -4,8 +4,8 @@ use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
 use crate::Metric;
 use crate::metric::definitions::{TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
-use crate::sums::cumulative::{cumulative, in_samples};
-use crate::sums::sliding_mean::window_end;
+use crate::sums::window_end;
+use crate::sums::{cumulative, in_samples};
 
 /// Interval of the rule for event data recorders, s.
 pub const EDR_INTERVAL_S: f64 = 0.02;

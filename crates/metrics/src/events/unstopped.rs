@@ -4,8 +4,8 @@
 use crumple_signal::{Signal, Velocity};
 
 use crate::events::time_zero::{EDR_CHANGE_M_PER_S, EDR_INTERVAL_S};
-use crate::sums::cumulative::in_samples;
-use crate::sums::sliding_mean::window_end;
+use crate::sums::in_samples;
+use crate::sums::window_end;
 
 /// The end of an event that does not stop the vehicle, and the lowest velocity up to it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,5 +1,4 @@
 //! What a metric is: value, unit, definition, window, interval; the catalogue of definitions; one grid for two signals.
-//! May use nothing.
 
 pub mod definitions;
 pub mod grid;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crumple_estimation::statistics::quantile;
+use crumple_numerics::estimation::statistics::quantile;
 
 use crate::Definition;
 

@@ -1,5 +1,4 @@
 //! Criteria of occupants: HIC, 3 ms clips, resultants, ride-down.
-//! May use `sums` and `metric`.
 
 pub mod clip;
 pub mod hic;

@@ -4,7 +4,7 @@ use crumple_signal::{Acceleration, Signal};
 
 use crate::metric::definitions::{OCCUPANT_TRAVEL, RESTRAINT, RIDE_DOWN};
 use crate::metric::grid::same_grid;
-use crate::sums::cumulative;
+use crate::sums;
 use crate::{Metric, MetricsError};
 
 /// Where the occupant's energy goes.
@@ -44,9 +44,9 @@ pub fn ride_down(
         return Err(MetricsError::ImpactSpeed(v0));
     }
     let dt = vehicle.dt_s();
-    let v = cumulative::from(v0, vehicle.samples(), dt);
+    let v = sums::cumulative_from(v0, vehicle.samples(), dt);
     let a_o = occupant.samples();
-    let v_o = cumulative::from(v0, a_o, dt);
+    let v_o = sums::cumulative_from(v0, a_o, dt);
     let (mut crush, mut belt, mut travel) = (0.0, 0.0, 0.0);
     let mut largest = (0.0, 0);
     for k in 1..v.len() {

@@ -1,5 +1,4 @@
 //! What is read off a crash pulse and its motion: peak, mean, centroid, OLC, VPI, square waves, the list of all.
-//! May use `energy`, `events`, `sums` and `metric`.
 
 pub mod centroid;
 pub mod mean;

@@ -6,7 +6,7 @@
 
 use crumple_signal::{Acceleration, Displacement, Signal, Velocity};
 
-use crate::energy::work::{absorbed_energy, kinetic_energy, loading_work_per_kg};
+use crate::energy::{absorbed_energy, kinetic_energy, loading_work_per_kg};
 use crate::metric::definitions::{
     ABSORBED_ENERGY, ASW, AVERAGE_STIFFNESS, CENTROID, CENTROID_MOMENT, CENTROID_RATIO, CLOSURE, DELTA_V,
     DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, PEAK, REBOUND_DISPLACEMENT, RESTITUTION, RETURNED_ENERGY,
@@ -16,7 +16,7 @@ use crate::metric::grid::same_grid;
 use crate::pulse::olc::olc;
 use crate::pulse::peak::{index_of_largest, peak};
 use crate::pulse::vpi::vpi;
-use crate::sums::sliding_mean::sliding_mean_of_velocity;
+use crate::sums::sliding_mean_of_velocity;
 use crate::{
     CrashEvents, Definition, EventEnd, Metric, MetricsError, OlcOptions, VpiOptions, acceleration_after_separation,
     average_square_wave, average_stiffness, centroid_time_by_moment, centroid_time_from_crush, energy_equivalent_speed,

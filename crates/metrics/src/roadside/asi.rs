@@ -7,8 +7,8 @@ use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 use crate::metric::definitions::{ASI_1998, ASI_2010, ASI_2010_TWO_PASS};
 use crate::metric::grid::same_grid;
 use crate::roadside::butterworth::two_pass;
-use crate::sums::cumulative::{cumulative, in_samples};
-use crate::sums::sliding_mean::window_end;
+use crate::sums::window_end;
+use crate::sums::{cumulative, in_samples};
 use crate::{Metric, MetricsError};
 
 /// Length of the mean of 1998, s.

@@ -8,8 +8,8 @@ use crumple_signal::{Acceleration, Sampled, Signal};
 
 use crate::metric::definitions::{OIV_X, OIV_Y, ORA_X, ORA_Y, PHD, THIV};
 use crate::metric::grid::same_grid;
-use crate::sums::cumulative::{self, cumulative, in_samples};
-use crate::sums::sliding_mean::window_end;
+use crate::sums::window_end;
+use crate::sums::{cumulative, cumulative_from, in_samples};
 use crate::{Definition, Metric, MetricsError};
 
 /// Length of the mean after the impact, s.
@@ -114,7 +114,7 @@ impl Flight {
         let ground_y: Vec<f64> = (0..n).map(|k| ax[k] * yaw[k].sin() + ay[k] * yaw[k].cos()).collect();
         // Relative to the head, which keeps the speed: no difference of two large distances.
         let (rate_x, rate_y) = (cumulative(&ground_x, dt_s), cumulative(&ground_y, dt_s));
-        let (dx, dy) = (cumulative::from(-space.head_x_m, &rate_x, dt_s), cumulative(&rate_y, dt_s));
+        let (dx, dy) = (cumulative_from(-space.head_x_m, &rate_x, dt_s), cumulative(&rate_y, dt_s));
         let (mut position, mut rates) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for k in 0..n {
             let (sine, cosine) = yaw[k].sin_cos();

@@ -1,5 +1,4 @@
 //! Criteria of roadside hardware: ASI, THIV, PHD, OIV, ORA.
-//! May use `sums` and `metric`.
 
 pub mod asi;
 pub mod butterworth;

@@ -1,8 +1,4 @@
 //! The program: reads the events and the motion, solves, assesses, writes the candidates.
-//! May use `crumple_stage` and the estimators of `crumple-lumped-fit`.
-//!
-//! rooms: several_tests | chains from_events from_exponentials from_models | records recommend | assess | inputs |
-//! options
 
 mod assess;
 mod chains;

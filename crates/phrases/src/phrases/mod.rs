@@ -1,23 +1,20 @@
-//! All words of pages, Markdown and console, English and German beside each other. `{name}` in a text is filled in.
-//! Uses no other room.
+//! All words of pages, Markdown and console, by subject. `{name}` in a text is filled in.
 
-/// Texts as fields of a struct: `name: "English", "Deutsch";`. One that lacks a language does not compile.
+/// Texts as fields of a struct: `name: "text";`.
 macro_rules! texts {
-    ($name:ident $($field:ident: $english:expr, $german:expr;)+) => {
-        #[doc = concat!("Texts of one language: ", stringify!($name), ".")]
+    ($name:ident $($field:ident: $text:expr;)+) => {
+        #[doc = concat!("Texts: ", stringify!($name), ".")]
         #[derive(Debug, serde::Serialize)]
         #[allow(missing_docs, reason = "a field is named after its text")]
         pub struct $name {
-            $(#[doc = $english] pub $field: &'static str,)+
+            $(#[doc = $text] pub $field: &'static str,)+
         }
 
         impl $name {
-            /// In English.
-            pub const ENGLISH: Self = Self { $($field: $english,)+ };
-            /// In German.
-            pub const GERMAN: Self = Self { $($field: $german,)+ };
-            /// In English, with the name of each.
-            pub const NAMED: &[(&str, &str)] = &[$((stringify!($field), $english),)+];
+            /// The texts.
+            pub const TEXTS: Self = Self { $($field: $text,)+ };
+            /// The texts, with the name of each.
+            pub const NAMED: &[(&str, &str)] = &[$((stringify!($field), $text),)+];
         }
     };
 }
@@ -48,20 +45,18 @@ pub use remarks::RemarkTexts;
 pub use runs::{FleetTexts, JointTexts, RunTexts};
 pub use scripts::{CursorTexts, WhatIfTexts};
 
-/// All texts in each language, by what they are about: a field a subject.
+/// All texts, by what they are about: a field a subject.
 macro_rules! phrases {
     ($($(#[$doc:meta])+ $field:ident: $texts:ident;)+) => {
-        /// The texts of one language, by what they are about.
+        /// The texts, by what they are about.
         #[derive(Debug)]
         pub struct Phrases {
             $($(#[$doc])+ pub $field: $texts,)+
         }
 
-        /// English.
-        pub const ENGLISH: Phrases = Phrases { $($field: $texts::ENGLISH,)+ };
-        /// German.
-        pub const GERMAN: Phrases = Phrases { $($field: $texts::GERMAN,)+ };
-        /// Every English text with its subject and its name.
+        /// The texts of every subject.
+        pub static PHRASES: Phrases = Phrases { $($field: $texts::TEXTS,)+ };
+        /// Every text with its subject and its name.
         pub fn named() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
             let all = [$((stringify!($field), $texts::NAMED),)+];
             all.into_iter().flat_map(|(subject, texts)| texts.iter().map(move |(name, text)| (subject, *name, *text)))

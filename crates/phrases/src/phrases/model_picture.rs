@@ -1,76 +1,62 @@
 //! The model as a picture, and what is said below it.
 
 texts! { ModelTexts
-    title: "The model", "Das Modell";
+    title: "The model";
     caption:
         "Under a value its 95 % interval, if the model is true and mass, speed and gain are as stated. Determined: \
          known within a factor of ten. Dashed and “?”: not determined. Zigzag: \
-         spring; box and piston: damper; small curve: force over deflection.",
-        "Unter einem Wert sein 95-%-Intervall, falls das Modell stimmt und Masse, Geschwindigkeit und Verstärkung wie \
-         angegeben sind. Bestimmt: auf einen Faktor zehn bekannt. Gestrichelt und \
-         „?“: nicht bestimmt. Zickzack: Feder; Zylinder und Kolben: Dämpfer; kleine Kurve: Kraft über Verformung.";
-    recommended_and_closest: "Recommended, and closest to the record", "Empfohlen und der Aufzeichnung am nächsten";
-    recommended: "Recommended for predictions", "Für Vorhersagen empfohlen";
-    in_doubt: "In doubt", "Fraglich";
-    closest: "Closest to the record", "Der Aufzeichnung am nächsten";
-    closest_alone: "Closest to the record; none is recommended", "Der Aufzeichnung am nächsten; keines ist empfohlen";
+         spring; box and piston: damper; small curve: force over deflection.";
+    recommended_and_closest: "Recommended, and closest to the record";
+    recommended: "Recommended for predictions";
+    in_doubt: "In doubt";
+    closest: "Closest to the record";
+    closest_alone: "Closest to the record; none is recommended";
     no_structure:
-        "No structure of masses and elements belongs to this model.",
-        "Zu diesem Modell gehört keine Struktur aus Massen und Elementen.";
+        "No structure of masses and elements belongs to this model.";
     off_the_test:
-        "In its own test: crush {crush}, t<sub>m</sub> {time}{restitution}; displacement fit {fit}.",
-        "Im eigenen Versuch: Eindrückung {crush}, t<sub>m</sub> {time}{restitution}; Anpassung des Wegs {fit}.";
-    and_restitution: ", restitution {restitution}", ", Stoßzahl {restitution}";
-    follows: "Displacement fit {fit}.", "Anpassung des Wegs {fit}.";
+        "In its own test: crush {crush}, t<sub>m</sub> {time}{restitution}; displacement fit {fit}.";
+    and_restitution: ", restitution {restitution}";
+    follows: "Displacement fit {fit}.";
     one_spring:
-        "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.",
-        "Eine Feder mit Energie und Eindrückung des Versuchs: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
-    by_noise_alone: "; intervals: 95\u{a0}%, by the noise alone", "; Intervalle: 95\u{a0}%, nur aus dem Rauschen";
-    rating: "ISO/TS 18571 of the acceleration {value}{grade}.", "ISO/TS 18571 der Beschleunigung {value}{grade}.";
+        "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
+    by_noise_alone: "; intervals: 95\u{a0}%, by the noise alone";
+    rating: "ISO/TS 18571 of the acceleration {value}{grade}.";
     decided_by:
-        "Chosen by sensors {sensors}.",
-        "Gewählt nach den Aufnehmern {sensors}.";
+        "Chosen by sensors {sensors}.";
     same_record:
-        "{model} gives the same record on this sensor.",
-        "{model} ergibt an diesem Aufnehmer dieselbe Aufzeichnung.";
+        "{model} gives the same record on this sensor.";
     sensor_fitted:
-        "Sensor {sensor} on mass {mass}, fitted too: {quantity} off by {error} rms.",
-        "Aufnehmer {sensor} auf Masse {mass}, mit angepasst: {quantity} im Effektivwert um {error} daneben.";
+        "Sensor {sensor} on mass {mass}, fitted too: {quantity} off by {error} rms.";
     sensor_not_seen:
-        "Sensor {sensor} on mass {mass}, which the fit did not see: displacement off by {error} rms{fit}.",
-        "Aufnehmer {sensor} auf Masse {mass}, in der Anpassung nicht verwendet: Weg im Effektivwert um {error} \
-         daneben{fit}.";
-    fit: ", fit {fit}", ", Anpassung {fit}";
+        "Sensor {sensor} on mass {mass}, which the fit did not see: displacement off by {error} rms{fit}.";
+    fit: ", fit {fit}";
     no_sensor_on_front:
-        "No sensor on its front mass: nothing in this record tests how the mass is divided.",
-        "Kein Aufnehmer auf der vorderen Masse: Nichts in dieser Aufzeichnung prüft die Aufteilung der Masse.";
+        "No sensor on its front mass: nothing in this record tests how the mass is divided.";
     no_sensor_in_front:
-        "No sensor on the masses in front: nothing in this record tests how the mass is divided.",
-        "Kein Aufnehmer auf den vorderen Massen: Nichts in dieser Aufzeichnung prüft die Aufteilung der Masse.";
-    limit_of_physical: "limit of what is physical", "Grenze des Physikalischen";
-    above: "above {end}", "über {end}";
-    below: "below {end}", "unter {end}";
-    open: "open", "offen";
-    on_a_bound: "on a bound", "an einer Schranke";
-    not_determined: "not determined", "nicht bestimmt";
-    loading: "loading", "Belastung";
-    unloading: "unloading", "Entlastung";
-    up_to: "{symbol} up to {force} at {deflection}{doubt}", "{symbol} bis {force} bei {deflection}{doubt}";
-    knots: "{count} knots", "{count} Stützstellen";
+        "No sensor on the masses in front: nothing in this record tests how the mass is divided.";
+    limit_of_physical: "limit of what is physical";
+    above: "above {end}";
+    below: "below {end}";
+    open: "open";
+    on_a_bound: "on a bound";
+    not_determined: "not determined";
+    loading: "loading";
+    unloading: "unloading";
+    up_to: "{symbol} up to {force} at {deflection}{doubt}";
+    knots: "{count} knots";
     knots_determined:
-        "{count} knots, {determined} of {asked} determined",
-        "{count} Stützstellen, {determined} von {asked} bestimmt";
-    the_barrier: "the barrier", "Barriere";
-    the_mass: "the mass", "der Masse";
-    mass_number: "mass {number}", "Masse {number}";
-    mass_words: "Mass {symbol}: {values}.", "Masse {symbol}: {values}.";
-    spring: "Spring", "Feder";
-    damper: "Damper", "Dämpfer";
-    spring_and_damper: "Spring and damper in series", "Feder und Dämpfer in Reihe";
-    curve: "Force-deflection curve", "Kraft-Weg-Verlauf";
-    between: "{kind} between {front} and {rear}: {values}.", "{kind} zwischen {front} und {rear}: {values}.";
-    barrier: "barrier", "Barriere";
-    quantity_displacement: "displacement", "Weg";
-    quantity_velocity: "velocity", "Geschwindigkeit";
-    quantity_acceleration: "acceleration", "Beschleunigung";
+        "{count} knots, {determined} of {asked} determined";
+    the_barrier: "the barrier";
+    the_mass: "the mass";
+    mass_number: "mass {number}";
+    mass_words: "Mass {symbol}: {values}.";
+    spring: "Spring";
+    damper: "Damper";
+    spring_and_damper: "Spring and damper in series";
+    curve: "Force-deflection curve";
+    between: "{kind} between {front} and {rear}: {values}.";
+    barrier: "barrier";
+    quantity_displacement: "displacement";
+    quantity_velocity: "velocity";
+    quantity_acceleration: "acceleration";
 }

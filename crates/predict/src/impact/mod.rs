@@ -1,5 +1,5 @@
 //! One impact of one candidate: its structure with the mass asked for, the wall or a partner, an occupant, what comes
-//! out, how far it reaches. Uses no other room.
+//! out, how far it reaches.
 
 pub mod against;
 pub mod candidate;

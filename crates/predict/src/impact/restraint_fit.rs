@@ -3,9 +3,9 @@
 //! Slack, stiffness and force limit show in the chest's velocity as the first bend, what follows it and the straight
 //! line at the end. Up to the largest excursion: how a restraint is unloaded, the way in does not tell.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
-use crumple_estimation::statistics::{InformationCriteria, covariance, effective_samples};
 use crumple_lumped::{CrashPulse, Drive, ForceDeflection, Occupant, Structure};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
+use crumple_numerics::estimation::statistics::{InformationCriteria, covariance, effective_samples};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Samples of the ride that are needed.
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn deviations_hold_what_noise_does() {
         let mut noisy = ride(60e3, 0.03, Some(5e3));
-        let mut random = crumple_estimation::random::RandomNumbers::of_stream(3, 1);
+        let mut random = crumple_numerics::estimation::random::RandomNumbers::of_stream(3, 1);
         noisy.chest_m_per_s.iter_mut().skip(1).for_each(|v| *v += 0.05 * random.normal());
         let fitted = noisy.restraint(75.0).unwrap();
         for (fitted, truth) in

@@ -1,5 +1,4 @@
 //! How sure a prediction is: directions of the parameters, the other models, everything else that is not known.
-//! May use `impact`.
 
 pub mod directions;
 pub mod models;

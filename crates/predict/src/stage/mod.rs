@@ -1,5 +1,4 @@
 //! The program: reads candidates and which of them are named, predicts, writes predictions and their waves.
-//! Uses the library and `crumple_stage`.
 
 mod against;
 mod barriers;

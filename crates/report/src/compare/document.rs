@@ -1,5 +1,6 @@
 //! The comparison of several runs as a page and as Markdown.
 
+use crumple_phrases::PHRASES;
 use std::collections::BTreeSet;
 
 use crumple_drawing::escape::{address, html};
@@ -8,8 +9,8 @@ use crumple_findings::{
     conclusion,
     markdown::{HEAD, markdown},
 };
-use crumple_phrases::language::{Language, fill};
 use crumple_phrases::phrases::RunTexts;
+use crumple_phrases::words::fill;
 
 use super::compared_run::ComparedRun;
 use super::figure::figure;
@@ -26,15 +27,13 @@ pub struct RunComparison<'a> {
     names: Vec<String>,
     /// Heading, what the first column is, rows.
     tables: Vec<(&'static str, &'static str, Vec<Row>)>,
-    language: Language,
     sentences: Vec<String>,
 }
 
 impl<'a> RunComparison<'a> {
     /// Compares every run with the first. The same runs give the same bytes.
     pub fn new(runs: &'a [ComparedRun]) -> Self {
-        let language = runs.first().map_or_else(Language::default, |run| run.run.language);
-        let texts = &language.phrases().runs;
+        let texts = &PHRASES.runs;
         let (numbers, models, made) = (key_number_rows(runs), model_rows(runs), settings::rows(runs));
         let sentences = vec![made_of(runs, &made, texts), what_differs(&numbers, &models, texts)];
         let mut tables = vec![
@@ -44,7 +43,7 @@ impl<'a> RunComparison<'a> {
             (texts.made_with, texts.setting, made),
         ];
         tables.retain(|(_, _, rows)| !rows.is_empty());
-        Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, language, sentences }
+        Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, sentences }
     }
 
     /// What differs, in two sentences.
@@ -54,7 +53,7 @@ impl<'a> RunComparison<'a> {
 
     /// The key numbers and what of the models and predictions differs, as lines of a terminal: a column a run.
     pub fn lines(&self) -> Vec<String> {
-        let texts = &self.language.phrases().runs;
+        let texts = &PHRASES.runs;
         let is_number = |of: &str| of == texts.number;
         let rows = self
             .tables
@@ -68,7 +67,7 @@ impl<'a> RunComparison<'a> {
     /// The page.
     pub fn to_html(&self) -> String {
         let drawn: Vec<_> = figure(self.runs).into_iter().collect();
-        let texts = &self.language.phrases().runs;
+        let texts = &PHRASES.runs;
         let title = self.title();
         let said: String = self.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
         let mut body = format!(
@@ -82,9 +81,9 @@ impl<'a> RunComparison<'a> {
             if *of == texts.setting
                 && let Some(drawn) = figures_to_come.take()
             {
-                figures::write(&mut body, drawn, "h2", self.language);
+                figures::write(&mut body, drawn, "h2");
             }
-            let table = to_html(self.language, of, &self.names, rows);
+            let table = to_html(of, &self.names, rows);
             body.push_str(&format!("<section>\n<h2>{heading}</h2>\n{table}</section>\n"));
         }
         body.push_str(&format!("<section>\n<h2>{}</h2>\n", texts.what_each_says));
@@ -104,14 +103,14 @@ impl<'a> RunComparison<'a> {
             body.push_str(&format!("<h3>{name}</h3>\n{said}{warnings}"));
         }
         body.push_str("</section>\n");
-        body.push_str(&words_of_figures(self.language));
+        body.push_str(&words_of_figures());
         body.push_str("</main>\n");
         let style = [include_str!("style.css"), &figures::toggle_rules(drawn.iter())].concat();
-        framed(self.language, &title, &style, &body, FIGURES)
+        framed(&title, &style, &body, FIGURES)
     }
 
     fn title(&self) -> String {
-        fill(self.language.phrases().runs.compared, &[("count", self.runs.len().to_string())])
+        fill(PHRASES.runs.compared, &[("count", self.runs.len().to_string())])
     }
 
     /// The tables as Markdown, for a merge request.

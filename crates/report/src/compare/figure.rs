@@ -3,8 +3,9 @@
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
 use crumple_findings::names::candidate_name;
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
 use crumple_phrases::phrases::FigureTexts;
+use crumple_phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;
@@ -17,10 +18,8 @@ type WavesOf = for<'a> fn(&'a ComparedRun) -> Pair<'a>;
 
 /// Acceleration, velocity, displacement over time and force over crush; `None` where no run has a curve.
 pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
-    let language = runs.first()?.run.language;
-    let (texts, words) = (&language.phrases().runs, &language.phrases().figures);
+    let (texts, words) = (&PHRASES.runs, &PHRASES.figures);
     let mut figure = Figure::new("curves", texts.curves);
-    figure.words = language.words_of_drawings();
     let same = |a: Option<&Sampled>, b: Option<&Sampled>| match (a, b) {
         (Some(a), Some(b)) => (a.t0_s(), a.dt_s(), a.samples()) == (b.t0_s(), b.dt_s(), b.samples()),
         (a, b) => a.is_none() && b.is_none(),
@@ -62,7 +61,7 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
         }),
     ];
     for (title, factor, of) in quantities {
-        let mut panel = over_time_axis(language, view, Axis::new(title));
+        let mut panel = over_time_axis(view, Axis::new(title));
         for (k, run) in runs.iter().enumerate() {
             let (test, model) = of(run);
             if let Some(test) = test.filter(|_| drawn(k)) {

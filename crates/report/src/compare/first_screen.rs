@@ -7,7 +7,9 @@ use crumple_findings::{
     markdown::{HEAD, markdown},
     names::candidate_name,
 };
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
@@ -21,7 +23,7 @@ use super::table::to_markdown;
 /// known: the artifacts hold its name alone.
 pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&str>) -> String {
     let (said, concerns) = conclusion(&run.run, &run.ranking);
-    let phrases = run.run.language.phrases();
+    let phrases = &PHRASES;
     let texts = &phrases.runs;
     let title = if run.run.test.title.is_empty() { phrases.page.untitled } else { &run.run.test.title };
     let mut text = format!("{HEAD}## {}\n\n", markdown(title));
@@ -65,7 +67,7 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
 
 /// A row a distinct curve.
 fn candidates(run: &ComparedRun) -> String {
-    let (language, texts) = (run.run.language, &run.run.language.phrases().runs);
+    let texts = &PHRASES.runs;
     let curves = distinct_curves(&run.run, &run.ranking);
     let row = |id: &str, same: usize| {
         let candidate = run.run.candidate(id)?;
@@ -76,10 +78,10 @@ fn candidates(run: &ComparedRun) -> String {
             "| {}{} | {} | {} | {} | {} |\n",
             markdown(&candidate_name(id)),
             if same > 0 { fill(texts.same_curve, &[("count", same.to_string())]) } else { String::new() },
-            known.words(language).unwrap_or_else(|| ABSENT.to_owned()),
-            number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 1)),
-            number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 1)),
-            number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
+            known.words().unwrap_or_else(|| ABSENT.to_owned()),
+            number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 1)),
+            number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 1)),
+            number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
         ))
     };
     let rows: String = curves.iter().filter_map(|curve| row(&curve.id, curve.same_curve.len())).collect();

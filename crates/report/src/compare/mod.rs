@@ -1,5 +1,5 @@
 //! Several runs on one page: curves over each other, numbers, parameters and settings side by side, differences marked.
-//! Uses page, frame, figures, conclusions, results and text; what counts as different is crumple-diff's.
+//! What counts as different is crumple-diff's.
 
 pub mod compared_run;
 pub mod document;

@@ -1,5 +1,7 @@
 //! Key numbers and the recommended models of several runs, row by row, and where they differ from the first run.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::collections::BTreeSet;
 
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
@@ -9,7 +11,7 @@ use crumple_findings::{
     names::candidate_name,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 use serde::Serialize;
 
 use super::compared_run::ComparedRun;
@@ -28,7 +30,7 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
         let cell = |k: usize| match of_run(k) {
             Some(number) => {
                 let differs = places_apart[k].contains(&format!("[{name}].value"));
-                number_cell(runs[0].run.language, number, first, differs)
+                number_cell(number, first, differs)
             }
             None => Cell { text: ABSENT.to_owned(), differs: first.is_some(), ..Cell::default() },
         };
@@ -42,18 +44,18 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
     names.into_iter().map(row).collect()
 }
 
-fn number_cell(language: Language, number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
+fn number_cell(number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
     let (factor, unit) = unit(number.unit);
     let digits = decimals(number.name);
-    let shown = |value: f64| format!("{}{}", number.sign(), language.quantity(factor * value, digits, unit));
+    let shown = |value: f64| format!("{}{}", number.sign(), words::quantity(factor * value, digits, unit));
     let text = number.value.map_or_else(|| ABSENT.to_owned(), shown);
     let mut beside = Vec::new();
     if let (Some(value), Some(first), true) = (number.value, first, differs) {
-        beside.push(language.deviation(factor * (value - first), digits + 1, unit));
+        beside.push(words::deviation(factor * (value - first), digits + 1, unit));
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
-        let [low, high] = [low, high].map(|end| language.decimals(factor * end, digits));
-        beside.push(language.between(&low, &high));
+        let [low, high] = [low, high].map(|end| words::decimals(factor * end, digits));
+        beside.push(words::between(&low, &high));
     }
     Cell { text, beside: beside.join("; "), differs }
 }
@@ -64,16 +66,15 @@ pub fn model_rows(runs: &[ComparedRun]) -> Vec<Row> {
     if models.iter().all(Option::is_none) {
         return Vec::new();
     }
-    let language = runs[0].run.language;
-    let names = &language.phrases().runs;
+    let names = &PHRASES.runs;
     let texts = |text: &dyn Fn(&CandidateResult) -> Option<String>| -> Vec<String> {
         models.iter().map(|model| model.and_then(text).unwrap_or_else(|| ABSENT.to_owned())).collect()
     };
-    let determined = |model: &CandidateResult| model.certainties().words(language);
+    let determined = |model: &CandidateResult| model.certainties().words();
     let mut rows = vec![
         Row::of_texts(names.recommended, &texts(&|model| Some(candidate_name(&model.id)))),
         Row::of_texts(names.certainty, &texts(&determined)),
-        fit_row(language, &models),
+        fit_row(&models),
     ];
     let places_apart: Vec<BTreeSet<String>> = models
         .iter()
@@ -89,7 +90,7 @@ pub fn model_rows(runs: &[ComparedRun]) -> Vec<Row> {
         let cell = |k: usize| match models[k].filter(has) {
             Some(model) => {
                 let first = models[0].and_then(|first| first.record.parameters.get(name));
-                parameter_cell(language, model, name, first, places_apart[k].contains(&format!("parameters.{name}")))
+                parameter_cell(model, name, first, places_apart[k].contains(&format!("parameters.{name}")))
             }
             None => Cell { text: ABSENT.to_owned(), ..Cell::default() },
         };
@@ -106,43 +107,42 @@ fn parameter_names(model: &CandidateResult) -> Vec<&str> {
 }
 
 /// How closely the model follows the displacement; apart where two fits are not called equally good.
-fn fit_row(language: Language, models: &[Option<&CandidateResult>]) -> Row {
+fn fit_row(models: &[Option<&CandidateResult>]) -> Row {
     let fits: Vec<Option<f64>> = models.iter().map(|model| model.and_then(CandidateResult::fit_percent)).collect();
     let apart = |fit: Option<f64>| {
         fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crumple_findings::ranking::AS_GOOD_PERCENT)
     };
     let cell = |fit: &Option<f64>| Cell {
-        text: fit.map_or_else(|| ABSENT.to_owned(), |fit| language.quantity(fit, 2, "%")),
+        text: fit.map_or_else(|| ABSENT.to_owned(), |fit| words::quantity(fit, 2, "%")),
         differs: apart(*fit),
         ..Cell::default()
     };
-    Row { name: language.phrases().runs.displacement_fit.to_owned(), cells: fits.iter().map(cell).collect() }
+    Row { name: PHRASES.runs.displacement_fit.to_owned(), cells: fits.iter().map(cell).collect() }
 }
 
-fn parameter_cell(language: Language, model: &CandidateResult, name: &str, first: Option<&f64>, differs: bool) -> Cell {
+fn parameter_cell(model: &CandidateResult, name: &str, first: Option<&f64>, differs: bool) -> Cell {
     let record = &model.record;
     let value = record.parameters[name];
     let shown = |value: f64| parameter(&record.model, name, value).1;
     let mut beside = Vec::new();
     if let Some(first) = first.filter(|first| differs && **first != 0.0) {
-        beside.push(language.deviation(100.0 * (value - first) / first.abs(), 1, "%"));
+        beside.push(words::deviation(100.0 * (value - first) / first.abs(), 1, "%"));
     }
     let ends = record
         .uncertainty
         .as_ref()
         .and_then(|known| Some((known.interval_low.get(name).copied()?, known.interval_high.get(name).copied()?)));
-    match (model.doubt(name, language), ends) {
+    match (model.doubt(name), ends) {
         (Some(doubt), _) => beside.push(doubt.to_owned()),
         (None, Some((low, high))) => {
             let digits = low.zip(high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-            let open = language.phrases().model.open;
-            let end =
-                |end: Option<f64>| end.map_or_else(|| open.to_owned(), |x| language.significant(shown(x), digits));
-            beside.push(language.between(&end(low), &end(high)));
+            let open = PHRASES.model.open;
+            let end = |end: Option<f64>| end.map_or_else(|| open.to_owned(), |x| words::significant(shown(x), digits));
+            beside.push(words::between(&end(low), &end(high)));
         }
         (None, None) => {}
     }
-    Cell { text: language.significant(shown(value), 4), beside: beside.join("; "), differs }
+    Cell { text: words::significant(shown(value), 4), beside: beside.join("; "), differs }
 }
 
 /// Predicted crush at the speeds that more than one run was predicted at, against the wall.
@@ -158,7 +158,6 @@ pub fn prediction_rows(runs: &[ComparedRun]) -> Vec<Row> {
     // Bits of positive numbers are in the order of the numbers.
     speeds.sort_unstable();
     speeds.dedup();
-    let language = runs.first().map_or_else(Language::default, |run| run.run.language);
     let row = |speed: u64| {
         let crush = |k: usize| crushes[k].iter().find(|(other, _)| *other == speed).map(|(_, crush)| *crush);
         let cell = |k: usize| match crush(k) {
@@ -166,13 +165,13 @@ pub fn prediction_rows(runs: &[ComparedRun]) -> Vec<Row> {
                 let apart = crush(0).map_or(0.0, |first| value - first);
                 // What an engineer calls the same: 1 mm.
                 let differs = apart.abs() > 1e-3;
-                let beside = if differs { language.deviation(MILLI * apart, 1, "mm") } else { String::new() };
-                Cell { text: language.quantity(MILLI * value, 1, "mm"), beside, differs }
+                let beside = if differs { words::deviation(MILLI * apart, 1, "mm") } else { String::new() };
+                Cell { text: words::quantity(MILLI * value, 1, "mm"), beside, differs }
             }
             None => Cell { text: ABSENT.to_owned(), ..Cell::default() },
         };
-        let speed = language.quantity(3.6 * f64::from_bits(speed), 1, "km/h");
-        let name = fill(language.phrases().runs.predicted_crush, &[("speed", speed)]);
+        let speed = words::quantity(3.6 * f64::from_bits(speed), 1, "km/h");
+        let name = fill(PHRASES.runs.predicted_crush, &[("speed", speed)]);
         Row { name, cells: (0..runs.len()).map(cell).collect() }
     };
     speeds.into_iter().map(row).collect()

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_drawing::numbers::ABSENT;
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
@@ -12,11 +12,10 @@ use super::table::Row;
 /// The rows: record and pipeline always, then what differs.
 pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
     let texts = |text: &dyn Fn(&ComparedRun) -> String| -> Vec<String> { runs.iter().map(text).collect() };
-    let words = runs.first().map_or_else(Language::default, |run| run.run.language).phrases();
     let mut rows = vec![
-        Row::of_texts(words.runs.record, &texts(&|run| record_of(run))),
+        Row::of_texts(PHRASES.runs.record, &texts(&|run| record_of(run))),
         Row::of_texts(
-            words.runs.pipeline,
+            PHRASES.runs.pipeline,
             &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned())),
         ),
     ];

@@ -2,7 +2,7 @@
 
 use crumple_drawing::escape::html;
 use crumple_findings::markdown::markdown;
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
 
 /// What a run says of the quantity of a row.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,9 +41,9 @@ impl Row {
 const MARK: &str = "≠";
 
 /// As HTML; `of` heads the column of names.
-pub fn to_html(language: Language, of: &str, runs: &[String], rows: &[Row]) -> String {
+pub fn to_html(of: &str, runs: &[String], rows: &[Row]) -> String {
     let heads: String = runs.iter().map(|run| format!("<th scope=\"col\">{}</th>", html(run))).collect();
-    let differs = language.phrases().runs.differs;
+    let differs = PHRASES.runs.differs;
     let cell = |cell: &Cell| {
         let beside =
             if cell.beside.is_empty() { String::new() } else { format!("<small>{}</small>", html(&cell.beside)) };

@@ -2,7 +2,6 @@
 
 use crumple_drawing::Figure;
 use crumple_findings::{Ranking, Run};
-use crumple_phrases::language::Language;
 
 use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};
@@ -24,7 +23,7 @@ pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
         elements::figure(run, ranking),
         mass_split::figure(run, ranking),
     ];
-    in_language(run.language, figures)
+    figures.into_iter().flatten().collect()
 }
 
 /// Those of the identified models.
@@ -36,11 +35,5 @@ pub fn identification_figures(run: &Run) -> Vec<Figure> {
         bode::figure(run),
         responses::figure(run),
     ];
-    in_language(run.language, figures)
-}
-
-/// Those there are, with the words of their drawings.
-fn in_language<const N: usize>(language: Language, figures: [Option<Figure>; N]) -> Vec<Figure> {
-    let words = language.words_of_drawings();
-    figures.into_iter().flatten().map(|figure| Figure { words, ..figure }).collect()
+    figures.into_iter().flatten().collect()
 }

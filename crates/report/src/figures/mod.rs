@@ -1,5 +1,4 @@
 //! The figures of the page, one file each. A figure whose record is absent is left out.
-//! Uses results and text.
 
 pub mod all;
 pub mod crash;

@@ -2,7 +2,7 @@
 
 use crumple_drawing::{Axis, Panel};
 use crumple_findings::Run;
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
 
 /// First view of a time axis, ms: from a little before time zero to three times the time of crush, within the record.
 ///
@@ -18,6 +18,6 @@ pub fn time_view_ms(run: &Run) -> Option<[f64; 2]> {
 }
 
 /// A panel over the time of the record.
-pub(crate) fn over_time_axis(language: Language, view: Option<[f64; 2]>, y: Axis) -> Panel {
-    Panel::over_time(Axis { view, ..Axis::new(language.phrases().figures.time) }, y)
+pub(crate) fn over_time_axis(view: Option<[f64; 2]>, y: Axis) -> Panel {
+    Panel::over_time(Axis { view, ..Axis::new(PHRASES.figures.time) }, y)
 }

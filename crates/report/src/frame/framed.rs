@@ -2,7 +2,8 @@
 
 use crumple_drawing::escape::{address, html, json_in_script};
 use crumple_drawing::page_rules;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 use serde::Serialize;
 
 use crate::frame::page_files::{PageFiles, Script, compact, style_of_all};
@@ -21,22 +22,16 @@ const POLICY_BESIDE: &str = "default-src 'none'; script-src 'unsafe-inline' 'sel
                              base-uri 'none'; form-action 'none'";
 
 /// A page of this title. `style` is put after the style of all pages, `script` at the end.
-pub(crate) fn framed(language: Language, title: &str, style: &str, body: &str, script: &str) -> String {
+pub(crate) fn framed(title: &str, style: &str, body: &str, script: &str) -> String {
     let style = format!("<style>\n{}</style>\n", compact(&[&style_of_all(), style].concat()));
     let script = format!("<script>\n{}</script>\n", compact(script));
-    head_and_body(language, title, (POLICY, &style), body, &script)
+    head_and_body(title, (POLICY, &style), body, &script)
 }
 
 /// A page with what stands in its own style alone, `more`, and style and scripts of [`PageFiles`].
-pub(crate) fn framed_with(
-    files: &PageFiles,
-    (language, title): (Language, &str),
-    more: &str,
-    body: &str,
-    script: Script,
-) -> String {
+pub(crate) fn framed_with(files: &PageFiles, title: &str, more: &str, body: &str, script: Script) -> String {
     match files.folder() {
-        None => framed(language, title, &[files.style, more].concat(), body, script.text),
+        None => framed(title, &[files.style, more].concat(), body, script.text),
         Some(folder) => {
             let own = files.style_file();
             let style = format!(
@@ -44,23 +39,22 @@ pub(crate) fn framed_with(
                 address(&format!("{folder}/{}", own.name)),
                 compact(more)
             );
-            let missing = fill(language.phrases().fleet.without_files, &[("folder", html(folder))]);
+            let missing = fill(PHRASES.fleet.without_files, &[("folder", html(folder))]);
             let body = format!("<p class=\"beside\">{missing}</p>\n{body}");
-            head_and_body(language, title, (POLICY_BESIDE, &style), &body, &files.script(script))
+            head_and_body(title, (POLICY_BESIDE, &style), &body, &files.script(script))
         }
     }
 }
 
-fn head_and_body(language: Language, title: &str, head: (&str, &str), body: &str, script: &str) -> String {
+fn head_and_body(title: &str, head: (&str, &str), body: &str, script: &str) -> String {
     let (policy, style) = head;
     let mut page = String::with_capacity(body.len() + 100_000);
     page.push_str(&format!(
-        "<!DOCTYPE html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"generator\" content=\"crumple-report {}\">\n<title>{} – Crumple</title>\n\
          {style}<style id=\"figure-style\">\n{}</style>\n</head>\n<body>\n",
-        language.code(),
         env!("CARGO_PKG_VERSION"),
         html(title),
         page_rules()
@@ -72,8 +66,8 @@ fn head_and_body(language: Language, title: &str, head: (&str, &str), body: &str
 }
 
 /// The texts of the script of figures, as it reads them.
-pub(crate) fn words_of_figures(language: Language) -> String {
-    json_element("figure-words", &language.phrases().cursor)
+pub(crate) fn words_of_figures() -> String {
+    json_element("figure-words", &PHRASES.cursor)
 }
 
 /// Data for a script of the page.

@@ -1,7 +1,5 @@
 //! What is around every page and every table: head, style, script, what the browser may load, heads of columns.
-//! Uses text.
 
 pub mod framed;
 pub mod heads;
 pub mod page_files;
-pub mod stage_words;

@@ -2,7 +2,8 @@
 
 use crumple_drawing::escape::{address, html};
 use crumple_drawing::{Drawing, Entry, Figure, swatch};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 
 use super::failures::failures;
 use super::indexed_run::IndexedRun;
@@ -15,8 +16,6 @@ const SORT: &str = include_str!("sort.js");
 /// Many runs on one page.
 #[derive(Debug)]
 pub struct RunIndex<'a> {
-    /// Its language.
-    pub language: Language,
     /// What the page is called; empty: an index of runs.
     pub title: &'a str,
     /// Files beside the page with all that is in it: what each is called, and its path.
@@ -41,7 +40,7 @@ pub struct FiguresOfRuns {
 impl RunIndex<'_> {
     /// The page. The same runs give the same bytes.
     pub fn to_html(&self) -> String {
-        let texts = &self.language.phrases().runs;
+        let texts = &PHRASES.runs;
         let title = if self.title.is_empty() { texts.index_title } else { self.title };
         let mut body = format!(
             "<header>\n<p class=\"brand\">{}</p>\n<h1>{}</h1>\n<p>{}.{}</p>\n</header>\n<main>\n{}",
@@ -49,7 +48,7 @@ impl RunIndex<'_> {
             html(title),
             self.counted(),
             self.files(),
-            failures(self.runs, self.language)
+            failures(self.runs)
         );
         self.figures.iter().for_each(|figures| write_figures(&mut body, figures));
         body.push_str(&format!(
@@ -58,9 +57,9 @@ impl RunIndex<'_> {
             texts.runs,
             texts.index_caption,
             texts.sorts,
-            table(self.runs, self.language)
+            table(self.runs)
         ));
-        framed(self.language, title, STYLE, &body, SORT)
+        framed(title, STYLE, &body, SORT)
     }
 
     /// How many runs there are, and how many of them ended how.
@@ -68,7 +67,7 @@ impl RunIndex<'_> {
         let count = |is: &dyn Fn(&IndexedRun<'_>) -> bool| self.runs.iter().filter(|run| is(run)).count();
         let failed = count(&|run| !run.is_done());
         let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.usable_model().is_some()));
-        let texts = &self.language.phrases().runs;
+        let texts = &PHRASES.runs;
         let runs = match self.runs.len() {
             1 => texts.one_run.to_owned(),
             n => fill(texts.several_runs, &[("count", n.to_string())]),
@@ -86,7 +85,7 @@ impl RunIndex<'_> {
         if links.is_empty() {
             return String::new();
         }
-        fill(self.language.phrases().runs.tables, &[("links", links.join(", "))])
+        fill(PHRASES.runs.tables, &[("links", links.join(", "))])
     }
 }
 

@@ -1,9 +1,10 @@
 //! Runs without a result, by their reason.
 
+use crumple_phrases::PHRASES;
 use std::collections::BTreeMap;
 
 use crumple_drawing::escape::html;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 
 use super::indexed_run::{IndexedRun, status};
 
@@ -13,8 +14,8 @@ const NAMED: usize = 20;
 const SHOWN: usize = 200;
 
 /// A section of reasons, the most frequent first; empty where every run is done.
-pub(super) fn failures(runs: &[IndexedRun<'_>], language: Language) -> String {
-    let texts = &language.phrases().runs;
+pub(super) fn failures(runs: &[IndexedRun<'_>]) -> String {
+    let texts = &PHRASES.runs;
     let mut groups: BTreeMap<(i32, String), Vec<&IndexedRun<'_>>> = BTreeMap::new();
     for run in runs.iter().filter(|run| !run.is_done()) {
         groups.entry((run.exit_code, reason(&run.error, &run.name, texts.no_word))).or_default().push(run);
@@ -29,7 +30,7 @@ pub(super) fn failures(runs: &[IndexedRun<'_>], language: Language) -> String {
         out.push_str(&format!(
             "<details><summary>{} × {}: {}</summary><p>",
             runs.len(),
-            status(code, language),
+            status(code),
             html(&shortened(&reason, SHOWN))
         ));
         let names: Vec<String> = runs.iter().take(NAMED).map(|run| run.linked()).collect();

@@ -1,7 +1,7 @@
 //! A run as an index knows it.
 
 use crumple_drawing::escape::{address, html};
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
 
 use super::run_summary::RunSummary;
 
@@ -26,8 +26,8 @@ pub struct IndexedRun<'a> {
 
 impl IndexedRun<'_> {
     /// Exit code and reason of a run folder, by its summary alone.
-    pub fn ending(summary: &RunSummary, language: Language) -> (i32, String) {
-        let no_word = || language.phrases().runs.no_word.to_owned();
+    pub fn ending(summary: &RunSummary) -> (i32, String) {
+        let no_word = || PHRASES.runs.no_word.to_owned();
         match summary.conclusion.standing.as_str() {
             "no-result" => (4, summary.conclusion.reason.clone().unwrap_or_else(no_word)),
             _ => (0, String::new()),
@@ -49,8 +49,8 @@ impl IndexedRun<'_> {
 }
 
 /// An exit code in words.
-pub fn status(exit_code: i32, language: Language) -> &'static str {
-    let texts = &language.phrases().runs;
+pub fn status(exit_code: i32) -> &'static str {
+    let texts = &PHRASES.runs;
     match exit_code {
         0 => texts.done,
         2 => texts.usage,

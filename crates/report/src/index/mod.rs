@@ -1,5 +1,4 @@
 //! Many runs on one page: a sortable table with a small pulse each, runs without a result by reason, figures of all.
-//! Uses frame and text.
 
 pub mod document;
 pub mod failures;

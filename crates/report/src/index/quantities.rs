@@ -1,7 +1,7 @@
 //! Numbers of a run that an index shows, in the units of people.
 
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
 use crumple_phrases::phrases::RunTexts;
 
 use super::run_summary::RunSummary;
@@ -73,18 +73,18 @@ pub const STIFFNESS: Quantity = Quantity {
 
 impl Quantity {
     /// In words.
-    pub fn name(&self, language: Language) -> &'static str {
-        (self.names)(&language.phrases().runs)[0]
+    pub fn name(&self) -> &'static str {
+        (self.names)(&PHRASES.runs)[0]
     }
 
     /// As the head of a column has it, HTML.
-    pub fn symbol(&self, language: Language) -> &'static str {
-        (self.names)(&language.phrases().runs)[1]
+    pub fn symbol(&self) -> &'static str {
+        (self.names)(&PHRASES.runs)[1]
     }
 
     /// Name and unit, plain text.
-    pub fn label(&self, language: Language) -> String {
-        let name = self.name(language);
+    pub fn label(&self) -> String {
+        let name = self.name();
         if self.unit.is_empty() { name.to_owned() } else { format!("{name}, {}", self.unit) }
     }
 }

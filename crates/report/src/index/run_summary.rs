@@ -1,10 +1,11 @@
 //! What an index and the tables of a fleet take from `summary.json` of a run.
 
+use crumple_phrases::PHRASES;
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{EventsV1, PredictionV1, SimulationV1};
 use crumple_findings::Status;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 use serde::Deserialize;
 
 /// The summary of a run, as far as those need it who read it. Keys that it lacks are empty.
@@ -207,8 +208,8 @@ impl RunSummary {
     }
 
     /// How many of its numbers are determined, to an order of magnitude, open: `3 of 5 determined, 2 open`.
-    pub(crate) fn certainty(&self, language: Language) -> Option<String> {
-        let texts = &language.phrases().runs;
+    pub(crate) fn certainty(&self) -> Option<String> {
+        let texts = &PHRASES.runs;
         let of = &self.conclusion;
         let counts = [("determined", of.determined?.to_string()), ("parameters", of.parameters?.to_string())];
         let mut words = fill(texts.determined, &counts);
@@ -244,7 +245,7 @@ mod tests {
             let test = r#"{"title": "t", "mass_kg": 1.0, "impact_speed_m_per_s": null, "channel": null,
                 "sample_rate_hz": null}"#;
             let json = format!("{{\"test\": {test}, \"verdict\": {conclusion}}}");
-            RunSummary::from_json(json.as_bytes()).unwrap().certainty(Language::English)
+            RunSummary::from_json(json.as_bytes()).unwrap().certainty()
         };
         let all = r#"{"parameters": 5, "determined": 3, "order_of_magnitude": 1, "open": 1}"#;
         assert_eq!(words(all).as_deref(), Some("3 of 5 determined, 1 to an order of magnitude, 1 open"));

@@ -1,10 +1,11 @@
 //! One row a run. The script makes buttons of the heads of its columns, which sort.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::fmt::Write as _;
 
 use crumple_drawing::escape::html;
 use crumple_findings::names::model_name;
-use crumple_phrases::language::Language;
 
 use super::failures::{line_of, shortened};
 use super::indexed_run::{IndexedRun, status};
@@ -19,8 +20,8 @@ const OF_WARNING: usize = 100;
 const OF_VEHICLE: usize = 60;
 
 /// The table. End tags that HTML does not ask for are left out: there are hundreds of rows.
-pub(super) fn table(runs: &[IndexedRun<'_>], language: Language) -> String {
-    let texts = &language.phrases().runs;
+pub(super) fn table(runs: &[IndexedRun<'_>]) -> String {
+    let texts = &PHRASES.runs;
     let several = runs.iter().any(|run| !run.variant.is_empty());
     let mut out = format!(
         "<div class=\"scroll\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n\
@@ -29,7 +30,7 @@ pub(super) fn table(runs: &[IndexedRun<'_>], language: Language) -> String {
     );
     for quantity in NUMBERS {
         let unit = if quantity.unit.is_empty() { String::new() } else { format!(", {}", quantity.unit) };
-        let _ = write!(out, "<th scope=col abbr=\"{}\">{}{unit}", quantity.name(language), quantity.symbol(language));
+        let _ = write!(out, "<th scope=col abbr=\"{}\">{}{unit}", quantity.name(), quantity.symbol());
     }
     let _ = write!(
         out,
@@ -40,13 +41,13 @@ pub(super) fn table(runs: &[IndexedRun<'_>], language: Language) -> String {
         let _ = write!(out, "<th scope=col>{}", texts.pipeline_head);
     }
     out.push_str("</thead>\n<tbody>\n");
-    runs.iter().for_each(|run| row(&mut out, run, several, language));
+    runs.iter().for_each(|run| row(&mut out, run, several));
     out.push_str("</tbody></table>\n</div>\n");
     out
 }
 
-fn row(out: &mut String, run: &IndexedRun<'_>, several: bool, language: Language) {
-    let texts = &language.phrases().runs;
+fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
+    let texts = &PHRASES.runs;
     let summary = run.summary;
     let test = summary.map(|summary| &summary.test);
     let vehicle = test.map(|test| test.vehicle.as_ref().filter(|name| !name.trim().is_empty()).unwrap_or(&test.title));
@@ -54,19 +55,19 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool, language: Language
     let _ = write!(out, "<tr><th>{}<td>{}", run.linked(), html(&shortened(vehicle.map_or("", |v| v), OF_VEHICLE)));
     for quantity in NUMBERS {
         let value = summary.and_then(quantity.of);
-        let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| language.significant(value, DIGITS)));
+        let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| words::significant(value, DIGITS)));
     }
-    let certainty = summary.and_then(|summary| summary.certainty(language)).unwrap_or_default();
+    let certainty = summary.and_then(|summary| summary.certainty()).unwrap_or_default();
     let _ = match summary.filter(|_| run.is_done()) {
         Some(summary) => {
             let model = summary.usable_model().map(|id| model_name(id.split('/').next().unwrap_or(id)));
-            let word = summary.conclusion.status.map(|status| status.word(language).to_owned());
+            let word = summary.conclusion.status.map(|status| status.word().to_owned());
             let said: Vec<String> = word.into_iter().chain(model).collect();
             let said = if said.is_empty() { texts.none.to_owned() } else { said.join(": ") };
             write!(out, "<td title=\"{}\">{}", html(&summary.conclusion.status_sentence), html(&said))
         }
         None if run.is_done() => write!(out, "<td>{}", texts.none),
-        None => write!(out, "<td><b>{}</b>", status(run.exit_code, language)),
+        None => write!(out, "<td><b>{}</b>", status(run.exit_code)),
     };
     let warning = match summary.and_then(|summary| summary.concerns.first()) {
         Some(concern) if run.is_done() => &concern.text,

@@ -3,7 +3,9 @@
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
 use crumple_findings::Run;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::{Channel, ChannelStatus};
 
 use crate::frame::heads::{Column, table};
@@ -17,7 +19,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
         return;
     }
     let taken = run.channel_id();
-    let texts = &run.language.phrases().page;
+    let texts = &PHRASES.page;
     out.push_str(&format!("<section>\n<h2>{}</h2>\n", texts.channels));
     match (taken, run.channel()) {
         (Some(id), Some(channel)) => {
@@ -27,7 +29,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
                 ("id", html(id)),
                 ("place", html(&place)),
                 ("count", channels.len().to_string()),
-                ("states", html(&states(run.language, channels))),
+                ("states", html(&states(channels))),
             ];
             out.push_str(&format!("<p>{}</p>\n", fill(template, &filled)));
         }
@@ -46,7 +48,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
     let is_without_data = |channel: &&Channel| channel.status != ChannelStatus::Valid;
     for channel in channels {
         let on_paper = !(folded && is_without_data(&channel));
-        row(out, run.language, channel, taken == Some(channel.id.as_str()), on_paper);
+        row(out, channel, taken == Some(channel.id.as_str()), on_paper);
     }
     out.push_str("</tbody>\n</table></div>\n");
     if folded {
@@ -61,7 +63,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
 }
 
 /// `: 630 valid, 4 not installed`; empty where all are valid.
-fn states(language: Language, channels: &[Channel]) -> String {
+fn states(channels: &[Channel]) -> String {
     let mut counts = std::collections::BTreeMap::new();
     for channel in channels {
         *counts.entry(channel.status).or_insert(0_usize) += 1;
@@ -69,14 +71,13 @@ fn states(language: Language, channels: &[Channel]) -> String {
     if counts.len() == 1 && counts.contains_key(&ChannelStatus::Valid) {
         return String::new();
     }
-    let part =
-        |(status, count): (&ChannelStatus, &usize)| format!("{count} {}", language.channel_status(status.name()));
+    let part = |(status, count): (&ChannelStatus, &usize)| format!("{count} {}", status.name());
     let parts: Vec<String> = counts.iter().map(part).collect();
     format!(": {}", parts.join(", "))
 }
 
-fn row(out: &mut String, language: Language, channel: &Channel, taken: bool, on_paper: bool) {
-    let texts = &language.phrases().page;
+fn row(out: &mut String, channel: &Channel, taken: bool, on_paper: bool) {
+    let texts = &PHRASES.page;
     let class = match taken {
         true => " class=\"best\"",
         false if !on_paper => " class=\"no-paper\"",
@@ -95,9 +96,9 @@ fn row(out: &mut String, language: Language, channel: &Channel, taken: bool, on_
         if taken { format!(" <strong>{}</strong>", texts.taken) } else { String::new() },
         html(&channel.location),
         or_dash(channel.axis.map(|axis| axis.to_string())),
-        html(&language.metric(channel.quantity.name())),
+        html(&words::metric(channel.quantity.name())),
         or_dash(channel.cfc.map(|cfc| cfc.to_string())),
-        html(language.channel_status(channel.status.name())),
+        html(channel.status.name()),
         html(&remark)
     ));
 }

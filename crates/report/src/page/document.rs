@@ -73,7 +73,7 @@ impl Page {
         model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");
         predictions::write_left_out(&mut body, run);
-        figures::write(&mut body, &crash, "h2", run.language);
+        figures::write(&mut body, &crash, "h2");
         if run.is_generic() {
             models::write(&mut body, run, &concerns, &identification);
         }
@@ -99,11 +99,11 @@ impl Page {
         if let (None, Ok(packed)) = (&run.joint, packed_summary(run, ranking)) {
             body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
-        body.push_str(&words_of_figures(run.language));
+        body.push_str(&words_of_figures());
         body.push_str("</main>\n");
         let toggles = figures::toggle_rules(crash.iter().chain(&identification));
         let title = header::title(run);
-        Self(framed_with(&files, (run.language, &title), &toggles, &body, SCRIPT))
+        Self(framed_with(&files, &title, &toggles, &body, SCRIPT))
     }
 
     /// Writes it.

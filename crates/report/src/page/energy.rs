@@ -3,7 +3,8 @@
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{KILO, MILLI};
 use crumple_findings::{Ranking, Run, names::candidate_name};
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 
 use crate::frame::heads::{Column, table};
 
@@ -16,18 +17,14 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             let at = |name: &str| simulation.energy.iter().find(|e| e.instant == name);
             // More kinetic energy at the end than any passive structure can keep.
             let diverges = at("end").is_some_and(|end| end.kinetic_j > 10.0 * end.input_j.abs());
-            Some((
-                candidate,
-                at("dynamic crush").or_else(|| at("end"))?,
-                closure(run.language, simulation.energy_closure, diverges),
-            ))
+            Some((candidate, at("dynamic crush").or_else(|| at("end"))?, closure(simulation.energy_closure, diverges)))
         })
         .collect();
     if rows.is_empty() {
         return;
     }
     rows.sort_by_key(|(candidate, ..)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let texts = &run.language.phrases().how_well;
+    let texts = &PHRASES.how_well;
     let columns = [
         Column::text(texts.model),
         Column::text(texts.instant),
@@ -40,7 +37,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     ];
     out.push_str(&format!("<section>\n<h2>{}</h2>\n{}", texts.energy, table("", &columns)));
     for (candidate, energy, closure) in rows {
-        let kilojoule = |joule: f64| run.language.decimals(KILO * joule, 2);
+        let kilojoule = |joule: f64| words::decimals(KILO * joule, 2);
         out.push_str(&format!(
             "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
              class=\"n\">{}</td>\
@@ -51,7 +48,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
                 "end" => texts.at_end,
                 other => other,
             }),
-            run.language.decimals(MILLI * energy.time_s, 1),
+            words::decimals(MILLI * energy.time_s, 1),
             kilojoule(energy.input_j),
             kilojoule(energy.kinetic_j),
             kilojoule(energy.stored_j),
@@ -63,12 +60,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
 }
 
 /// Rounding: its size says something, its digits do not. Of a motion that grows without end only that is said.
-fn closure(language: Language, gap: Option<f64>, diverges: bool) -> String {
+fn closure(gap: Option<f64>, diverges: bool) -> String {
     match gap {
-        _ if diverges => language.phrases().how_well.diverges.to_owned(),
+        _ if diverges => PHRASES.how_well.diverges.to_owned(),
         None => String::new(),
         Some(gap) if gap < 1e-9 => "&lt; 10⁻⁹".to_owned(),
-        Some(gap) => language.written(&format!("{gap:.1e}")),
+        Some(gap) => format!("{gap:.1e}"),
     }
 }
 
@@ -78,9 +75,9 @@ mod tests {
 
     #[test]
     fn a_closure_is_its_size_and_a_growing_motion_says_so() {
-        assert_eq!(closure(Language::English, Some(3e-13), false), "&lt; 10⁻⁹");
-        assert_eq!(closure(Language::English, Some(1.63e-8), false), "1.6e-8");
-        assert_eq!(closure(Language::English, Some(1e-12), true), "diverges");
-        assert_eq!(closure(Language::English, None, false), "");
+        assert_eq!(closure(Some(3e-13), false), "&lt; 10⁻⁹");
+        assert_eq!(closure(Some(1.63e-8), false), "1.6e-8");
+        assert_eq!(closure(Some(1e-12), true), "diverges");
+        assert_eq!(closure(None, false), "");
     }
 }

@@ -3,28 +3,28 @@
 
 use crumple_drawing::escape::html;
 use crumple_drawing::{Drawing, Figure, swatch};
-use crumple_phrases::language::Language;
+use crumple_phrases::PHRASES;
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
-pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str, language: Language) {
+pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {
     if figures.is_empty() {
         return;
     }
     out.push_str("<div class=\"figures\">\n");
     for figure in figures {
-        write_figure(out, figure, heading, language);
+        write_figure(out, figure, heading);
     }
     out.push_str("</div>\n");
 }
 
-fn write_figure(out: &mut String, figure: &Figure, heading: &str, language: Language) {
+fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
     let id = figure.id;
     let wide = if figure.panels.len() > 1 { " wide" } else { "" };
     out.push_str(&format!(
         "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n\
          <{heading} id=\"{id}-title\">{}</{heading}>\n<ul class=\"legend\" aria-label=\"{}\">\n",
         html(&figure.title),
-        language.phrases().figures.curves_to_show
+        PHRASES.figures.curves_to_show
     ));
     for entry in &figure.legend {
         // A box that is ticked shows its curves by style alone, so that it works without a script.
@@ -38,7 +38,7 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str, language: Lang
     }
     if figure.legend.iter().any(|entry| !entry.shown) {
         // On a narrow screen the names of curves that wait are shown on demand, by style alone.
-        let all = language.phrases().figures.all_names;
+        let all = PHRASES.figures.all_names;
         out.push_str(&format!(
             "<li class=\"all\"><label><input type=\"checkbox\" autocomplete=\"off\">{all}</label></li>\n"
         ));

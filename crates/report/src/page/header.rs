@@ -3,23 +3,25 @@
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
 use crumple_findings::{Conclusion, Run};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use super::conclusion;
 
 pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     let test = &run.test;
-    let (language, texts) = (run.language, &run.language.phrases().page);
+    let texts = &PHRASES.page;
     let brand = match (&run.joint, run.is_generic()) {
-        (Some(_), _) => run.language.phrases().joint.brand,
+        (Some(_), _) => PHRASES.joint.brand,
         (None, true) => texts.brand_generic,
         (None, false) => texts.brand,
     };
     let title = html(&title(run));
     out.push_str(&format!("<header>\n<p class=\"brand\">{brand}</p>\n<div class=\"title\"><h1>{title}</h1>\n"));
-    conclusion::write_status(out, run, verdict);
+    conclusion::write_status(out, verdict);
     out.push_str("</div>\n");
-    conclusion::write(out, run, verdict);
+    conclusion::write(out, verdict);
     if run.joint.is_some() {
         // A table has what was tested.
         out.push_str("</header>\n");
@@ -36,16 +38,16 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     };
     let with_unit = |number: String, unit: &str| format!("{number}{NBSP}{unit}");
     fact(texts.vehicle, test.vehicle.clone());
-    fact(texts.test_mass, test.mass_kg.map(|mass| with_unit(language.at_most(mass, 1), "kg")));
+    fact(texts.test_mass, test.mass_kg.map(|mass| with_unit(words::at_most(mass, 1), "kg")));
     let speed = |v: f64| {
-        let km_per_h = language.quantity(KM_PER_H_PER_M_PER_S * v, 2, "km/h");
-        format!("{km_per_h} ({})", language.quantity(v, 3, "m/s"))
+        let km_per_h = words::quantity(KM_PER_H_PER_M_PER_S * v, 2, "km/h");
+        format!("{km_per_h} ({})", words::quantity(v, 3, "m/s"))
     };
     fact(texts.impact_speed, test.impact_speed_m_per_s.map(speed));
     fact(texts.barrier, test.barrier.clone());
     fact(texts.channel_taken, run.channel_id().map(|id| channel_words(run, id)));
     let sampling = run.acceleration().map(|a| {
-        let rate = with_unit(language.at_most(a.rate_hz(), 2), "Hz");
+        let rate = with_unit(words::at_most(a.rate_hz(), 2), "Hz");
         fill(texts.samples, &[("rate", rate), ("count", a.len().to_string())])
     });
     fact(texts.sampling, sampling);
@@ -56,7 +58,7 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
 pub(super) fn title(run: &Run) -> String {
     match &run.joint {
         Some(joint) => joint.names(),
-        None if run.test.title.is_empty() => run.language.phrases().page.untitled.to_owned(),
+        None if run.test.title.is_empty() => PHRASES.page.untitled.to_owned(),
         None => run.test.title.clone(),
     }
 }
@@ -68,7 +70,7 @@ fn channel_words(run: &Run, id: &str) -> String {
             words.push_str(&format!(", {}", channel.location));
         }
         if let Some(axis) = channel.axis {
-            words.push_str(&fill(run.language.phrases().page.axis, &[("axis", axis.to_string())]));
+            words.push_str(&fill(PHRASES.page.axis, &[("axis", axis.to_string())]));
         }
         if let Some(cfc) = channel.cfc {
             words.push_str(&format!(", CFC{NBSP}{cfc}"));

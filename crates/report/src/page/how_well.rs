@@ -7,7 +7,9 @@ use crumple_findings::{
     names::candidate_name,
     residual::{Residual, residual},
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, heads};
 
@@ -24,7 +26,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if !shown.iter().any(rated) && residuals.iter().all(Option::is_none) {
         return;
     }
-    let texts = &run.language.phrases().how_well;
+    let texts = &PHRASES.how_well;
     let columns = [
         Column::number(texts.corridor),
         Column::number(texts.phase),
@@ -49,34 +51,33 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         heads(&columns)
     ));
     for (candidate, residual) in shown.iter().zip(&residuals) {
-        row(out, run, ranking, candidate, residual.as_ref());
+        row(out, ranking, candidate, residual.as_ref());
     }
     out.push_str("</tbody>\n</table></div>\n<div class=\"models\">\n");
     for (number, (candidate, residual)) in shown.iter().zip(&residuals).enumerate() {
         if let Some(residual) = residual {
-            autocorrelation(out, run.language, number + 1, candidate, residual);
+            autocorrelation(out, number + 1, candidate, residual);
         }
     }
     out.push_str("</div>\n");
     let window = shown.iter().find_map(|candidate| candidate.simulation.as_ref());
-    let over =
-        window.map_or_else(String::new, |s| fill(texts.over, &[("times", run.language.times(s.from_s, s.to_s))]));
+    let over = window.map_or_else(String::new, |s| fill(texts.over, &[("times", words::times(s.from_s, s.to_s))]));
     out.push_str(&format!("<p class=\"caption\">{over}{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
+fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);
         ratings.find(|rating| rating.quantity == "acceleration" && rating.definition_id == id)
     };
     let number = |value: Option<f64>, digits: usize| {
-        let shown = value.map_or_else(|| ABSENT.to_owned(), |value| run.language.decimals(value, digits));
+        let shown = value.map_or_else(|| ABSENT.to_owned(), |value| words::decimals(value, digits));
         format!("<td class=\"n\">{shown}</td>")
     };
     let parts: String = PARTS.iter().map(|id| number(of_acceleration(id).and_then(|rating| rating.value), 2)).collect();
     let rating = of_acceleration("iso18571");
-    let grade = rating.and_then(|rating| rating.note.as_deref()).map_or(ABSENT, |note| grade(run.language, note));
+    let grade = rating.and_then(|rating| rating.note.as_deref()).map_or(ABSENT, |note| grade(note));
     out.push_str(&format!(
         "<tr{}><td>{}</td>{parts}<td>{}</td>{}{}{}{}</tr>\n",
         if ranking.best.as_deref() == Some(&candidate.id) { " class=\"best\"" } else { "" },
@@ -90,8 +91,8 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResu
 }
 
 /// The grade word of a rating.
-pub(super) fn grade(language: Language, note: &str) -> &str {
-    let texts = &language.phrases().how_well;
+pub(super) fn grade(note: &str) -> &str {
+    let texts = &PHRASES.how_well;
     match note {
         "excellent" => texts.excellent,
         "good" => texts.good,
@@ -102,13 +103,7 @@ pub(super) fn grade(language: Language, note: &str) -> &str {
 }
 
 /// The autocorrelation of a residual with its limits, as a picture.
-fn autocorrelation(
-    out: &mut String,
-    language: Language,
-    number: usize,
-    candidate: &CandidateResult,
-    residual: &Residual,
-) {
+fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult, residual: &Residual) {
     const WIDTH: f64 = 350.0;
     const HEIGHT: f64 = 130.0;
     const LEFT: f64 = 34.0;
@@ -127,9 +122,9 @@ fn autocorrelation(
         .map(|(lag, r)| format!("{:.1} {:.1}", x(lag as f64), y(*r)))
         .collect();
     let name = html(&candidate_name(&candidate.id));
-    let texts = &language.phrases().how_well;
-    let longest = format!("{} ms", language.decimals(MILLI * residual.dt_s * last, 0));
-    let share = format!("{} %", language.decimals(1e2 * residual.share_outside, 0));
+    let texts = &PHRASES.how_well;
+    let longest = format!("{} ms", words::decimals(MILLI * residual.dt_s * last, 0));
+    let share = format!("{} %", words::decimals(1e2 * residual.share_outside, 0));
     let filled = [("model", &name), ("share", &share), ("longest", &longest)];
     let title = fill(texts.autocorrelation_title, &filled);
     let (lag, caption) = (fill(texts.lag, &filled), fill(texts.autocorrelation_caption, &filled));

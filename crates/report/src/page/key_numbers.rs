@@ -3,10 +3,10 @@
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
 use crumple_findings::{KeyNumber, Run, decimals, key_numbers};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::ANOTHER_VEHICLE;
-
-use crate::frame::stage_words::words_of_stage;
 
 pub(super) fn write(out: &mut String, run: &Run) {
     let numbers = key_numbers(run);
@@ -16,43 +16,41 @@ pub(super) fn write(out: &mut String, run: &Run) {
     out.push_str(&format!(
         "<section id=\"numbers\" aria-labelledby=\"numbers-title\">\n\
          <h2 id=\"numbers-title\">{}</h2>\n<dl class=\"cards\">\n",
-        run.language.phrases().numbers.key_numbers
+        PHRASES.numbers.key_numbers
     ));
     for number in &numbers {
         out.push_str(&card(run, number));
     }
     out.push_str("</dl>\n");
-    caption(out, run.language, &numbers);
+    caption(out, &numbers);
     out.push_str("</section>\n");
 }
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
 fn card(run: &Run, number: &KeyNumber) -> String {
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let texts = &PHRASES.numbers;
     let (factor, unit) = unit(number.unit);
     let places = decimals(number.name);
     let range = |low: f64, high: f64| {
-        let ends = [(low, ""), (high, unit)].map(|(end, unit)| language.quantity(factor * end, places, unit));
-        html(&language.between(&ends[0], &ends[1]))
+        let ends = [(low, ""), (high, unit)].map(|(end, unit)| words::quantity(factor * end, places, unit));
+        html(&words::between(&ends[0], &ends[1]))
     };
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            let value = language.decimals(factor * value, places);
+            let value = words::decimals(factor * value, places);
             format!("<dd class=\"number\">{}{value}{unit}</dd>", number.sign())
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
     };
     let mut lines: Vec<String> = Vec::new();
     if let Some(reason) = &number.absent_because {
-        let own = [texts.velocity_never_zero, texts.peak_of_a_table, texts.peak_not_filtered];
-        let is_own = own.contains(&reason.as_str());
-        lines.push(if is_own { html(reason) } else { words_of_stage(language, reason) });
+        lines.push(html(reason));
     }
     if let (Some(low), Some(high)) = (number.low, number.high) {
-        lines.push(format!("{}: {}", interval_name(language, number), range(low, high)));
+        lines.push(format!("{}: {}", interval_name(number), range(low, high)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
-        lines.push(words_of_stage(language, reason));
+        lines.push(html(reason));
     } else if number.value.is_some() {
         lines.push(texts.no_interval.to_owned());
     }
@@ -73,7 +71,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 
 /// The word of the trade.
 pub(crate) fn title(run: &Run, name: &str) -> String {
-    let texts = &run.language.phrases().numbers;
+    let texts = &PHRASES.numbers;
     let title = match name {
         "dynamic_crush" if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) => texts.motion_over_ground,
         "dynamic_crush" => texts.dynamic_crush,
@@ -90,18 +88,18 @@ pub(crate) fn title(run: &Run, name: &str) -> String {
             let filter = run.filter.as_ref();
             return match (filter.and_then(|filter| filter.cfc), filter.and_then(|f| f.cutoff_hz.first())) {
                 (Some(cfc), _) => fill(texts.peak_cfc, &[("cfc", cfc.to_string())]),
-                (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", run.language.quantity(*hz, 0, "Hz"))]),
+                (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", words::quantity(*hz, 0, "Hz"))]),
                 (None, None) => texts.peak.to_owned(),
             };
         }
-        other => return html(&run.language.metric(other)),
+        other => return html(&words::metric(other)),
     };
     title.to_owned()
 }
 
 /// `90 %` of `5-95 % of 400 replicates`, `resolution` of a recorder.
-fn interval_name(language: Language, number: &KeyNumber) -> String {
-    let texts = &language.phrases().numbers;
+fn interval_name(number: &KeyNumber) -> String {
+    let texts = &PHRASES.numbers;
     match number.interval_by.as_deref() {
         Some(by) if by.starts_with("5-95 %") => texts.inputs.to_owned(),
         Some(by) if by.starts_with("resolution") => texts.resolution.to_owned(),
@@ -111,9 +109,9 @@ fn interval_name(language: Language, number: &KeyNumber) -> String {
 }
 
 fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let texts = &PHRASES.numbers;
     let events = run.events.as_ref();
-    let at = || number.at_s.map(|t| fill(texts.at, &[("time", language.quantity(MILLI * t, 1, "ms"))]));
+    let at = || number.at_s.map(|t| fill(texts.at, &[("time", words::quantity(MILLI * t, 1, "ms"))]));
     match number.name {
         "peak_acceleration" | "maximum_delta_v" => at(),
         "delta_v" if events.is_some_and(|e| e.end_of_event_s.is_some()) => {
@@ -121,10 +119,10 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
         }
         "coefficient_of_restitution" => events
             .and_then(|events| events.rebound_velocity_m_per_s)
-            .map(|v| fill(texts.rebound, &[("speed", language.quantity(3.6 * v.abs(), 1, "km/h"))])),
+            .map(|v| fill(texts.rebound, &[("speed", words::quantity(3.6 * v.abs(), 1, "km/h"))])),
         "time_of_dynamic_crush" => {
             let ratio = events.and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))?;
-            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", language.decimals(ratio, 3)))
+            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", words::decimals(ratio, 3)))
         }
         "olc" => Some(texts.olc.to_owned()),
         "hic15" | "hic36" => Some(texts.hic.to_owned()),
@@ -132,12 +130,12 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
     }
 }
 
-fn caption(out: &mut String, language: Language, numbers: &[KeyNumber]) {
-    let texts = &language.phrases().numbers;
+fn caption(out: &mut String, numbers: &[KeyNumber]) {
+    let texts = &PHRASES.numbers;
     let mut sentences: Vec<String> = Vec::new();
     let by = |start: &str| numbers.iter().filter_map(|n| n.interval_by.as_deref()).find(|by| by.starts_with(start));
     for (start, template) in [("5-95 %", texts.inputs_caption), ("resolution", texts.resolution_caption)] {
-        sentences.extend(by(start).map(|by| fill(template, &[("by", html(&language.interval_by(by)))])));
+        sentences.extend(by(start).map(|by| fill(template, &[("by", html(by))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.join(", "));

@@ -1,5 +1,4 @@
 //! The page as HTML: its frame and its sections.
-//! Uses frame, figures, conclusions, results and text.
 
 pub mod candidates;
 pub mod channels;

@@ -1,5 +1,7 @@
 //! The table of identified models and their poles.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::f64::consts::TAU;
 
 use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
@@ -7,10 +9,9 @@ use crumple_drawing::Figure;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
 use crumple_findings::{Model, PoleStability, Run, is_of_a_failed_method};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, table};
-use crate::frame::stage_words::words_of_stage;
 use crate::page::figures;
 
 /// What the samples of a model between inputs and outputs are taken for, as the record says.
@@ -22,7 +23,7 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
     if run.models.is_empty() {
         return;
     }
-    let (language, texts) = (run.language, &run.language.phrases().identification);
+    let texts = &PHRASES.identification;
     out.push_str(&format!("<section id=\"identification\">\n<h2>{}</h2>\n", texts.title));
     // Of a crash they are a way to the physical model, of any other record they are the result.
     if !run.is_generic() {
@@ -30,11 +31,11 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
         let count = fill(template, &[("count", run.models.len().to_string())]);
         out.push_str(&format!("<details><summary>{count}</summary>\n"));
     }
-    figures::write(out, drawn, "h3", language);
+    figures::write(out, drawn, "h3");
     for model in &run.models {
-        write_model(out, language, model);
+        write_model(out, model);
     }
-    write_failed_methods(out, language, concerns);
+    write_failed_methods(out, concerns);
     if !run.is_generic() {
         out.push_str("</details>\n");
     }
@@ -42,23 +43,23 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
 }
 
 /// Every method that gave no model, with its reason.
-fn write_failed_methods(out: &mut String, language: Language, concerns: &[ConcernV1]) {
+fn write_failed_methods(out: &mut String, concerns: &[ConcernV1]) {
     let failed = concerns.iter().filter(|concern| is_of_a_failed_method(concern));
-    let items: String = failed.map(|concern| format!("<li>{}</li>", words_of_stage(language, &concern.text))).collect();
+    let items: String = failed.map(|concern| format!("<li>{}</li>", html(&concern.text))).collect();
     if !items.is_empty() {
-        let title = language.phrases().identification.failed_methods;
+        let title = PHRASES.identification.failed_methods;
         out.push_str(&format!("<h3>{title}</h3>\n<ul class=\"remarks\">{items}</ul>\n"));
     }
 }
 
-fn write_model(out: &mut String, language: Language, model: &Model) {
-    let texts = &language.phrases().identification;
+fn write_model(out: &mut String, model: &Model) {
+    let texts = &PHRASES.identification;
     out.push_str(&format!("<h3><code>{}</code></h3>\n", html(&model.id)));
     if let Some(i) = &model.identification {
         let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
         // Between inputs and outputs a channel is what it is.
         let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
-        let stretch = [("times", language.times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
+        let stretch = [("times", words::times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
         let mut facts = vec![
             fill(texts.method, &[("method", &i.method)]),
             fill(texts.order, &[("order", i.order.to_string())]),
@@ -69,19 +70,18 @@ fn write_model(out: &mut String, language: Language, model: &Model) {
             facts.push(fill(texts.hankel, &[("rows", rows.to_string()), ("columns", columns.to_string())]));
         }
         if let Some(fit) = i.fit_percent {
-            facts.push(fill(texts.fit, &[("fit", format!("{} %", language.decimals(fit, 2)))]));
+            facts.push(fill(texts.fit, &[("fit", format!("{} %", words::decimals(fit, 2)))]));
         }
         if let Some(fit) = model.unseen_fit_percent() {
-            facts.push(fill(texts.unseen_fit, &[("fit", format!("{} %", language.decimals(fit, 2)))]));
+            facts.push(fill(texts.unseen_fit, &[("fit", format!("{} %", words::decimals(fit, 2)))]));
         }
         out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts.join("; ")))));
         if !i.notes.is_empty() {
-            let items: String =
-                i.notes.iter().map(|text| format!("<li>{}</li>", words_of_stage(language, text))).collect();
+            let items: String = i.notes.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
             out.push_str(&format!("<ul class=\"remarks\">{items}</ul>\n"));
         }
     }
-    write_poles(out, language, model);
+    write_poles(out, model);
 }
 
 /// What the table of poles has of one pole, or of a conjugate pair.
@@ -93,9 +93,9 @@ struct PoleLine {
 }
 
 /// The table of the poles of a model: its modes, then the poles that are none.
-fn write_poles(out: &mut String, language: Language, model: &Model) {
-    let texts = &language.phrases().identification;
-    let (cells, uncertainty) = cells_of_poles(language, model);
+fn write_poles(out: &mut String, model: &Model) {
+    let texts = &PHRASES.identification;
+    let (cells, uncertainty) = cells_of_poles(model);
     let poles: Vec<([f64; 2], PoleStability)> = model.poles().collect();
     // A conjugate pair is one line; a pole without its partner, which a real model does not have, is its own.
     let is_shown = |[re, im]: [f64; 2]| im >= 0.0 || !poles.iter().any(|(other, _)| *other == [re, -im]);
@@ -127,9 +127,9 @@ fn write_poles(out: &mut String, language: Language, model: &Model) {
             PoleStability::Marginal => format!(" {}", texts.marginal),
             PoleStability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
         };
-        let im = if im == 0.0 { String::new() } else { format!(" ± {}i", language.significant(im.abs(), 5)) };
+        let im = if im == 0.0 { String::new() } else { format!(" ± {}i", words::significant(im.abs(), 5)) };
         let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
-        out.push_str(&format!("<tr><td class=\"n\">{}{im}{word}</td>{cells}</tr>\n", language.significant(re, 5)));
+        out.push_str(&format!("<tr><td class=\"n\">{}{im}{word}</td>{cells}</tr>\n", words::significant(re, 5)));
     }
     out.push_str("</tbody>\n</table></div>\n");
     out.push_str(&format!("<p class=\"caption\">{uncertainty}</p>\n"));
@@ -140,12 +140,12 @@ fn write_poles(out: &mut String, language: Language, model: &Model) {
 
 /// Natural frequency, damping ratio, coherence and share of every pole, in the order of [`Model::poles`], and in words
 /// where their uncertainty is from: the covariance of the fit, else the bootstrap, else nowhere.
-fn cells_of_poles(language: Language, model: &Model) -> (Vec<[String; 4]>, &'static str) {
-    let texts = &language.phrases().identification;
+fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
+    let texts = &PHRASES.identification;
     let number = |value: Option<f64>, deviation: Option<f64>, factor: f64| {
         let Some(value) = value else { return ABSENT.to_owned() };
-        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", language.significant(factor * d, 2)));
-        format!("{}{deviation}", language.significant(factor * value, 4))
+        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", words::significant(factor * d, 2)));
+        format!("{}{deviation}", words::significant(factor * value, 4))
     };
     let evidence = model.evidence.as_ref();
     let by_covariance =

@@ -4,7 +4,9 @@ use crumple_artifact::records::{EventsV1, MetricV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
 use crumple_findings::Run;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{self, Column};
 
@@ -16,11 +18,11 @@ pub(super) fn write(out: &mut String, run: &Run) {
     if run.events.is_none() && run.metrics.is_empty() {
         return;
     }
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let texts = &PHRASES.numbers;
     out.push_str(&format!("<section>\n<h2>{}</h2>\n<div class=\"pair\">\n", texts.events_and_metrics));
     if let Some(events) = &run.events {
         out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.events));
-        table(out, language, &event_rows(language, events));
+        table(out, &event_rows(events));
         let rule = html(&events.time_zero_rule.replace('-', " "));
         let caption = fill(texts.time_zero_rule, &[("rule", rule)]);
         out.push_str(&format!("<p class=\"caption\">{caption}</p>\n</div>\n"));
@@ -38,16 +40,16 @@ pub(super) fn write(out: &mut String, run: &Run) {
         let rows: Vec<Row> = rest
             .into_iter()
             .map(|metric| Row {
-                name: language.metric(&metric.name),
+                name: words::metric(&metric.name),
                 value: metric.value,
                 unit: &metric.unit,
-                definition: definition(language, metric),
+                definition: definition(metric),
                 interval: metric.low.zip(metric.high),
                 interval_by: metric.interval_by.as_deref(),
             })
             .collect();
         out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.metrics));
-        table(out, language, &rows);
+        table(out, &rows);
         out.push_str(&format!("<p class=\"caption\">{}</p>\n</div>\n", texts.point_at_a_name));
     }
     out.push_str("</div>\n");
@@ -62,22 +64,22 @@ fn unlike_pulse(out: &mut String, run: &Run) {
     if rows.is_empty() {
         return;
     }
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let texts = &PHRASES.numbers;
     let columns = [Column::text(texts.place), Column::text(texts.metric), Column::number(texts.value)];
     out.push_str(&format!("<h3>{}</h3>\n{}", texts.of_others, heads::table("", &columns)));
     for metric in rows {
         let shown = match metric.value {
             Some(x) if metric.definition.contains("lower bound") => {
-                fill(texts.lower_bound, &[("value", language.value(x, &metric.unit))])
+                fill(texts.lower_bound, &[("value", words::value(x, &metric.unit))])
             }
-            Some(x) => language.value(x, &metric.unit),
+            Some(x) => words::value(x, &metric.unit),
             None => format!("{ABSENT} ({})", metric.definition),
         };
         out.push_str(&format!(
             "<tr><th scope=\"row\">{}</th><td><abbr title=\"{}\">{}</abbr></td><td class=\"n\">{}</td></tr>\n",
             html(&place(run, &metric.channel)),
-            html(&definition(language, metric)),
-            html(&language.metric(&metric.name)),
+            html(&definition(metric)),
+            html(&words::metric(&metric.name)),
             html(&shown)
         ));
     }
@@ -118,7 +120,7 @@ fn other_channels(out: &mut String, run: &Run) {
     let is_range = |id: &str| id.contains('+') && run.test.channel(id).is_none();
     channels.sort_by_key(|id| is_range(id));
     let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
-    let (language, texts) = (run.language, &run.language.phrases().numbers);
+    let texts = &PHRASES.numbers;
     let template = if others == 1 { texts.other_channel } else { texts.other_channels };
     out.push_str(&format!(
         "<details><summary>{}</summary>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">{}</th>",
@@ -139,14 +141,14 @@ fn other_channels(out: &mut String, run: &Run) {
     for (name, first) in names {
         out.push_str(&format!(
             "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th>",
-            html(&language.definition(first.definition_id.as_deref(), &first.definition)),
-            html(&language.metric(name))
+            html(&first.definition),
+            html(&words::metric(name))
         ));
         for id in &channels {
             let metric = run.metrics.iter().find(|m| m.name == name && m.channel == *id);
             let shown = metric.and_then(|m| match is_range(id) {
-                true => Some(language.range(m.low?, m.high?, &m.unit)),
-                false => Some(language.value(m.value?, &m.unit)),
+                true => Some(words::range(m.low?, m.high?, &m.unit)),
+                false => Some(words::value(m.value?, &m.unit)),
             });
             let shown = shown.unwrap_or_else(|| ABSENT.to_owned());
             out.push_str(&format!("<td class=\"n\">{}</td>", html(&shown)));
@@ -166,28 +168,28 @@ struct Row<'a> {
 }
 
 /// The definition, its key and the part of the record.
-fn definition(language: Language, metric: &MetricV1) -> String {
-    let texts = &language.phrases().numbers;
+fn definition(metric: &MetricV1) -> String {
+    let texts = &PHRASES.numbers;
     let key = metric.definition_id.as_deref().filter(|_| metric.value.is_some());
-    let mut text = language.definition(key, &metric.definition);
+    let mut text = metric.definition.clone();
     if let Some(id) = key {
         text.push_str(&format!(" [{id}]"));
     }
     match metric.from_s.zip(metric.to_s) {
         Some((from_s, to_s)) if from_s < to_s => {
-            text.push_str(&fill(texts.from_to, &[("interval", language.range(from_s, to_s, "s"))]));
+            text.push_str(&fill(texts.from_to, &[("interval", words::range(from_s, to_s, "s"))]));
         }
-        Some((from_s, _)) => text.push_str(&fill(texts.at_time, &[("time", language.value(from_s, "s"))])),
+        Some((from_s, _)) => text.push_str(&fill(texts.at_time, &[("time", words::value(from_s, "s"))])),
         None => {}
     }
     text
 }
 
-fn table(out: &mut String, language: Language, rows: &[Row]) {
+fn table(out: &mut String, rows: &[Row]) {
     out.push_str("<table class=\"numbers\"><tbody>\n");
     for row in rows {
         let mut value = match row.value {
-            Some(x) => html(&language.value(x, row.unit)),
+            Some(x) => html(&words::value(x, row.unit)),
             // A value that is not there says why, in print too.
             None => format!("{ABSENT} <span class=\"why\">{}</span>", html(&row.definition)),
         };
@@ -198,7 +200,7 @@ fn table(out: &mut String, language: Language, rows: &[Row]) {
             value.push_str(&format!(
                 "<br><span class=\"interval\" title=\"{}\">{}</span>",
                 html(row.interval_by.unwrap_or_default()),
-                html(&language.range(low, high, row.unit))
+                html(&words::range(low, high, row.unit))
             ));
         }
         out.push_str(&format!(
@@ -210,8 +212,8 @@ fn table(out: &mut String, language: Language, rows: &[Row]) {
     out.push_str("</tbody></table>\n");
 }
 
-fn event_rows(language: Language, e: &EventsV1) -> Vec<Row<'_>> {
-    let texts = &language.phrases().numbers;
+fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
+    let texts = &PHRASES.numbers;
     let row = |field: &str, name: &str, value, unit, definition: &str| {
         let interval = e.intervals.iter().find(|interval| interval.name == field);
         Row {
@@ -228,7 +230,7 @@ fn event_rows(language: Language, e: &EventsV1) -> Vec<Row<'_>> {
     };
     let change = match (&e.end_of_event_rule, e.end_of_event_s) {
         (Some(rule), Some(end_s)) => {
-            fill(texts.change_of_event, &[("time", language.value(end_s, "s").as_str()), ("rule", rule)])
+            fill(texts.change_of_event, &[("time", words::value(end_s, "s").as_str()), ("rule", rule)])
         }
         _ => texts.change_definition.to_owned(),
     };

@@ -4,10 +4,11 @@ use crumple_artifact::records::{AnsweredByV1, PredictionV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, names::candidate_name};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, table};
-use crate::frame::stage_words::words_of_stage;
 
 /// Predictions on the first screen.
 const SHOWN_FIRST: usize = 5;
@@ -22,9 +23,9 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     if shown.is_empty() {
         return;
     }
-    let texts = &run.language.phrases().predictions;
+    let texts = &PHRASES.predictions;
     let level = shown.iter().flat_map(|prediction| &prediction.intervals).map(|interval| interval.level).next();
-    let level = level.map_or_else(String::new, |level| run.language.quantity(1e2 * level, 0, "%"));
+    let level = level.map_or_else(String::new, |level| words::quantity(1e2 * level, 0, "%"));
     let columns = [
         Column::number(texts.speed_head),
         Column::number(texts.crush_head),
@@ -44,8 +45,8 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
 }
 
 fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
-    let (language, texts) = (run.language, &run.language.phrases().predictions);
-    let mm = |m: f64| language.decimals(MILLI * m, 0);
+    let texts = &PHRASES.predictions;
+    let mm = |m: f64| words::decimals(MILLI * m, 0);
     let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
     let range = match prediction.extrapolates {
@@ -53,16 +54,16 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
         false if run.is_as_tested(prediction) => texts.as_tested,
         false => texts.inside,
     };
-    let phrases = &language.phrases().conclusion;
+    let phrases = &PHRASES.conclusion;
     let is_other_mass = !run.is_of_own_mass(prediction);
-    let mass = is_other_mass.then(|| language.quantity(prediction.mass_kg, 0, "kg"));
+    let mass = is_other_mass.then(|| words::quantity(prediction.mass_kg, 0, "kg"));
     let mass = mass.map(|mass| fill(phrases.with_mass, &[("mass", mass)]));
     let partner = prediction.partner.as_ref();
     let partner = partner.map(|partner| fill(phrases.against_partner, &[("partner", html(partner))]));
     let other = [mass, partner].into_iter().flatten().collect::<String>();
     let other = if other.is_empty() { other } else { format!("<br><small>{}</small>", other.trim_start()) };
     let peak = prediction.peak_acceleration_m_per_s2.map(|peak| {
-        let peak = language.decimals(G_PER_M_PER_S2 * peak, 0);
+        let peak = words::decimals(G_PER_M_PER_S2 * peak, 0);
         match prediction.peak_by {
             Some(AnsweredByV1::Record) => fill(texts.by_the_record, &[("peak", peak)]),
             _ => peak,
@@ -71,10 +72,10 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     out.push_str(&format!(
         "<tr><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
          <td{}>{range}</td></tr>\n",
-        language.at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
+        words::at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
         other,
         or_absent(prediction.dynamic_crush_m.map(mm)),
-        or_absent(interval.map(|interval| language.between(&mm(interval.low), &mm(interval.high)))),
+        or_absent(interval.map(|interval| words::between(&mm(interval.low), &mm(interval.high)))),
         or_absent(peak),
         if prediction.extrapolates { " class=\"no\"" } else { "" },
     ));
@@ -84,7 +85,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
     if run.predictions.is_empty() {
         return;
     }
-    let texts = &run.language.phrases().predictions;
+    let texts = &PHRASES.predictions;
     let columns = [
         Column::number(texts.speed),
         Column::number(texts.mass),
@@ -99,27 +100,25 @@ pub(super) fn write(out: &mut String, run: &Run) {
     ];
     out.push_str(&format!("<section id=\"predictions\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
     for prediction in &run.predictions {
-        row(out, run, prediction);
+        row(out, prediction);
     }
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
-    let language = run.language;
-    let texts = &language.phrases().predictions;
+fn row(out: &mut String, prediction: &PredictionV1) {
+    let texts = &PHRASES.predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
         let interval = prediction.intervals.iter().find(|interval| interval.name == name).map(|interval| {
-            let end = |end: f64| language.decimals(factor * end, digits);
+            let end = |end: f64| words::decimals(factor * end, digits);
             let ends = fill(texts.interval, &[("low", end(interval.low)), ("high", end(interval.high))]);
             format!("<br><span title=\"{}\">{ends}</span>", html(&interval.interval_by))
         });
-        format!("<td class=\"n\">{}{}</td>", language.decimals(factor * value, digits), interval.unwrap_or_default())
+        format!("<td class=\"n\">{}{}</td>", words::decimals(factor * value, digits), interval.unwrap_or_default())
     };
-    let remarks: String =
-        prediction.notes.iter().map(|note| format!("<li>{}</li>", words_of_stage(run.language, note))).collect();
-    let partner = partner(language, prediction);
-    let roles = &language.phrases().candidates;
+    let remarks: String = prediction.notes.iter().map(|note| format!("<li>{}</li>", html(note))).collect();
+    let partner = partner(prediction);
+    let roles = &PHRASES.candidates;
     let role = |name: &String| match name.as_str() {
         "recommended" => roles.badge_recommended.to_owned(),
         "simplest" => roles.badge_simplest.to_owned(),
@@ -133,8 +132,8 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
         "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}\
          <td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },
-        language.decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
-        language.decimals(prediction.mass_kg, 0),
+        words::decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
+        words::decimals(prediction.mass_kg, 0),
         html(&candidate_name(&prediction.candidate)),
         html(&names),
         cell(prediction.dynamic_crush_m, "dynamic_crush_m", MILLI, 0),
@@ -155,17 +154,17 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1) {
 }
 
 /// What the vehicle meets and what that makes of the other, and of the occupant; nothing at the wall without one.
-fn partner(language: Language, prediction: &PredictionV1) -> String {
-    let texts = &language.phrases().predictions;
+fn partner(prediction: &PredictionV1) -> String {
+    let texts = &PHRASES.predictions;
     let number = |value: Option<f64>, factor: f64, digits: usize| {
-        value.map_or_else(|| ABSENT.to_owned(), |value| language.decimals(factor * value, digits))
+        value.map_or_else(|| ABSENT.to_owned(), |value| words::decimals(factor * value, digits))
     };
     let mut lines = Vec::new();
     if let Some(both) = &prediction.collision {
         let filled = [
             ("partner", html(prediction.partner.as_deref().unwrap_or(texts.a_partner))),
-            ("mass", language.decimals(both.partner_mass_kg, 0)),
-            ("closing", language.decimals(KM_PER_H_PER_M_PER_S * both.closing_speed_m_per_s, 1)),
+            ("mass", words::decimals(both.partner_mass_kg, 0)),
+            ("closing", words::decimals(KM_PER_H_PER_M_PER_S * both.closing_speed_m_per_s, 1)),
             ("common", number(both.common_velocity_m_per_s, KM_PER_H_PER_M_PER_S, 1)),
             ("mutual", number(both.mutual_crush_m, MILLI, 0)),
             ("crush", number(both.partner_crush_m, MILLI, 0)),
@@ -177,8 +176,8 @@ fn partner(language: Language, prediction: &PredictionV1) -> String {
     }
     if let Some(occupant) = &prediction.occupant {
         let filled = [
-            ("peak", language.decimals(G_PER_M_PER_S2 * occupant.peak_acceleration_m_per_s2, 1)),
-            ("excursion", language.decimals(MILLI * occupant.largest_excursion_m, 0)),
+            ("peak", words::decimals(G_PER_M_PER_S2 * occupant.peak_acceleration_m_per_s2, 1)),
+            ("excursion", words::decimals(MILLI * occupant.largest_excursion_m, 0)),
             ("share", number(occupant.ride_down_share, 1e2, 0)),
         ];
         lines.push(fill(texts.occupant, &filled));
@@ -189,7 +188,7 @@ fn partner(language: Language, prediction: &PredictionV1) -> String {
 /// The tests of a joint model as measured, and what the others say of each.
 pub(super) fn write_left_out(out: &mut String, run: &Run) {
     let Some(joint) = &run.joint else { return };
-    let texts = &run.language.phrases().joint;
+    let texts = &PHRASES.joint;
     let columns = [
         Column::text(texts.test),
         Column::number(texts.mass),
@@ -205,29 +204,29 @@ pub(super) fn write_left_out(out: &mut String, run: &Run) {
         Column::text(texts.by),
     ];
     out.push_str(&format!("<section id=\"tests\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
-    joint.tests.iter().for_each(|test| test_row(out, run.language, test));
+    joint.tests.iter().for_each(|test| test_row(out, test));
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn test_row(out: &mut String, language: Language, joint: &TestOfJointModel) {
-    let (texts, page) = (&language.phrases().joint, &language.phrases().page);
+fn test_row(out: &mut String, joint: &TestOfJointModel) {
+    let (texts, page) = (&PHRASES.joint, &PHRASES.page);
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
         format!("<td class=\"n\">{}</td>", value.map_or_else(|| ABSENT.to_owned(), text))
     };
     let TestOfJointModel { test, left_out } = joint;
     out.push_str(&format!("<tr><th scope=\"row\">{}</th>", html(&test.name)));
-    out.push_str(&number(Some(test.mass_kg), &|v| language.decimals(v, 0)));
-    out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));
-    out.push_str(&number(test.dynamic_crush_m, &|v| language.decimals(MILLI * v, 1)));
-    out.push_str(&number(test.time_of_dynamic_crush_s, &|v| language.decimals(MILLI * v, 1)));
-    out.push_str(&number(test.coefficient_of_restitution, &|v| language.decimals(v, 3)));
+    out.push_str(&number(Some(test.mass_kg), &|v| words::decimals(v, 0)));
+    out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| words::decimals(KM_PER_H_PER_M_PER_S * v, 1)));
+    out.push_str(&number(test.dynamic_crush_m, &|v| words::decimals(MILLI * v, 1)));
+    out.push_str(&number(test.time_of_dynamic_crush_s, &|v| words::decimals(MILLI * v, 1)));
+    out.push_str(&number(test.coefficient_of_restitution, &|v| words::decimals(v, 3)));
     match (left_out, joint.against()) {
         (LeftOut::Predicted(prediction), Some(against)) => {
-            let percent = |v: f64| language.signed(v, 1);
+            let percent = |v: f64| words::signed(v, 1);
             out.push_str(&number(against.dynamic_crush_error_percent, &percent));
             out.push_str(&number(against.time_of_dynamic_crush_error_percent, &percent));
             out.push_str(&number(against.peak_acceleration_error_percent, &percent));
-            out.push_str(&number(against.iso18571_score, &|v| language.decimals(v, 2)));
+            out.push_str(&number(against.iso18571_score, &|v| words::decimals(v, 2)));
             let held = if against.held.iter().any(|name| name == "dynamic_crush_m") { page.yes } else { page.no };
             let class = if against.missed_crush_percent().is_some() { " class=\"no\"" } else { "" };
             out.push_str(&format!("<td{class}>{held}</td><td>{}</td>", html(&candidate_name(&prediction.candidate))));

@@ -4,11 +4,12 @@ use crumple_artifact::records::{RatingV1, SimulationV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
 use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
 use crumple_phrases::phrases::HowWellTexts;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, heads};
-use crate::frame::stage_words::words_of_stage;
 use crate::page::how_well::grade;
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
@@ -38,7 +39,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     rows.sort_by_key(|(candidate, _)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let texts = &run.language.phrases().how_well;
+    let texts = &PHRASES.how_well;
     let columns = columns(texts);
     let columns_of = |quantity: &str| columns.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
@@ -64,10 +65,10 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for (candidate, simulation) in &rows {
-        row(out, run.language, candidate, simulation, ranking);
+        row(out, candidate, simulation, ranking);
     }
     out.push_str("</tbody>\n</table></div>\n");
-    caption(out, run.language, &rows);
+    caption(out, &rows);
     out.push_str("</section>\n");
 }
 
@@ -80,14 +81,8 @@ fn mark<'a>(rows: &[(&CandidateResult, &'a SimulationV1)], quantity: &str, id: &
     rows.iter().find_map(|(_, simulation)| find(simulation, quantity, id)).map(|rating| rating.mark.as_str())
 }
 
-fn row(
-    out: &mut String,
-    language: Language,
-    candidate: &CandidateResult,
-    simulation: &SimulationV1,
-    ranking: &Ranking,
-) {
-    let columns = columns(&language.phrases().how_well);
+fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1, ranking: &Ranking) {
+    let columns = columns(&PHRASES.how_well);
     let best = ranking.best.as_deref() == Some(&candidate.id);
     out.push_str(&format!(
         "<tr{}><td>{}</td>",
@@ -95,18 +90,18 @@ fn row(
         html(&candidate_name(&candidate.id))
     ));
     let percent = |fit: Option<f64>| {
-        let shown = fit.map_or_else(|| ABSENT.to_owned(), |fit| language.decimals(fit, 2));
+        let shown = fit.map_or_else(|| ABSENT.to_owned(), |fit| words::decimals(fit, 2));
         format!("<td class=\"n\">{shown}</td>")
     };
     for (index, (quantity, id, ..)) in columns.iter().enumerate() {
         let rating = find(simulation, quantity, id);
         let shown = match rating.and_then(|rating| rating.value) {
-            Some(value) if *id == "sprague-geers-m" => language.signed(value, 3),
-            Some(value) => language.decimals(value, 3),
+            Some(value) if *id == "sprague-geers-m" => words::signed(value, 3),
+            Some(value) => words::decimals(value, 3),
             None => ABSENT.to_owned(),
         };
         let note = rating.and_then(|rating| rating.note.as_deref()).filter(|_| *id != "cora");
-        let note = note.map(|note| grade(language, note));
+        let note = note.map(grade);
         out.push_str(&match note {
             Some(note) => format!("<td class=\"n\"><abbr title=\"{}\">{shown}</abbr></td>", html(note)),
             None => format!("<td class=\"n\">{shown}</td>"),
@@ -124,18 +119,15 @@ fn row(
 }
 
 /// The window and what CORA's published formulas leave to the one who computes them.
-fn caption(out: &mut String, language: Language, rows: &[(&CandidateResult, &SimulationV1)]) {
-    let texts = &language.phrases().how_well;
+fn caption(out: &mut String, rows: &[(&CandidateResult, &SimulationV1)]) {
+    let texts = &PHRASES.how_well;
     let (from_s, to_s) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), (_, simulation)| {
         (simulation.from_s.min(from), simulation.to_s.max(to))
     });
     let cora = rows.iter().find_map(|(_, simulation)| {
         let rating = simulation.ratings.iter().find(|rating| rating.definition_id == "cora")?;
-        Some(fill(
-            texts.cora_has,
-            &[("mark", html(&rating.mark)), ("note", words_of_stage(language, rating.note.as_deref()?))],
-        ))
+        Some(fill(texts.cora_has, &[("mark", html(&rating.mark)), ("note", html(rating.note.as_deref()?))]))
     });
-    let filled = [("times", language.times(from_s, to_s)), ("cora", cora.unwrap_or_default())];
+    let filled = [("times", words::times(from_s, to_s)), ("cora", cora.unwrap_or_default())];
     out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.ratings_caption, &filled)));
 }

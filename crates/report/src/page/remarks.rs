@@ -6,11 +6,12 @@ use crumple_findings::{
     CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, names::candidate_name, parameters::parameter,
     ranking::AS_GOOD_PERCENT,
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::Severity;
 
 use crate::frame::heads::{Column, table};
-use crate::frame::stage_words::words_of_stage;
 use crate::page::conclusion;
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
@@ -25,7 +26,7 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
     let items: String = run.missing.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
     out.push_str(&format!(
         "<section class=\"missing\">\n<h2>{}</h2>\n<ul>\n{items}</ul>\n</section>\n",
-        run.language.phrases().remarks.missing
+        PHRASES.remarks.missing
     ));
 }
 
@@ -34,14 +35,11 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
     if run.notes.is_empty() && concerns.is_empty() {
         return;
     }
-    let texts = &run.language.phrases().remarks;
+    let texts = &PHRASES.remarks;
     out.push_str(&format!("<section id=\"notes\">\n<h2>{}</h2>\n", texts.notes_title));
-    if run.language != Language::English {
-        out.push_str(&format!("<p class=\"caption\">{}</p>\n", texts.words_of_stages));
-    }
     if !concerns.is_empty() {
         let list = |concerns: &[&ConcernV1]| {
-            let items: String = concerns.iter().map(|concern| conclusion::item(run.language, concern)).collect();
+            let items: String = concerns.iter().map(|concern| conclusion::item(concern)).collect();
             format!("<ul class=\"notes warnings\">\n{items}</ul>\n")
         };
         let count = match concerns.len() {
@@ -59,8 +57,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
     let infos: Vec<&StageNote> = run.notes.iter().filter(|n| n.note.severity == Severity::Info).collect();
     for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
         let Some(StageNote { stage, .. }) = of_stage.first() else { continue };
-        let items: String =
-            of_stage.iter().map(|n| format!("<li>{}</li>\n", words_of_stage(run.language, &n.note.text))).collect();
+        let items: String = of_stage.iter().map(|n| format!("<li>{}</li>\n", html(&n.note.text))).collect();
         let list = format!("<ul class=\"notes\">\n{items}</ul>\n");
         out.push_str(&if of_stage.len() > OPEN_NOTES {
             let count = fill(texts.notes, &[("count", of_stage.len().to_string())]);
@@ -73,7 +70,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
 }
 
 pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
-    let (language, texts) = (run.language, &run.language.phrases().remarks);
+    let texts = &PHRASES.remarks;
     let mut limits = Vec::new();
     // A fit that saw a second sensor has decided between the two.
     let one_sensor = |c: &CandidateResult| c.other_channels().next().is_none();
@@ -91,7 +88,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     } else if !run.candidates.is_empty() || !run.models.is_empty() {
         let mut text = texts.linear_limit.to_owned();
         if let Some((from, to)) = window {
-            let [from, to] = [from, to].map(|time_s| language.decimals(1e3 * time_s, 1));
+            let [from, to] = [from, to].map(|time_s| words::decimals(1e3 * time_s, 1));
             text.push_str(&fill(texts.compared_window, &[("from", from), ("to", to)]));
         }
         limits.push(text);
@@ -110,13 +107,13 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     if let Some(ratio) = run.events.as_ref().and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))
         && ratio > std::f64::consts::FRAC_2_PI
     {
-        let bound = language.decimals(std::f64::consts::FRAC_2_PI, 3);
-        limits.push(fill(texts.no_kelvin, &[("ratio", language.decimals(ratio, 3)), ("bound", bound)]));
+        let bound = words::decimals(std::f64::consts::FRAC_2_PI, 3);
+        limits.push(fill(texts.no_kelvin, &[("ratio", words::decimals(ratio, 3)), ("bound", bound)]));
     }
     if let Some(events) = run.events.as_ref().filter(|e| e.time_of_dynamic_crush_s.is_none()) {
         let end = match (events.end_of_event_s, &events.end_of_event_rule) {
             (Some(end_s), Some(rule)) => {
-                let time = format!("{} ms", language.decimals(1e3 * end_s, 1));
+                let time = format!("{} ms", words::decimals(1e3 * end_s, 1));
                 fill(texts.end_of_event, &[("time", &time), ("rule", rule)])
             }
             _ => String::new(),
@@ -129,7 +126,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
 
 /// Why a closer fit is not called the best: undetermined parameters, or more of them than the record gives reason for.
 fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
-    let texts = &run.language.phrases().remarks;
+    let texts = &PHRASES.remarks;
     if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
         return vec![fill(texts.none_recommended, &[("reason", reason)])];
     }
@@ -158,7 +155,7 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
     };
     let filled = [
         ("model", name),
-        ("points", run.language.written(&AS_GOOD_PERCENT.to_string())),
+        ("points", AS_GOOD_PERCENT.to_string()),
         ("count", count.to_string()),
         ("instead", instead.to_string()),
     ];
@@ -166,7 +163,7 @@ fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
 }
 
 pub(super) fn write_provenance(out: &mut String, run: &Run) {
-    let texts = &run.language.phrases().remarks;
+    let texts = &PHRASES.remarks;
     out.push_str(&format!("<section class=\"provenance\">\n<h2>{}</h2>\n", texts.provenance));
     let source = &run.test.source;
     if !source.name.is_empty() && run.joint.is_none() {

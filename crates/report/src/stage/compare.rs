@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_report::{ComparedRun, Language, Ranking, RunComparison};
+use crumple_report::{ComparedRun, Ranking, RunComparison};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, artifacts_of_a_run, columns, keep_budget, load_artifacts, refuse_to_overwrite, say,
     told_apart, wrapped,
@@ -15,13 +15,7 @@ use super::gather::gather;
 use super::run_folders::address;
 
 /// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
-pub fn compare(
-    folders: &[PathBuf],
-    page: &Path,
-    markdown: Option<&Path>,
-    language: Language,
-    quiet: bool,
-) -> anyhow::Result<ExitStatus> {
+pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
     if folders.len() < 2 {
         return Err(Usage::new("one run has nothing to be compared with").hint("name two run folders or more").into());
     }
@@ -30,7 +24,7 @@ pub fn compare(
         let artifacts = artifacts_of_a_run(folder)?;
         refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
         keep_budget(&artifacts, ExitStatus::Refused);
-        let mut run = gather(&load_artifacts(&artifacts)?.input, language)?;
+        let mut run = gather(&load_artifacts(&artifacts)?.input)?;
         let note = folder.join("0-pipeline.toml");
         if note.is_file() {
             run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);

@@ -1,5 +1,6 @@
 //! What a person at the terminal reads of a run.
 
+use crumple_phrases::PHRASES;
 use std::path::Path;
 
 use crumple_artifact::records::ConcernV1;
@@ -14,7 +15,7 @@ pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[Con
     }
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut lines = overview(run, ranking, verdict, concerns, folder);
-    let label = run.language.phrases().conclusion.files_label.to_owned();
+    let label = PHRASES.conclusion.files_label.to_owned();
     lines.push(OverviewLine { label, text: report.display().to_string(), may_be_cut: false });
     let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;
     for OverviewLine { label, text, may_be_cut } in &lines {

@@ -1,5 +1,6 @@
 //! Gathers a run from artifacts: by topic, not by position.
 
+use crumple_phrases::PHRASES;
 use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;
@@ -9,8 +10,8 @@ use crumple_artifact::records::{
     TransferFunctionV1,
 };
 use crumple_report::{
-    CandidateResult, Element, JointTests, Language, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord,
-    compare_ids, fill,
+    CandidateResult, Element, JointTests, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
+    fill,
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
@@ -18,9 +19,9 @@ use crumple_stage::{Inputs, RefuseExt, Refused};
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
 /// Refuses artifacts whose records do not decode, and inputs that hold nothing a report could show.
-pub fn gather(inputs: &Inputs, language: Language) -> anyhow::Result<Run> {
-    let mut run = Run { language, ..Run::default() };
-    let texts = &language.phrases().remarks;
+pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
+    let mut run = Run::default();
+    let texts = &PHRASES.remarks;
     match inputs.record_if::<TestV1>("/test")? {
         Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
         None => run.missing.push(texts.no_description.to_owned()),
@@ -307,7 +308,7 @@ fn concerns(inputs: &Inputs) -> anyhow::Result<Vec<ConcernV1>> {
 }
 
 fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
-    let texts = &run.language.phrases().remarks;
+    let texts = &PHRASES.remarks;
     let mut missing = std::mem::take(&mut run.missing);
     if run.is_generic() {
         missing.push(texts.no_crash.to_owned());

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use crumple_artifact::{Artifact, OutputKind};
-use crumple_report::{IndexedRun, Language, RunIndex, RunSummary, pulse_line};
+use crumple_report::{IndexedRun, RunIndex, RunSummary, pulse_line};
 use crumple_stage::{ExitStatus, Refused, Usage, refuse_to_overwrite, say, told_apart};
 
 use super::compare::write;
@@ -15,7 +15,7 @@ use super::run_folders::address;
 const NAMED: usize = 5;
 
 /// Reads the summaries of run folders and writes the page. Rows are in the order of the names of the runs.
-pub fn index(inputs: &[PathBuf], page: &Path, language: Language, quiet: bool) -> anyhow::Result<ExitStatus> {
+pub fn index(inputs: &[PathBuf], page: &Path, quiet: bool) -> anyhow::Result<ExitStatus> {
     let folders = run_folders(inputs)?;
     let summaries: Vec<PathBuf> = folders.iter().map(|folder| folder.join("summary.json")).collect();
     refuse_missing(&folders, &summaries)?;
@@ -27,7 +27,7 @@ pub fn index(inputs: &[PathBuf], page: &Path, language: Language, quiet: bool) -
     named.sort_by(|a, b| (&a.0, a.1).cmp(&(&b.0, b.1)));
     let mut runs = Vec::new();
     for (name, folder, summary) in &named {
-        let (exit_code, error) = IndexedRun::ending(summary, language);
+        let (exit_code, error) = IndexedRun::ending(summary);
         runs.push(IndexedRun {
             name: name.clone(),
             variant: String::new(),
@@ -38,7 +38,7 @@ pub fn index(inputs: &[PathBuf], page: &Path, language: Language, quiet: bool) -
             pulse: pulse(folder, summary),
         });
     }
-    let index = RunIndex { language, title: "", tables: &[], runs: &runs, figures: Vec::new() };
+    let index = RunIndex { title: "", tables: &[], runs: &runs, figures: Vec::new() };
     write(page, OutputKind::Report, &index.to_html())?;
     if !quiet {
         say(index.counted());

@@ -1,5 +1,4 @@
 //! The program: options, the artifacts of a run in, the report and its summary out.
-//! Uses the library and crumple-stage.
 
 mod compare;
 mod console;
@@ -17,11 +16,10 @@ use std::thread;
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
 use crumple_report::{
-    ComparedRun, Kind, Language, Page, Ranking, all_figures, conclusion, first_screen, summary, write_shared_files,
+    ComparedRun, Kind, Page, Ranking, all_figures, conclusion, first_screen, summary, write_shared_files,
 };
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
-    unknown_name,
 };
 use pictures::{Fonts, write_figures};
 
@@ -93,10 +91,6 @@ pub struct Cli {
     #[arg(long, value_name = "NAME")]
     pub pipeline_name: Option<String>,
 
-    /// Language of the page, the Markdown and the console: en or de; also the key `language` of [report] [default: en].
-    #[arg(long, value_name = "CODE")]
-    pub language: Option<String>,
-
     /// Print the summary to stdout as well.
     #[arg(long)]
     pub json: bool,
@@ -122,18 +116,13 @@ pub struct Cli {
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
 pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
-    let known = |code: &str| {
-        Language::of_code(code)
-            .ok_or_else(|| unknown_name(&format!("no report in the language {code:?}"), code, &Language::CODES))
-    };
-    let asked = cli.language.as_deref().map(known).transpose()?;
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
-        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), asked.unwrap_or_default(), cli.quiet);
+        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
     }
     if cli.index {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));
-        return index::index(&cli.inputs, page, asked.unwrap_or_default(), cli.quiet);
+        return index::index(&cli.inputs, page, cli.quiet);
     }
     let of_folder = cli.together.then(|| cli.inputs.first().map(|folder| folder.join("report.html"))).flatten();
     if cli.together && cli.inputs.len() != 1 {
@@ -145,17 +134,14 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     let file = cli.pipeline.as_deref().map(|path| Pipeline::read(path, None)).transpose()?;
     let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
     let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
-    let mut language = asked;
     if let Some(file) = &file {
-        let table = pipeline_table("report", file, &["language"])?;
-        let stated = table.get("language").and_then(|value| value.as_str()).map(known).transpose()?;
-        language = language.or(stated);
+        pipeline_table("report", file, &[])?;
     }
     if cli.check_options {
         return Ok(ExitStatus::Done);
     }
     if let (true, [folder]) = (cli.together, &cli.inputs[..]) {
-        return together::together(folder, output, pipeline, language.unwrap_or_default(), cli.quiet);
+        return together::together(folder, output, pipeline, cli.quiet);
     }
     let summary_path = cli.summary.clone().unwrap_or_else(|| output.with_file_name("summary.json"));
     if summary_path == *output {
@@ -168,7 +154,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         be_quiet();
     }
     keep_budget(&cli.inputs, ExitStatus::Refused);
-    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input, language.unwrap_or_default())?;
+    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let (said, concerns) = conclusion(&run, &ranking);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crumple_artifact::OutputKind;
 use crumple_artifact::records::{DiagnosisV1, PredictionV1};
-use crumple_report::{Language, LeftOut, Page, Ranking};
+use crumple_report::{LeftOut, Page, Ranking};
 use crumple_stage::{ExitStatus, Refused, keep_budget, load_artifacts, refuse_to_overwrite, say};
 
 use super::compare::write;
@@ -16,13 +16,7 @@ const SOLVED: &str = "5-parameter-solve.mcap";
 const PREDICTED: &str = "7-predict.mcap";
 
 /// Reads the folder of a joint result, as `crumple-together` makes it, and writes its page.
-pub fn together(
-    folder: &Path,
-    page: &Path,
-    pipeline: Option<String>,
-    language: Language,
-    quiet: bool,
-) -> anyhow::Result<ExitStatus> {
+pub fn together(folder: &Path, page: &Path, pipeline: Option<String>, quiet: bool) -> anyhow::Result<ExitStatus> {
     let artifacts: Vec<PathBuf> =
         [SOLVED, PREDICTED].map(|name| folder.join(name)).into_iter().filter(|path| path.is_file()).collect();
     refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
@@ -34,7 +28,7 @@ pub fn together(
     if artifacts.is_empty() {
         return Err(no_model().into());
     }
-    let mut run = gather(&load_artifacts(&artifacts)?.input, language)?;
+    let mut run = gather(&load_artifacts(&artifacts)?.input)?;
     let joint = run.joint.as_mut().ok_or_else(no_model)?;
     for test in &mut joint.tests {
         test.left_out = left_out(&folder.join(format!("without-{}", test.test.name)))?;

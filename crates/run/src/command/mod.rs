@@ -1,7 +1,7 @@
-//! The command line: options, the commands of the stages, the pipeline file, where a command's program is.
-//! May use no other room.
+//! The command line: options, the stages with their programs, the pipeline file.
 
 pub mod options;
 pub mod pipeline;
 pub mod program;
 pub mod stages;
+pub mod words;

@@ -4,16 +4,18 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_stage::{Usage, request_for_information, shell_words};
+use crumple_stage::Usage;
 
 use crate::command::pipeline::Pipeline;
-use crate::command::stages::Stages;
+use crate::command::words::{Words, request_for_information};
 
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
 ///
-/// The recipe `run` of the justfile calls it. Every stage is a shell command; it is started as
-/// `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. A stage whose result is up
-/// to date leaves it alone; all that was made from an old result is removed before a new one appears.
+/// The recipe `run` of the justfile calls it. Which stage reads and writes what stands in `pipelines/chain`; each is
+/// started as `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. The environment
+/// variable CRUMPLE_FILTER holds the command of the stage filter, where it is not the program of the project, and so on.
+/// A stage whose result is up to date leaves it alone; all that was made from an old result is removed before a new one
+/// appears.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-run",
@@ -23,9 +25,6 @@ use crate::command::stages::Stages;
                   (the report shows the diagnosis)."
 )]
 pub struct Options {
-    #[command(flatten)]
-    pub(crate) stages: Stages,
-
     /// Folder with `pipelines/` and `runs/`.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pub(crate) project: PathBuf,
@@ -38,25 +37,17 @@ pub struct Options {
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true)]
     pub(crate) out: Option<OsString>,
 
-    /// Stage that is left out where the pipeline file has no table of its name; what it wrote once is removed.
-    #[arg(long, value_name = "STAGE")]
-    pub(crate) optional: Vec<String>,
-
-    /// Runs these stages again in the folder of a run that was made; behind `--` stand flags of the first of them.
+    /// Predicts again in the folder of a run that was made; behind `--` stand flags of the stage predict.
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
 
-    /// Command that predicts with the joint result of several tests, if the folder of `--again` holds one.
-    #[arg(long, value_name = "COMMAND", requires = "again")]
-    pub(crate) joint: Option<String>,
-
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
-    pub(crate) flags: String,
+    pub(crate) flags: Words,
 
     /// Flags for the last stage alone.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
-    pub(crate) flags_of_last: String,
+    pub(crate) flags_of_last: Words,
 
     /// One option of a stage, over the pipeline: `filter.cfc=180`, `identify.methods=era,arx`. Several; it may stand
     /// behind the record too.
@@ -88,16 +79,9 @@ impl Options {
         Ok(())
     }
 
-    /// Puts the flags of the last stage behind its command.
-    pub(crate) fn take_flags_of_last(&mut self) {
-        if let Some(last) = self.stages.0.last_mut().filter(|_| !self.flags_of_last.is_empty()) {
-            last.command = format!("{} {}", last.command, self.flags_of_last);
-        }
-    }
-
     /// Whether a flag for every stage keeps it quiet.
     pub(crate) fn is_quiet(&self) -> bool {
-        shell_words(&self.flags).any(|word| matches!(word.as_str(), "-q" | "--quiet"))
+        self.flags.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"))
     }
 
     /// The run folder: what `--out` says, else one below `runs/` by the names of record and pipeline.

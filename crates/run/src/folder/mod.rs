@@ -1,5 +1,4 @@
 //! The run folder: its lock, who holds it, whose files are in it, what an earlier run left behind.
-//! May use `command`.
 
 pub mod content;
 pub mod holder;

@@ -1,5 +1,4 @@
 //! What is said to people beside what the stages say themselves.
-//! May use `command`, `steps`, `folder`.
 
 pub mod changed_options;
 pub mod replaced_record;

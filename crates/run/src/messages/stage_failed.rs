@@ -4,25 +4,29 @@ use std::path::Path;
 
 use crumple_stage::{ExitStatus, say};
 
-use crate::command::stages::Stage;
+use crate::command::program::Program;
 use crate::folder::content::is_artifact;
 use crate::steps::ending::{Unforeseen, signal_name};
 
 /// Names a program from elsewhere that ended with 1, 2 or 3: it may have said why, or nothing at all.
-pub(crate) fn say_which_stage_failed(stage: &Stage, failure: ExitStatus) {
+pub(crate) fn say_which_stage_failed(stage: &str, program: &Program, failure: ExitStatus) {
     let (code, meaning) = match failure {
         ExitStatus::Usage => (2, "usage"),
         ExitStatus::Refused => (3, "input refused"),
         _ => (1, "failure"),
     };
-    say(format_args!("note: the stage {} ended with exit code {code} ({meaning}): {}", stage.name(), stage.command));
+    say(format_args!("note: the stage {stage} ended with exit code {code} ({meaning}): {}", program.typed));
 }
 
-/// Says which stage broke the contract, by which command, what happened and what to do. `inputs` is where its inputs
-/// are, if it reads any from the run folder.
-pub(crate) fn say_what_failed(stage: &Stage, failure: Unforeseen, inputs: Option<&Path>) {
-    let name = stage.name();
-    let output = |number: usize| stage.outputs.get(number).map_or("", String::as_str);
+/// Says which stage, of this name and these outputs, broke the contract, by which command, what happened and what to do.
+/// `inputs` is where its inputs are, if it reads any from the run folder.
+pub(crate) fn say_what_failed(
+    (name, outputs): (&str, &[&str]),
+    program: &Program,
+    failure: Unforeseen,
+    inputs: Option<&Path>,
+) {
+    let output = |number: usize| outputs.get(number).copied().unwrap_or_default();
     let happened = match failure {
         Unforeseen::Code(127) => "ended with exit code 127: a program was not found".to_owned(),
         Unforeseen::Code(126) => "ended with exit code 126: a program could not be started".to_owned(),
@@ -37,7 +41,7 @@ pub(crate) fn say_what_failed(stage: &Stage, failure: Unforeseen, inputs: Option
         Unforeseen::NoArtifact(_) => "says it is done, and has written no artifact (no MCAP file)".to_owned(),
     };
     say(format_args!("error: the stage {name} {happened}"));
-    say(format_args!("  command: {}", stage.command));
+    say(format_args!("  command: {}", program.typed));
     match failure {
         Unforeseen::Code(_) | Unforeseen::Signal(_) => {
             say(

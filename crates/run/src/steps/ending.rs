@@ -4,7 +4,7 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process;
 
-use crumple_stage::ExitStatus;
+use crumple_stage::{ExitStatus, say};
 
 use crate::folder::content::{Content, content_of, is_artifact};
 
@@ -48,8 +48,19 @@ impl Ending {
         }
     }
 
+    /// The exit status of what rests on it; an end that the contract does not know is a failure, and named.
+    pub(crate) fn status_of(self, program: &Path) -> ExitStatus {
+        match self {
+            Self::WithResult(status) | Self::Failed(status) => status,
+            Self::Unforeseen(_) => {
+                say(format_args!("error: {} ended in an unforeseen way", program.display()));
+                ExitStatus::Failure
+            }
+        }
+    }
+
     /// The same, unless one of the outputs that it speaks of is not in the folder.
-    pub(crate) fn checked(self, folder: &Path, outputs: &[String]) -> Self {
+    pub(crate) fn checked(self, folder: &Path, outputs: &[&str]) -> Self {
         if !matches!(self, Self::WithResult(_)) {
             return self;
         }
@@ -109,10 +120,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &[u8]| std::fs::write(folder.path().join(name), text).unwrap();
         let done = Ending::WithResult(ExitStatus::Done);
-        let checked = |names: &[&str]| {
-            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            done.checked(folder.path(), &names)
-        };
+        let checked = |names: &[&str]| done.checked(folder.path(), names);
         assert_eq!(checked(&["x.mcap"]), Ending::Unforeseen(Unforeseen::NothingWritten(0)));
         write("x.mcap", b"text");
         assert_eq!(checked(&["x.mcap"]), Ending::Unforeseen(Unforeseen::NoArtifact(0)));
@@ -122,6 +130,6 @@ mod tests {
         assert_eq!(checked(&["report.html"]), done);
         assert_eq!(checked(&["report.html", "summary.json"]), Ending::Unforeseen(Unforeseen::NothingWritten(1)));
         let failed = Ending::Failed(ExitStatus::Refused);
-        assert_eq!(failed.checked(folder.path(), &["none".to_owned()]), failed);
+        assert_eq!(failed.checked(folder.path(), &["none"]), failed);
     }
 }

@@ -1,5 +1,4 @@
 //! One stage: how it is started, how it ended, how the result of a program from elsewhere is taken over.
-//! May use `command`, `folder`.
 
 pub mod ending;
 pub mod start;

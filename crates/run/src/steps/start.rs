@@ -2,11 +2,12 @@
 
 use std::env;
 use std::ffi::{OsStr, OsString};
-use std::process::ExitStatus;
+use std::path::Path;
+use std::process::{Command, ExitStatus};
 
 use anyhow::Context;
-use crumple_stage::shell_command;
 
+use crate::command::program::Program;
 use crate::command::stages::{RECORD, Stage};
 use crate::folder::lock::LockedFolder;
 
@@ -14,13 +15,20 @@ use crate::folder::lock::LockedFolder;
 /// A page of 4 KiB is taken from the system at its first use, and a stage that writes a megabyte used some thousand.
 const ALLOCATOR: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1:glibc.malloc.top_pad=8388608");
 
-/// Runs a shell command with arguments behind it, and more flags as one would type them.
-pub(crate) fn run_in_shell(command: &str, arguments: &[OsString], flags: &str) -> anyhow::Result<ExitStatus> {
-    let mut process = shell_command(command, arguments, flags);
+/// Runs the program of a stage: flags of its own, these arguments, flags of every stage.
+pub(crate) fn start(program: &Program, arguments: &[OsString], flags: &[String]) -> anyhow::Result<ExitStatus> {
+    let own = program.flags.iter().map(OsString::from);
+    let words: Vec<OsString> = own.chain(arguments.iter().cloned()).chain(flags.iter().map(OsString::from)).collect();
+    run_program(&program.file, &words)
+}
+
+/// Runs a program.
+pub(crate) fn run_program(file: &Path, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
+    let mut process = Command::new(file);
     if env::var_os(ALLOCATOR.0).is_none() {
         process.env(ALLOCATOR.0, ALLOCATOR.1);
     }
-    process.status().with_context(|| format!("cannot start {command}"))
+    process.args(arguments).status().with_context(|| format!("cannot start {}", file.display()))
 }
 
 /// The arguments of a stage: its inputs, the pipeline file, its output.
@@ -33,7 +41,7 @@ pub(crate) fn arguments(
 ) -> Vec<OsString> {
     let mut arguments = Vec::new();
     for input in &stage.inputs {
-        if input == RECORD {
+        if *input == RECORD {
             arguments.extend_from_slice(record);
         } else {
             arguments.push(folder.path().join(input).into());

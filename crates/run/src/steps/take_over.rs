@@ -13,8 +13,8 @@ use crumple_artifact::remove_in_order;
 ///
 /// Results that are the same as the old ones leave these alone. Else `dependents`, made from the old ones, go first,
 /// and of several results that belong together no old one stands beside a new one at any moment.
-pub(crate) fn take_over(from: &Path, to: &Path, names: &[String], dependents: &[PathBuf]) -> io::Result<()> {
-    let written: Vec<&String> = names.iter().filter(|name| from.join(name).exists()).collect();
+pub(crate) fn take_over(from: &Path, to: &Path, names: &[&str], dependents: &[PathBuf]) -> io::Result<()> {
+    let written: Vec<&&str> = names.iter().filter(|name| from.join(name).exists()).collect();
     let mut unchanged = written.len() == names.len();
     for name in &written {
         unchanged = unchanged && same_bytes(&from.join(name), &to.join(name))?;
@@ -64,7 +64,7 @@ mod tests {
     fn the_same_result_changes_nothing_and_another_takes_the_dependents_away() {
         let root = tempfile::tempdir().unwrap();
         let (from, to) = (root.path().join("new"), root.path().join("run"));
-        let names = ["report.html".to_owned(), "summary.json".to_owned()];
+        let names = ["report.html", "summary.json"];
         let dependent = to.join("later");
         for folder in [&from, &to] {
             fs::create_dir(folder).unwrap();

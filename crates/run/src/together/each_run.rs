@@ -1,13 +1,15 @@
 //! The ordinary run of each record, or a run folder that is there.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use crumple_stage::{ExitStatus, Usage, say};
 
 use crate::command::pipeline::Pipeline;
+use crate::command::program::own_program;
 use crate::steps::ending::Ending;
-use crate::steps::start::run_in_shell;
+use crate::steps::start::run_program;
 use crate::together::files::{INTEGRATED, SOLVED};
 use crate::together::options::TogetherOptions;
 
@@ -74,7 +76,10 @@ fn test_run(record: &Path, pipeline: &Pipeline, options: &TogetherOptions) -> Re
 pub(crate) fn run_each(runs: &[TestRun], options: &TogetherOptions) -> anyhow::Result<Option<ExitStatus>> {
     for run in runs {
         let Some(record) = &run.record else { continue };
-        let failed = match Ending::of(run_in_shell(&options.run, &[record.into()], "")?) {
+        let mut arguments: Vec<OsString> = vec!["--project".into(), options.project.clone().into()];
+        arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
+        arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into(), record.into()]);
+        let failed = match Ending::of(run_program(&own_program("run"), &arguments)?) {
             Ending::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
             Ending::WithResult(status) | Ending::Failed(status) => Some(status),
             Ending::Unforeseen(_) => Some(ExitStatus::Failure),
@@ -94,8 +99,7 @@ mod tests {
 
     fn options(project: &Path) -> TogetherOptions {
         let project = project.to_str().unwrap();
-        let words = ["together", "--run", "r", "--parameter-solve", "s", "--predict", "p", "--project", project];
-        TogetherOptions::parse_from(words.into_iter().chain(["--", "a", "b"]))
+        TogetherOptions::parse_from(["together", "--project", project, "--", "a", "b"])
     }
 
     #[test]

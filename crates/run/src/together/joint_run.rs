@@ -8,10 +8,11 @@ use anyhow::{Context, bail};
 use crumple_stage::{ExitStatus, say};
 
 use crate::command::pipeline::Pipeline;
+use crate::command::program::Program;
 use crate::folder::lock::LockedFolder;
 use crate::folder::pipeline_of_run::PipelineOfRun;
 use crate::steps::ending::Ending;
-use crate::steps::start::run_in_shell;
+use crate::steps::start::start;
 use crate::together::each_run::{TestRun, run_each, test_runs};
 use crate::together::files::{PREDICTED, REPORT, SOLVED, SUMMARY};
 use crate::together::leave_one_out::{Left, folder_without, left_out_of, ratio_of, remove_of_others};
@@ -118,7 +119,7 @@ struct JointRun<'a> {
 impl JointRun<'_> {
     /// What keeps a stage quiet, where the flags of all stages do not: it may be said once.
     fn quiet(&self) -> Vec<OsString> {
-        let is_said = self.options.flags.split_whitespace().any(|word| matches!(word, "-q" | "--quiet"));
+        let is_said = self.options.flags.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"));
         if is_said { Vec::new() } else { vec!["-q".into()] }
     }
 
@@ -128,7 +129,7 @@ impl JointRun<'_> {
         let made_from_it = [self.folder.join(SUMMARY), self.folder.join(REPORT), own.join(PREDICTED)];
         arguments.extend(self.ending(&own.join(SOLVED), &made_from_it));
         arguments.extend(flags);
-        self.step(&self.options.parameter_solve, &arguments)
+        self.step("parameter-solve", &arguments)
     }
 
     /// Predicts with the joint candidates; the intervals hold what the tests that were left out were missed by.
@@ -152,17 +153,20 @@ impl JointRun<'_> {
         arguments.extend(self.ending(&own.join(PREDICTED), &[self.folder.join(SUMMARY), self.folder.join(REPORT)]));
         arguments.extend(against.into_iter().flat_map(|folder| ["--against".into(), folder.as_os_str().to_owned()]));
         arguments.extend_from_slice(flags);
-        self.step(&self.options.predict, &arguments)
+        self.step("predict", &arguments)
     }
 
-    /// Writes the page of the folder, where a program for it was named.
+    /// Writes the page of the folder.
     fn page(&self) -> anyhow::Result<()> {
-        let Some(report) = &self.options.report else { return Ok(()) };
         let mut arguments: Vec<OsString> = vec!["--together".into(), self.folder.into(), "--pipeline".into()];
         arguments.extend([self.pipeline.into(), "-o".into(), self.folder.join(REPORT).into()]);
-        match self.step(report, &arguments)? {
+        match self.step("report", &arguments)? {
             ExitStatus::Done => Ok(()),
-            other => bail!("{report} did not write {}: exit code {}", self.folder.join(REPORT).display(), other as u8),
+            other => bail!(
+                "the stage report did not write {}: exit code {}",
+                self.folder.join(REPORT).display(),
+                other as u8
+            ),
         }
     }
 
@@ -174,13 +178,8 @@ impl JointRun<'_> {
         words
     }
 
-    fn step(&self, command: &str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
-        Ok(match Ending::of(run_in_shell(command, arguments, &self.options.flags)?) {
-            Ending::WithResult(status) | Ending::Failed(status) => status,
-            Ending::Unforeseen(_) => {
-                say(format_args!("error: {command} ended in an unforeseen way"));
-                ExitStatus::Failure
-            }
-        })
+    fn step(&self, stage: &str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
+        let program = Program::of_stage(stage, &self.options.flags)?;
+        Ok(Ending::of(start(&program, arguments, &self.options.flags)?).status_of(&program.file))
     }
 }

@@ -1,5 +1,4 @@
 //! One model for several tests: their runs, the joint stages, every test predicted from the others, and what it says.
-//! May use `messages`, `steps`, `folder` and `command`.
 
 pub mod each_run;
 pub mod files;

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use crumple_stage::Usage;
 
+use crate::command::words::Words;
+
 /// Fits one model to several tests, and predicts every test from the others.
 ///
 /// The recipe `together` of the justfile calls it. Each record has its ordinary run first; then the joint fit, its
@@ -17,22 +19,6 @@ use crumple_stage::Usage;
                   result (its diagnosis is written)."
 )]
 pub struct TogetherOptions {
-    /// Command that runs a record into its run folder, e.g. `just run`.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) run: String,
-
-    /// Command of parameter-solve.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) parameter_solve: String,
-
-    /// Command of predict.
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) predict: String,
-
-    /// Command of report, for the page of the joint result [default: no page].
-    #[arg(long, value_name = "COMMAND")]
-    pub(crate) report: Option<String>,
-
     /// Folder with `pipelines/` and `runs/`.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pub(crate) project: PathBuf,
@@ -47,7 +33,7 @@ pub struct TogetherOptions {
 
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
-    pub(crate) flags: String,
+    pub(crate) flags: Words,
 
     /// Predicts again with the joint result in this folder; behind `--` stand flags of that prediction.
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]

@@ -1,5 +1,4 @@
 //! Channel codes of ISO/TS 13499 (ISO-MME): the code and its fields, word tables, filter classes, patterns.
-//! Uses channels and units.
 
 mod code;
 mod filter_class;

@@ -1,7 +1,7 @@
 //! Information criterion of the displacement error, with what the samples are worth.
 
-use crumple_estimation::statistics::InformationCriteria;
 use crumple_lumped::{Model, ModelKind, Parameter, ParameterKind};
+use crumple_numerics::estimation::statistics::InformationCriteria;
 
 /// The criterion of one candidate.
 #[derive(Debug, Clone, Copy, PartialEq)]

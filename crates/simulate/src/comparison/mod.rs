@@ -1,5 +1,4 @@
 //! A simulation beside the test: errors, ratings, information criterion, other sensors.
-//! May use nothing.
 
 pub mod deceleration_peak;
 pub mod information;

@@ -1,4 +1,3 @@
 //! What moves the models, from records of the test.
-//! May use nothing.
 
 pub mod excitation;

@@ -1,5 +1,4 @@
 //! The program: reads candidates and the motion of the test, simulates, writes responses and comparisons.
-//! Uses the library and `crumple_stage`.
 
 mod chain_table;
 mod drive;
@@ -11,9 +10,9 @@ mod records;
 
 use std::path::PathBuf;
 
-use crumple_estimation::statistics::effective_samples;
 use crumple_lumped::{Chain, Model, ModelKind, structure_of};
 use crumple_lumped_fit::WallForce;
+use crumple_numerics::estimation::statistics::effective_samples;
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
 use crumple_simulate::{
     Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,

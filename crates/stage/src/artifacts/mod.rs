@@ -1,5 +1,4 @@
 //! What a stage reads and what it writes.
-//! May use `terminal` for progress and `names` for the writers of topics.
 
 pub mod inputs;
 pub mod output;

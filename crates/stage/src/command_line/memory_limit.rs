@@ -80,7 +80,7 @@ pub(crate) fn take(matches: &ArgMatches) {
 /// The flag as it was typed, for other programs that this one starts.
 pub fn memory_limit_flag() -> Option<String> {
     let MemorySize(bytes) = (*TYPED.get()?)?;
-    Some(format!("--memory-limit {}KiB", bytes.div_ceil(1 << 10)))
+    Some(format!("--memory-limit={}KiB", bytes.div_ceil(1 << 10)))
 }
 
 /// From now on the process keeps its budget: what `--memory-limit` says, else 512 MiB and four times the size of the

@@ -1,5 +1,4 @@
 //! Flags that all stages have, and the table of a pipeline file under them.
-//! May use `names`.
 
 pub mod args;
 pub mod memory_limit;

@@ -1,5 +1,4 @@
-//! Names of the stages and what they write; the name nearest to a mistyped one.
-//! May use no other room.
+//! The chain of the stages and what they write; the name nearest to a mistyped one.
 
 pub mod folders;
 pub mod nearest;

@@ -1,9 +1,41 @@
-//! The names of the stages and which of them writes what, for messages and for a stable order. Nothing here knows what
-//! a stage does.
+//! The chain, `pipelines/chain`: which stage reads and writes what, for runs, messages and a stable order. Nothing here
+//! knows what a stage does.
 
-/// Stages in the order of the pipeline.
-pub(crate) const STAGES: [&str; 8] =
-    ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "predict", "report"];
+use std::sync::LazyLock;
+
+/// One line a stage, as it was when the program was built.
+const CHAIN: &str = include_str!("../../../../pipelines/chain");
+
+/// Names of the stages in the order of the chain.
+pub(crate) static STAGES: LazyLock<Vec<&str>> = LazyLock::new(|| chain().map(|stage| stage.name).collect());
+
+/// A stage in the chain.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChainStage {
+    /// `parameter-solve`.
+    pub name: &'static str,
+    /// Whether it runs only where the pipeline has a table of its name.
+    pub is_optional: bool,
+    /// Names in the run folder; `RECORD` is the file that a user brings.
+    pub inputs: Vec<&'static str>,
+    /// Names in the run folder; the program is told the first and writes the others beside it.
+    pub outputs: Vec<&'static str>,
+}
+
+/// The stages, in their order.
+pub fn chain() -> impl Iterator<Item = ChainStage> {
+    CHAIN.lines().filter(|line| !line.starts_with('#')).filter_map(|line| {
+        let (before, outputs) = line.split_once("->")?;
+        let mut inputs = before.split_whitespace();
+        let name = inputs.next()?;
+        Some(ChainStage {
+            name: name.trim_end_matches('?'),
+            is_optional: name.ends_with('?'),
+            inputs: inputs.collect(),
+            outputs: outputs.split_whitespace().collect(),
+        })
+    })
+}
 
 /// Position of a stage in the pipeline; programs from elsewhere come last.
 pub(crate) fn stage_order(stage: Option<&str>) -> usize {
@@ -46,6 +78,18 @@ pub(crate) fn writer_of(topic: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_line_of_the_chain_is_a_stage_and_reads_what_stages_before_it_write() {
+        let lines = CHAIN.lines().filter(|line| !line.starts_with('#')).count();
+        let mut there = vec!["RECORD"];
+        for stage in chain() {
+            assert!(stage.inputs.iter().all(|input| there.contains(input)) && !stage.outputs.is_empty(), "{stage:?}");
+            there.extend(stage.outputs);
+        }
+        assert_eq!((lines, there.last()), (STAGES.len(), Some(&"summary.json")));
+        assert!(chain().all(|stage| stage.is_optional == (stage.name == "predict")));
+    }
 
     #[test]
     fn stages_are_in_the_order_of_the_pipeline_and_others_behind_them() {

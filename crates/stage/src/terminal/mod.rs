@@ -1,5 +1,4 @@
 //! Lines and progress on stderr.
-//! May use no other room.
 
 pub mod layout;
 pub mod progress;

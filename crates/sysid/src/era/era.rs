@@ -1,10 +1,10 @@
 //! The eigensystem realization algorithm.
 
-use crumple_lti::{LtiError, StateSpace};
+use crumple_numerics::lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::EraError;
-use crate::data::markov_parameters::MarkovParameters;
+use crate::data::MarkovParameters;
 use crate::era::realization::{Known, Realization, realization};
 use crate::era::shift_form::{ShiftForm, state_matrix};
 use crate::hankel::block_hankel::Hankel;

@@ -1,7 +1,7 @@
 //! The eigensystem realization algorithm with data correlations (ERA/DC).
 
-use crumple_linalg::jacobi_svd;
-use crumple_lti::{LtiError, StateSpace};
+use crumple_numerics::linalg::jacobi_svd;
+use crumple_numerics::lti::{LtiError, StateSpace};
 use nalgebra::{DMatrix, DVector};
 
 use crate::era::era::{decompose, shape};

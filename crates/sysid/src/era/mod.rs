@@ -1,5 +1,4 @@
 //! The eigensystem realization algorithm, plain and on data correlations: a model from Markov parameters.
-//! May use hankel, simulation, modes, data, error.
 
 pub(crate) mod era;
 pub(crate) mod era_dc;

@@ -1,15 +1,15 @@
 //! A model realised from Markov parameters, and the evidence for it.
 
-use crumple_linalg::TriangularFactor;
-use crumple_lti::{Complex, LtiError, StateSpace, undo_zero_order_hold};
 use crumple_metrics::fit_percent;
+use crumple_numerics::linalg::TriangularFactor;
+use crumple_numerics::lti::{Complex, LtiError, StateSpace, undo_zero_order_hold};
 use nalgebra::DMatrix;
 
 use crate::EraError;
-use crate::data::markov_parameters::{MarkovParameters, markov_parameters};
+use crate::data::{MarkovParameters, markov_parameters};
 use crate::hankel::singular_value_gap::GapOrder;
 use crate::hankel::svd::Decomposition;
-use crate::modes::identified_mode::{IdentifiedMode, modes, normalized};
+use crate::modes::{IdentifiedMode, modes, normalized};
 use crate::simulation::fit::{common_fit_percent, common_rmse};
 
 /// A model realised from a record, with the evidence for it.

@@ -1,6 +1,6 @@
 //! The state matrix from singular vectors: three ways to solve the shift equation.
 
-use crumple_linalg::jacobi_svd;
+use crumple_numerics::linalg::jacobi_svd;
 use nalgebra::{DMatrix, DVector};
 
 /// How the state matrix follows from the decomposition `H0 = U S V'`.

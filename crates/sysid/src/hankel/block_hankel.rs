@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crumple_linalg::{Complex64, ComplexToReal, RealToComplex, RealTransform, real_transform};
+use crumple_numerics::linalg::{Complex64, ComplexToReal, RealToComplex, RealTransform, real_transform};
 use nalgebra::DMatrix;
 
 use crate::hankel::shift_pair::{Shift, ShiftPair};

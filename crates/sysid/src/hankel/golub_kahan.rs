@@ -1,7 +1,7 @@
 //! The leading singular triplets of a large Hankel matrix.
 
-use crumple_estimation::random::RandomNumbers;
-use crumple_linalg::{dot, jacobi_svd};
+use crumple_numerics::estimation::random::RandomNumbers;
+use crumple_numerics::linalg::{dot, jacobi_svd};
 use nalgebra::DMatrix;
 
 use crate::hankel::shift_pair::{Shift, ShiftPair};

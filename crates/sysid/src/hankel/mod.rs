@@ -1,5 +1,4 @@
 //! Hankel matrices that are multiplied without being formed, their leading singular values, and the gap between these.
-//! May use error.
 
 pub(crate) mod block_hankel;
 pub(crate) mod correlations;

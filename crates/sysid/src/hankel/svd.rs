@@ -1,10 +1,10 @@
 //! The singular value decomposition of a record's Hankel matrix, as much of it as is asked for.
 
-use crumple_linalg::jacobi_svd;
+use crumple_numerics::linalg::jacobi_svd;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use crate::EraError;
-use crate::error::era::RANK_TOLERANCE;
+use crate::error::RANK_TOLERANCE;
 use crate::hankel::golub_kahan::GolubKahan;
 use crate::hankel::shift_pair::ShiftPair;
 

@@ -8,8 +8,8 @@
 //! Both roots lie inside the unit circle exactly where `|k0| < 1` and `|k1| < 1` (Schur-Cohn), so that with
 //! `k = tanh(theta)` every real unknown is a stable model; the bounds only keep `tanh` from rounding to 1.
 
-use crumple_estimation::minimise::variable_projection::{Basis, Separable, SeparableFit};
-use crumple_lti::{Complex, StateSpace};
+use crumple_numerics::estimation::minimise::variable_projection::{Basis, Separable, SeparableFit};
+use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 
 use crate::output_error::options::OutputErrorOptions;

@@ -1,5 +1,4 @@
 //! Sampled models whose simulated output is nearest to the measured one.
-//! May use poles, subspace, arx, data, error.
 
 pub(crate) mod cascade;
 pub(crate) mod options;

@@ -1,6 +1,6 @@
 //! What an output-error model is fitted with.
 
-use crumple_estimation::minimise::Stop;
+use crumple_numerics::estimation::minimise::Stop;
 
 /// Settings of [`output_error`](crate::output_error()).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,10 @@
 //! Output-error models in discrete time: the poles that simulate a record best.
 
-use crumple_estimation::minimise::StopReason;
-use crumple_estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
-use crumple_estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
-use crumple_estimation::statistics::autoregressive_effective_samples;
-use crumple_lti::{Complex, StateSpace};
+use crumple_numerics::estimation::minimise::StopReason;
+use crumple_numerics::estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
+use crumple_numerics::estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
+use crumple_numerics::estimation::statistics::autoregressive_effective_samples;
+use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -117,9 +117,9 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::minimise::variable_projection::Separable;
-    use crumple_estimation::random::uniform_at;
-    use crumple_lti::simulate;
+    use crumple_numerics::estimation::minimise::variable_projection::Separable;
+    use crumple_numerics::estimation::random::uniform_at;
+    use crumple_numerics::lti::simulate;
 
     fn data(m: usize, q: usize, delay: usize) -> (IoData, Vec<Complex>) {
         // Poles 0.9 +- 0.3i and 0.5, with every coupling different.
@@ -169,7 +169,7 @@ mod tests {
             let b = DMatrix::from_element(4, 1, 1.0);
             let c = DMatrix::from_fn(1, 4, |_, j| (draw(4 + j) - 0.5) * [1.0, 30.0, 60.0, 60.0][j]);
             let model = StateSpace::new(a, b, c, DMatrix::zeros(1, 1), None).unwrap();
-            let held = crumple_lti::discretize_first_order_hold(&model, DT_S).unwrap();
+            let held = crumple_numerics::lti::discretize_first_order_hold(&model, DT_S).unwrap();
             let u: Vec<f64> = (0..500).map(|k| uniform_at(950 + system, k) - 0.5).collect();
             let mut x = nalgebra::DVector::zeros(4);
             let mut y = Vec::new();
@@ -178,7 +178,7 @@ mod tests {
                 let next = u.get(k + 1).copied().unwrap_or(0.0);
                 x = &held.a * x + held.b_now.column(0) * u[k] + held.b_next.column(0) * next;
             }
-            let rms = crate::data::io_data::scale(&y);
+            let rms = crate::data::scale(&y);
             for (k, y) in y.iter_mut().enumerate() {
                 // Uniform noise of 10 %: deviation 1/sqrt 12 without the factor.
                 *y += 0.1 * 12.0_f64.sqrt() * rms * (uniform_at(980 + system, k) - 0.5);
@@ -199,7 +199,7 @@ mod tests {
     fn deviations_are_the_spread_over_records() {
         let (clean, poles) = data(1, 1, 0);
         let exact: Vec<f64> = poles.iter().map(|z| (z.ln() / 0.01).norm()).collect();
-        let rms = crate::data::io_data::scale(&clean.outputs()[0]);
+        let rms = crate::data::scale(&clean.outputs()[0]);
         let records = 60;
         let (mut squares, mut expected) = (0.0, 0.0);
         for seed in 0..records {

@@ -4,14 +4,14 @@
 //! that are biased by noise in different ways, cut to the order asked for; from subspace methods; from continuous
 //! transfer functions; and from random poles near the unit circle.
 
-use crumple_estimation::random::uniform_at;
-use crumple_lti::Complex;
+use crumple_numerics::estimation::random::uniform_at;
+use crumple_numerics::lti::Complex;
 use rayon::prelude::*;
 
-use crate::arx::arx::arx;
+use crate::arx;
 use crate::output_error::options::OutputErrorOptions;
 use crate::poles::starts::{Start, StartProblem};
-use crate::subspace::balanced_truncation::balanced_truncation;
+use crate::subspace::balanced_truncation;
 use crate::{ArxOrder, Hold, IoData, Subspace, SubspaceOptions, Weighting};
 
 /// Continuous transfer functions are starts up to this order: above, their coefficients have lost the digits.

@@ -5,7 +5,7 @@
 //! `1/m`-th power, `m` of them together. In cascade every section keeps its own two numbers, and errors stay with
 //! their section.
 
-use crumple_lti::{Complex, LtiError, StateSpace, discretize_first_order_hold, discretize_zero_order_hold};
+use crumple_numerics::lti::{Complex, LtiError, StateSpace, discretize_first_order_hold, discretize_zero_order_hold};
 use nalgebra::DMatrix;
 
 use crate::Hold;
@@ -199,7 +199,9 @@ pub(crate) fn propagate(a: &DMatrix<f64>, entry: usize, drive: Drive<'_>, dt: f6
             let d = discretize_zero_order_hold(&model, dt)?;
             (d.a, d.b, DMatrix::zeros(n, 1))
         }
-        Drive::Free(_) => (crumple_lti::matrix_exponential(&(a * dt))?, DMatrix::zeros(n, 1), DMatrix::zeros(n, 1)),
+        Drive::Free(_) => {
+            (crumple_numerics::lti::matrix_exponential(&(a * dt))?, DMatrix::zeros(n, 1), DMatrix::zeros(n, 1))
+        }
     };
     let mut x = vec![0.0; n];
     let (input, samples) = match drive {

@@ -1,5 +1,5 @@
 //! The search for poles of continuous transfer functions and exponential sums: cascades of sections, starting points,
-//! the separable problem. May use subspace, era, data, error.
+//! the separable problem.
 
 pub(crate) mod cascade;
 pub(crate) mod multistart;

@@ -4,9 +4,9 @@
 //! Levenberg-Marquardt with variable projection, and the least loss wins. Everything runs in scaled units: time 0 to
 //! 1, signals divided by their root mean squares. Results are collected by index, so that threads do not matter.
 
-use crumple_estimation::minimise::variable_projection::{Separable, SeparableFit, evaluate, minimize};
-use crumple_estimation::statistics::chi_square_95;
-use crumple_lti::Complex;
+use crumple_numerics::estimation::minimise::variable_projection::{Separable, SeparableFit, evaluate, minimize};
+use crumple_numerics::estimation::statistics::chi_square_95;
+use crumple_numerics::lti::Complex;
 use rayon::prelude::*;
 
 use crate::poles::cascade::sections_of;

@@ -1,7 +1,7 @@
 //! What a transfer function is fitted with.
 
-use crumple_estimation::minimise::Stop;
-use crumple_lti::Complex;
+use crumple_numerics::estimation::minimise::Stop;
+use crumple_numerics::lti::Complex;
 
 use crate::Hold;
 use crate::poles::starts::Start;

@@ -5,8 +5,8 @@
 //! coefficients are eliminated (variable projection) and the search is over the `n` numbers of `A` only. A sum of
 //! exponentials is the free motion alone.
 
-use crumple_estimation::minimise::variable_projection::{Basis, Separable};
-use crumple_lti::Complex;
+use crumple_numerics::estimation::minimise::variable_projection::{Basis, Separable};
+use crumple_numerics::lti::Complex;
 use nalgebra::DMatrix;
 
 use crate::Hold;
@@ -331,7 +331,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::minimise::variable_projection::evaluate;
+    use crumple_numerics::estimation::minimise::variable_projection::evaluate;
 
     fn check(problem: &PoleProblem, theta: &[f64]) {
         let point = evaluate(problem, theta).unwrap();

@@ -6,13 +6,13 @@
 
 use std::f64::consts::PI;
 
-use crumple_estimation::random::uniform_at;
-use crumple_linalg::TriangularFactor;
-use crumple_linalg::dot;
-use crumple_lti::{Complex, polynomial_roots, undo_zero_order_hold};
+use crumple_numerics::estimation::random::uniform_at;
+use crumple_numerics::linalg::TriangularFactor;
+use crumple_numerics::linalg::dot;
+use crumple_numerics::lti::{Complex, polynomial_roots, undo_zero_order_hold};
 use nalgebra::{DMatrix, DVector};
 
-use crate::data::io_data::scale;
+use crate::data::scale;
 use crate::era::era::era;
 use crate::poles::cascade::{Drive, SectionChain, sections_of};
 use crate::{EraOptions, Hold, IoData, Order, Subspace, SubspaceOptions, Weighting};

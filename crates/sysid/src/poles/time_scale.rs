@@ -3,7 +3,7 @@
 //! The fits run in scaled time, from 0 to 1 over a record of `T` seconds: `s' = s T`. A pole is divided by `T`, a
 //! denominator coefficient of `s^k` by `T^(n-k)`; what remains is which power of `T` belongs to each numerator.
 
-use crumple_lti::StateSpace;
+use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::IdentifyError;

@@ -1,6 +1,6 @@
 //! Triangular factors of matrices whose columns are stretches of signals.
 
-use crumple_linalg::TriangularFactor;
+use crumple_numerics::linalg::TriangularFactor;
 use rayon::prelude::*;
 
 /// Samples per independent part of a long record.

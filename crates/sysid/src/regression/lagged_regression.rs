@@ -5,7 +5,7 @@
 //! QR costs `O(rows columns²)`. What sums of products lose in digits (the condition number is squared) two
 //! corrections give back.
 
-use crumple_linalg::dot;
+use crumple_numerics::linalg::dot;
 use nalgebra::DMatrix;
 
 use crate::IdentifyError;
@@ -159,7 +159,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
+    use crumple_numerics::estimation::random::uniform_at;
 
     fn regression(signals: &[Vec<f64>], lags: usize) -> LaggedRegression<'_> {
         let mut columns = vec![(0, lags)];

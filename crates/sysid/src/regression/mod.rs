@@ -1,5 +1,4 @@
 //! Triangular factors and solutions of regressions on shifted copies of signals.
-//! May use error.
 
 pub(crate) mod data_triangle;
 pub(crate) mod lagged_regression;

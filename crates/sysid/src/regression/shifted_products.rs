@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_linalg::dot;
+use crumple_numerics::linalg::dot;
 use nalgebra::DMatrix;
 
 /// A pivot of the Cholesky factor (column norms 1) below which QR is left to it: columns within 1e-2 of dependent.
@@ -96,7 +96,7 @@ mod tests {
 
     use super::*;
     use crate::regression::data_triangle::triangular_factor;
-    use crumple_estimation::random::uniform_at;
+    use crumple_numerics::estimation::random::uniform_at;
 
     fn noisy(stream: usize, samples: usize) -> Vec<f64> {
         let mut y = vec![0.0; samples];

@@ -1,6 +1,6 @@
 //! Simulation of a model beyond the samples it was identified from.
 
-use crumple_lti::{StateSpace, discretize_first_order_hold, discretize_zero_order_hold, simulate};
+use crumple_numerics::lti::{StateSpace, discretize_first_order_hold, discretize_zero_order_hold, simulate};
 use nalgebra::DMatrix;
 
 use crate::simulation::initial_state::free_outputs;

@@ -4,8 +4,8 @@
 //! mean of the record, and below zero the model is worse than that constant. Variance accounted for forgives a wrong
 //! level, fit does not.
 
-use crumple_lti::{StateSpace, simulate};
 use crumple_metrics::{fit_percent, rmse};
+use crumple_numerics::lti::{StateSpace, simulate};
 
 use crate::simulation::initial_state::initial_state;
 use crate::{IdentifyError, IoData};

@@ -3,11 +3,11 @@
 //! The output is linear in the initial state: `y[k] = forced[k] + C A^k x0`. One linear least-squares problem with a
 //! row for every sample and output, solved by QR of blocks of rows, so that memory does not grow with the record.
 
-use crumple_linalg::TriangularFactor;
-use crumple_linalg::dot;
-use crumple_lti::StateSpace;
+use crumple_numerics::linalg::TriangularFactor;
+use crumple_numerics::linalg::dot;
+use crumple_numerics::lti::StateSpace;
 
-use crate::data::contiguous::{columns_of, rows_of};
+use crate::data::{columns_of, rows_of};
 use crate::{IdentifyError, IoData};
 
 /// Directions of the state that the record shows with less than this fraction of the strongest are left at zero.

@@ -1,11 +1,11 @@
 //! Input matrix, direct term and initial state of a model whose `A` and `C` are known.
 
-use crumple_linalg::TriangularFactor;
-use crumple_linalg::dot;
-use crumple_lti::StateSpace;
+use crumple_numerics::linalg::TriangularFactor;
+use crumple_numerics::linalg::dot;
+use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;
 
-use crate::data::contiguous::columns_of;
+use crate::data::columns_of;
 use crate::simulation::initial_state::left_multiply;
 use crate::{IdentifyError, IoData};
 

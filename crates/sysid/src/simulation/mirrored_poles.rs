@@ -1,6 +1,6 @@
 //! Sampled models whose growing poles are mirrored at the unit circle.
 
-use crumple_lti::{Complex, StateSpace, eigenvalues, eigenvectors};
+use crumple_numerics::lti::{Complex, StateSpace, eigenvalues, eigenvectors};
 use nalgebra::DMatrix;
 
 use crate::simulation::input_matrices::{grows, input_matrices};
@@ -73,8 +73,8 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
-    use crumple_lti::simulate;
+    use crumple_numerics::estimation::random::uniform_at;
+    use crumple_numerics::lti::simulate;
 
     #[test]
     fn a_growing_pole_is_mirrored_and_the_rest_fitted_again() {

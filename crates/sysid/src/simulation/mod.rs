@@ -1,5 +1,4 @@
 //! Models run on a record: initial state, input matrices, continuation, and how well the outputs fit.
-//! May use data and error.
 
 pub(crate) mod continuation;
 pub(crate) mod fit;

@@ -1,7 +1,7 @@
 //! Uncertainty of a model by fitting it again to records with new noise.
 
-use crumple_estimation::statistics::{quantile, standard_deviation};
-use crumple_lti::{Complex, Mode};
+use crumple_numerics::estimation::statistics::{quantile, standard_deviation};
+use crumple_numerics::lti::{Complex, Mode};
 use rayon::prelude::*;
 
 use crate::validation::residual_resampling::{Resampling, ResidualNoise};
@@ -221,7 +221,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_estimation::random::uniform_at;
+    use crumple_numerics::estimation::random::uniform_at;
 
     #[test]
     fn poles_go_to_their_nearest_each_once() {

@@ -6,11 +6,11 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crumple_lti::{Complex, Mode};
+use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::Notes;
 
 use crate::Realization;
-use crate::modes::pole_kind::{PoleKind, PoleRecord, pole_kinds};
+use crate::modes::{PoleKind, PoleRecord, pole_kinds};
 
 /// A mode within this factor of the filter's edge may be the filter's own.
 const EDGE_FACTOR: f64 = 2.0;

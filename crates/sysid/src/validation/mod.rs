@@ -1,5 +1,4 @@
 //! What speaks for and against a model: bootstrap, comparison of models, notes for the reader.
-//! May use era and modes.
 
 pub(crate) mod bootstrap;
 pub(crate) mod caveats;

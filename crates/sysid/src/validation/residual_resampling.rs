@@ -4,9 +4,9 @@
 //! correlated in time; drawn one by one they would look whiter, and the spread would come out too small. Both ways
 //! here keep the correlation: blocks of residuals, or a regression that makes it.
 
-use crumple_estimation::random::{RandomNumbers, circular_blocks};
-use crumple_estimation::statistics::sokal_autocorrelation_time;
-use crumple_linalg::dot;
+use crumple_numerics::estimation::random::{RandomNumbers, circular_blocks};
+use crumple_numerics::estimation::statistics::sokal_autocorrelation_time;
+use crumple_numerics::linalg::dot;
 
 /// How new noise is drawn from residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,7 +190,7 @@ fn autoregression(residual: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_estimation::random::uniform_at;
+    use crumple_numerics::estimation::random::uniform_at;
 
     fn autoregressive(rho: f64, n: usize) -> Vec<f64> {
         let mut e = 0.0;

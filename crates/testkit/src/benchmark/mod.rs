@@ -1,4 +1,3 @@
 //! What the benchmark programs measure with.
-//! Uses no other room.
 
 pub mod stopwatch;

@@ -1,5 +1,7 @@
 //! One case: command lines that follow each other, in a folder of their own.
 
+use crumple_stage::{ChainStage, chain};
+
 /// One process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Step {
@@ -18,17 +20,6 @@ pub struct Case {
     pub steps: Vec<Step>,
 }
 
-/// Stages of a run after ingest: the program, its artifact, and the artifacts it reads, by their numbers.
-const STAGES: [(&str, &str, &[usize]); 7] = [
-    ("ingest", "1-ingest.mcap", &[]),
-    ("filter", "2-filter.mcap", &[1]),
-    ("integrate", "3-integrate.mcap", &[2]),
-    ("identify", "4-identify.mcap", &[2, 3]),
-    ("parameter-solve", "5-parameter-solve.mcap", &[2, 3, 4]),
-    ("simulate", "6-simulate.mcap", &[2, 3, 5]),
-    ("predict", "7-predict.mcap", &[3, 5]),
-];
-
 fn words(text: &str) -> impl Iterator<Item = String> + '_ {
     text.split_whitespace().map(str::to_owned)
 }
@@ -36,28 +27,20 @@ fn words(text: &str) -> impl Iterator<Item = String> + '_ {
 impl Case {
     /// The whole pipeline on a record.
     pub fn run(name: String, record: &str, pipeline: &str) -> Self {
-        let artifact = |number: usize| format!("{name}/{}", STAGES[number - 1].1);
-        let mut steps: Vec<Step> = STAGES
-            .iter()
-            .map(|(program, output, inputs)| {
-                let mut arguments: Vec<String> = inputs.iter().map(|number| artifact(*number)).collect();
-                if inputs.is_empty() {
-                    arguments.push(record.to_owned());
-                }
-                arguments.extend(words(&format!("-o {name}/{output} --pipeline {pipeline}")));
-                Step { program, arguments }
-            })
-            .collect();
-        let mut arguments: Vec<String> = (1..=STAGES.len()).map(artifact).collect();
-        arguments.extend(words(&format!("-o {name}/report.html --pipeline {pipeline}")));
-        steps.push(Step { program: "report", arguments });
+        let path = |input: &str| if input == "RECORD" { record.to_owned() } else { format!("{name}/{input}") };
+        let step = |stage: ChainStage| {
+            let inputs = stage.inputs.iter().map(|input| path(input));
+            let output = format!("-o {name}/{} --pipeline {pipeline}", stage.outputs[0]);
+            Step { program: stage.name, arguments: inputs.chain(words(&output)).collect() }
+        };
+        let steps = chain().map(step).collect();
         Self { name, steps }
     }
 
     /// One stage with flags, on artifacts of another case.
     pub fn stage(program: &'static str, name: &str, of: &str, flags: &str) -> Self {
-        let inputs = STAGES.iter().find(|stage| stage.0 == program).map_or(&[][..], |stage| stage.2);
-        let inputs: Vec<String> = inputs.iter().map(|number| format!("{of}/{}", STAGES[number - 1].1)).collect();
+        let inputs = chain().find(|stage| stage.name == program).map_or_else(Vec::new, |stage| stage.inputs);
+        let inputs: Vec<String> = inputs.iter().map(|input| format!("{of}/{input}")).collect();
         Self::on(program, name, &inputs, flags)
     }
 

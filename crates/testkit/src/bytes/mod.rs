@@ -1,5 +1,4 @@
 //! Digests of everything the programs write over many command lines: the cases, their run, the comparison of two lists.
-//! May use `random` and `places`.
 
 mod case;
 mod compare;

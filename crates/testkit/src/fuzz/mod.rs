@@ -1,5 +1,4 @@
 //! Programs on files as attackers make them: mutated bytes, and artifacts that are sound as containers and lie inside.
-//! May use `random` and `places`.
 
 mod campaign;
 mod ending;

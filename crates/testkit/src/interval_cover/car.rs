@@ -1,10 +1,10 @@
 //! Cars of known parameters: sizes, speeds and crush of passenger cars, drawn evenly.
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{
     CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, Nonlinear1,
     Nonlinear2, TripleSpringMassDamper,
 };
+use crumple_numerics::estimation::random::RandomNumbers;
 
 /// What is drawn.
 #[derive(Debug, Clone, Copy)]

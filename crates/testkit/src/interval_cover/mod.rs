@@ -1,5 +1,5 @@
 //! Cars of known parameters, recorded as a laboratory does, through the programs: how often the intervals of fitted
-//! parameters hold the truth, and how often the true model is chosen. May use `programs` and `records`.
+//! parameters hold the truth, and how often the true model is chosen.
 
 mod car;
 mod choice;
@@ -8,8 +8,8 @@ mod family;
 mod record;
 mod trial;
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{LumpedError, Model};
+use crumple_numerics::estimation::random::RandomNumbers;
 
 pub use choice::{Choices, DRAWN, Drawn, choices_of};
 pub use cover::{Cover, Miss};

@@ -1,7 +1,7 @@
 //! A test of a car of known parameters as a laboratory records it.
 
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::LumpedError;
+use crumple_numerics::estimation::random::RandomNumbers;
 
 use super::car::Car;
 use crate::records::{FINE_S, Measurement};

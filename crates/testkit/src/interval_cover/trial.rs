@@ -4,8 +4,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use crumple_artifact::records::{CandidateV1, Certainty};
-use crumple_estimation::random::RandomNumbers;
 use crumple_lumped::{LumpedError, Model};
+use crumple_numerics::estimation::random::RandomNumbers;
 use rayon::prelude::*;
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! A car of the fleet: a spring and a damper in parallel behind the wall, drawn by its number.
 
-use crumple_estimation::random::RandomNumbers;
+use crumple_numerics::estimation::random::RandomNumbers;
 
 /// Stiffness of a car of the middle year, N/m for each kg.
 pub const STIFFNESS_N_PER_M_PER_KG: f64 = 420.0;

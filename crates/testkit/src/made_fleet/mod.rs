@@ -1,5 +1,4 @@
 //! Records of a made fleet: cars whose stiffness and damping depend on mass and model year in a known way.
-//! Uses the random numbers of `crumple-estimation` only.
 
 mod car;
 mod record;

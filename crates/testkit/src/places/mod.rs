@@ -1,5 +1,4 @@
 //! Where the workspace and the shared reference material lie.
-//! Uses no other room.
 
 mod folders;
 

@@ -1,6 +1,6 @@
 //! A made car: its tests, and what each would have measured.
 
-use crumple_estimation::random::RandomNumbers;
+use crumple_numerics::estimation::random::RandomNumbers;
 
 use super::motion::{Motion, Structure};
 use super::part::Part;

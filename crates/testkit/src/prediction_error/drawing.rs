@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crumple_estimation::random::RandomNumbers;
+use crumple_numerics::estimation::random::RandomNumbers;
 
 use super::crush_curve::{CrushCurve, Folding, Wave};
 use super::motion::{Joint, Structure};

@@ -1,6 +1,6 @@
 //! The kinds of made cars, and how each is drawn.
 
-use crumple_estimation::random::RandomNumbers;
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
 
 use super::car::{Car, Truth};

@@ -1,5 +1,5 @@
 //! How far predictions of other tests are off: cars that no family equals, tested once as a laboratory does, asked at
-//! other speeds and masses through the programs. May use `programs` and `records`.
+//! other speeds and masses through the programs.
 
 mod car;
 mod crush_curve;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use crumple_estimation::statistics::quantile;
+use crumple_numerics::estimation::statistics::quantile;
 
 use super::kind::KINDS;
 use super::score::{ASKED, Answer, COUNTED, LOWER, OWN_TEST, Outcome, Prediction, Quantity, Scored};

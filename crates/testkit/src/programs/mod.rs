@@ -1,5 +1,4 @@
 //! Starts the programs as a user does: the whole pipeline through `just`, or one stage on prepared inputs.
-//! May use `places`.
 
 pub mod fleet;
 pub mod pipeline;

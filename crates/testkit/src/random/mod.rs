@@ -1,5 +1,4 @@
-//! Numbers that look random and are the same in every run, by their place. Rows of them: `crumple_estimation::random`.
-//! Uses no other room.
+//! Numbers that look random and are the same in every run, by their place. Rows of them: `crumple_numerics::estimation::random`.
 
 mod white_noise;
 

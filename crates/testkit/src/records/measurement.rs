@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crumple_estimation::random::RandomNumbers;
+use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 
 use super::low_pass::LowPass;

@@ -1,5 +1,5 @@
 //! Records and artifacts that tests read: fixtures, records of known parameters, reference signals, outputs of stages
-//! made directly; and how a laboratory measures the motions of made cars. May use `random` and `places`.
+//! made directly; and how a laboratory measures the motions of made cars.
 
 mod filtered;
 pub mod fixture;

@@ -1,7 +1,6 @@
 //! The reference cases of crash metrics and their signals, made from the formulas in the same file.
 
 use std::f64::consts::PI;
-use std::path::Path;
 
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
 use serde_json::Value;
@@ -17,20 +16,15 @@ pub type Case = Value;
 impl Reference {
     /// Reads the shared file.
     pub fn open() -> Option<Self> {
-        shared("reference/metrics.json").map(|path| Self::read(&path))
+        shared("reference/metrics.json").map(|path| {
+            let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+            Self::of(serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+        })
     }
 
-    /// Reads the file that `CRUMPLE_METRICS_CASES` names, else the shared one.
-    pub fn open_chosen() -> Option<Self> {
-        match std::env::var_os("CRUMPLE_METRICS_CASES") {
-            Some(path) => Some(Self::read(Path::new(&path))),
-            None => Self::open(),
-        }
-    }
-
-    fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        Self(serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+    /// A file of this layout.
+    pub fn of(file: Value) -> Self {
+        Self(file)
     }
 
     /// Every case, in the order of the file.

@@ -374,7 +374,7 @@ fn of_inputs_and_outputs(folder: &Path) -> io::Result<Vec<RunCase>> {
         .collect()
 }
 
-/// A filter stage in another language, as `just` takes it: it hands the pulse on as the product's filter left it and
+/// A filter stage in another as `just` takes it: it hands the pulse on as the product's filter left it and
 /// says nothing of how.
 fn swapped_filter(folder: &Path) -> io::Result<String> {
     let script = folder.join("swapped-filter.sh");

@@ -1,5 +1,4 @@
 //! Every sentence and number that a run says, read back and compared with the truth of its record.
-//! May use every room beside and below it.
 
 mod cases;
 mod counts;

@@ -1,126 +1,75 @@
-//! Rule 2: no circle of files, nor of folders, inside a crate.
+//! The modules directly below `src`, files or folders, use each other in no circle.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::modules::Arrow;
-use crate::rule::Violation;
-use crate::source::{Package, Source};
+use crate::Package;
+use crate::paths::{Use, uses};
 
-/// Arrows between nodes by index, each with one of the arrows of files that it stands for.
-type Graph<'a> = BTreeMap<usize, BTreeMap<usize, &'a Arrow>>;
+/// Who uses whom, and where.
+type Arrows = BTreeMap<(String, String), String>;
 
-/// Circles of files, then at every level those of a folder's files and folders.
-pub fn check(package: &Package, arrows: &[Arrow]) -> Vec<Violation> {
-    let mut violations = Vec::new();
-    let mut files = Graph::new();
-    for arrow in arrows {
-        files.entry(arrow.from).or_default().entry(arrow.to).or_insert(arrow);
-    }
-    for circle in circles(&files) {
-        violations.push(violation(package, &circle, "files"));
-    }
-    let folders: BTreeSet<&str> = package.sources.iter().map(Source::folder).collect();
-    for folder in folders {
-        let mut names: Vec<&str> = Vec::new();
-        let mut graph = Graph::new();
-        for arrow in arrows {
-            let ends = [arrow.from, arrow.to].map(|file| child_of(folder, &package.sources[file].path));
-            let [Some(from), Some(to)] = ends else { continue };
-            // The errors of a crate belong to all of its rooms; circles of files through them are found above.
-            if from == "error.rs" || to == "error.rs" {
-                continue;
-            }
-            let mut index = |name| {
-                names.iter().position(|other| *other == name).unwrap_or_else(|| {
-                    names.push(name);
-                    names.len() - 1
-                })
-            };
-            let (from, to) = (index(from), index(to));
-            if from != to {
-                graph.entry(from).or_default().entry(to).or_insert(arrow);
-            }
-        }
-        for circle in circles(&graph) {
-            // Circles of files alone have been found above.
-            let is_folder = |arrow: &&&Arrow| {
-                child_of(folder, &package.sources[arrow.from].path).is_some_and(|name| !name.ends_with(".rs"))
-            };
-            if circle.iter().any(|arrow| is_folder(&arrow)) {
-                violations.push(violation(package, &circle, "folders"));
-            }
-        }
-    }
-    violations
+pub fn broken(package: &Package) -> Vec<String> {
+    let uses = uses(package);
+    let roots: BTreeSet<&str> = uses.iter().map(|named| named.root.as_str()).collect();
+    let of_root = |root| arrows(root, uses.iter().filter(|named| named.root == *root).collect());
+    roots.into_iter().filter_map(|root| message(&of_root(root))).collect()
 }
 
-/// The file or folder of `folder` that the path is or lies in.
-fn child_of<'a>(folder: &str, path: &'a str) -> Option<&'a str> {
-    let rest = path.strip_prefix(folder)?.strip_prefix('/')?;
-    Some(rest.split('/').next().unwrap_or(rest))
-}
-
-fn violation(package: &Package, circle: &[&Arrow], of: &str) -> Violation {
-    let prefix = format!("crates/{}/src/", package.name);
-    let short = |file: usize| package.sources[file].path.trim_start_matches(&prefix).to_owned();
-    let steps: Vec<String> = circle
-        .iter()
-        .map(|arrow| format!("{}:{} uses {} of {}", short(arrow.from), arrow.line, arrow.name, short(arrow.to)))
-        .collect();
-    let message = format!("circle of {of}: {}; move what both sides need into a file below them", steps.join(", "));
-    let first = circle[0];
-    Violation::of_file(2, &package.sources[first.from], first.line, message)
-}
-
-/// The shortest circle through each group of nodes that reach each other.
-fn circles<'a>(graph: &Graph<'a>) -> Vec<Vec<&'a Arrow>> {
-    let mut seen: BTreeSet<usize> = BTreeSet::new();
-    let mut circles = Vec::new();
-    for start in graph.keys() {
-        if seen.contains(start) {
-            continue;
-        }
-        let Some(circle) = shortest_circle(graph, *start) else { continue };
-        let nodes = reachable(graph, *start);
-        seen.extend(nodes.into_iter().filter(|node| reachable(graph, *node).contains(start)));
-        circles.push(circle);
+/// The arrows between the modules of one library or program, the root among them under the name of its file.
+fn arrows(root: &str, uses: Vec<&Use>) -> Arrows {
+    let modules: BTreeSet<&str> = uses.iter().filter_map(|named| named.module.first()).map(String::as_str).collect();
+    // What the root hands on belongs to the module that it is from.
+    let mut handed_on = BTreeMap::new();
+    for named in uses.iter().filter(|named| named.module.is_empty() && named.is_handed_on) {
+        let module = below_root(named).filter(|module| modules.contains(module));
+        handed_on.extend(named.path.last().map(String::as_str).zip(module));
     }
-    circles
-}
-
-fn reachable(graph: &Graph<'_>, start: usize) -> BTreeSet<usize> {
-    let mut reached = BTreeSet::new();
-    let mut queue = vec![start];
-    while let Some(node) = queue.pop() {
-        for next in graph.get(&node).into_iter().flat_map(BTreeMap::keys) {
-            if reached.insert(*next) {
-                queue.push(*next);
-            }
+    let mut arrows = Arrows::new();
+    for named in uses.iter().filter(|named| !named.module.is_empty() || !named.is_handed_on) {
+        let from = named.module.first().map_or(root, String::as_str);
+        let Some(name) = below_root(named) else { continue };
+        let to = modules.get(name).copied().or_else(|| handed_on.get(name).copied()).unwrap_or(root);
+        // The errors of a crate belong to all of its modules.
+        if from != to && ![from, to].contains(&"error") {
+            let place = format!("{} {from} uses {}", named.place, named.path.join("::"));
+            arrows.entry((from.to_owned(), to.to_owned())).or_insert(place);
         }
     }
-    reached
+    arrows
 }
 
-fn shortest_circle<'a>(graph: &Graph<'a>, start: usize) -> Option<Vec<&'a Arrow>> {
-    let mut came: BTreeMap<usize, (usize, &'a Arrow)> = BTreeMap::new();
-    let mut queue = VecDeque::from([start]);
-    while let Some(node) = queue.pop_front() {
-        for (next, arrow) in graph.get(&node).into_iter().flatten() {
-            if !came.contains_key(next) {
-                came.insert(*next, (node, arrow));
-                queue.push_back(*next);
-            }
-        }
+/// The first name of a path below the root of its library or program; none if it leads elsewhere.
+fn below_root(named: &Use) -> Option<&str> {
+    let (mut depth, mut rest) = match named.path.first()?.as_str() {
+        "crate" => (0, &named.path[1..]),
+        "self" => (named.module.len(), &named.path[1..]),
+        "super" => (named.module.len(), &named.path[..]),
+        _ if named.module.is_empty() => (0, &named.path[..]),
+        _ => return None,
+    };
+    while rest.first().is_some_and(|name| name == "super") {
+        (depth, rest) = (depth.checked_sub(1)?, &rest[1..]);
     }
-    let mut circle = Vec::new();
-    let mut node = start;
+    named.module[..depth].iter().chain(rest).next().map(String::as_str)
+}
+
+/// One circle, if there is any.
+fn message(arrows: &Arrows) -> Option<String> {
+    let mut left: Vec<&(String, String)> = arrows.keys().collect();
+    let mut before = usize::MAX;
+    // Without the modules that use none, until each that is left uses another one.
+    while left.len() < before {
+        before = left.len();
+        let users: BTreeSet<&String> = left.iter().map(|(from, _)| from).collect();
+        left.retain(|(_, to)| users.contains(to));
+    }
+    let mut way = vec![*left.first()?];
     loop {
-        let (before, arrow) = came.get(&node)?;
-        circle.push(*arrow);
-        node = *before;
-        if node == start {
-            circle.reverse();
-            return Some(circle);
+        let (_, last) = way[way.len() - 1];
+        if let Some(start) = way.iter().position(|(from, _)| from == last) {
+            let steps: Vec<&str> = way[start..].iter().map(|arrow| arrows[*arrow].as_str()).collect();
+            return Some(format!("circle of modules: {}; move what both need below them", steps.join(", ")));
         }
+        way.extend(left.iter().find(|(from, _)| from == last));
     }
 }

@@ -1,88 +1,54 @@
-//! Rules 1 and 10: which crate may use which, what numerics never name, how large a crate is.
+//! Which crate may use which, and what libraries of numerics never name.
 
-use crate::modules::line_of_path;
-use crate::rule::Violation;
-use crate::source::{Package, Source};
+use crate::Package;
+use crate::paths::uses;
 
-/// Crates by layer, foundations first. A crate may use crates of lower layers; the stages of a run use none of each
-/// other, what counts as different stands below them, and the programs of many runs above them.
-pub const LAYERS: [&[&str]; 9] = [
-    &["signal", "linalg", "memory", "source-digest", "browser"],
-    &["lti", "estimation", "artifact", "drawing"],
-    &["metrics", "lumped", "phrases"],
-    &["sysid", "lumped-fit", "findings"],
-    &["stage"],
-    &["diff"],
-    &[
-        "ingest",
-        "filter",
-        "integrate",
-        "identify",
-        "parameter-solve",
-        "simulate",
-        "predict",
-        "report",
-        "artifact-cli",
-        "run",
-    ],
-    &["fleet"],
-    &["testkit"],
+/// Crates by layer, foundations first. A crate uses crates of lower layers; dev-dependencies are free.
+const LAYERS: [&str; 9] = [
+    "signal numerics memory source-digest browser",
+    "artifact drawing",
+    "metrics lumped phrases",
+    "sysid lumped-fit findings",
+    "stage",
+    "diff",
+    "ingest filter integrate identify parameter-solve simulate predict report artifact-cli run",
+    "fleet",
+    "testkit",
 ];
 
-/// The layer of the programs.
-pub const PROGRAMS: usize = 5;
+/// Crates that know no files, no command line and no environment.
+const NUMERICS: &str = "sysid lumped-fit numerics lumped metrics";
+/// Crates and paths that they do without.
+const OUTER: [&str; 6] = ["crumple_stage", "crumple_artifact", "anyhow", "clap", "std::fs", "std::env"];
 
-/// Crates that compute, and what they never name.
-const NUMERICS: [&str; 7] = ["sysid", "lumped-fit", "estimation", "linalg", "lti", "lumped", "metrics"];
-const OUTER: [&[&str]; 6] =
-    [&["crumple_stage"], &["crumple_artifact"], &["anyhow"], &["clap"], &["std", "fs"], &["std", "env"]];
-
-/// Most lines of a crate.
-const CRATE_LINES: usize = 10_000;
-
-/// The layer of a crate.
-pub fn layer(name: &str) -> Option<usize> {
-    LAYERS.iter().position(|layer| layer.contains(&name))
+fn layer(name: &str) -> Option<usize> {
+    LAYERS.iter().position(|layer| layer.split(' ').any(|crate_name| crate_name == name))
 }
 
-fn dependencies(package: &Package) -> Vec<String> {
-    let Some(toml::Value::Table(table)) = package.manifest.get("dependencies") else { return Vec::new() };
-    table.keys().filter_map(|key| key.strip_prefix("crumple-")).map(str::to_owned).collect()
+/// Crates of the workspace that a package uses outside of its tests.
+fn dependencies(package: &Package) -> impl Iterator<Item = &str> {
+    let tables = ["dependencies", "build-dependencies"].into_iter().filter_map(|kind| package.manifest.get(kind));
+    tables.filter_map(toml::Value::as_table).flatten().filter_map(|(name, _)| name.strip_prefix("crumple-"))
 }
 
-/// Rule 1 on the manifest of a package and what its library names; rule 10 on its size.
-pub fn check(package: &Package) -> Vec<Violation> {
-    let name = package.name.as_str();
-    let manifest = format!("crates/{name}/Cargo.toml");
-    let broken = |message: String| Violation { rule: 1, subject: manifest.clone(), line: 1, message };
-    let Some(own) = layer(name) else {
-        return vec![broken(format!(
-            "crate {name} has no layer: add it to LAYERS of this test and to ARCHITECTURE.md"
-        ))];
-    };
-    let mut violations = Vec::new();
-    for used in dependencies(package) {
-        if used == "testkit" {
-            violations.push(broken("testkit is used by tests only: put it under [dev-dependencies]".to_owned()));
-        } else if layer(&used).is_none_or(|layer| layer >= own) {
-            violations
-                .push(broken(format!("{name} depends on {used}, arrows go to lower layers: move what both need down")));
+pub fn broken(packages: &[Package]) -> Vec<String> {
+    let mut broken = Vec::new();
+    for package in packages {
+        let name = package.name.as_str();
+        let Some(own) = layer(name) else {
+            broken.push(format!("crate {name} has no layer: add it to LAYERS of {} and to ARCHITECTURE.md", file!()));
+            continue;
+        };
+        for used in dependencies(package).filter(|used| layer(used).is_none_or(|layer| layer >= own)) {
+            broken.push(format!("crates/{name}/Cargo.toml: {name} uses {used}, which is in no lower layer"));
         }
-    }
-    if NUMERICS.contains(&name) {
-        for source in &package.sources {
-            for outer in OUTER {
-                violations.extend(line_of_path(source, outer).map(|line| {
-                    let message = format!("{} in a library of numerics: do it in the stage", outer.join("::"));
-                    Violation::of_file(1, source, line, message)
-                }));
+        let is_outer = |path: &str| OUTER.iter().any(|outer| format!("{path}::").starts_with(&format!("{outer}::")));
+        for named in uses(package).iter().filter(|_| NUMERICS.split(' ').any(|numerics| numerics == name)) {
+            let path = named.path.join("::");
+            if is_outer(&path) {
+                broken.push(format!("{}: {path} in a library of numerics: do it in the stage", named.place));
             }
         }
     }
-    let lines: usize = package.sources.iter().map(Source::lines).sum();
-    if lines > CRATE_LINES {
-        let message = format!("crate {name} has {lines} lines without tests, {CRATE_LINES} at most: make two of it");
-        violations.push(Violation { rule: 10, subject: format!("crates/{name}"), line: 1, message });
-    }
-    violations
+    broken
 }

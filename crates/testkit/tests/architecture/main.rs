@@ -1,72 +1,88 @@
-//! The house keeps its ten rules: layers, rooms, circles, sizes, names. Text only; what may break a rule stands in
-//! `exceptions.toml`.
+//! The rules of the house: layers of crates, circles of modules, sizes of files and functions, lines of a crate.
 //!
-//! `CRUMPLE_ROOT` checks another checkout, `CRUMPLE_CRATE` prints one crate's violations only.
+//! docs/adr/0004-rooms.md says why. Every rule takes packages and returns what breaks it, a line each.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod budget;
 mod circles;
-mod exceptions;
 mod layers;
-mod modules;
-mod page;
+mod paths;
 mod planted;
-mod rooms;
-mod rule;
-mod source;
-mod words;
+mod sizes;
 
+use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use exceptions::Exception;
-use modules::Modules;
-use rule::Violation;
+/// A package below `crates/`.
+struct Package {
+    /// Name of its folder.
+    name: String,
+    /// `Cargo.toml`.
+    manifest: toml::Table,
+    /// Its files of Rust by their path below its folder.
+    files: BTreeMap<String, Source>,
+}
 
-/// Every violation in a workspace, exceptions or not.
-fn violations(root: &Path) -> Vec<Violation> {
-    let packages = source::packages(root);
-    let mut violations = Vec::new();
-    for package in &packages {
-        let arrows = Modules::new(package).arrows();
-        violations.extend(layers::check(package));
-        violations.extend(circles::check(package, &arrows));
-        violations.extend(rooms::check_layout(package));
-        violations.extend(rooms::check_order(package, &arrows));
-        violations.extend(rooms::check_stage(package));
-        violations.extend(package.sources.iter().flat_map(words::check_file));
-        violations.extend(package.others.iter().flat_map(words::check_form));
+/// A file of Rust.
+struct Source {
+    text: String,
+    syntax: syn::File,
+}
+
+impl Package {
+    fn new(name: &str, manifest: &str, texts: impl IntoIterator<Item = (String, String)>) -> Self {
+        let source = |path: &str, text: String| {
+            let syntax = syn::parse_file(&text).unwrap_or_else(|error| panic!("crates/{name}/{path}: {error}"));
+            Source { text, syntax }
+        };
+        let files = texts.into_iter().map(|(path, text)| (path.clone(), source(&path, text))).collect();
+        Self { name: name.to_owned(), manifest: manifest.parse().unwrap(), files }
     }
-    violations.extend(words::check_type_names(&packages));
-    violations.sort();
-    violations
+
+    fn read(folder: &Path) -> Self {
+        let mut texts = Vec::new();
+        read_rust(folder, folder, &mut texts);
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        Self::new(folder.file_name().unwrap().to_str().unwrap(), &manifest, texts)
+    }
+
+    fn lines(&self) -> usize {
+        self.files.values().map(|source| source.text.lines().count()).sum()
+    }
+}
+
+/// Paths relative to `base`, with `/`, and texts of all `*.rs` below a folder.
+fn read_rust(base: &Path, folder: &Path, texts: &mut Vec<(String, String)>) {
+    for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            read_rust(base, &path, texts);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let relative = path.strip_prefix(base).unwrap().to_str().unwrap().replace('\\', "/");
+            texts.push((relative, fs::read_to_string(&path).unwrap()));
+        }
+    }
 }
 
 fn root() -> PathBuf {
-    std::env::var_os("CRUMPLE_ROOT").map_or_else(crumple_testkit::workspace, PathBuf::from)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn packages() -> Vec<Package> {
+    let mut folders: Vec<PathBuf> =
+        fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    folders.retain(|folder| folder.join("Cargo.toml").exists());
+    folders.sort();
+    folders.iter().map(|folder| Package::read(folder)).collect()
 }
 
 #[test]
 fn the_house_keeps_its_rules() {
-    let root = root();
-    let exceptions = exceptions::read(&root);
-    let (left, needless) = exceptions::apply(violations(&root), &exceptions);
-    let only = std::env::var("CRUMPLE_CRATE").unwrap_or_default();
-    let is_meant = |subject: &str| only.is_empty() || subject.split('/').nth(1) == Some(&only);
-    let mut lines: Vec<String> =
-        left.iter().filter(|violation| is_meant(&violation.subject)).map(ToString::to_string).collect();
-    lines.extend(needless.iter().filter(|exception| is_meant(&exception.subject)).map(
-        |Exception { rule, subject, .. }| {
-            format!(
-                "exceptions.toml: rule {rule}: {subject} keeps it now: take the exception out, the list only shrinks"
-            )
-        },
-    ));
-    assert!(lines.is_empty(), "{} violations\n{}", lines.len(), lines.join("\n"));
-}
-
-#[test]
-fn every_exception_has_a_reason() {
-    for exception in exceptions::read(&root()) {
-        assert!(exception.reason.split_whitespace().count() > 3, "{exception:?}");
-    }
+    let packages = packages();
+    let mut broken = layers::broken(&packages);
+    broken.extend(packages.iter().flat_map(circles::broken));
+    broken.extend(packages.iter().flat_map(sizes::broken));
+    broken.extend(budget::check(&packages));
+    assert!(broken.is_empty(), "{} rules broken\n{}", broken.len(), broken.join("\n"));
 }

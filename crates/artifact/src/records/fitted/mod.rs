@@ -1,5 +1,4 @@
 //! Records of parameter-solve and simulate: matching, candidates with their uncertainty, which to use, simulations.
-//! Uses no other room.
 
 mod candidate;
 mod joint_tests;

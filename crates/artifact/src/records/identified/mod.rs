@@ -1,5 +1,4 @@
 //! Records of identify: models, modes, how they were chosen and what supports them.
-//! Uses no other room.
 
 mod arx_scan;
 mod evidence;

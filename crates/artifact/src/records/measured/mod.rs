@@ -1,6 +1,5 @@
 //! Records of ingest, filter and integrate: the test, its vehicles and damage, waveforms, filters, quality, events,
 //! metrics.
-//! Uses error only.
 
 mod channel_filter;
 mod damage;

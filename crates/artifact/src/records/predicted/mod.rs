@@ -1,5 +1,4 @@
 //! Records of predict: impacts that were not made.
-//! Uses no other room.
 
 mod prediction;
 

@@ -1,5 +1,4 @@
 //! Records any stage may write: its notes, what speaks against its result, and the diagnosis of a run without one.
-//! Uses no other room.
 
 mod concerns;
 mod diagnosis;

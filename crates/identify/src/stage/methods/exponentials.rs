@@ -1,6 +1,6 @@
 //! The method `exponentials`: a record as a sum of exponentials.
 
-use crumple_lti::{Complex, Mode};
+use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind, Severity};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};

@@ -1,7 +1,4 @@
 //! The identification methods: what a method is given, how it runs, what it hands to the records.
-//! May use records, waves, options.
-//!
-//! rooms: discrete
 
 pub mod discrete;
 pub mod era;

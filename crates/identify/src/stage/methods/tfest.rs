@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{

@@ -1,5 +1,4 @@
 //! Flags and keys of the pipeline file, and the settings they resolve to.
-//! Uses nothing else of the program.
 
 pub mod arx_structure;
 pub mod evidence;

@@ -1,6 +1,6 @@
 //! The model that a discrete method gives for one order, and what it knows about it.
 
-use crumple_lti::{Complex, StateSpace};
+use crumple_numerics::lti::{Complex, StateSpace};
 use crumple_signal::Notes;
 
 use crate::stage::records::responses::Equation;

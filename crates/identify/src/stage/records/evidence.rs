@@ -1,6 +1,6 @@
 //! Evidence common to the methods beside `era`, as records.
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, TransferFunctionV1};

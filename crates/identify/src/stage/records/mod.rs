@@ -1,5 +1,4 @@
 //! Identified models, and what speaks for or against them, as records of the artifact.
-//! May use waves and options.
 
 pub mod acceptance;
 pub mod discrete_model;

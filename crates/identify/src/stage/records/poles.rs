@@ -1,6 +1,6 @@
 //! The poles of an identified model as records: its modes, and the poles that are none.
 
-use crumple_lti::{Complex, Mode};
+use crumple_numerics::lti::{Complex, Mode};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1};
 use crumple_sysid::{PoleKind, PoleRecord, pole_kinds};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crumple_lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
+use crumple_numerics::lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, Sampled};
 use crumple_stage::records::{
     EvidenceV1, IdentificationV1, ModeV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,

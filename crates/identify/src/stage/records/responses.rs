@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crumple_lti::{
+use crumple_numerics::lti::{
     Complex, StateSpace, discretize_zero_order_hold, free_response, frequency_response, impulse_response,
     step_response, to_transfer_function,
 };

@@ -1,6 +1,6 @@
 //! A sampled model between waveforms, and the evidence for it, as records.
 
-use crumple_lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
+use crumple_numerics::lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_signal::{Note, Notes, Severity};
 use crumple_stage::Output;
 use crumple_stage::records::EvidenceV1;

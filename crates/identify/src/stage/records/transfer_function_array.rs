@@ -1,6 +1,6 @@
 //! Continuous transfer functions of several inputs or outputs, and the evidence for them, as records.
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use crumple_signal::Notes;
 use crumple_sysid::TransferFunctionArray;
 

@@ -1,6 +1,6 @@
 //! What transfer functions are fitted for and from, and the remarks and the validation that one and several share.
 
-use crumple_lti::StateSpace;
+use crumple_numerics::lti::StateSpace;
 use crumple_signal::Notes;
 use crumple_stage::records::EvidenceV1;
 use crumple_sysid::{TransferFunctionOptions, compare, continued, sampled};

@@ -1,5 +1,4 @@
 //! The waveforms of a run: which ones, which window of them, how they are scaled.
-//! May use options.
 
 pub mod input_output;
 pub mod scaled;

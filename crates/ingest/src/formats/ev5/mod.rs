@@ -1,5 +1,4 @@
 //! NHTSA vehicle tests: an EV5 specification file and ASCII signal files `.001`, `.002`, ... beside it.
-//! May use text and what formats may use, no other reader.
 
 mod channels;
 mod code;

@@ -1,5 +1,4 @@
 //! ISO/TS 13499 (ISO-MME): a test file `.mme`, a channel list `.chn`, channel files `.001`; or one channel file alone.
-//! May use text, iso13499 and what formats may use, no other reader.
 
 mod channel;
 mod channel_file;

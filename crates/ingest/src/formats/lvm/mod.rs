@@ -1,5 +1,4 @@
 //! LVM, the text files of LabVIEW's "Write to Measurement File": a header, then segments of columns.
-//! May use text, waveform, iso13499 and what formats may use, no other reader.
 
 mod header;
 mod lines;

@@ -1,5 +1,4 @@
 //! Tables of numbers: CSV, TSV, semicolons or blanks, as instruments and spreadsheets write them.
-//! May use text, iso13499 and what formats may use, no other reader.
 
 mod columns;
 mod event_data_recorder;

@@ -1,5 +1,4 @@
 //! TDM, the older files of DIAdem: an XML header `.tdm` and a binary file `.tdx` beside it.
-//! May use text, waveform, diadem, iso13499, the number types of tdms and what formats may use.
 
 mod header;
 

@@ -1,5 +1,4 @@
 //! TDMS, the binary files of LabVIEW and DIAdem: segments of metadata and raw data, channels in groups.
-//! May use waveform, diadem, iso13499, records and sensors of ev5 and what formats may use.
 //!
 //! Read after NI's description of the format: contiguous and interleaved data, both byte orders, inherited object
 //! lists, DAQmx raw data, linear scaling, aborted recordings.

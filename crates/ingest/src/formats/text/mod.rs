@@ -1,5 +1,4 @@
 //! Lines, numbers and column names of text files.
-//! May be used by all readers of text.
 
 pub mod column_names;
 pub mod lines;

@@ -1,5 +1,4 @@
 //! Named waveforms of TDMS, TDM and LVM files as channels: identity, unit, time; what these formats share.
-//! May use the names of columns and of ISO 13499; the readers of the three formats use it.
 
 pub mod channel;
 mod clock;

@@ -1,5 +1,5 @@
 //! Numbers beside the motion: occupants, roadside hardware, the stiffness of CRASH3, load cells of the barrier, event
-//! data recorders. May use `stage/options` and `stage/metric_record`.
+//! data recorders.
 
 pub mod crush_stiffness;
 pub mod load_cells;

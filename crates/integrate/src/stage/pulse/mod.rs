@@ -1,5 +1,4 @@
 //! The channels that are integrated: first contact, motion and events, agreement of redundant sensors, records.
-//! May use `stage/options` and `stage/metric_record`.
 
 pub mod channel_agreement;
 pub mod impact_speed;

@@ -1,7 +1,7 @@
 //! The free numbers of the nonlinear models in the searches of the single-mass paper, and the record of their fits.
 
-use crumple_estimation::minimise::levenberg_marquardt::Optimum;
 use crumple_lumped::{Model, Parameter, ParameterKind};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::Optimum;
 
 use crate::fit::options::SingleMassFitOptions;
 use crate::free::coordinates::{Axis, Coordinates, FreeNumber, Map};

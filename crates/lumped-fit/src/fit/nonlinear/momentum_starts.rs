@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::fit::options::SingleMassFitOptions;
 use crate::record::observation::ObservedWave;
-use crumple_linalg::nonnegative_least_squares;
+use crumple_numerics::linalg::nonnegative_least_squares;
 
 /// Places of the knots of the damper, shares of the impact speed: quadratic, since most of the motion near rest is
 /// slow.
@@ -98,7 +98,7 @@ impl Momentum {
     pub fn solve(&self, spring: &[Vec<f64>], damper: &[Vec<f64>]) -> (Vec<f64>, f64) {
         let columns: Vec<&Vec<f64>> = spring.iter().chain(damper).collect();
         let n = columns.len();
-        let dot = |a: &[f64], b: &[f64]| crumple_linalg::dot(a, b);
+        let dot = |a: &[f64], b: &[f64]| crumple_numerics::linalg::dot(a, b);
         let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE)).collect();
         let gram = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]) / (norms[i] * norms[j]));
         let b = DVector::from_fn(n, |i, _| dot(columns[i], &self.lost) / norms[i]);

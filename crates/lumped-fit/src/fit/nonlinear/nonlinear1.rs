@@ -1,7 +1,7 @@
 //! The first nonlinear model fitted to the compartment's displacement, under the side constraints of its paper.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Optimum, Response, descend};
 use crumple_lumped::{Model, Nonlinear1};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Optimum, Response, descend};
 use crumple_signal::{Displacement, Signal};
 
 use crate::fit::at_crush::AtCrush;

@@ -1,7 +1,7 @@
 //! The search for the second nonlinear model in the compartment's displacement.
 
-use crumple_estimation::minimise::levenberg_marquardt::Bounds;
 use crumple_lumped::{Model, Nonlinear2};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::Bounds;
 use crumple_signal::{Displacement, Signal};
 use rayon::prelude::*;
 

@@ -5,8 +5,8 @@
 //! measured to all sensors refines them. The path past the engine is taken where the accelerations of both ask for it,
 //! and the force on the wall where that is fitted.
 
-use crumple_estimation::statistics::InformationCriteria;
 use crumple_lumped::{CrushedLoadPaths, LOAD_PATHS, LoadPath, MOST_KNOTS_OF_PATH, Model, ModelKind};
+use crumple_numerics::estimation::statistics::InformationCriteria;
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 
 use crate::free::free_parameter::{free_masses, free_parameters};

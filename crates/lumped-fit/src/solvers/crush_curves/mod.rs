@@ -1,5 +1,4 @@
 //! Structures that are crushed along force-deflection curves, read off the record: of one mass and of two.
-//! May use `solvers/extent`, `solvers/fitting`, `solvers/task` and what solvers may use.
 
 pub mod assumptions;
 pub mod load_paths;

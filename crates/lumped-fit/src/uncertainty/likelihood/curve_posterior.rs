@@ -11,9 +11,9 @@
 
 use std::collections::BTreeMap;
 
-use crumple_estimation::random::RandomNumbers;
-use crumple_estimation::statistics::{quantile, student_95};
 use crumple_lumped::{Chain, Model, ParameterKind, PiecewiseLinear};
+use crumple_numerics::estimation::random::RandomNumbers;
+use crumple_numerics::estimation::statistics::{quantile, student_95};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 

@@ -1,5 +1,4 @@
 //! Intervals by the likelihood: profiles, the accelerations in units of the noise, the posterior of curves with knots.
-//! May use `fit`, `free`, `candidate` and `record`.
 
 pub(crate) mod curve_posterior;
 pub mod profile_likelihood;

@@ -3,9 +3,9 @@
 //! There the errors are short, and a sum of squares is a likelihood. Two things are read from it: whether the noise
 //! explains the misfit, and the intervals of parameters along which the response is not straight.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
-use crumple_estimation::statistics::{Covariance, shortest_with, student_95};
 use crumple_lumped::ParameterKind;
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
+use crumple_numerics::estimation::statistics::{Covariance, shortest_with, student_95};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 

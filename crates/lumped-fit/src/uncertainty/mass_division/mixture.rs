@@ -3,9 +3,9 @@
 //! One accelerometer does not tell how the mass divides. Every share in front has its own parameters, which follow the
 //! record alike; what is not known of the share is not known of them.
 
-use crumple_estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
-use crumple_estimation::statistics::normal_distribution;
 use crumple_lumped::Model;
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
+use crumple_numerics::estimation::statistics::normal_distribution;
 
 use crate::FitQuantity;
 use crate::candidate::minimum::Minimum;
@@ -245,8 +245,8 @@ fn mixture(nodes: &[[f64; 3]], weights: &[f64]) -> Ends {
 
 #[cfg(test)]
 mod tests {
-    use crumple_estimation::random::RandomNumbers;
     use crumple_lumped::DoubleSpringMassDamper;
+    use crumple_numerics::estimation::random::RandomNumbers;
 
     use super::*;
     use crate::fit::as_measured::{fit_as_measured, is_own_dual};

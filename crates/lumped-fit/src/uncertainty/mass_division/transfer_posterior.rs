@@ -13,9 +13,9 @@
 //! ellipses around a minimum, miss what lies there. Here the likelihood is that of the numbers, which costs nothing to
 //! evaluate, and the models that have them are drawn.
 
-use crumple_estimation::random::RandomNumbers;
-use crumple_estimation::statistics::{quantile, student_95};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
+use crumple_numerics::estimation::random::RandomNumbers;
+use crumple_numerics::estimation::statistics::{quantile, student_95};
 use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
 
 use crate::fit::as_measured::is_own_dual;

@@ -1,5 +1,4 @@
 //! The elements: springs and dampers with knots, both in series, an elastoplastic spring, force-deflection curves.
-//! May use `structure/form`, `structure/law` and `motion`.
 
 pub mod crush_curve;
 pub mod force_deflection;

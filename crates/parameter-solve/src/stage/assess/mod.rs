@@ -1,5 +1,4 @@
 //! How well each candidate's parameters are known, by the minimum of the misfit that it carries.
-//! May use `inputs` and `options`.
 
 pub mod candidate_assessment;
 pub mod candidates;

@@ -1,8 +1,8 @@
 //! Identified models with four poles among the inputs.
 
-use crumple_lti::{eigenvalues, matrix_logarithm};
 use crumple_lumped::{Complex, RealisedModel};
 use crumple_lumped_fit::{CoefficientSpread, Identified, Quartic};
+use crumple_numerics::lti::{eigenvalues, matrix_logarithm};
 use crumple_stage::Inputs;
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
 use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};

@@ -1,5 +1,4 @@
 //! What the artifacts hold, as the library takes it: measurements, motions, identified models, exponential sums.
-//! May use `options`.
 
 pub mod identified_models;
 pub mod masses;

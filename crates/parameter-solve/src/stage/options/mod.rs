@@ -1,5 +1,4 @@
 //! Flags and pipeline keys, the settings they come to, and the tables of chains.
-//! Uses no other room.
 
 pub mod assessment;
 pub mod chain_table;

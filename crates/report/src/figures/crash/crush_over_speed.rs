@@ -4,12 +4,14 @@ use crumple_artifact::records::PredictionV1;
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
 use crumple_findings::{Ranking, Run, names::candidate_name};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 /// The tests as points, the recommended model's predictions as a line with their interval; `None` of one test alone.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let joint = run.joint.as_ref()?;
-    let (language, texts) = (run.language, &run.language.phrases().joint);
+    let texts = &PHRASES.joint;
     let best = ranking.best.as_deref()?;
     let of_best = run.predictions.iter().filter(|p| p.candidate == best && p.partner.is_none());
     let mut predictions: Vec<&PredictionV1> = of_best.filter(|p| p.dynamic_crush_m.is_some()).collect();
@@ -34,6 +36,6 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let measured = measured.filter_map(|t| Some([km_per_h(t.impact_speed_m_per_s), MILLI * t.dynamic_crush_m?]));
     panel.points(tests, measured.collect());
     figure.panels.push(panel);
-    let mass = language.quantity(mass_kg, 0, "kg");
+    let mass = words::quantity(mass_kg, 0, "kg");
     Some(Figure { caption: fill(texts.over_speed_caption, &[("mass", mass)]), ..figure.tidy() })
 }

@@ -8,7 +8,9 @@ use crate::figures::time_view::{over_time_axis, time_view_ms};
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
 use crumple_findings::{CandidateResult, Ranking, Run};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::Sampled;
 
 /// A model may widen an axis beyond the test by this share of what the test spans.
@@ -21,7 +23,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         return None;
     }
     let models = DrawnModels::of(run, ranking);
-    let texts = &run.language.phrases().figures;
+    let texts = &PHRASES.figures;
     let mut figure = Figure::new("curves", if models.models.is_empty() { texts.title_of_test } else { texts.title });
     let test = figure.entry(test_name(run), Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
     let raw = figure.entry(
@@ -50,8 +52,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         let drawn: Vec<(usize, &Sampled)> =
             models.models.iter().zip(&entries).filter_map(|((c, _), entry)| Some((*entry, of(c)?))).collect();
         let shown = drawn.iter().filter(|(entry, _)| figure.legend[*entry].shown).map(|(_, signal)| *signal);
-        let mut panel =
-            over_time_axis(run.language, view, Axis { view: y_view(signal, shown, factor, view), ..Axis::new(title) });
+        let mut panel = over_time_axis(view, Axis { view: y_view(signal, shown, factor, view), ..Axis::new(title) });
         if let Some(edges) = envelope.as_ref().and_then(|e| e.edges(place, factor)) {
             panel.band(same_place, &edges);
         }
@@ -79,7 +80,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 
 /// `test, CFC 60`.
 fn test_name(run: &Run) -> String {
-    let texts = &run.language.phrases().figures;
+    let texts = &PHRASES.figures;
     let cfc = run.filter.as_ref().and_then(|f| f.cfc).or_else(|| run.channel().and_then(|c| c.cfc));
     match (cfc, &run.measured.filtered) {
         (Some(cfc), Some(_)) => fill(texts.test_cfc, &[("cfc", cfc.to_string())]),
@@ -126,13 +127,12 @@ fn y_view<'a>(
 
 /// Time of crush and rebound in one of the three panels over time.
 fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
-    let language = run.language;
     let events = run.events.as_ref();
     let crush = events.and_then(|e| e.dynamic_crush_m);
     if let Some(t_m) = run.time_of_crush_s().map(|t| MILLI * t) {
-        let time = format!("tₘ = {}", language.quantity(t_m, 1, "ms"));
+        let time = format!("tₘ = {}", words::quantity(t_m, 1, "ms"));
         let name = match (place, crush) {
-            (2, Some(crush)) => format!("C = {}", language.quantity(MILLI * crush, 1, "mm")),
+            (2, Some(crush)) => format!("C = {}", words::quantity(MILLI * crush, 1, "mm")),
             _ => time,
         };
         panel.mark(t_m, name, Colour::Event, Dash::Dashed);
@@ -144,7 +144,7 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
     }
     let in_view = |t: &f64| panel.x.view.is_none_or(|[from, to]| (from..=to).contains(t));
     if let Some(t) = events.and_then(|e| e.time_of_rebound_s).map(|t| MILLI * t).filter(in_view) {
-        let name = fill(language.phrases().figures.rebound, &[("time", language.quantity(t, 1, "ms"))]);
+        let name = fill(PHRASES.figures.rebound, &[("time", words::quantity(t, 1, "ms"))]);
         panel.mark(t, name, Colour::Muted, Dash::Dotted);
     }
     if panel.x.view.is_some_and(|[from, _]| from < 0.0) {
@@ -153,7 +153,7 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
 }
 
 fn caption(run: &Run, models: &DrawnModels) -> String {
-    let (language, texts) = (run.language, &run.language.phrases().figures);
+    let texts = &PHRASES.figures;
     let mut text = fill(texts.channel, &[("id", run.channel_id().unwrap_or(texts.unknown))]);
     if let Some(channel) = run.channel().filter(|channel| !channel.location.is_empty()) {
         text.push_str(&format!(" ({})", channel.location));
@@ -176,7 +176,7 @@ fn caption(run: &Run, models: &DrawnModels) -> String {
         }
     }
     if let Some([from, to]) = window_ms(run).filter(|_| !models.models.is_empty()) {
-        let ends = [("from", language.decimals(from, 1)), ("to", format!("{} ms", language.decimals(to, 1)))];
+        let ends = [("from", words::decimals(from, 1)), ("to", format!("{} ms", words::decimals(to, 1)))];
         text.push_str(&fill(texts.window, &ends));
     }
     if models.hides_some() {

@@ -1,10 +1,11 @@
 //! Which candidates are drawn over the test, under which name, and how.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::collections::BTreeSet;
 
 use crumple_drawing::{Figure, Look};
 use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name, ranking::pairs_of_equals};
-use crumple_phrases::language::Language;
 
 use crate::figures::shown_at_first::at_first;
 
@@ -46,8 +47,8 @@ impl<'a> DrawnModels<'a> {
             }
             _ => at_first(&ranked, ranking, SHOWN),
         };
-        let texts = &run.language.phrases().figures;
-        let fits = fit_texts(run.language, &ranked);
+        let texts = &PHRASES.figures;
+        let fits = fit_texts(&ranked);
         let equals_of = |index: usize| stands_for.iter().filter(|drawn_as| **drawn_as == index).count() - 1;
         let mut models: Vec<(&CandidateResult, String)> = drawn
             .iter()
@@ -59,7 +60,7 @@ impl<'a> DrawnModels<'a> {
                     (false, true) => texts.closest,
                     (false, false) => "",
                 };
-                (*candidate, format!("{role}{}", name(run.language, candidate, fit.as_deref(), equals_of(*index))))
+                (*candidate, format!("{role}{}", name(candidate, fit.as_deref(), equals_of(*index))))
             })
             .collect();
         // The recommended and the closest first, then what else is shown: they have the colours before they repeat.
@@ -87,19 +88,19 @@ impl<'a> DrawnModels<'a> {
 }
 
 /// Fits in percent to two decimals, as in the table of candidates; to three where two are equal in print.
-fn fit_texts(language: Language, candidates: &[&CandidateResult]) -> Vec<Option<String>> {
+fn fit_texts(candidates: &[&CandidateResult]) -> Vec<Option<String>> {
     let fits = candidates.iter().map(|candidate| candidate.fit_percent());
-    let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, language.decimals(fit, 2)))).collect();
+    let texts: Vec<_> = fits.map(|fit| fit.map(|fit| (fit, words::decimals(fit, 2)))).collect();
     let twice = |text: &str| texts.iter().flatten().filter(|(_, other)| other == text).count() > 1;
     let text = |known: &Option<(f64, String)>| {
         let (fit, text) = known.as_ref()?;
-        Some(if twice(text) { language.decimals(*fit, 3) } else { text.clone() })
+        Some(if twice(text) { words::decimals(*fit, 3) } else { text.clone() })
     };
     texts.iter().map(text).collect()
 }
 
-fn name(language: Language, candidate: &CandidateResult, fit: Option<&str>, equals: usize) -> String {
-    let texts = &language.phrases().figures;
+fn name(candidate: &CandidateResult, fit: Option<&str>, equals: usize) -> String {
+    let texts = &PHRASES.figures;
     let mut remarks = Vec::new();
     remarks.extend(fit.map(|fit| format!("{fit} %")));
     if equals > 0 {

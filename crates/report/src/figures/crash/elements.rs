@@ -3,7 +3,8 @@
 use crumple_drawing::numbers::{KILO, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
 use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
@@ -16,7 +17,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let candidate = best.or_else(first)?;
     let to_s = candidate.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
     let one_mass = candidate.masses.is_empty();
-    let texts = &run.language.phrases().figures;
+    let texts = &PHRASES.figures;
     let title = if one_mass { texts.compression_of_front } else { texts.compression_between };
     let mut figure = Figure::new("elements", texts.elements);
     let mut panel = Panel::new(Axis::new(title), Axis::new(texts.force));

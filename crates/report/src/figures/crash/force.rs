@@ -3,7 +3,9 @@
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
 use crumple_findings::{CandidateResult, Run};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::drawn_models::DrawnModels;
@@ -18,7 +20,7 @@ pub fn panel(
     figure: &mut Figure,
 ) -> Option<(Panel, String)> {
     let displacement = run.measured.displacement.as_ref()?;
-    let (language, texts) = (run.language, &run.language.phrases().figures);
+    let texts = &PHRASES.figures;
     let drawn = match &run.measured.force {
         Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: texts.force },
         None => Ordinate { signal: negated(run.acceleration()?)?, factor: G_PER_M_PER_S2, title: texts.deceleration },
@@ -46,7 +48,7 @@ pub fn panel(
         panel.line(line, vec![[0.0, 0.0], [MILLI * crush, end]]);
         panel.mark(
             MILLI * crush,
-            format!("C = {}", language.quantity(MILLI * crush, 1, "mm")),
+            format!("C = {}", words::quantity(MILLI * crush, 1, "mm")),
             Colour::Event,
             Dash::Dashed,
         );
@@ -116,8 +118,8 @@ fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 
 }
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
-    let (language, texts) = (run.language, &run.language.phrases().figures);
-    let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", language.significant(value, 4));
+    let texts = &PHRASES.figures;
+    let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", words::significant(value, 4));
     let mut caption = String::from(" ");
     if let Some(crush) = crush
         && run.test.mass_kg.is_some()

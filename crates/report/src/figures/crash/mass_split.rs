@@ -7,7 +7,9 @@ use crumple_findings::{
     Ranking, Run,
     mass_divisions::{Divisions, ratio},
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 /// Name, panel and value of the four parameters, with their marks where all four are positive and where not.
 type Parameter = (&'static str, usize, fn(&MatchingSweepV1) -> f64, [Symbol; 2]);
@@ -21,7 +23,7 @@ const PARAMETERS: [Parameter; 4] = [
 /// See [`Divisions::of_run`] for whose.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let divisions = Divisions::of_run(run, ranking)?;
-    let (language, texts) = (run.language, &run.language.phrases().figures);
+    let texts = &PHRASES.figures;
     let used = divisions.m2_kg / divisions.m1_kg;
     let feasible = divisions.feasible_ranges();
     let mut figure = Figure::new("mass-split", texts.mass_split);
@@ -45,23 +47,23 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         panel.windows.extend(feasible.iter().map(|(low, high)| [*low, *high]));
         panel.mark(used, texts.used, Colour::Event, Dash::Dashed);
     }
-    figure.caption = caption(language, &divisions, used, &feasible);
+    figure.caption = caption(&divisions, used, &feasible);
     figure.panels = panels.into();
     Some(figure.tidy())
 }
 
-fn caption(language: Language, divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String {
-    let texts = &language.phrases().figures;
+fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String {
+    let texts = &PHRASES.figures;
     let inside = feasible.iter().any(|(low, high)| (*low..=*high).contains(&used));
     let bound = match divisions.largest_mass_ratio {
-        Some(bound) => fill(texts.only_up_to, &[("bound", language.significant(bound, 3))]),
+        Some(bound) => fill(texts.only_up_to, &[("bound", words::significant(bound, 3))]),
         None => texts.no_division.to_owned(),
     };
-    let total = format!("{} kg", language.significant(divisions.m1_kg + divisions.m2_kg, 4));
+    let total = format!("{} kg", words::significant(divisions.m1_kg + divisions.m2_kg, 4));
     let template = if divisions.fitted { texts.same_poles } else { texts.real_solutions };
     let what = fill(template, &[("source", &divisions.source), ("mass", &total)]);
     let template = if inside { texts.used_is_among } else { texts.used_is_not_among };
-    let used = fill(template, &[("ratio", language.significant(used, 3))]);
+    let used = fill(template, &[("ratio", words::significant(used, 3))]);
     format!("{what} {} {bound} {used}", texts.mass_split_filled)
 }
 

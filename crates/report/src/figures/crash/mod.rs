@@ -1,5 +1,4 @@
 //! Figures of the crash: the test with its models, other sensors, springs at work, divisions of the mass.
-//! Uses results and text.
 
 pub mod crush_over_speed;
 pub mod curves;

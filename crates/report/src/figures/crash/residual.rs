@@ -3,6 +3,7 @@
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, over_time};
 use crumple_findings::{CandidateResult, Ranking, Run, model_band::model_band};
+use crumple_phrases::PHRASES;
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
@@ -18,7 +19,7 @@ const BAND: f64 = 6.0;
 /// Of displacement and velocity; `None` without a test or without a model.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let models = DrawnModels::of(run, ranking);
-    let texts = &run.language.phrases().figures;
+    let texts = &PHRASES.figures;
     let mut figure = Figure::new("residual", texts.residual);
     let entries = models.entries(&mut figure);
     let window = window_ms(run);
@@ -32,7 +33,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         (&run.measured.velocity, texts.residual_velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
     let bands = [band.as_ref().map(|b| &b.displacement_m), band.as_ref().map(|b| &b.velocity_m_per_s)];
     for ((test, title, factor, of), band) in [displacement, velocity].into_iter().zip(bands) {
-        let mut panel = over_time_axis(run.language, view_ms(run), Axis::new(title));
+        let mut panel = over_time_axis(view_ms(run), Axis::new(title));
         if let Some((entry, band)) = moved.zip(band) {
             let edge = |k: usize| {
                 let half = factor * band.samples()[k];

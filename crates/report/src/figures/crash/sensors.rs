@@ -1,11 +1,12 @@
 //! Other sensors on the vehicle, and the masses of the models over them.
 
+use crumple_phrases::PHRASES;
 use std::collections::BTreeSet;
 
 use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
 use crumple_findings::{CandidateResult, Ranking, Run, SensorMotion, names::candidate_name};
-use crumple_phrases::language::fill;
+use crumple_phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;
@@ -25,13 +26,13 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     }
     let mut ranked: Vec<&CandidateResult> = run.candidates.iter().collect();
     ranked.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let texts = &run.language.phrases().figures;
+    let texts = &PHRASES.figures;
     let mut figure = Figure::new("sensors", texts.sensors);
     figure.caption = texts.sensors_caption.to_owned();
     let view = view_ms(run).map(|[from, to]| [from.max(0.0), to]);
-    let mut velocity = over_time_axis(run.language, view, Axis::new(texts.velocity));
+    let mut velocity = over_time_axis(view, Axis::new(texts.velocity));
     let axis = Axis { view: displacement_view(run, view), ..Axis::new(texts.displacement) };
-    let mut displacement = over_time_axis(run.language, view, axis);
+    let mut displacement = over_time_axis(view, axis);
     let mut push = |name: String, look: Look, shown: bool, v: Option<&Sampled>, x: Option<&Sampled>| {
         let entry = figure.entry(name, look, shown);
         velocity.line(entry, v.map(|v| over_time(v, KM_PER_H_PER_M_PER_S)).unwrap_or_default());
@@ -93,7 +94,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 fn sensor_name(run: &Run, sensor: &SensorMotion) -> String {
     let place = run.test.channel(&sensor.channel).map(|c| c.location.clone()).filter(|place| !place.is_empty());
     let place = place.map_or_else(String::new, |place| format!(" ({place})"));
-    fill(run.language.phrases().figures.sensor, &[("channel", &sensor.channel), ("place", &place)])
+    fill(PHRASES.figures.sensor, &[("channel", &sensor.channel), ("place", &place)])
 }
 
 /// The candidates with a mass at a sensor, at most [`SHOWN`] or all shown at first, with that mass; and the ids of

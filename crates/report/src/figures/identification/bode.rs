@@ -1,11 +1,13 @@
 //! Frequency response of the identified transfer functions.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::f64::consts::{PI, TAU};
 
 use crumple_artifact::records::TransferFunctionV1;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
 use crumple_findings::{Model, Run, names::words_and_unit};
-use crumple_phrases::language::fill;
+use crumple_phrases::words::fill;
 
 const POINTS: usize = 400;
 
@@ -39,7 +41,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
 
-    let (language, texts) = (run.language, &run.language.phrases().identification);
+    let texts = &PHRASES.identification;
     let axis = || Axis { logarithmic: true, ..Axis::new(texts.frequency).from_to([low, high]) };
     let mut figure = Figure::new("bode", texts.bode);
     let mut magnitude = Panel::new(axis(), Axis::new(texts.magnitude));
@@ -59,9 +61,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
             if !(low..=high).contains(&f) {
                 continue;
             }
-            let damping =
-                mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", language.significant(z, 3)));
-            magnitude.mark(f, format!("{} Hz{damping}", language.significant(f, 3)), Colour::Muted, Dash::Dotted);
+            let damping = mode.damping_ratio.map_or_else(String::new, |z| format!(", ζ {}", words::significant(z, 3)));
+            magnitude.mark(f, format!("{} Hz{damping}", words::significant(f, 3)), Colour::Muted, Dash::Dotted);
             phase.mark(f, "", Colour::Muted, Dash::Dotted);
         }
     }

@@ -1,5 +1,4 @@
 //! Figures of the identified models: poles, singular values, stabilisation, responses over frequency and time.
-//! Uses results and text.
 
 pub mod bode;
 pub mod poles;

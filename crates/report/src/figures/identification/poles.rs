@@ -1,10 +1,12 @@
 //! Poles in the s plane with lines of equal damping and circles of equal frequency.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::f64::consts::TAU;
 
 use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
 use crumple_findings::{Model, PoleStability, Run};
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 
 /// Marks of the models, so that they differ without colour too.
 const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];
@@ -22,7 +24,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     moduli.sort_by(f64::total_cmp);
     let (radius, outside) = first_view(&moduli);
-    let (language, texts) = (run.language, &run.language.phrases().identification);
+    let texts = &PHRASES.identification;
 
     let mut figure = Figure::new("poles", texts.poles);
     // The upper half of the plane: poles of a real system are mirrored in the lower one.
@@ -31,7 +33,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut panel = Panel::new(real, Axis::new(texts.imaginary_part).from_to([low, high]));
     // One length for a unit on both axes, so that circles are round.
     panel.height = PLANE_WIDTH * (high - low) / (right - left);
-    guide_lines(&mut panel, language, radius, [low, high]);
+    guide_lines(&mut panel, radius, [low, high]);
     poles(run, &mut figure, &mut panel);
     let far_zeros = zeros(run, &mut figure, &mut panel, radius);
     figure.caption = caption(run, far_zeros, outside);
@@ -41,7 +43,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
 
 /// The poles of every model, unstable ones apart.
 fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) {
-    let texts = &run.language.phrases().identification;
+    let texts = &PHRASES.identification;
     for (place, model) in run.models.iter().enumerate() {
         for stable in [true, false] {
             let poles = model.poles().filter(|(_, stability)| (*stability != PoleStability::Unstable) == stable);
@@ -56,7 +58,7 @@ fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) {
 
 /// The zeros of every model. Gives how many lie outside the first view of this radius.
 fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usize {
-    let texts = &run.language.phrases().identification;
+    let texts = &PHRASES.identification;
     let mut far = 0;
     for (place, model) in run.models.iter().enumerate() {
         let Some(response) = &model.response else { continue };
@@ -72,24 +74,24 @@ fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usiz
 }
 
 /// Rays of equal damping, rings of equal frequency and the imaginary axis, with their labels.
-fn guide_lines(panel: &mut Panel, language: Language, radius: f64, [low, high]: [f64; 2]) {
+fn guide_lines(panel: &mut Panel, radius: f64, [low, high]: [f64; 2]) {
     for damping in DAMPING_RAYS {
         let end = [-damping * radius, (1.0 - damping * damping).sqrt() * radius];
         panel.guides.push(vec![[0.0, 0.0], end]);
-        panel.labels.push(Label { at: end, text: format!("ζ {}", language.decimals(damping, 1)) });
+        panel.labels.push(Label { at: end, text: format!("ζ {}", words::decimals(damping, 1)) });
     }
     let step = nice_step(radius / TAU / 2.5);
     for ring in (1..=4).map(|ring| TAU * step * f64::from(ring)).take_while(|r| *r <= 1.02 * radius) {
         let arc = (0..=60).map(|k| f64::from(k) / 60.0 * std::f64::consts::PI);
         panel.guides.push(arc.map(|angle| [ring * angle.cos(), ring * angle.sin()]).collect());
-        panel.labels.push(Label { at: [0.0, ring], text: format!("{} Hz", language.significant(ring / TAU, 2)) });
+        panel.labels.push(Label { at: [0.0, ring], text: format!("{} Hz", words::significant(ring / TAU, 2)) });
     }
     panel.guides.push(vec![[0.0, low], [0.0, high]]);
 }
 
 /// What the figure shows, how many poles are not stable, what lies outside of it.
 fn caption(run: &Run, far_zeros: usize, outside: usize) -> String {
-    let texts = &run.language.phrases().identification;
+    let texts = &PHRASES.identification;
     let poles = || run.models.iter().flat_map(Model::poles);
     let [stable, marginal, unstable] = [PoleStability::Stable, PoleStability::Marginal, PoleStability::Unstable]
         .map(|wanted| poles().filter(|(_, stability)| *stability == wanted).count());

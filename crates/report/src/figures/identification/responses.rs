@@ -3,7 +3,8 @@
 use crumple_drawing::numbers::LONG_S;
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
 use crumple_findings::{Model, Run, names::words_and_unit};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 
 /// A model that grows this far beyond the others would hide them.
 const GROWN: f64 = 1e3;
@@ -33,7 +34,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let seen_s = || models.iter().map(|(_, r)| settles(&r.time_s, &r.impulse)).fold(0.0, f64::max).min(longest_s);
     let (factor, unit) = if seen_s() > LONG_S { (1.0, "s") } else { (1e3, "ms") };
     // Models with another input or output have other units: they start hidden.
-    let texts = &run.language.phrases().identification;
+    let texts = &PHRASES.identification;
     let of_free_motion = first.input.contains("Markov");
     let title = if of_free_motion { texts.impulse_title } else { texts.impulse_and_step_title };
     let mut figure = Figure::new("responses", title);

@@ -2,7 +2,9 @@
 
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
 use crumple_findings::Run;
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;
@@ -10,7 +12,7 @@ const SYMBOLS: [Symbol; 4] = [Symbol::Disc, Symbol::Square, Symbol::Diamond, Sym
 
 /// Relative singular values of every model; `None` where none has any.
 pub fn figure(run: &Run) -> Option<Figure> {
-    let (language, texts) = (run.language, &run.language.phrases().identification);
+    let texts = &PHRASES.identification;
     let mut figure = Figure::new("singular-values", texts.singular_values);
     let axis = Axis { whole: true, ..Axis::new(texts.index) };
     let mut panel = Panel::new(axis, Axis { logarithmic: true, ..Axis::new(texts.relative_singular_value) });
@@ -37,7 +39,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
         if let (Some(kept), Some(dropped)) = (order.checked_sub(1).and_then(|k| values.get(k)), values.get(order))
             && *dropped > 0.0
         {
-            let gap = language.significant(kept / dropped, 3);
+            let gap = words::significant(kept / dropped, 3);
             caption.push_str(&format!(" {}: σ{order}/σ{} = {gap}.", model.id, order + 1));
         }
     }

@@ -1,11 +1,13 @@
 //! Stabilisation diagram: poles over the order of the model.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::f64::consts::TAU;
 
 use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
 use crumple_findings::Run;
-use crumple_phrases::language::fill;
 use crumple_phrases::phrases::IdentificationTexts;
+use crumple_phrases::words::fill;
 
 /// Marks in the order of the legend: word of the record, name, symbol, colour.
 const fn marks(texts: &IdentificationTexts) -> [(&'static str, &'static str, Symbol, Colour); 5] {
@@ -22,7 +24,7 @@ const fn marks(texts: &IdentificationTexts) -> [(&'static str, &'static str, Sym
 pub fn figure(run: &Run) -> Option<Figure> {
     let diagram = run.stabilizations.first().filter(|d| !d.poles.is_empty())?;
     let hz = |re: f64, im: f64| re.hypot(im) / TAU;
-    let (language, texts) = (run.language, &run.language.phrases().identification);
+    let texts = &PHRASES.identification;
     let mut figure = Figure::new("stabilisation", texts.stabilisation);
     let axis = Axis { logarithmic: true, ..Axis::new(texts.natural_frequency_axis) };
     let mut panel = Panel::new(axis, Axis { whole: true, ..Axis::new(texts.order_axis) });
@@ -35,18 +37,18 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     for cluster in &diagram.clusters {
         let f = cluster.natural_frequency_rad_per_s / TAU;
-        let name = format!("{} Hz, ζ {}", language.significant(f, 4), language.significant(cluster.damping_ratio, 3));
+        let name = format!("{} Hz, ζ {}", words::significant(f, 4), words::significant(cluster.damping_ratio, 3));
         panel.mark(f, name, Colour::Muted, Dash::Dotted);
     }
-    let percent = |x: f64| format!("{} %", language.decimals(100.0 * x, 0));
-    let shape = diagram.shape_change.map(|x| fill(texts.shape_within, &[("mac", language.decimals(1.0 - x, 2))]));
+    let percent = |x: f64| format!("{} %", words::decimals(100.0 * x, 0));
+    let shape = diagram.shape_change.map(|x| fill(texts.shape_within, &[("mac", words::decimals(1.0 - x, 2))]));
     let filled = [
         ("method", diagram.method.clone()),
         ("channel", diagram.channel.clone()),
         ("frequency", percent(diagram.frequency_change)),
         ("damping", percent(diagram.damping_change)),
         ("shape", shape.unwrap_or_default()),
-        ("highest", language.significant(diagram.highest_damping, 2)),
+        ("highest", words::significant(diagram.highest_damping, 2)),
         ("nyquist", percent(diagram.nyquist_share)),
         ("presence", percent(diagram.presence)),
         ("count", diagram.clusters.len().to_string()),

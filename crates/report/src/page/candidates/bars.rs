@@ -1,5 +1,7 @@
 //! Parameters of a candidate as bars: the interval about the value, on a logarithmic scale of two decades.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::Certainty;
@@ -9,7 +11,6 @@ use crumple_findings::{
     CandidateResult,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::language::Language;
 
 use crate::frame::heads::{Column, heads};
 
@@ -17,12 +18,12 @@ use crate::frame::heads::{Column, heads};
 const DECADES: f64 = 1.0;
 
 /// A row a parameter: symbol, value, interval in words, bar.
-pub(super) fn table(language: Language, candidate: &CandidateResult) -> String {
+pub(super) fn table(candidate: &CandidateResult) -> String {
     let model = candidate.record.model.as_str();
     let mut names: Vec<&String> = candidate.record.parameters.keys().collect();
     names.sort_by_key(|name| parameter_order(model, name));
-    let rows: String = names.into_iter().map(|name| row(language, candidate, name)).collect();
-    let texts = &language.phrases().candidates;
+    let rows: String = names.into_iter().map(|name| row(candidate, name)).collect();
+    let texts = &PHRASES.candidates;
     let columns = [Column::text(texts.parameter), Column::number(texts.value), Column::number(texts.interval)];
     format!(
         "<table class=\"bars\"><thead><tr>{}<th scope=\"col\" class=\"scale\"><span>÷10</span>\
@@ -32,8 +33,8 @@ pub(super) fn table(language: Language, candidate: &CandidateResult) -> String {
     )
 }
 
-fn row(language: Language, candidate: &CandidateResult, name: &str) -> String {
-    let texts = &language.phrases().candidates;
+fn row(candidate: &CandidateResult, name: &str) -> String {
+    let texts = &PHRASES.candidates;
     let record = &candidate.record;
     let value = record.parameters[name];
     let shown = |value: f64| parameter(&record.model, name, value).1;
@@ -43,7 +44,7 @@ fn row(language: Language, candidate: &CandidateResult, name: &str) -> String {
     let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
     let is_wide = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
     let no = |words: &str| format!("<span class=\"no\">{words}</span>");
-    let (words, bar) = match (candidate.doubt(name, language), ends) {
+    let (words, bar) = match (candidate.doubt(name), ends) {
         (None, Some((low, high))) if is_wide => (no(texts.order_of_magnitude), bar(value, low, high)),
         (Some(doubt), _) => (no(doubt), bar(value, None, None)),
         (None, _) if on_bound => (texts.limit_of_physical.to_owned(), String::new()),
@@ -51,10 +52,9 @@ fn row(language: Language, candidate: &CandidateResult, name: &str) -> String {
         (None, None) => (texts.given.to_owned(), String::new()),
         (None, Some((low, high))) => {
             let digits = low.zip(high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-            let end = |end: Option<f64>| {
-                end.map_or_else(|| texts.open.to_owned(), |x| language.significant(shown(x), digits))
-            };
-            (language.between(&end(low), &end(high)), bar(value, low, high))
+            let end =
+                |end: Option<f64>| end.map_or_else(|| texts.open.to_owned(), |x| words::significant(shown(x), digits));
+            (words::between(&end(low), &end(high)), bar(value, low, high))
         }
     };
     format!(
@@ -62,7 +62,7 @@ fn row(language: Language, candidate: &CandidateResult, name: &str) -> String {
          <td class=\"n\">{words}</td><td>{bar}</td></tr>",
         html(name),
         html(&symbol),
-        language.significant(shown(value), 4)
+        words::significant(shown(value), 4)
     )
 }
 

@@ -6,10 +6,11 @@ use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_findings::{
     CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, distinct_curves, names::candidate_name,
 };
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, table};
-use crate::frame::stage_words::words_of_stage;
 
 use super::bars;
 
@@ -22,10 +23,10 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     let speeds = speeds(run);
-    let (language, texts) = (run.language, &run.language.phrases().candidates);
+    let texts = &PHRASES.candidates;
     let has_evidence = run.recommendation.as_ref().is_some_and(|choice| !choice.candidates.is_empty());
     let of_speed =
-        |speed: &f64| fill(texts.crush_at, &[("speed", language.quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"))]);
+        |speed: &f64| fill(texts.crush_at, &[("speed", words::quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"))]);
     let at_speeds: Vec<String> = speeds.iter().map(of_speed).collect();
     let mut columns = vec![Column::text(texts.model), Column::number(texts.determined)];
     if has_evidence {
@@ -49,8 +50,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         let filled = [
             ("candidates", of.to_string()),
             ("curves", curves.len().to_string()),
-            ("share", language.quantity(1e2 * SAME_CURVE, 1, "%")),
-            ("restitution", language.decimals(SAME_RESTITUTION, 2)),
+            ("share", words::quantity(1e2 * SAME_CURVE, 1, "%")),
+            ("restitution", words::decimals(SAME_RESTITUTION, 2)),
         ];
         fill(texts.distinct_curves, &filled)
     } else {
@@ -81,28 +82,27 @@ fn wall(run: &Run) -> impl Iterator<Item = &PredictionV1> {
 
 fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, speeds: &[f64], has_evidence: bool) {
     let Some(candidate) = run.candidate(&curve.id) else { return };
-    let (language, texts) = (run.language, &run.language.phrases().candidates);
+    let texts = &PHRASES.candidates;
     let best = ranking.best.as_deref() == Some(&candidate.id);
     let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
     let simulation = candidate.simulation.as_ref();
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let certainties = candidate.certainties();
-    let determined = certainties.words(run.language).map_or_else(
-        || ABSENT.to_owned(),
-        |words| format!("<span title=\"{words}\">{}</span>", certainties.counts(language)),
-    );
+    let determined = certainties
+        .words()
+        .map_or_else(|| ABSENT.to_owned(), |words| format!("<span title=\"{words}\">{}</span>", certainties.counts()));
     let evidence = if has_evidence {
         format!(
             "<td class=\"n\">{}</td>",
-            number(rated.and_then(|r| r.difference_with_priors), &|v| language.decimals(v, 1))
+            number(rated.and_then(|r| r.difference_with_priors), &|v| words::decimals(v, 1))
         )
     } else {
         String::new()
     };
     let errors: String = [
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 1)),
-        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 1)),
-        number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 1)),
+        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 1)),
+        number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
     ]
     .iter()
     .filter(|_| is_simulated(run))
@@ -113,17 +113,13 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
         "<tr{}><td>{}{}</td><td class=\"n\">{determined}</td>{evidence}{errors}{predicted}</tr>\n",
         if best { " class=\"best\"" } else { "" },
         about(run, curve, candidate, rated),
-        format_args!(
-            "<details><summary>{}</summary>{}</details>",
-            texts.parameters_of_row,
-            bars::table(language, candidate)
-        ),
+        format_args!("<details><summary>{}</summary>{}</details>", texts.parameters_of_row, bars::table(candidate)),
     ));
 }
 
 /// Name, why it is not adequate, and the candidates with the same curve.
 fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: Option<&RatedCandidateV1>) -> String {
-    let texts = &run.language.phrases().candidates;
+    let texts = &PHRASES.candidates;
     let mut about = format!("<strong>{}</strong>", html(&candidate_name(&candidate.id)));
     let roles = run.recommendation.iter().flat_map(|choice| {
         [(texts.badge_simplest, &choice.simplest), (texts.badge_closest, &choice.closest)]
@@ -133,7 +129,7 @@ fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: O
     });
     about.extend(roles.map(|role| format!(" <span class=\"badge\">{role}</span>")));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
-        let why = fill(texts.not_adequate, &[("why", words_of_stage(run.language, why))]);
+        let why = fill(texts.not_adequate, &[("why", html(why))]);
         about.push_str(&format!("<br><span class=\"dual\">{why}</span>"));
     }
     if !candidate.record.physical {
@@ -157,9 +153,9 @@ fn predicted_crush(run: &Run, curve: &DistinctCurve, speed: f64) -> String {
     let Some((prediction, crush)) = of_row else { return format!("<td class=\"n\">{ABSENT}</td>") };
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
     let interval = interval.map_or_else(String::new, |interval| {
-        let [low, high] = [interval.low, interval.high].map(|end| run.language.decimals(MILLI * end, 0));
-        let ends = run.language.between(&low, &high);
+        let [low, high] = [interval.low, interval.high].map(|end| words::decimals(MILLI * end, 0));
+        let ends = words::between(&low, &high);
         format!("<br><span class=\"dual\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
     });
-    format!("<td class=\"n\">{}{interval}</td>", run.language.decimals(MILLI * crush, 0))
+    format!("<td class=\"n\">{}{interval}</td>", words::decimals(MILLI * crush, 0))
 }

@@ -8,10 +8,11 @@ use crumple_findings::{
     names::candidate_name,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, table};
-use crate::frame::stage_words::words_of_stage;
 
 use super::uncertainty;
 
@@ -19,7 +20,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     if run.candidates.is_empty() {
         return;
     }
-    let (language, texts) = (run.language, &run.language.phrases().candidates);
+    let texts = &PHRASES.candidates;
     let columns = [
         Column::text(texts.rank),
         Column::text(texts.model_and_method),
@@ -36,13 +37,13 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut rows: Vec<&CandidateResult> = run.candidates.iter().collect();
     rows.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     for candidate in rows {
-        row(out, language, candidate, ranking);
+        row(out, candidate, ranking);
     }
     out.push_str("</tbody>\n</table></div>\n");
     if let Some(supported) = ranking.best_of_matching(run) {
         let dual = supported.record.equivalent_to.as_deref();
         let dual = dual.map(|other| fill(texts.and_its_dual, &[("model", html(&candidate_name(other)))]));
-        let fit = supported.fit_percent().map_or_else(|| ABSENT.to_owned(), |fit| language.decimals(fit, 2));
+        let fit = supported.fit_percent().map_or_else(|| ABSENT.to_owned(), |fit| words::decimals(fit, 2));
         let filled = [
             ("model", html(&candidate_name(&supported.id))),
             ("dual", dual.unwrap_or_default()),
@@ -63,8 +64,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str("</details>\n");
 }
 
-fn row(out: &mut String, language: Language, candidate: &CandidateResult, ranking: &Ranking) {
-    let texts = &language.phrases().candidates;
+fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
+    let texts = &PHRASES.candidates;
     let CandidateResult { id, record, simulation, .. } = candidate;
     let best = ranking.best.as_deref() == Some(id);
     let place = ranking.place(id).map_or_else(|| ABSENT.to_owned(), |place| place.to_string());
@@ -73,14 +74,14 @@ fn row(out: &mut String, language: Language, candidate: &CandidateResult, rankin
         let dual = fill(texts.dual_of, &[("model", html(&candidate_name(other)))]);
         about.push_str(&format!("<br><span class=\"dual\">{dual}</span>"));
     }
-    let mut remarks: Vec<String> = record.notes.iter().map(|note| words_of_stage(language, note)).collect();
+    let mut remarks: Vec<String> = record.notes.iter().map(|note| html(note)).collect();
     let mut own: Vec<String> = Vec::new();
     if let Some(fit) = &record.fit {
         let filled = [
-            ("quantity", language.metric(&fit.quantity)),
+            ("quantity", words::metric(&fit.quantity)),
             ("channel", fit.channel.clone()),
-            ("from", language.decimals(MILLI * fit.from_s, 1)),
-            ("to", language.decimals(MILLI * fit.to_s, 1)),
+            ("from", words::decimals(MILLI * fit.from_s, 1)),
+            ("to", words::decimals(MILLI * fit.to_s, 1)),
             ("samples", fit.samples.to_string()),
             ("reason", fit.stop_reason.replace('-', " ")),
         ];
@@ -91,10 +92,10 @@ fn row(out: &mut String, language: Language, candidate: &CandidateResult, rankin
             own.push(fill(texts.on_bounds, &[("names", names.join(", "))]));
         }
     }
-    own.extend(how_well_known(language, candidate));
-    own.extend(uncertainty::remarks(language, candidate));
+    own.extend(how_well_known(candidate));
+    own.extend(uncertainty::remarks(candidate));
     remarks.extend(own.iter().map(|text| html(text)));
-    remarks.extend(simulation.iter().flat_map(|s| &s.notes).map(|note| words_of_stage(language, note)));
+    remarks.extend(simulation.iter().flat_map(|s| &s.notes).map(|note| html(note)));
     if !remarks.is_empty() {
         let items: String = remarks.iter().map(|text| format!("<li>{text}</li>")).collect();
         let template = if remarks.len() == 1 { texts.one_remark } else { texts.remarks };
@@ -104,26 +105,26 @@ fn row(out: &mut String, language: Language, candidate: &CandidateResult, rankin
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let simulation = simulation.as_ref();
     let star = format!("<span class=\"star\" title=\"{}\">★</span> ", texts.star);
-    let no = format!("<span class=\"no\">{}</span>", language.phrases().page.no);
+    let no = format!("<span class=\"no\">{}</span>", PHRASES.page.no);
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
          <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
          class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
         if best { &star } else { "" },
-        parameters(language, candidate),
-        if record.physical { language.phrases().page.yes } else { &no },
-        number(candidate.fit_percent(), &|v| language.decimals(v, 2)),
-        number(simulation.and_then(|s| s.rmse_displacement_m), &|v| language.decimals(MILLI * v, 2)),
-        number(simulation.and_then(|s| s.aicc), &|v| language.decimals(v, 1)),
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| language.signed(MILLI * v, 2)),
-        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| language.signed(MILLI * v, 2)),
+        parameters(candidate),
+        if record.physical { PHRASES.page.yes } else { &no },
+        number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
+        number(simulation.and_then(|s| s.rmse_displacement_m), &|v| words::decimals(MILLI * v, 2)),
+        number(simulation.and_then(|s| s.aicc), &|v| words::decimals(v, 1)),
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 2)),
+        number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 2)),
     ));
 }
 
 /// Rank, weakest direction and condition; the sensors that the fit did not use.
-fn how_well_known(language: Language, candidate: &CandidateResult) -> Vec<String> {
-    let texts = &language.phrases().candidates;
+fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
+    let texts = &PHRASES.candidates;
     let mut remarks = Vec::new();
     if let Some(u) = &candidate.record.uncertainty {
         if let Some(rank) = u.rank {
@@ -132,24 +133,24 @@ fn how_well_known(language: Language, candidate: &CandidateResult) -> Vec<String
         }
         remarks.extend(u.weakest_direction.iter().map(|text| fill(texts.known_least, &[("what", text)])));
         if let Some(condition) = u.condition {
-            remarks.push(fill(texts.condition, &[("value", language.significant(condition, 3))]));
+            remarks.push(fill(texts.condition, &[("value", words::significant(condition, 3))]));
         }
     }
     let Some(simulation) = &candidate.simulation else { return remarks };
     if let (Some(p), Some(samples)) = (simulation.fitted_parameters, simulation.effective_samples) {
         let filled = [
             ("parameters", p.to_string()),
-            ("samples", language.significant(samples, 3)),
+            ("samples", words::significant(samples, 3)),
             ("few", if simulation.aicc.is_some() { "" } else { texts.too_few }.to_owned()),
         ];
         remarks.push(fill(texts.independent_samples, &filled));
     }
     let others = simulation.other_sensors.iter().map(|other| {
-        let fit = other.fit_percent.map(|fit| format!("{} %", language.decimals(fit, 2)));
+        let fit = other.fit_percent.map(|fit| format!("{} %", words::decimals(fit, 2)));
         let filled = [
             ("channel", other.channel.clone()),
             ("mass", other.mass.to_string()),
-            ("error", format!("{} mm", language.decimals(MILLI * other.rmse_displacement_m, 2))),
+            ("error", format!("{} mm", words::decimals(MILLI * other.rmse_displacement_m, 2))),
             ("fit", fit.map_or_else(String::new, |fit| fill(texts.sensor_fit, &[("fit", fit)]))),
         ];
         fill(texts.other_sensor, &filled)
@@ -159,8 +160,8 @@ fn how_well_known(language: Language, candidate: &CandidateResult) -> Vec<String
 }
 
 /// `k = 321.9 ± 0.4 kN/m, 95 %: 321.1 to 322.7`, one parameter a line.
-fn parameters(language: Language, candidate: &CandidateResult) -> String {
-    let texts = &language.phrases().candidates;
+fn parameters(candidate: &CandidateResult) -> String {
+    let texts = &PHRASES.candidates;
     let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
     let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
     parameters.sort_by_key(|(name, _)| parameter_order(&candidate.record.model, name));
@@ -170,24 +171,24 @@ fn parameters(language: Language, candidate: &CandidateResult) -> String {
             let (symbol, shown, unit) = parameter(&candidate.record.model, name, value);
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
             let no = |words: &str| format!(" <span class=\"no\">{words}</span>");
-            let (deviation, doubt) = match (candidate.doubt(name, language), deviations.and_then(|d| d.get(name))) {
+            let (deviation, doubt) = match (candidate.doubt(name), deviations.and_then(|d| d.get(name))) {
                 (Some(doubt), _) => (String::new(), no(doubt)),
                 (None, _) if candidate.record.certainty(name) == Some(Certainty::OrderOfMagnitude) => {
                     (String::new(), no(texts.order_of_magnitude))
                 }
                 (None, _) if on_bound => (String::new(), texts.the_limit_of_physical.to_owned()),
                 (None, Some(&d)) => {
-                    let deviation = language.significant(parameter(&candidate.record.model, name, d).1, 2);
+                    let deviation = words::significant(parameter(&candidate.record.model, name, d).1, 2);
                     (format!("{NBSP}±{NBSP}{deviation}"), String::new())
                 }
                 (None, None) => (String::new(), String::new()),
             };
-            let interval = if on_bound { String::new() } else { interval(language, candidate, name) };
+            let interval = if on_bound { String::new() } else { interval(candidate, name) };
             format!(
                 "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
                 html(name),
                 html(&symbol),
-                language.significant(shown, 4)
+                words::significant(shown, 4)
             )
         })
         .collect();
@@ -195,12 +196,12 @@ fn parameters(language: Language, candidate: &CandidateResult) -> String {
 }
 
 /// `; 95 %: 310 to 330`; an end that the record does not bound is "open".
-fn interval(language: Language, candidate: &CandidateResult, name: &str) -> String {
-    let texts = &language.phrases().candidates;
+fn interval(candidate: &CandidateResult, name: &str) -> String {
+    let texts = &PHRASES.candidates;
     let Some(u) = &candidate.record.uncertainty else { return String::new() };
     let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
     let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-    let shown = |x: f64| language.significant(parameter(&candidate.record.model, name, x).1, digits);
+    let shown = |x: f64| words::significant(parameter(&candidate.record.model, name, x).1, digits);
     let end = |end: &Option<f64>| end.map_or_else(|| texts.open.to_owned(), shown);
     match (low, high) {
         (None, None) => texts.interval_open.to_owned(),

@@ -1,7 +1,7 @@
 //! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
-//! Uses results and text.
 
 use crumple_findings::{Ranking, Run};
+use crumple_phrases::PHRASES;
 
 mod bars;
 mod curves;
@@ -19,7 +19,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(&format!(
         "<section id=\"candidates\" aria-labelledby=\"candidates-title\">\n\
          <h2 id=\"candidates-title\">{}</h2>\n",
-        run.language.phrases().candidates.title
+        PHRASES.candidates.title
     ));
     recommendation::write_roles(out, run);
     curves::write(out, run, ranking);

@@ -4,15 +4,16 @@ use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::ABSENT;
 use crumple_findings::{CandidateResult, Run, names::candidate_name};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 use crate::frame::heads::{self, Column};
-use crate::frame::stage_words::words_of_stage;
 
 /// The three roles, who has them and why.
 pub(super) fn write_roles(out: &mut String, run: &Run) {
     let Some(choice) = &run.recommendation else { return };
-    let texts = &run.language.phrases().candidates;
+    let texts = &PHRASES.candidates;
     out.push_str("<ul>\n");
     for (name, id, because) in [
         (texts.recommended, &choice.recommended, &choice.recommended_because),
@@ -20,11 +21,7 @@ pub(super) fn write_roles(out: &mut String, run: &Run) {
         (texts.closest, &choice.closest, &choice.closest_because),
     ] {
         let model = id.as_deref().map_or_else(|| texts.none.to_owned(), candidate_name);
-        out.push_str(&format!(
-            "<li>{name}: <strong>{}</strong>, {}.</li>\n",
-            html(&model),
-            words_of_stage(run.language, because)
-        ));
+        out.push_str(&format!("<li>{name}: <strong>{}</strong>, {}.</li>\n", html(&model), html(because)));
     }
     out.push_str("</ul>\n");
 }
@@ -32,14 +29,14 @@ pub(super) fn write_roles(out: &mut String, run: &Run) {
 /// What spoke for each candidate, folded.
 pub(super) fn write_evidence(out: &mut String, run: &Run) {
     let Some(choice) = run.recommendation.as_ref().filter(|choice| !choice.candidates.is_empty()) else { return };
-    let title = run.language.phrases().candidates.evidence_of_all;
+    let title = PHRASES.candidates.evidence_of_all;
     out.push_str(&format!("<details><summary>{title}</summary>\n"));
     table(out, run, choice);
     out.push_str("</details>\n");
 }
 
 fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
-    let (language, texts) = (run.language, &run.language.phrases().candidates);
+    let texts = &PHRASES.candidates;
     let mut columns = vec![
         Column::text(texts.model),
         Column::text(texts.energy_goes_into),
@@ -60,9 +57,9 @@ fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
     out.push_str("</tbody>\n</table></div>\n");
     let evidence = choice.evidence.as_ref().map(|evidence| {
         let filled = [
-            ("quantity", language.metric(&evidence.quantity)),
+            ("quantity", words::metric(&evidence.quantity)),
             ("filtered", if evidence.as_measured { texts.filtered_alike } else { "" }.to_owned()),
-            ("effective", language.decimals(evidence.effective_samples, 1)),
+            ("effective", words::decimals(evidence.effective_samples, 1)),
             ("samples", evidence.samples.to_string()),
         ];
         fill(texts.evidence_caption, &filled)
@@ -71,7 +68,7 @@ fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
         choice.priors.iter().map(|p| format!("{}: {} ({})", p.name, p.statement, p.source)).collect();
     let priors = match priors.is_empty() {
         true => texts.no_priors.to_owned(),
-        false => words_of_stage(language, &format!("{}.", priors.join("; "))),
+        false => html(&format!("{}.", priors.join("; "))),
     };
     out.push_str(&format!(
         "<p class=\"caption\">{}{}</p>\n",
@@ -87,10 +84,10 @@ fn has_force(choice: &RecommendationV1) -> bool {
 
 fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCandidateV1) {
     let certainties = run.candidate(&rated.id).map(CandidateResult::certainties).filter(|known| known.parameters > 0);
-    let (language, texts) = (run.language, &run.language.phrases().candidates);
-    let determined = certainties.map_or_else(|| ABSENT.to_owned(), |known| known.counts(language));
+    let texts = &PHRASES.candidates;
+    let determined = certainties.map_or_else(|| ABSENT.to_owned(), |known| known.counts());
     let number =
-        |value: Option<f64>, digits: usize| value.map_or_else(|| ABSENT.to_owned(), |v| language.decimals(v, digits));
+        |value: Option<f64>, digits: usize| value.map_or_else(|| ABSENT.to_owned(), |v| words::decimals(v, digits));
     let terms: String = choice
         .priors
         .iter()
@@ -101,10 +98,10 @@ fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCand
         .collect();
     let force = has_force(choice).then(|| format!("<td class=\"n\">{}</td>", number(rated.force_misfit_percent, 1)));
     let force = force.unwrap_or_default();
-    let adequate = rated.not_adequate_because.as_deref().map_or_else(
-        || language.phrases().page.yes.to_owned(),
-        |why| fill(texts.no_because, &[("why", words_of_stage(language, why))]),
-    );
+    let adequate = rated
+        .not_adequate_because
+        .as_deref()
+        .map_or_else(|| PHRASES.page.yes.to_owned(), |why| fill(texts.no_because, &[("why", html(why))]));
     out.push_str(&format!(
         "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{determined}</td><td class=\"n\">{}</td><td \
          class=\"n\">{}</td>{force}<td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{}</td></tr>\n",

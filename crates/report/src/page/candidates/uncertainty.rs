@@ -6,48 +6,49 @@ use crumple_findings::{
     CandidateResult,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 
 /// A sentence for each method that the candidate was put through.
-pub(super) fn remarks(language: Language, candidate: &CandidateResult) -> Vec<String> {
+pub(super) fn remarks(candidate: &CandidateResult) -> Vec<String> {
     let Some(u) = &candidate.record.uncertainty else { return Vec::new() };
-    let texts = &language.phrases().candidates;
+    let texts = &PHRASES.candidates;
     let mut remarks = Vec::new();
     let model = candidate.record.model.as_str();
     if !u.profile.is_empty() {
         let mut profiles: Vec<&ProfileV1> = u.profile.iter().collect();
         profiles.sort_by_key(|p| parameter_order(model, &p.parameter));
-        let parts: Vec<String> =
-            profiles.iter().map(|p| interval(language, model, &p.parameter, p.low, p.high)).collect();
+        let parts: Vec<String> = profiles.iter().map(|p| interval(model, &p.parameter, p.low, p.high)).collect();
         remarks.push(fill(texts.profile, &[("intervals", parts.join("; "))]));
     }
-    remarks.extend(u.bootstrap.iter().map(|r| replicates(language, texts.bootstrap, model, r)));
-    remarks.extend(u.propagation.iter().map(|r| replicates(language, texts.uncertain_inputs, model, r)));
+    remarks.extend(u.bootstrap.iter().map(|r| replicates(texts.bootstrap, model, r)));
+    remarks.extend(u.propagation.iter().map(|r| replicates(texts.uncertain_inputs, model, r)));
     remarks
 }
 
-fn replicates(language: Language, name: &str, model: &str, r: &ReplicatesV1) -> String {
+fn replicates(name: &str, model: &str, r: &ReplicatesV1) -> String {
     let mut names: Vec<&String> = r.low.keys().filter(|name| r.high.contains_key(*name)).collect();
     names.sort_by_key(|name| parameter_order(model, name));
-    let of = |name: &&String| interval(language, model, name, r.low.get(*name).copied(), r.high.get(*name).copied());
+    let of = |name: &&String| interval(model, name, r.low.get(*name).copied(), r.high.get(*name).copied());
     let filled = [
         ("name", name.to_owned()),
         ("method", r.method.clone()),
         ("count", r.replicates.to_string()),
-        ("coverage", format!("{}{NBSP}%", language.at_most(100.0 * r.coverage, 1))),
+        ("coverage", format!("{}{NBSP}%", words::at_most(100.0 * r.coverage, 1))),
         ("intervals", names.iter().map(of).collect::<Vec<_>>().join("; ")),
     ];
-    fill(language.phrases().candidates.replicates, &filled)
+    fill(PHRASES.candidates.replicates, &filled)
 }
 
 /// `k1 430.2 to 763.3 kN/m`; an end that does not exist is "open".
-fn interval(language: Language, model: &str, name: &str, low: Option<f64>, high: Option<f64>) -> String {
+fn interval(model: &str, name: &str, low: Option<f64>, high: Option<f64>) -> String {
     let (symbol, _, unit) = parameter(model, name, 0.0);
-    let open = language.phrases().candidates.open;
-    let shown = |x: f64| language.significant(parameter(model, name, x).1, 4);
+    let open = PHRASES.candidates.open;
+    let shown = |x: f64| words::significant(parameter(model, name, x).1, 4);
     let end = |end: Option<f64>| end.map_or_else(|| open.to_owned(), shown);
     let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}{unit}") };
-    format!("{symbol} {}{unit}", language.between(&end(low), &end(high)))
+    format!("{symbol} {}{unit}", words::between(&end(low), &end(high)))
 }
 
 #[cfg(test)]
@@ -57,11 +58,11 @@ mod tests {
     #[test]
     fn an_interval_without_an_upper_end_is_open() {
         assert_eq!(
-            interval(Language::English, "double-spring-mass-damper", "k1_n_per_m", Some(430_204.9), None),
+            interval("double-spring-mass-damper", "k1_n_per_m", Some(430_204.9), None),
             "k1 430.2 to open\u{a0}kN/m"
         );
         assert_eq!(
-            interval(Language::English, "kelvin", "dynamic_crush_m", Some(0.7412), Some(0.7593)),
+            interval("kelvin", "dynamic_crush_m", Some(0.7412), Some(0.7593)),
             "dynamic crush 741.2 to 759.3\u{a0}mm"
         );
     }

@@ -1,5 +1,4 @@
 //! A model as a picture: barrier, masses, springs, dampers and curves, each with its value and interval.
-//! Uses figures, results and text.
 
 mod layout;
 mod motion;
@@ -9,7 +8,9 @@ mod svg;
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
 use crumple_findings::{CandidateResult, Ranking, Run, Status, level_percent, names::candidate_name};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
+use crumple_phrases::words::fill;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
@@ -25,7 +26,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Stat
     if shown.is_empty() {
         return;
     }
-    let texts = &run.language.phrases().model;
+    let texts = &PHRASES.model;
     out.push_str(&format!(
         "<section id=\"model\" aria-labelledby=\"model-title\">\n<h2 id=\"model-title\">{}</h2>\n",
         texts.title
@@ -49,7 +50,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Stat
 /// The candidates to show, with what each is: the recommended and the closest, once where they are one; without either
 /// the leading one.
 fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a CandidateResult)> {
-    let texts = &run.language.phrases().model;
+    let texts = &PHRASES.model;
     let recommended = ranking.best.as_deref();
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
     let closest = closest.or_else(|| match recommended {
@@ -67,16 +68,16 @@ fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a Candidat
 }
 
 fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: &CandidateResult) {
-    let (language, texts) = (run.language, &run.language.phrases().model);
+    let texts = &PHRASES.model;
     let name = candidate_name(&candidate.id);
     out.push_str(&format!("<figure class=\"model\">\n<h3>{}: {}</h3>\n", html(role), html(&name)));
-    match parts(language, candidate) {
+    match parts(candidate) {
         Some(parts) => {
             let speed = run.test.impact_speed_m_per_s.filter(|_| run.joint.is_none());
-            let speed = speed.map(|v| format!("{} km/h", language.decimals(KM_PER_H_PER_M_PER_S * v, 1)));
+            let speed = speed.map(|v| format!("{} km/h", words::decimals(KM_PER_H_PER_M_PER_S * v, 1)));
             let layout = layout(&parts);
             let motion = view_ms(run).and_then(|[_, until_ms]| motion(candidate, &layout, until_ms));
-            out.push_str(&svg::drawing(language, number, &name, &parts, &layout, motion.as_ref(), speed.as_deref()));
+            out.push_str(&svg::drawing(number, &name, &parts, &layout, motion.as_ref(), speed.as_deref()));
         }
         None => out.push_str(&format!("<p>{}</p>\n", texts.no_structure)),
     }
@@ -88,34 +89,34 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 
 /// How well it is known, how well it follows the test, and what the second sensor says.
 fn words(run: &Run, candidate: &CandidateResult) -> String {
-    let (language, texts) = (run.language, &run.language.phrases().model);
+    let texts = &PHRASES.model;
     let mut sentences = Vec::new();
     let intervals = candidate.record.uncertainty.as_ref().filter(|known| !known.interval_low.is_empty());
     let intervals = intervals.map_or("", |_| texts.by_noise_alone);
-    sentences.extend(candidate.certainties().words(run.language).map(|text| format!("{text}{intervals}.")));
+    sentences.extend(candidate.certainties().words().map(|text| format!("{text}{intervals}.")));
     if let Some(simulation) = &candidate.simulation {
         let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
-        let error = |value: Option<f64>, places| or_absent(value.map(|x| language.signed(MILLI * x, places)));
+        let error = |value: Option<f64>, places| or_absent(value.map(|x| words::signed(MILLI * x, places)));
         let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
         let restitution = simulation
             .coefficient_of_restitution
             .zip(measured)
             // Of a record that ends before the rebound does, a model that rebounds faster is off by nothing known.
             .filter(|(model, test)| !run.is_rebound_cut() || model < test)
-            .map(|(model, test)| fill(texts.and_restitution, &[("restitution", language.signed(model - test, 2))]));
+            .map(|(model, test)| fill(texts.and_restitution, &[("restitution", words::signed(model - test, 2))]));
         let filled = [
             ("crush", format!("{}{NBSP}mm", error(simulation.dynamic_crush_error_m, 0))),
             ("time", format!("{}{NBSP}ms", error(simulation.time_of_dynamic_crush_error_s, 1))),
             ("restitution", restitution.unwrap_or_default()),
-            ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| language.decimals(fit, 1))))),
+            ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| words::decimals(fit, 1))))),
         ];
         // Of a record without a crush there is none to be off.
         let has_crush = simulation.dynamic_crush_error_m.or(simulation.time_of_dynamic_crush_error_s).is_some();
         sentences.push(fill(if has_crush { texts.off_the_test } else { texts.follows }, &filled));
         let rating = simulation.ratings.iter().find(|r| r.definition_id == "iso18571" && r.quantity == "acceleration");
         if let Some((rating, value)) = rating.and_then(|rating| Some((rating, rating.value?))) {
-            let grade = rating.note.as_deref().map(|note| format!(" ({})", html(grade(language, note))));
-            let filled = [("value", language.decimals(value, 2)), ("grade", grade.unwrap_or_default())];
+            let grade = rating.note.as_deref().map(|note| format!(" ({})", html(grade(note))));
+            let filled = [("value", words::decimals(value, 2)), ("grade", grade.unwrap_or_default())];
             sentences.push(fill(texts.rating, &filled));
         }
     }
@@ -136,21 +137,21 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
 /// One stiffness for a model of one mass whose spring is a curve of knots: that of the spring with the energy and the
 /// crush of the test.
 fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
-    let drawn = parts(run.language, candidate)?;
+    let drawn = parts(candidate)?;
     let has_a_curve = matches!(drawn.elements.first(), Some(ElementPart { glyph: Glyph::Curve(_), .. }));
     let has_a_stiffness = candidate.record.parameters.contains_key("loading_stiffness_n_per_m");
     if drawn.masses.len() > 1 || !has_a_curve || has_a_stiffness {
         return None;
     }
     let metric = run.metric("average_stiffness")?;
-    let shown = |si: f64, unit: &str| run.language.quantity(KILO * si, 0, unit);
+    let shown = |si: f64, unit: &str| words::quantity(KILO * si, 0, unit);
     let interval = metric.low.zip(metric.high).map(|(low, high)| {
-        let level = run.language.level(metric.interval_by.as_deref().and_then(level_percent));
-        let ends = run.language.between(&shown(low, ""), &shown(high, "kN/m"));
+        let level = words::level(metric.interval_by.as_deref().and_then(level_percent));
+        let ends = words::between(&shown(low, ""), &shown(high, "kN/m"));
         format!(" ({level}{ends})")
     });
     let stiffness = format!("{}{}", shown(metric.value?, "kN/m"), interval.unwrap_or_default());
-    Some(fill(run.language.phrases().model.one_spring, &[("stiffness", stiffness)]))
+    Some(fill(PHRASES.model.one_spring, &[("stiffness", stiffness)]))
 }
 
 /// `96 (engine, top)`.
@@ -161,8 +162,8 @@ fn sensor_with_place(run: &Run, channel: &str) -> String {
 
 /// What sensors on the masses in front say of a model with several masses.
 fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
-    let (language, texts) = (run.language, &run.language.phrases().model);
-    let masses = parts(language, candidate)?.masses.len();
+    let texts = &PHRASES.model;
+    let masses = parts(candidate)?.masses.len();
     if masses < 2 {
         return None;
     }
@@ -181,18 +182,18 @@ fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
                 ("sensor", place(&sensor.channel)),
                 ("mass", sensor.mass.to_string()),
                 ("quantity", html(name)),
-                ("error", language.quantity(factor * sensor.rmse, 1, unit)),
+                ("error", words::quantity(factor * sensor.rmse, 1, unit)),
             ];
             fill(texts.sensor_fitted, &filled)
         })
         .collect();
     let others = candidate.simulation.iter().flat_map(|s| &s.other_sensors).filter(|sensor| in_front(sensor.mass));
     said.extend(others.map(|sensor| {
-        let fit = sensor.fit_percent.map(|fit| fill(texts.fit, &[("fit", language.quantity(fit, 1, "%"))]));
+        let fit = sensor.fit_percent.map(|fit| fill(texts.fit, &[("fit", words::quantity(fit, 1, "%"))]));
         let filled = [
             ("sensor", place(&sensor.channel)),
             ("mass", sensor.mass.to_string()),
-            ("error", language.quantity(MILLI * sensor.rmse_displacement_m, 1, "mm")),
+            ("error", words::quantity(MILLI * sensor.rmse_displacement_m, 1, "mm")),
             ("fit", fit.unwrap_or_default()),
         ];
         fill(texts.sensor_not_seen, &filled)

@@ -1,5 +1,7 @@
 //! The masses and elements of a candidate with the words that stand at them.
 
+use crumple_phrases::PHRASES;
+use crumple_phrases::words;
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::Certainty;
@@ -8,7 +10,7 @@ use crumple_findings::{CandidateResult, parameters::parameter};
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
 };
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 
 /// What a drawing of a model needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +63,7 @@ pub enum Glyph {
 }
 
 /// The parts of a candidate; `None` where its model or parameters are none that this program knows.
-pub fn parts(language: Language, candidate: &CandidateResult) -> Option<Parts> {
+pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
     let record = &candidate.record;
     let structure = structure_of(&record.model, &record.parameters).ok()?;
     let owners = owners(&record.model, &record.parameters)?;
@@ -70,15 +72,14 @@ pub fn parts(language: Language, candidate: &CandidateResult) -> Option<Parts> {
     let masses = masses
         .map(|(i, kg)| {
             let name = owners.iter().find(|(_, place)| **place == Place::Mass(i)).map(|(name, _)| name.as_str());
-            let known = name.map(|name| Known::of(language, candidate, name)).unwrap_or_default();
-            let mut lines = vec![format!("{} kg{}", language.significant(*kg, 4), if known.open { " ?" } else { "" })];
+            let known = name.map(|name| Known::of(candidate, name)).unwrap_or_default();
+            let mut lines = vec![format!("{} kg{}", words::significant(*kg, 4), if known.open { " ?" } else { "" })];
             // The mark says that it is in doubt; there is no room for more.
             lines.extend(known.interval.filter(|_| !known.open));
             MassPart { symbol: numbered("m", i, alone), lines, open: known.open }
         })
         .collect();
-    let elements =
-        (0..structure.connections().len()).map(|at| element(language, candidate, &structure, &owners, at)).collect();
+    let elements = (0..structure.connections().len()).map(|at| element(candidate, &structure, &owners, at)).collect();
     Some(Parts { masses, elements })
 }
 
@@ -112,11 +113,11 @@ struct Known {
 }
 
 impl Known {
-    fn of(language: Language, candidate: &CandidateResult, name: &str) -> Self {
-        let texts = &language.phrases().model;
+    fn of(candidate: &CandidateResult, name: &str) -> Self {
+        let texts = &PHRASES.model;
         let record = &candidate.record;
         if matches!(record.certainty(name), Some(Certainty::Open | Certainty::OrderOfMagnitude)) {
-            return Self { open: true, interval: candidate.doubt(name, language).map(str::to_owned) };
+            return Self { open: true, interval: candidate.doubt(name).map(str::to_owned) };
         }
         let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
         if on_bound {
@@ -124,11 +125,11 @@ impl Known {
         }
         let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
         let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
-        let shown = |value: f64, digits: usize| language.significant(parameter(&record.model, name, value).1, digits);
+        let shown = |value: f64, digits: usize| words::significant(parameter(&record.model, name, value).1, digits);
         let interval = ends.map(|ends| match ends {
             (Some(low), Some(high)) => {
                 let digits = digits_of_interval(low, high, 3);
-                language.between(&shown(low, digits), &shown(high, digits))
+                words::between(&shown(low, digits), &shown(high, digits))
             }
             (Some(low), None) => fill(texts.above, &[("end", shown(low, 3))]),
             (None, Some(high)) => fill(texts.below, &[("end", shown(high, 3))]),
@@ -144,13 +145,12 @@ fn numbered(symbol: &str, index: usize, alone: bool) -> String {
 }
 
 fn element(
-    language: Language,
     candidate: &CandidateResult,
     structure: &Structure,
     owners: &BTreeMap<String, Place>,
     at: usize,
 ) -> ElementPart {
-    let texts = &language.phrases().model;
+    let texts = &PHRASES.model;
     let record = &candidate.record;
     let connection = &structure.connections()[at];
     let node = |node: Node| match node {
@@ -161,7 +161,7 @@ fn element(
     let is_own = |place: &Place| matches!(place, Place::Element { connection, .. } if *connection == at);
     let own: Vec<&str> = owners.iter().filter(|(_, place)| is_own(place)).map(|(name, _)| name.as_str()).collect();
     let asked: Vec<&str> = record.asked().filter(|name| own.contains(name)).collect();
-    let known: BTreeMap<&str, Known> = own.iter().map(|name| (*name, Known::of(language, candidate, name))).collect();
+    let known: BTreeMap<&str, Known> = own.iter().map(|name| (*name, Known::of(candidate, name))).collect();
     let open = asked.iter().filter(|name| known[*name].open).count();
     let of_kind = |kind: ParameterKind| -> Vec<&str> {
         own.iter().copied().filter(|name| parameter_kind(&record.model, name) == Some(kind)).collect()
@@ -176,7 +176,7 @@ fn element(
     let mut value = |symbol: &str, name: &str, may_be_open: bool| {
         let (_, shown, unit) = parameter(&record.model, name, record.parameters[name]);
         let doubt = if may_be_open && known[name].open { " ?" } else { "" };
-        lines.push(format!("{symbol} {} {unit}{doubt}", language.significant(shown, 4)));
+        lines.push(format!("{symbol} {} {unit}{doubt}", words::significant(shown, 4)));
         lines.extend(known[name].interval.clone());
     };
     let (glyph, letter) = match &connection.element {
@@ -188,7 +188,7 @@ fn element(
                     (Glyph::Spring, "k")
                 }
                 _ => {
-                    lines.extend(range_of_knots(language, &symbol("k"), &knots, "kN/m", (open, asked.len())));
+                    lines.extend(range_of_knots(&symbol("k"), &knots, "kN/m", (open, asked.len())));
                     (Glyph::Curve(secant_curve(&knots)), "k")
                 }
             }
@@ -200,7 +200,7 @@ fn element(
             }
             _ => {
                 let knots: Vec<(f64, f64)> = law.0.points().collect();
-                lines.extend(range_of_knots(language, &symbol("c"), &knots, "kN·s/m", (open, asked.len())));
+                lines.extend(range_of_knots(&symbol("c"), &knots, "kN·s/m", (open, asked.len())));
                 (Glyph::Damper, "c")
             }
         },
@@ -221,7 +221,7 @@ fn element(
             (Glyph::Curve(vec![(0.0, 0.0), (1.0, 1.0), ((1.0 - back).clamp(0.0, 1.0), 0.0)]), "k")
         }
         Element::ForceDeflection(curve) => {
-            lines.extend(words_of_curve(language, &symbol("F"), curve.knots(), &known, (open, asked.len())));
+            lines.extend(words_of_curve(&symbol("F"), curve.knots(), &known, (open, asked.len())));
             (Glyph::Curve(crushed_curve(curve.knots(), curve.unloading_n_per_m())), "F")
         }
     };
@@ -231,13 +231,12 @@ fn element(
 
 /// `F up to 656 kN at 750 mm`, the interval of that force, how many of the knots are open.
 fn words_of_curve(
-    language: Language,
     symbol: &str,
     knots: &[(f64, f64)],
     known: &BTreeMap<&str, Known>,
     (open, asked): (usize, usize),
 ) -> Vec<String> {
-    let texts = &language.phrases().model;
+    let texts = &PHRASES.model;
     let mut lines = Vec::new();
     let largest = knots.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
     if let Some((index, (deflection, force))) = largest {
@@ -246,8 +245,8 @@ fn words_of_curve(
         let doubt = if known.is_some_and(|known| known.open) { " ?" } else { "" };
         let filled = [
             ("symbol", symbol.to_owned()),
-            ("force", format!("{} kN", language.significant(1e-3 * force, 3))),
-            ("deflection", format!("{} mm", language.significant(1e3 * deflection, 3))),
+            ("force", format!("{} kN", words::significant(1e-3 * force, 3))),
+            ("deflection", format!("{} mm", words::significant(1e3 * deflection, 3))),
             ("doubt", doubt.to_owned()),
         ];
         lines.push(fill(texts.up_to, &filled));
@@ -256,31 +255,25 @@ fn words_of_curve(
     let count = knots.len().saturating_sub(1).to_string();
     lines.push(match asked {
         0 => fill(texts.knots, &[("count", count)]),
-        asked => knots_determined(language, count, (open, asked)),
+        asked => knots_determined(count, (open, asked)),
     });
     lines
 }
 
-fn knots_determined(language: Language, count: String, (open, asked): (usize, usize)) -> String {
+fn knots_determined(count: String, (open, asked): (usize, usize)) -> String {
     let filled = [("count", count), ("determined", (asked - open).to_string()), ("asked", asked.to_string())];
-    fill(language.phrases().model.knots_determined, &filled)
+    fill(PHRASES.model.knots_determined, &filled)
 }
 
 /// `k 0 to 643 kN/m`, and how many of its numbers are open.
-fn range_of_knots(
-    language: Language,
-    symbol: &str,
-    knots: &[(f64, f64)],
-    unit: &str,
-    (open, asked): (usize, usize),
-) -> Vec<String> {
+fn range_of_knots(symbol: &str, knots: &[(f64, f64)], unit: &str, (open, asked): (usize, usize)) -> Vec<String> {
     let values = knots.iter().map(|(_, value)| KILO * value);
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     let doubt = if open > 0 { " ?" } else { "" };
-    let [low, high] = [low, high].map(|end| language.significant(end, 3));
-    let mut lines = vec![format!("{symbol} {} {unit}{doubt}", language.between(&low, &high))];
+    let [low, high] = [low, high].map(|end| words::significant(end, 3));
+    let mut lines = vec![format!("{symbol} {} {unit}{doubt}", words::between(&low, &high))];
     if asked > 0 {
-        lines.push(knots_determined(language, knots.len().to_string(), (open, asked)));
+        lines.push(knots_determined(knots.len().to_string(), (open, asked)));
     }
     lines
 }

@@ -1,9 +1,10 @@
 //! The drawing as SVG, to be read by people and screen readers alike. Colours are those of the page.
 
+use crumple_phrases::PHRASES;
 use std::fmt::Write;
 
 use crumple_drawing::escape::html;
-use crumple_phrases::language::{Language, fill};
+use crumple_phrases::words::fill;
 
 use super::layout::{LINE, Lane, Layout, WIDTH};
 use super::motion::Motion;
@@ -11,7 +12,6 @@ use super::parts::{ElementPart, Glyph, Parts};
 
 /// The picture of a model. `number` makes its ids those of one picture of the page; `motion` is for the page's cursor.
 pub fn drawing(
-    language: Language,
     number: usize,
     name: &str,
     parts: &Parts,
@@ -27,9 +27,9 @@ pub fn drawing(
          </desc>\n",
         layout.height,
         html(name),
-        html(&in_words(language, parts))
+        html(&in_words(parts))
     );
-    frame(&mut out, layout, speed, language.phrases().model.barrier);
+    frame(&mut out, layout, speed, PHRASES.model.barrier);
     for (element, lane) in parts.elements.iter().zip(&layout.lanes) {
         draw_element(&mut out, element, lane);
     }
@@ -67,8 +67,8 @@ pub fn drawing(
 }
 
 /// What the drawing shows, in a sentence a part.
-fn in_words(language: Language, parts: &Parts) -> String {
-    let texts = &language.phrases().model;
+fn in_words(parts: &Parts) -> String {
+    let texts = &PHRASES.model;
     let node = |node: Option<usize>| match node {
         None => texts.the_barrier.to_owned(),
         Some(i) if parts.masses.len() == 1 => parts.masses[i].symbol.replace('m', texts.the_mass),

@@ -1,12 +1,12 @@
 //! Sliders on the recommended model: the structure as data, and the script that moves it.
-//! Uses frame, results and text.
 
 mod structure;
 
 use crumple_drawing::escape::html;
 use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
-use crumple_phrases::language::fill;
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
 use serde_json::json;
 
 use crumple_signal::Sampled;
@@ -32,7 +32,7 @@ const POINTS: usize = 300;
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, files: &PageFiles) {
     let Some(candidate) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return };
     let Some(data) = data(run, candidate) else { return };
-    let texts = &run.language.phrases().what_if;
+    let texts = &PHRASES.what_if;
     let panel = panel(texts.motion_over_time);
     out.push_str(&format!(
         "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">{}</h2>\n\

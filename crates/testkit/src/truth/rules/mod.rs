@@ -1,5 +1,4 @@
 //! What each sentence claims: its numbers, and a check of it against the truth of the record.
-//! May use the files of the room above but `net`.
 
 mod choice;
 mod models;

@@ -1,5 +1,4 @@
 //! Methods with sampled models between waveforms: n4sid, moesp, cva, arx, output-error, okid, fir.
-//! May use records, waves, options.
 
 pub mod arx;
 pub mod dispatch;

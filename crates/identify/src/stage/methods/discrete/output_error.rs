@@ -1,6 +1,6 @@
 //! The method `output-error`.
 
-use crumple_lti::Complex;
+use crumple_numerics::lti::Complex;
 use crumple_signal::Notes;
 use crumple_sysid::{IdentifyError, IoData, OutputErrorOptions, Stop, output_error};
 

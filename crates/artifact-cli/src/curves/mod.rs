@@ -1,5 +1,0 @@
-//! Static force-deflection curves of a candidate, as tables for people and for other programs.
-//! Uses no other room.
-
-pub mod static_curve;
-pub mod tables;

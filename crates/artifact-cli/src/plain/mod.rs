@@ -1,6 +1,0 @@
-//! An artifact as plain text and numbers, and back, so that any language can be a stage.
-//! Uses show.
-
-pub mod layout;
-pub mod pack;
-pub mod unpack;

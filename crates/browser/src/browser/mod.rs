@@ -1,6 +1,0 @@
-//! A running browser.
-//! May use `page` and `screen`.
-
-mod start;
-
-pub use start::Browser;

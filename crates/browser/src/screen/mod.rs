@@ -1,6 +1,0 @@
-//! What a page is shown on.
-//! May use nothing.
-
-mod size;
-
-pub use size::Screen;

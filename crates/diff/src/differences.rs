@@ -1,0 +1,146 @@
+//! The result of a comparison: reports of runs, files and topics, and their differences.
+
+use serde::Serialize;
+use serde_json::Value;
+
+// What a comparison found.
+
+/// One of the two results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The first.
+    A,
+    /// The second.
+    B,
+}
+
+/// One value that differs.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Difference {
+    /// Where in the topic, e.g. `[peak_acceleration].value` or `sample 812`; empty: the record as a whole.
+    pub place: String,
+    /// The first side's value; left out where it has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub a: Option<Value>,
+    /// The second side's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub b: Option<Value>,
+    /// `|a - b|`, for numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub abs: Option<f64>,
+    /// `|a - b|` over the scale of the comparison, for numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rel: Option<f64>,
+    /// Index of the sample, in waveforms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<u64>,
+    /// Its time in `a`, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<f64>,
+}
+
+/// One topic of two artifacts, or a whole JSON file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct TopicReport {
+    /// The topic.
+    pub topic: String,
+    /// Whether all values are the same within tolerance.
+    pub same: bool,
+    /// Values compared: numbers, texts, samples.
+    pub values: u64,
+    /// How many of them differ by more than the tolerance.
+    pub different: u64,
+    /// Largest `|a - b|` of a waveform's samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_abs: Option<f64>,
+    /// Largest relative difference of all numbers, tolerated ones included; zero for those within the absolute part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_rel: Option<f64>,
+    /// Every differing value of a record; of a waveform the first differing sample and the worst.
+    pub differences: Vec<Difference>,
+    /// What differs and is no result: told for information.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub aside: Vec<Difference>,
+}
+
+impl TopicReport {
+    pub(crate) fn new(topic: &str) -> Self {
+        Self { topic: topic.to_owned(), same: true, ..Self::default() }
+    }
+
+    pub(crate) fn differs(&mut self, difference: Difference) {
+        self.same = false;
+        self.different += 1;
+        self.differences.push(difference);
+    }
+
+    /// Takes part in the largest relative difference.
+    pub(crate) fn saw_rel(&mut self, rel: Option<f64>) {
+        self.max_rel = self.max_rel.into_iter().chain(rel).reduce(f64::max);
+    }
+
+    /// A topic that only one side has.
+    pub(crate) fn only_in(topic: &str, side: Side, what: &str) -> Self {
+        let mut report = Self::new(topic);
+        let what = Some(Value::from(what));
+        report.differs(match side {
+            Side::A => Difference { a: what, ..Difference::default() },
+            Side::B => Difference { b: what, ..Difference::default() },
+        });
+        report
+    }
+}
+
+/// One file of each side.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct FileReport {
+    /// Name of the file in its run folder.
+    pub name: String,
+    /// Whether nothing differs that counts.
+    pub same: bool,
+    /// The side that has the file, where the other has not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub only_in: Option<Side>,
+    /// Content digests of artifacts, first and second side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digests: Option<[String; 2]>,
+    /// The topics compared, by name; with equal digests none need be.
+    pub topics: Vec<TopicReport>,
+    /// Stage version, configuration and inputs that differ.
+    pub provenance: Vec<Difference>,
+}
+
+impl FileReport {
+    /// A file that only one side has.
+    pub fn missing(name: &str, only_in: Side) -> Self {
+        Self { name: name.to_owned(), only_in: Some(only_in), ..Self::default() }
+    }
+
+    /// A JSON file that both sides have.
+    pub fn json(name: &str, topic: TopicReport) -> Self {
+        Self { name: name.to_owned(), same: topic.same, topics: vec![topic], ..Self::default() }
+    }
+}
+
+/// The whole comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// What the first side is called.
+    pub a: String,
+    /// What the second side is called.
+    pub b: String,
+    /// Whether nothing differs that counts.
+    pub same: bool,
+    /// Whether provenance counts.
+    pub provenance_counts: bool,
+    /// The files, by name.
+    pub files: Vec<FileReport>,
+}
+
+impl Comparison {
+    /// Puts the files' reports together.
+    pub fn new(a: String, b: String, provenance_counts: bool, files: Vec<FileReport>) -> Self {
+        Self { a, b, same: files.iter().all(|file| file.same), provenance_counts, files }
+    }
+}

@@ -1,0 +1,556 @@
+//! How far two values may be apart: tables, rules of the user, units, candidates and their deviations.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crumple_artifact::topic_matches;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use crate::DiffError;
+
+// Candidates of parameter solving: how far apart two of them may be, given what their record determines.
+
+/// Share of its standard deviation by which a parameter may differ: it moves no interval in its second digit.
+const SHARE_OF_DEVIATION: f64 = 0.01;
+
+/// The same of a parameter beside others that the record leaves open: it gives way with them along the valley they lie
+/// in.
+const SHARE_BESIDE_OPEN: f64 = 0.1;
+
+/// Two fits closer than this, in percentage points, are called equally good, as for the best model of a run.
+const EQUAL_FIT_POINTS: f64 = 0.1;
+
+/// What two sides of one candidate say about how well the record determines it.
+#[derive(Debug)]
+pub(crate) struct Candidate {
+    /// Where it stands: `candidates[kelvin/closed-form/1]`, or nothing where the topic is the candidate.
+    place: String,
+    /// The smaller standard deviation of both sides, by parameter; infinite where a side calls the parameter not
+    /// determined.
+    deviations: BTreeMap<String, f64>,
+}
+
+impl Candidate {
+    /// Two records with parameters and their uncertainty; `None` for anything else.
+    pub(crate) fn from_records(place: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> Option<Self> {
+        let names = a.get("parameters")?.as_object()?.keys();
+        let (known_a, known_b) = (a.get("uncertainty")?.as_object()?, b.get("uncertainty")?.as_object()?);
+        let deviations = names
+            .filter_map(|name| {
+                if open(a, known_a, name) || open(b, known_b, name) {
+                    return Some((name.clone(), f64::INFINITY));
+                }
+                Some((name.clone(), deviation(known_a, name)?.min(deviation(known_b, name)?)))
+            })
+            .collect();
+        Some(Self { place: place.to_owned(), deviations })
+    }
+
+    /// The tolerance at a place of this candidate, where it is another one than the table's.
+    pub(crate) fn tolerance(&self, place: &str, unit: Option<Unit>, table: Tolerance) -> Option<Tolerance> {
+        let place = place.strip_prefix(&self.place)?.trim_start_matches('.');
+        if let Some(name) = place.strip_prefix("parameters.") {
+            let deviation = *self.deviations.get(name)?;
+            let share = if self.is_open() { SHARE_BESIDE_OPEN } else { SHARE_OF_DEVIATION };
+            return Some(Tolerance { abs: table.abs.max(share * deviation), ..table });
+        }
+        if !self.is_open() {
+            return None;
+        }
+        // The part of the record that it was fitted to is a setting, however little the record determines.
+        if place.starts_with("fit.") && place.ends_with("_s") {
+            return None;
+        }
+        // One of many sets that fit equally well: its responses are the same to an engineer, its interior is not.
+        match place.strip_prefix("simulation.") {
+            Some("fit_percent" | "fit_as_measured_percent") => Some(Tolerance { abs: EQUAL_FIT_POINTS, rel: 0.0 }),
+            Some("dynamic_crush_m" | "time_of_dynamic_crush_s") => Some(Tolerance::engineering(place, unit)),
+            Some(_) => Some(Tolerance::ANY),
+            None if place.starts_with("uncertainty") || place.starts_with("fit") || place.starts_with("notes") => {
+                Some(Tolerance::ANY)
+            }
+            None => None,
+        }
+    }
+
+    fn is_open(&self) -> bool {
+        self.deviations.values().any(|deviation| deviation.is_infinite())
+    }
+}
+
+/// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits
+/// within 0.1 points, or AICc within 2 (Burnham and Anderson 2002, section 2.6).
+pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
+    let (figures, equal) = match key {
+        "ranking" => (&["fit_as_measured_percent", "fit_percent"][..], EQUAL_FIT_POINTS),
+        "ranking_by_aicc" => (&["aicc"][..], 2.0),
+        _ => return false,
+    };
+    let ids = |side: &Map<String, Value>| -> Option<Vec<String>> {
+        side.get(key)?.as_array()?.iter().map(|id| id.as_str().map(str::to_owned)).collect()
+    };
+    let figure_of = |side: &Map<String, Value>, id: &str| {
+        let all = side.get("candidates")?.as_array()?;
+        let simulation = &all.iter().find(|candidate| candidate["id"] == id)?["simulation"];
+        figures.iter().find_map(|figure| simulation[*figure].as_f64())
+    };
+    let apart = |side, x: &str, y: &str| Some((figure_of(side, x)? - figure_of(side, y)?).abs());
+    let tied = |x: &str, y: &str| [a, b].into_iter().all(|side| apart(side, x, y).is_some_and(|d| d <= equal));
+    let (Some(first), Some(second)) = (ids(a), ids(b)) else { return false };
+    let set = |list: &[String]| list.iter().cloned().collect::<BTreeSet<_>>();
+    set(&first) == set(&second) && first.iter().zip(&second).all(|(x, y)| x == y || tied(x, y))
+}
+
+fn deviation(known: &Map<String, Value>, name: &str) -> Option<f64> {
+    known.get("standard_deviation")?.get(name)?.as_f64()
+}
+
+/// Not determined: a standard deviation as large as the value, or an interval open at both ends.
+fn open(candidate: &Map<String, Value>, known: &Map<String, Value>, name: &str) -> bool {
+    let value = candidate.get("parameters").and_then(|all| all.get(name)).and_then(Value::as_f64);
+    let large = deviation(known, name).zip(value).is_some_and(|(d, value)| d >= value.abs());
+    let ends = ["interval_low", "interval_high"];
+    large || ends.iter().all(|end| known.get(*end).and_then(|all| all.get(name)).is_some_and(Value::is_null))
+}
+
+// Tolerances as a user writes them: TOML, one line a pattern.
+
+/// What a user allows for one pattern of topics and places.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToleranceRule {
+    /// Topic pattern; `*` is any text, `?` one character.
+    pub topic: String,
+    /// Pattern of the place inside a record.
+    pub place: String,
+    /// Absolute part; `None`: as without the rule.
+    pub abs: Option<f64>,
+    /// Relative part; `None`: as without the rule.
+    pub rel: Option<f64>,
+    /// Not compared at all.
+    pub ignore: bool,
+}
+
+impl ToleranceRule {
+    /// Characters that are not a star: the more of them, the more is said.
+    pub(crate) fn length(&self) -> usize {
+        self.topic.chars().chain(self.place.chars()).filter(|c| *c != '*').count()
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    abs: Option<f64>,
+    rel: Option<f64>,
+    #[serde(default)]
+    ignore: bool,
+}
+
+/// Reads the text of a tolerance file: `"<topic>#<place>" = { abs = 1e-6, rel = 1e-9 }` or `{ ignore = true }`.
+///
+/// `#<place>` may be left out: everything under the topic. An empty topic: every topic.
+pub fn parse_rules(text: &str) -> Result<Vec<ToleranceRule>, DiffError> {
+    let lines: BTreeMap<String, Line> =
+        toml::from_str(text).map_err(|error| DiffError::Tolerance(error.to_string().trim_end().to_owned()))?;
+    lines.into_iter().map(|(pattern, line)| rule(&pattern, line)).collect()
+}
+
+fn rule(pattern: &str, line: Line) -> Result<ToleranceRule, DiffError> {
+    let bad = |problem: &str| Err(DiffError::Tolerance(format!("{pattern:?}: {problem}")));
+    for value in [line.abs, line.rel].into_iter().flatten() {
+        if !(value.is_finite() && value >= 0.0) {
+            return bad(&format!("{value} is no tolerance, expected a number from 0"));
+        }
+    }
+    if line.ignore && (line.abs.is_some() || line.rel.is_some()) {
+        return bad("ignore is given together with abs or rel, expected one or the other");
+    }
+    if !line.ignore && line.abs.is_none() && line.rel.is_none() {
+        return bad("no tolerance is given, expected abs, rel or ignore = true");
+    }
+    let (topic, place) = pattern.split_once('#').unwrap_or((pattern, "*"));
+    let topic = if topic.is_empty() { "*" } else { topic };
+    Ok(ToleranceRule { topic: topic.into(), place: place.into(), abs: line.abs, rel: line.rel, ignore: line.ignore })
+}
+
+// Settings of a comparison.
+
+/// What counts as different.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CompareSettings {
+    /// Tolerance by topic and place.
+    pub tolerances: Tolerances,
+    /// Whether -0.0 and 0.0 differ.
+    pub bits: bool,
+    /// Whether another stage version, configuration or input is a difference by itself.
+    pub provenance: bool,
+}
+
+// The tolerance of every number: tables by topic and place, options and rules of the user.
+
+/// The table to start from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Base {
+    /// The same computation on the same data, on any processor.
+    #[default]
+    Computation,
+    /// What an engineer calls the same result: 0.1 ms, 1 mm, 0.01 m/s, else 0.5 %.
+    Engineering,
+    /// Equal numbers.
+    Exact,
+}
+
+/// The tolerance of every number.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tolerances {
+    /// The table to start from.
+    pub base: Base,
+    /// Replaces every absolute part of the table.
+    pub abs: Option<f64>,
+    /// Replaces every relative part of the table.
+    pub rel: Option<f64>,
+    /// What the user says of single topics and places; goes before all else. The longest pattern that matches counts.
+    pub rules: Vec<ToleranceRule>,
+}
+
+/// Topic pattern, place pattern, tolerance; the first that matches counts.
+type Row = (&'static str, &'static str, Tolerance);
+
+/// What is not the result: how many steps a solver took to it, which may differ where the last bit does, and what the
+/// file was called that a record came in.
+const ASIDE: [Row; 5] = [
+    ("/parameters/*", "fit.iterations", Tolerance::ANY),
+    ("/parameters/*", "fit.evaluations", Tolerance::ANY),
+    ("summary.json", "candidates*fit.iterations", Tolerance::ANY),
+    ("summary.json", "candidates*fit.evaluations", Tolerance::ANY),
+    ("/test", "source.name", Tolerance::ANY),
+];
+
+/// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). A last bit changed in
+/// every sample moves filtered and integrated waveforms by 1e-15, eigenvalues and models by 3e-13, and fitted
+/// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
+/// leaves room beyond that; a standard deviation comes from an inverse and gets more.
+/// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
+const COMPUTATION: [Row; 17] = [
+    // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
+    ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-5)),
+    ("/wave/*", "*", tolerance(0.0, 1e-9)),
+    // Jitter and noise of perfect records are rounding errors, in sampling intervals and SI units.
+    ("/quality/*", "*", tolerance(1e-9, 1e-9)),
+    ("/model/*", "*", tolerance(1e-12, 1e-6)),
+    ("/modes/*", "*", tolerance(1e-9, 1e-6)),
+    ("/identification/*", "*", tolerance(1e-9, 1e-6)),
+    // Whiteness and information criteria come from residuals, which are small differences.
+    ("/evidence/*", "*", tolerance(1e-9, 1e-6)),
+    // How sure a parameter is, is not known to more than this; of perfect records the residuals are rounding errors.
+    ("/parameters/*", "uncertainty.*", tolerance(0.0, 0.1)),
+    ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
+    ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
+    // Models whose criteria are less than 2 apart are equally supported (Burnham and Anderson 2002, section 2.6).
+    ("/simulation/*", "aicc", tolerance(0.2, 0.0)),
+    ("/simulation/*", "*", tolerance(1e-6, 1e-5)),
+    // The report's summary repeats all of the above; each number is compared where it comes from.
+    ("summary.json", "candidates*uncertainty*", tolerance(0.0, 0.1)),
+    ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
+    ("summary.json", "candidates*aicc", tolerance(0.2, 0.0)),
+    ("summary.json", "*", tolerance(1e-6, 1e-5)),
+    ("*", "*", tolerance(1e-12, 1e-9)),
+];
+
+impl Tolerances {
+    /// The tolerance of a number, or of a whole topic where `place` is empty.
+    pub(crate) fn tolerance_of(
+        &self,
+        topic: &str,
+        place: &str,
+        unit: Option<Unit>,
+        candidate: Option<&Candidate>,
+    ) -> Tolerance {
+        let table = self.base_of(topic, place, unit);
+        let in_candidate = candidate.filter(|_| self.base != Base::Exact && !table.is_any());
+        let mut tolerance = in_candidate.and_then(|known| known.tolerance(place, unit, table)).unwrap_or(table);
+        if !tolerance.is_any() {
+            tolerance.abs = self.abs.unwrap_or(tolerance.abs);
+            tolerance.rel = self.rel.unwrap_or(tolerance.rel);
+        }
+        let rule = self
+            .rules
+            .iter()
+            .filter(|rule| topic_matches(&rule.topic, topic) && topic_matches(&rule.place, place))
+            .max_by_key(|rule| (rule.length(), &rule.topic, &rule.place));
+        match rule {
+            None => tolerance,
+            Some(rule) if rule.ignore => Tolerance::ANY,
+            Some(rule) => {
+                let rest = if tolerance.is_any() { Tolerance::ZERO } else { tolerance };
+                Tolerance { abs: rule.abs.unwrap_or(rest.abs), rel: rule.rel.unwrap_or(rest.rel) }
+            }
+        }
+    }
+
+    fn base_of(&self, topic: &str, place: &str, unit: Option<Unit>) -> Tolerance {
+        let row = |rows: &[Row]| {
+            rows.iter().find(|row| topic_matches(row.0, topic) && topic_matches(row.1, place)).map(|row| row.2)
+        };
+        match self.base {
+            Base::Exact => Tolerance::ZERO,
+            Base::Computation => row(&ASIDE).or_else(|| row(&COMPUTATION)).unwrap_or(Tolerance::ZERO),
+            Base::Engineering => row(&ASIDE).unwrap_or_else(|| Tolerance::engineering(place, unit)),
+        }
+    }
+}
+
+// How far two numbers may be apart.
+
+/// `a` and `b` are the same if `|a - b| <= abs + rel * scale`.
+///
+/// The scale is `max(|a|, |b|)`; for a sample the largest magnitude of its waveform, for a number in a list or matrix
+/// of numbers the largest in it, for a part of a complex number the larger part: a small value that came out of large
+/// ones carries their rounding error, not its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Absolute part, in the unit of the number.
+    pub abs: f64,
+    /// Relative part.
+    pub rel: f64,
+}
+
+impl Tolerance {
+    /// Equal numbers only.
+    pub const ZERO: Self = Self { abs: 0.0, rel: 0.0 };
+    /// Not compared at all.
+    pub const ANY: Self = Self { abs: f64::INFINITY, rel: 0.0 };
+
+    /// What an engineer calls the same: 0.1 ms, 1 mm, 0.01 m/s, else 0.5 %.
+    pub(crate) fn engineering(place: &str, unit: Option<Unit>) -> Self {
+        match unit {
+            // A sampling interval is not a time of an event.
+            Some(Unit::Second) if place.ends_with("sample_time_s") => tolerance(0.0, 1e-9),
+            Some(Unit::Second) => tolerance(1e-4, 0.0),
+            Some(Unit::Metre) => tolerance(1e-3, 0.0),
+            Some(Unit::MetrePerSecond) => tolerance(1e-2, 0.0),
+            None => tolerance(1e-9, 5e-3),
+        }
+    }
+
+    /// Whether nothing is compared.
+    pub fn is_any(self) -> bool {
+        self.abs.is_infinite()
+    }
+
+    /// Whether two numbers are the same within it.
+    pub fn allows(self, a: f64, b: f64, scale: f64) -> bool {
+        (a - b).abs() <= self.abs + self.rel * scale
+    }
+}
+
+pub(crate) const fn tolerance(abs: f64, rel: f64) -> Tolerance {
+    Tolerance { abs, rel }
+}
+
+// The unit of a number in a record, read off the field's name: names carry units.
+
+/// Units for which engineers have a tolerance of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Unit {
+    Second,
+    Metre,
+    MetrePerSecond,
+}
+
+impl Unit {
+    /// From a field name such as `dynamic_crush_m`; the fields `value`, `low` and `high` take the unit beside them.
+    pub(crate) fn of_field(key: &str, beside: Option<&Value>) -> Option<Self> {
+        if matches!(key, "value" | "low" | "high") {
+            return Self::from_symbol(beside?.as_str()?);
+        }
+        if key.ends_with("_m_per_s") {
+            Some(Self::MetrePerSecond)
+        } else if key.ends_with("_per_m") || key.ends_with("_per_s") {
+            None
+        } else if key.ends_with("_m") {
+            Some(Self::Metre)
+        } else if key.ends_with("_s") {
+            Some(Self::Second)
+        } else {
+            None
+        }
+    }
+
+    /// From an SI symbol such as `m/s`.
+    pub(crate) fn from_symbol(symbol: &str) -> Option<Self> {
+        match symbol {
+            "s" => Some(Self::Second),
+            "m" => Some(Self::Metre),
+            "m/s" => Some(Self::MetrePerSecond),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parse_rules;
+    use crate::{Base, CompareSettings, Tolerances, compare_json};
+    use serde_json::json;
+
+    fn candidate(stiffness: f64, deviation: f64, fit: f64, energy: f64) -> Value {
+        json!({
+            "parameters": {"k": stiffness, "mass": 873.0},
+            "uncertainty": {
+                "standard_deviation": {"k": deviation}, "interval_low": {"k": 1.0}, "interval_high": {"k": null},
+            },
+            "simulation": {"fit_percent": fit, "energy": [{"stored_j": energy}]},
+        })
+    }
+
+    fn same(a: &Value, b: &Value) -> bool {
+        compare_json("/parameters/kelvin/closed-form/1", a, b, &CompareSettings::default()).same
+    }
+
+    #[test]
+    fn a_parameter_may_differ_by_a_hundredth_of_its_standard_deviation() {
+        let reference = candidate(1000.0, 50.0, 99.0, 5.0);
+        assert!(same(&reference, &candidate(1000.4, 50.0, 99.0, 5.0)));
+        assert!(!same(&reference, &candidate(1000.6, 50.0, 99.0, 5.0)), "0.012 standard deviations");
+        assert!(!same(&reference, &candidate(1000.4, 10.0, 99.0, 5.0)), "the smaller deviation of both counts");
+        let exact = CompareSettings {
+            tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() },
+            ..CompareSettings::default()
+        };
+        assert!(!compare_json("/parameters/x", &reference, &candidate(1000.4, 50.0, 99.0, 5.0), &exact).same);
+    }
+
+    #[test]
+    fn of_a_candidate_that_its_record_leaves_open_the_response_counts_and_not_the_interior() {
+        let open = candidate(1000.0, 2000.0, 99.0, 5.0);
+        assert!(same(&open, &candidate(1700.0, 3000.0, 99.05, 9.0)));
+        assert!(!same(&open, &candidate(1700.0, 3000.0, 98.0, 9.0)), "another fit");
+        let fitted_to = |to_s: f64, rmse: f64| {
+            let mut record = open.clone();
+            record["fit"] = json!({"from_s": 0.0, "to_s": to_s, "rmse": rmse});
+            record
+        };
+        assert!(same(&fitted_to(0.0772, 1.0), &fitted_to(0.0772, 2.0)));
+        assert!(!same(&fitted_to(0.0772, 1.0), &fitted_to(77200.0, 1.0)), "another part of the record");
+        let unknown = |stiffness: f64| {
+            json!({
+                "parameters": {"k": stiffness},
+                "uncertainty": {"standard_deviation": {}, "interval_low": {"k": null}, "interval_high": {"k": null}},
+            })
+        };
+        assert!(same(&unknown(1000.0), &unknown(1700.0)), "open without a deviation");
+        assert!(
+            !same(&candidate(1000.0, 50.0, 99.0, 5.0), &candidate(1000.0, 50.0, 99.0, 9.0)),
+            "not open: all counts"
+        );
+    }
+
+    #[test]
+    fn equally_good_candidates_may_change_places_in_a_ranking() {
+        let summary = |order: [&str; 2], fit: f64| {
+            let candidates = json!([
+                {"id": "a", "simulation": {"fit_percent": 99.00}},
+                {"id": "b", "simulation": {"fit_percent": fit}},
+            ]);
+            json!({"candidates": candidates, "ranking": order})
+        };
+        let compare = |fit| {
+            compare_json(
+                "summary.json",
+                &summary(["a", "b"], fit),
+                &summary(["b", "a"], fit),
+                &CompareSettings::default(),
+            )
+            .same
+        };
+        assert!(compare(99.05));
+        assert!(!compare(99.5));
+    }
+
+    #[test]
+    fn says_what_is_wrong_with_a_line() {
+        let problem = |text: &str| parse_rules(text).unwrap_err().to_string();
+        insta::assert_snapshot!(
+            problem("\"/a\" = { abs = -1.0 }"),
+            @"tolerances: \"/a\": -1 is no tolerance, expected a number from 0"
+        );
+        insta::assert_snapshot!(
+            problem("\"/a\" = {}"),
+            @"tolerances: \"/a\": no tolerance is given, expected abs, rel or ignore = true"
+        );
+        insta::assert_snapshot!(
+            problem("\"/a\" = { ignore = true, abs = 1.0 }"),
+            @"tolerances: \"/a\": ignore is given together with abs or rel, expected one or the other"
+        );
+        assert!(problem("\"/a\" = { relative = 1.0 }").contains("unknown field `relative`"));
+        assert!(problem("\"/a\" = nan").contains("TOML parse error at line 1"));
+    }
+
+    #[test]
+    fn rules_of_the_user_go_before_flags_and_flags_before_the_table() {
+        let mut tolerances = Tolerances::default();
+        assert_eq!(tolerances.tolerance_of("/wave/93", "", None, None), tolerance(0.0, 1e-9));
+        assert_eq!(
+            tolerances.tolerance_of("/wave/kelvin/closed-form/1/velocity", "", None, None),
+            tolerance(0.0, 1e-5)
+        );
+        tolerances.rel = Some(1e-3);
+        assert_eq!(tolerances.tolerance_of("/wave/93", "", None, None), tolerance(0.0, 1e-3));
+        assert!(tolerances.tolerance_of("/parameters/kelvin/fit/1", "fit.iterations", None, None).is_any());
+        assert!(
+            tolerances.tolerance_of("summary.json", "candidates[kelvin/fit/1].fit.iterations", None, None).is_any()
+        );
+        tolerances.rules = parse_rules(
+            "\"/wave/*\" = { abs = 2.0 }\n\"/wave/93\" = { rel = 0.0 }\n\"#*_m\" = { abs = 5.0 }\n\"/notes\" = { \
+             ignore = true }",
+        )
+        .unwrap();
+        assert_eq!(tolerances.tolerance_of("/wave/94", "", None, None), tolerance(2.0, 1e-3));
+        assert_eq!(
+            tolerances.tolerance_of("/wave/93", "", None, None),
+            tolerance(0.0, 0.0),
+            "the longest pattern counts alone"
+        );
+        assert_eq!(tolerances.tolerance_of("/events", "dynamic_crush_m", None, None).abs, 5.0);
+        assert!(tolerances.tolerance_of("/notes", "notes[0]", None, None).is_any());
+    }
+
+    #[test]
+    fn engineers_have_a_tolerance_by_unit() {
+        let tolerances = Tolerances { base: Base::Engineering, ..Tolerances::default() };
+        assert_eq!(tolerances.tolerance_of("/events", "dynamic_crush_m", Some(Unit::Metre), None).abs, 1e-3);
+        assert_eq!(tolerances.tolerance_of("/events", "coefficient_of_restitution", None, None).rel, 5e-3);
+        assert_eq!(
+            tolerances.tolerance_of("/model/era-4/discrete", "sample_time_s", Some(Unit::Second), None).abs,
+            0.0
+        );
+    }
+
+    /// Every figure is a power of two, so that the limits are exact.
+    #[test]
+    fn both_parts_add_up_and_the_relative_one_refers_to_the_scale() {
+        let both = tolerance(0.5, 0.25);
+        assert!(both.allows(10.0, 11.5, 4.0), "0.5 + 0.25 * 4 is 1.5");
+        assert!(!both.allows(10.0, 11.5, 3.9));
+        assert!(!both.allows(10.0, 11.75, 4.0));
+        assert!(tolerance(0.5, 0.0).allows(1e6, 1e6 + 0.5, 1e6));
+        assert!(!tolerance(0.5, 0.0).allows(1e6, 1e6 + 0.625, 1e6));
+        assert!(tolerance(0.0, 0.25).allows(-4.0, -3.0, 4.0) && !tolerance(0.0, 0.25).allows(-4.0, -2.5, 4.0));
+        assert!(Tolerance::ANY.allows(0.0, 1e300, 0.0) && !Tolerance::ZERO.allows(0.0, f64::MIN_POSITIVE, 1.0));
+    }
+
+    #[test]
+    fn names_tell_the_unit() {
+        let unit_of = |key| Unit::of_field(key, None);
+        assert_eq!(unit_of("dynamic_crush_m"), Some(Unit::Metre));
+        assert_eq!(unit_of("time_of_dynamic_crush_s"), Some(Unit::Second));
+        assert_eq!(unit_of("delta_v_m_per_s"), Some(Unit::MetrePerSecond));
+        for other in ["stiffness_n_per_m", "damping_n_s_per_m", "re_per_s", "im_rad_per_s", "mass_kg", "value"] {
+            assert_eq!(unit_of(other), None, "{other}");
+        }
+        assert_eq!(Unit::of_field("value", Some(&json!("m/s"))), Some(Unit::MetrePerSecond));
+        assert_eq!(Unit::of_field("value", Some(&json!("m/s^2"))), None);
+    }
+}

@@ -1,9 +1,0 @@
-//! How far two values may be apart: tables, rules of the user, units, candidates and their deviations.
-//! Uses no other room.
-
-pub mod candidate;
-pub mod rules;
-pub mod settings;
-pub mod table;
-pub mod tolerance;
-pub mod unit;

@@ -1,0 +1,188 @@
+//! The program as people and CI run it, on artifacts made here.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Cursor;
+use std::path::Path;
+
+use crumple_artifact::records::{EventsV1, MetricsV2, NotesV1, WaveBlockV1};
+use crumple_artifact::{ArtifactBuilder, Codec, Compression, Provenance, Record};
+use crumple_signal::{QuantityKind, Sampled};
+
+use crate::program::{Made, diff, pair};
+
+/// The same content as another program may write it: the other encodings, another order, other chunks.
+fn write_elsewhere(made: &Made, path: &Path) {
+    let mut file = Cursor::new(Vec::new());
+    let mut writer = mcap::WriteOptions::new().library("elsewhere").chunk_size(Some(64)).create(&mut file).unwrap();
+    let block = |first: usize, samples: &[f64]| WaveBlockV1 {
+        t0_ns: -10_000_000,
+        dt_s: 1e-4,
+        first: first as u64,
+        samples: samples.to_vec(),
+    };
+    let (head, tail) = made.samples.split_at(77);
+    let quantity = BTreeMap::from([("quantity".to_owned(), "acceleration".to_owned())]);
+    let messages = [
+        ("/wave/93", WaveBlockV1::SCHEMA, "json", Codec::Json.encode(&block(0, head)).unwrap()),
+        ("/wave/93", WaveBlockV1::SCHEMA, "json", Codec::Json.encode(&block(77, tail)).unwrap()),
+        ("/notes", NotesV1::SCHEMA, "bincode", Codec::Bincode.encode(&made.record_notes()).unwrap()),
+        ("/metrics", MetricsV2::SCHEMA, "bincode", Codec::Bincode.encode(&made.metrics()).unwrap()),
+    ];
+    for (k, (topic, schema, encoding, payload)) in messages.iter().enumerate() {
+        let schema = writer.add_schema(schema, "jsonschema", b"{}").unwrap();
+        let channel = writer.add_channel(schema, topic, encoding, &quantity).unwrap();
+        let header =
+            mcap::records::MessageHeader { channel_id: channel, sequence: k as u32, log_time: 7, publish_time: 7 };
+        writer.write_to_known_channel(&header, payload).unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    fs::write(path, file.into_inner()).unwrap();
+}
+
+#[test]
+fn the_same_content_is_the_same_whatever_its_compression() {
+    let folder = pair(&Made { compression: Compression::Zstd, ..Made::default() });
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!((output.code, output.stdout.as_str()), (0, "same: equal content\n"));
+    assert_eq!(output.stderr, "");
+}
+
+#[test]
+fn one_changed_sample_is_named_with_its_time_and_both_values() {
+    let mut changed = Made::default();
+    changed.samples[120] += 0.25;
+    let folder = pair(&changed);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    insta::assert_snapshot!(output.stdout, @"
+    /wave/93, sample 120 (t = 0.002000 s): -50.0  -49.75  (abs 0.25, rel 0.005), the only one of 200 samples
+    different: 1 of 3 topics
+    ");
+    let json = diff(folder.path(), &["a.mcap", "b.mcap", "--json"]);
+    assert_eq!(json.code, 1);
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(json["same"], false);
+    let wave = &json["files"][0]["topics"][2];
+    assert_eq!((&wave["topic"], &wave["different"], &wave["values"]), (&"/wave/93".into(), &1.into(), &200.into()));
+    assert_eq!(wave["differences"][0]["sample"], 120);
+    assert_eq!(wave["differences"][0]["b"], changed.samples[120]);
+    let quiet = diff(folder.path(), &["a.mcap", "b.mcap", "-q"]);
+    assert_eq!((quiet.code, quiet.stdout.as_str(), quiet.stderr.as_str()), (1, "", ""));
+}
+
+#[test]
+fn last_bits_are_the_same_by_default_and_not_exactly() {
+    // 2e-12 of the largest sample: thousands of last bits, a five-hundredth of the default tolerance.
+    let samples = Made::default().samples.iter().map(|x| x + 1e-10).collect();
+    let folder = pair(&Made { samples, peak: 445.75 * (1.0 + 1e-12), ..Made::default() });
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 0, "{}", output.stdout);
+    insta::assert_snapshot!(output.stdout, @"same within tolerance: 224 values in 3 topics, the largest relative \
+        difference is 2.0e-12 in /wave/93");
+    assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--exact"]).code, 1);
+    assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "0", "--abs", "1e-8"]).code, 0);
+    assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "1e-14"]).code, 1);
+}
+
+#[test]
+fn a_zero_s_sign_is_seen_where_bits_are_asked_for() {
+    let mut signed = Made::default();
+    assert_eq!(signed.samples[20].to_bits(), 0);
+    signed.samples[20] = -0.0;
+    let folder = pair(&signed);
+    assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--exact"]).code, 0);
+    assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--bits"]).code, 1);
+}
+
+#[test]
+fn a_tolerance_file_widens_and_ignores_by_topic() {
+    let b = Made { olc: 256.5, notes: vec![], ..Made::default() };
+    let folder = pair(&b);
+    let rules = "\"/metrics#[olc].value\" = { rel = 0.01 }\n\"/notes\" = { ignore = true }\n";
+    fs::write(folder.path().join("t.toml"), rules).unwrap();
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--tolerance", "t.toml"]);
+    assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
+    fs::write(folder.path().join("t.toml"), "\"/notes\" = { ignore = true }\n").unwrap();
+    assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--tolerance", "t.toml"]).code, 1);
+    fs::write(folder.path().join("t.toml"), "\"/notes\" = { ignored = true }\n").unwrap();
+    let wrong = diff(folder.path(), &["a.mcap", "b.mcap", "--tolerance", "t.toml"]);
+    assert_eq!(wrong.code, 2);
+    assert!(wrong.stderr.starts_with("error: tolerances: "), "{}", wrong.stderr);
+}
+
+#[test]
+fn other_encodings_orders_and_chunks_of_the_same_content_are_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = Made::default();
+    made.write(&folder.path().join("a.mcap"));
+    write_elsewhere(&made, &folder.path().join("b.mcap"));
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--bits"]);
+    assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
+    insta::assert_snapshot!(output.stdout, @"
+    provenance: only in a.mcap  (for information)
+    same within tolerance: 224 values in 3 topics, none differs
+    ");
+}
+
+#[test]
+fn another_option_is_told_and_counts_only_when_asked() {
+    let folder = pair(&Made { cfc: 180, ..Made::default() });
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 0);
+    insta::assert_snapshot!(output.stdout, @"
+    provenance, config.cfc: 60  180  (for information)
+    same: equal content
+    ");
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--provenance"]);
+    assert_eq!(output.code, 1);
+    assert!(output.stdout.ends_with("different: provenance\n"), "{}", output.stdout);
+}
+
+#[test]
+fn a_topic_on_one_side_and_an_event_only_one_side_has_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let events = EventsV1 {
+        channel: "93".into(),
+        time_zero_s: 0.0,
+        time_zero_rule: "file".into(),
+        dynamic_crush_m: Some(0.75),
+        ..EventsV1::default()
+    };
+    let write = |name: &str, events: &EventsV1, extra: bool| {
+        let mut builder = ArtifactBuilder::new();
+        builder.put("/events", events).unwrap();
+        if extra {
+            builder.put("/metrics", &Made::default().metrics()).unwrap();
+        }
+        let provenance = Provenance::new("integrate", "0.1.0", "{}".into(), Vec::new());
+        builder.write(&folder.path().join(name), &provenance, Compression::None).unwrap();
+    };
+    write("a.mcap", &events, true);
+    write("b.mcap", &EventsV1 { dynamic_crush_m: None, ..events.clone() }, false);
+    write("c.mcap", &EventsV1 { dynamic_crush_m: Some(0.7509), ..events }, true);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    insta::assert_snapshot!(output.stdout, @"
+    /events, dynamic_crush_m: 0.75  null
+    /metrics: only in a.mcap
+    different: 2 of 2 topics
+    ");
+    assert_eq!(diff(folder.path(), &["a.mcap", "c.mcap"]).code, 1);
+    assert_eq!(diff(folder.path(), &["a.mcap", "c.mcap", "--engineering"]).code, 0, "0.9 mm of crush");
+}
+
+#[test]
+fn waveforms_of_another_quantity_differ_though_their_messages_are_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, quantity) in [("a.mcap", QuantityKind::Velocity), ("b.mcap", QuantityKind::Displacement)] {
+        let mut builder = ArtifactBuilder::new();
+        builder.wave("93", quantity, Sampled::new(0.0, 1.0, vec![1.0, 2.0]).unwrap()).unwrap();
+        let provenance = Provenance::new("integrate", "0.1.0", "{}".into(), Vec::new());
+        builder.write(&folder.path().join(name), &provenance, Compression::None).unwrap();
+    }
+    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    assert_eq!(output.code, 1);
+    assert!(output.stdout.starts_with("/wave/93, quantity: \"velocity\"  \"displacement\"\n"), "{}", output.stdout);
+}

@@ -1,6 +1,0 @@
-//! Butterworth filters of any order: design into sections, run over a record.
-//! May use `recursion`.
-
-pub mod design;
-pub mod pass;
-pub mod sections;

@@ -1,0 +1,91 @@
+//! Coefficients, response and filtered samples against the reference cases.
+
+use crumple_filter::{Cfc, Class, Coefficients, Mode, Settings, ZeroLevel, filter, pre_event};
+use crumple_signal::PreEventWindow;
+use crumple_testkit::reference_signals::{Case, Reference, assert_close, number, text};
+
+fn cfc(case: &Case) -> Cfc {
+    match serde_json::from_value(case["params"]["cfc"].clone()).unwrap() {
+        Class::Cfc(cfc) => cfc,
+        Class::None => panic!("a case without a class"),
+    }
+}
+
+/// The cases name the standard where the ends do not matter.
+fn standard(case: &Case) -> Mode {
+    match text(&case["params"]["standard"]) {
+        "sae" => Mode::SaeReflect,
+        "iso" => Mode::Iso6487,
+        other => panic!("standard {other}"),
+    }
+}
+
+fn mode(case: &Case) -> Mode {
+    serde_json::from_value(case["params"]["mode"].clone()).unwrap()
+}
+
+#[test]
+fn coefficients_are_those_of_the_standards() {
+    let Some(reference) = Reference::open() else { return };
+    for case in reference.cases("cfc-coef-", "cfc.coefficients") {
+        let found = Coefficients::new(cfc(case), standard(case), 1.0 / number(&case["params"]["fs_hz"]));
+        for (name, value) in ["a0", "a1", "a2", "b1", "b2"].into_iter().zip(found.to_array()) {
+            assert_close(case, name, value, number(&case["expected"][name]));
+        }
+    }
+}
+
+#[test]
+fn two_passes_have_the_gain_of_the_closed_form() {
+    let Some(reference) = Reference::open() else { return };
+    for case in reference.cases("cfc-resp-", "cfc.two_pass_response") {
+        let coefficients = Coefficients::new(cfc(case), standard(case), 1.0 / number(&case["params"]["fs_hz"]));
+        let list = |value: &serde_json::Value| value.as_array().unwrap().iter().map(number).collect::<Vec<f64>>();
+        let (gains, gains_db) = (list(&case["expected"]["gain"]), list(&case["expected"]["gain_db"]));
+        for ((f_hz, gain), gain_db) in list(&case["params"]["f_hz"]).into_iter().zip(gains).zip(gains_db) {
+            assert_close(case, "gain", coefficients.two_pass_gain(f_hz), gain);
+            assert_close(case, "gain in dB", coefficients.two_pass_gain_db(f_hz), gain_db);
+        }
+    }
+}
+
+#[test]
+fn filtered_samples_are_those_of_an_independent_implementation() {
+    let Some(reference) = Reference::open() else { return };
+    for case in reference.cases("cfc-", "cfc.filter") {
+        let signal = reference.signal(text(&case["signals"][0]));
+        let settings =
+            Settings { class: Class::Cfc(cfc(case)), mode: mode(case), zero_level: ZeroLevel::None, instead: None };
+        let filtered = filter(&signal, None, &settings).unwrap();
+        let (y, expected) = (filtered.samples.samples(), &case["expected"]);
+        let added = filtered.applied.unwrap().samples_added();
+        assert_eq!(Some(added as u64), case["params"]["n_pad"].as_u64(), "{}", case["id"]);
+
+        let indices = expected["indices"].as_array().unwrap();
+        for (index, value) in indices.iter().zip(expected["values"].as_array().unwrap()) {
+            let index = index.as_u64().unwrap() as usize;
+            assert_close(case, &format!("sample {index}"), y[index], number(value));
+        }
+        let (mut highest, mut lowest) = (0, 0);
+        for k in 0..y.len() {
+            highest = if y[k] > y[highest] { k } else { highest };
+            lowest = if y[k] < y[lowest] { k } else { lowest };
+        }
+        assert_close(case, "max", y[highest], number(&expected["max"]));
+        assert_close(case, "min", y[lowest], number(&expected["min"]));
+        assert_eq!(Some(highest as u64), expected["argmax"].as_u64(), "{} argmax", case["id"]);
+        assert_close(case, "l2", y.iter().map(|v| v * v).sum::<f64>().sqrt(), number(&expected["l2"]));
+    }
+}
+
+#[test]
+fn the_zero_level_is_the_mean_before_the_event() {
+    let Some(reference) = Reference::open() else { return };
+    for case in reference.cases("zero-", "ingest.zero_and_time_zero") {
+        let window = &case["params"]["bias_window_s"];
+        let window = PreEventWindow { from_s: number(&window[0]), to_s: number(&window[1]) };
+        let found = pre_event(&reference.signal(text(&case["signals"][0])), window).unwrap().unwrap();
+        assert_close(case, "bias", found.zero_level, number(&case["expected"]["bias_g"]));
+        assert_eq!(Some(found.samples as u64), case["expected"]["bias_samples"].as_u64());
+    }
+}

@@ -1,0 +1,16 @@
+//! Tests of `crumple-identify`, one program.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod any_waveform;
+mod daisy_program;
+mod delays_and_filters;
+mod generic_records;
+mod program;
+mod stage;
+mod stage_evidence;
+mod stage_markov;
+mod stage_methods;
+mod stage_orders;
+mod stage_structures;
+mod true_words;

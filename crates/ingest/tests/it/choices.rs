@@ -1,0 +1,177 @@
+//! What a person chooses: ambiguous columns, channels off the compartment, flags that say nothing to a format.
+
+use std::path::Path;
+
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Profile, ingest};
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+use crumple_testkit::shared;
+
+fn lenient() -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
+}
+
+fn channel(name: &str) -> IngestSettings {
+    IngestSettings { channel: Some(name.to_owned()), ..lenient() }
+}
+
+fn read(name: &str, text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
+    ingest(&Bundle::from_bytes(name, text.as_bytes().to_vec())?, settings)
+}
+
+fn open(path: &Path, settings: &IngestSettings) -> Ingested {
+    ingest(&Bundle::open(path).unwrap(), settings).unwrap()
+}
+
+fn notes(ingested: &Ingested) -> String {
+    ingested.notes.to_texts().join("\n")
+}
+
+/// A table with a header and rows of which column `k` counts in steps of `k`.
+fn table(header: &str) -> String {
+    let columns = header.split(',').count();
+    let row = |n: usize| (1..columns).map(|k| format!(",{}", n * k)).collect::<String>();
+    let rows: String = (0..100).map(|n| format!("{:.4}{}\n", n as f64 * 1e-4, row(n))).collect();
+    format!("{header}\n{rows}")
+}
+
+#[test]
+fn one_of_several_columns_with_one_title_is_taken_by_its_number_only() {
+    let text = table("time_s,accel_g,accel_g,Accel_g");
+    let error = read("a.csv", &text, &channel("accel_g")).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv: columns 2, 3 are all named \"accel_g\"");
+    assert_eq!(error.hint(), "give its number, such as --channel 2");
+    let third = read("a.csv", &text, &channel("3")).unwrap();
+    let pulse = third.pulse().unwrap();
+    // Column 3 counts in steps of two.
+    assert_eq!((pulse.id.as_str(), pulse.samples.samples()[10]), ("accel_g-2", 20.0 * G));
+    assert!(
+        notes(&third)
+            .contains("warning: 2 columns have the title \"accel_g\": column 2 is accel_g, column 3 is accel_g-2"),
+        "{}",
+        notes(&third)
+    );
+    // The same by id, and a title that differs by case alone.
+    assert_eq!(read("a.csv", &text, &channel("accel_g-2")).unwrap().test.pulse.as_deref(), Some("accel_g-2"));
+    assert_eq!(read("a.csv", &text, &channel("Accel_g")).unwrap().test.pulse.as_deref(), Some("Accel_g"));
+    // Without the unit two columns have one name.
+    let text = table("time_s,a (g),a (m/s^2)");
+    let error = read("a.csv", &text, &channel("a")).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv: columns 2, 3 are all named \"a\"");
+    let metric = read("a.csv", &text, &channel("a (m/s^2)")).unwrap();
+    assert_eq!(metric.pulse().unwrap().samples.samples()[10], 20.0);
+}
+
+#[test]
+fn a_column_of_text_is_named_with_its_line() {
+    let rows: String = (0..100).map(|n| format!("{:.4},{n},ok\n", f64::from(n) * 1e-4)).collect();
+    let error = read("a.csv", &format!("# mass: 1 t\ntime_s,accel_g,remark\n{rows}"), &lenient()).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv, line 3, column 3 (remark): text in a row of numbers: \"ok\"");
+    assert!(error.hint().starts_with("leave the column of text out"), "{}", error.hint());
+    let error = read("a.csv", &rows, &lenient()).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv, line 1, column 3: text in a row of numbers: \"ok\"");
+    // German, in latin-1 words and with decimal commas.
+    let rows: String = (0..100).map(|n| format!("0,{n:04};{n},5;g\u{fc}ltig\n")).collect();
+    let error = read("a.csv", &format!("Zeit [s];a [g];Zustand\n{rows}"), &lenient()).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv, line 2, column 3 (Zustand): text in a row of numbers: \"g\u{fc}ltig\"");
+    // A time of day.
+    let rows: String = (0..100).map(|n| format!("12:30:01.{n:04},{n}\n")).collect();
+    let error = read("a.csv", &format!("time,accel_g\n{rows}"), &lenient()).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv, line 2, column 1 (time): text in a row of numbers: \"12:30:01.0000\"");
+    assert!(error.hint().contains("in seconds") && error.hint().contains("--sample-time"), "{}", error.hint());
+    // Text that starts later is met at its own line.
+    let late = table("time_s,accel_g").replacen("0.0050,50\n", "0.0050,overload\n", 1);
+    let error = read("a.csv", &late, &lenient()).unwrap_err();
+    assert_eq!(error.to_string(), "a.csv, line 52, column 2 (accel_g): \"overload\" is not a finite number");
+}
+
+#[test]
+fn a_pulse_that_is_not_on_the_compartment_is_warned_about() {
+    let warning = |ingested: &Ingested| {
+        let found: Vec<String> =
+            ingested.notes.to_texts().into_iter().filter(|n| n.contains("does not stand for")).collect();
+        assert!(found.len() <= 1, "{found:?}");
+        found.into_iter().next().unwrap_or_default()
+    };
+    let of_table = |title: &str| warning(&read("a.csv", &table(&format!("time_s,{title}")), &lenient()).unwrap());
+    assert_eq!(of_table("accel_x_g"), "");
+    assert!(of_table("accel_z_g").contains("it measures along z, not along x; nothing else is here"));
+    assert!(of_table("engine_acc_g").contains("it sits elsewhere (engine)"));
+    let asked = read("a.csv", &table("time_s,accel_x_g,head_acc_x_g"), &channel("head_acc_x_g")).unwrap();
+    assert!(warning(&asked).contains("it sits elsewhere (head); taken as asked for"), "{}", warning(&asked));
+
+    let samples: String = (0..100).map(|k| format!("{k}\n")).collect();
+    let of_code = |code: &str| {
+        let text =
+            format!("Channel code :{code}\nUnit :g\nSampling interval :1e-4\nTime of first sample :-0.001\n{samples}");
+        warning(&read("a.001", &text, &lenient()).unwrap())
+    };
+    assert_eq!(of_code("10SECMLERE00ACXP"), "");
+    assert!(of_code("11HEADCG00H3ACXA").contains("does not stand for the passenger compartment"));
+
+    let Some(ev5) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") else { return };
+    assert_eq!(warning(&open(&ev5, &IngestSettings::default())), "");
+    let engine = warning(&open(&ev5, &channel("96")));
+    assert!(engine.starts_with("warning: the pulse, channel 96 (bottom of engine)"), "{engine}");
+}
+
+#[test]
+fn flags_that_say_nothing_to_a_format_are_named() {
+    let all = IngestSettings {
+        unit: Some("g".to_owned()),
+        time_unit: Some("s".to_owned()),
+        sample_time: Some("1ms".parse().unwrap()),
+        profile: Some(Profile::Edr),
+        skip_to: Some("table".to_owned()),
+        field: Some("x".to_owned()),
+        resample: Some("20Hz".parse().unwrap()),
+        vehicle_number: Some(1),
+        ..lenient()
+    };
+    let flags = |ingested: &Ingested| -> Vec<String> {
+        let said = |n: String| Some(n.strip_prefix("warning: ")?.split_once(" has no effect")?.0.to_owned());
+        ingested.notes.to_texts().into_iter().filter_map(said).collect()
+    };
+    let text = "Channel code :10SECMLERE00ACXP\nUnit :g\nSampling interval :1e-4\nTime of first sample :-0.001\n";
+    let samples: String = (0..100).map(|k| format!("{k}\n")).collect();
+    let iso = read("a.001", &format!("{text}{samples}"), &all).unwrap();
+    assert_eq!(
+        flags(&iso),
+        ["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--field", "--resample"]
+    );
+    let table = |header: &str, settings: IngestSettings| flags(&read("a.csv", &table(header), &settings).unwrap());
+    let some = |flag: &str| match flag {
+        "--field" => IngestSettings { field: all.field.clone(), ..lenient() },
+        "--vehicle-number" => IngestSettings { vehicle_number: all.vehicle_number, ..lenient() },
+        _ => lenient(),
+    };
+    for flag in ["--field", "--vehicle-number"] {
+        assert_eq!(table("time_s,accel_g", some(flag)), [flag]);
+    }
+    assert_eq!(table("time_s,accel_g", lenient()), [""; 0]);
+    // A unit is heeded where a column lacks one, and said to be unused where all have one.
+    let unit = || IngestSettings { unit: Some("g".to_owned()), ..lenient() };
+    assert_eq!(table("time_s,accel", unit()), [""; 0]);
+    assert_eq!(table("time_s,a1 (m/s^2),a2 (m/s^2)", unit()), ["--unit"]);
+
+    if let Some(ev5) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") {
+        assert_eq!(flags(&open(&ev5, &all)).len(), 7, "all but --vehicle-number");
+    }
+    if let Some(tdms) = shared("data/iihs-diadem-tdms/Target Pulse.tdms") {
+        let found =
+            flags(&open(&tdms, &IngestSettings { channel: Some("IIWPG Acceleration".to_owned()), ..all.clone() }));
+        assert_eq!(
+            found,
+            ["--resample", "--sample-time", "--vehicle-number", "--profile", "--skip-to", "--field"],
+            "--time-unit is that of the steps"
+        );
+    }
+    if let Some(lvm) = shared("data/shock-table-lvm/Test_002.lvm") {
+        let found = flags(&open(&lvm, &all));
+        assert!(found.contains(&"--sample-time".to_owned()) && found.contains(&"--unit".to_owned()), "{found:?}");
+        assert!(found.contains(&"--vehicle-number".to_owned()), "{found:?}");
+    }
+    if let Some(bag) = shared("data/ros-imu-bag/tilt_laser.bag") {
+        let found = flags(&open(&bag, &IngestSettings { channel: Some("acceleration_x".to_owned()), ..all.clone() }));
+        assert!(found.len() == 7 && !found.contains(&"--resample".to_owned()), "{found:?}");
+    }
+}

@@ -1,0 +1,158 @@
+//! Units, speeds, times and signs taken for others: one question, first, with the flag that mends it. And a fall before
+//! contact.
+
+use crumple_ingest::{Bundle, IngestSettings, Ingested, Sign, ingest};
+use crumple_signal::{About, STANDARD_GRAVITY_M_PER_S2 as G, Severity};
+use crumple_testkit::shared;
+
+/// A table of a half sine of 100 ms at 2 kHz from -50 ms: from 50 km/h with a restitution of 0.1, in g and s. The head
+/// names the columns; times and accelerations are multiplied.
+fn table(head: &str, of_time: f64, of_acceleration: f64) -> String {
+    let peak = 1.1 * 50.0 / 3.6 * std::f64::consts::PI / (2.0 * 0.1) / G;
+    let row = |k: i32| {
+        let t = f64::from(k) * 5e-4;
+        let a = if (0.0..0.1).contains(&t) { -peak * (std::f64::consts::PI * t / 0.1).sin() } else { 0.0 };
+        // An offset, and a noise that no run of equal samples is found in.
+        let a = a + 0.2 + 0.01 * (f64::from(k) * 1.7).sin();
+        format!("{:.9},{:.6}\n", of_time * t, of_acceleration * a)
+    };
+    head.to_owned() + &(-100..500).map(row).collect::<String>()
+}
+
+fn settings(flags: &[(&str, &str)]) -> IngestSettings {
+    let mut settings = IngestSettings { mass: Some("1200kg".parse().unwrap()), ..IngestSettings::default() };
+    for (flag, value) in flags {
+        match *flag {
+            "--impact-speed" => settings.impact_speed = Some(value.parse().unwrap()),
+            "--unit" => settings.unit = Some((*value).to_owned()),
+            "--time-unit" => settings.time_unit = Some((*value).to_owned()),
+            "--sample-time" => settings.sample_time = Some(value.parse().unwrap()),
+            "--sign" => settings.sign = Some(if *value == "flip" { Sign::Flip } else { Sign::Keep }),
+            other => panic!("{other}"),
+        }
+    }
+    settings
+}
+
+fn read(text: &str, flags: &[(&str, &str)]) -> Ingested {
+    ingest(&Bundle::from_bytes("t.csv", text.as_bytes().to_vec()).unwrap(), &settings(flags)).unwrap()
+}
+
+fn questions(ingested: &Ingested) -> Vec<String> {
+    let is_question = |text: &&String| text.contains("stops the car");
+    ingested.notes.to_texts().iter().filter(is_question).cloned().collect()
+}
+
+/// The first note asks and ends with `flag`; with it nothing is asked any more.
+#[track_caller]
+fn is_asked_and_answered(text: &str, flags: &[(&str, &str)], flag: (&str, &str)) {
+    let spoilt = read(text, flags);
+    let first = spoilt.notes.iter().next().unwrap();
+    assert_eq!(first.severity, Severity::Warning, "{first}");
+    assert!(first.text.ends_with(&format!("add {} {}", flag.0, flag.1)), "{first}");
+    assert!(
+        first.text.contains("stops") && first.text.contains("crush 643 mm, restitution 0.10, peak 24 g"),
+        "{first}"
+    );
+    let mended: Vec<(&str, &str)> = flags.iter().filter(|other| other.0 != flag.0).copied().chain([flag]).collect();
+    let mended = read(text, &mended);
+    assert!(spoilt.test.exchange_asked && !mended.test.exchange_asked);
+    assert_eq!(questions(&mended), Vec::<String>::new());
+    assert!((mended.test.impact_speed_m_per_s.unwrap() * 3.6 - 50.0).abs() < 0.01);
+}
+
+#[test]
+fn a_right_record_is_not_asked_about() {
+    let right = read(&table("time_s,accel_g\n", 1.0, 1.0), &[("--impact-speed", "50km/h")]);
+    assert_eq!(questions(&right), Vec::<String>::new());
+}
+
+#[test]
+fn the_unit_of_the_acceleration_is_asked() {
+    let speed = ("--impact-speed", "50km/h");
+    is_asked_and_answered(&table("time_s,accel\n", 1.0, 1.0), &[speed, ("--unit", "m/s^2")], ("--unit", "g"));
+    is_asked_and_answered(&table("time_s,accel\n", 1.0, G), &[speed, ("--unit", "g")], ("--unit", "m/s^2"));
+    // A flag overrules the header.
+    is_asked_and_answered(&table("time_s,accel_m_per_s2\n", 1.0, 1.0), &[speed], ("--unit", "g"));
+    is_asked_and_answered(&table("time_s,accel_g\n", 1.0, G), &[speed], ("--unit", "m/s^2"));
+}
+
+#[test]
+fn the_impact_speed_is_asked() {
+    let text = table("time_s,accel_g\n", 1.0, 1.0);
+    is_asked_and_answered(&text, &[("--impact-speed", "50mph")], ("--impact-speed", "50km/h"));
+    is_asked_and_answered(&text, &[("--impact-speed", "31.069km/h")], ("--impact-speed", "31.069mph"));
+    is_asked_and_answered(&text, &[("--impact-speed", "13.889km/h")], ("--impact-speed", "13.889m/s"));
+    is_asked_and_answered(&text, &[("--impact-speed", "50m/s")], ("--impact-speed", "50km/h"));
+    is_asked_and_answered(&format!("# impact speed: 50 mph\n{text}"), &[], ("--impact-speed", "50km/h"));
+}
+
+#[test]
+fn the_unit_of_the_time_is_asked() {
+    let speed = ("--impact-speed", "50km/h");
+    // At 2 samples a second no filter would take it: the question is the refusal.
+    let slow = table("time_s,accel_g\n", 1e3, 1.0);
+    let bundle = Bundle::from_bytes("t.csv", slow.as_bytes().to_vec()).unwrap();
+    let error = ingest(&bundle, &settings(&[speed])).unwrap_err();
+    assert!(error.to_string().contains("with times 1000 times shorter this pulse stops the car"), "{error}");
+    assert_eq!(error.hint(), "add --time-unit ms");
+    assert_eq!(questions(&read(&slow, &[speed, ("--time-unit", "ms")])), Vec::<String>::new());
+    is_asked_and_answered(&table("time_ms,accel_g\n", 1.0, 1.0), &[speed], ("--time-unit", "s"));
+    is_asked_and_answered(&table("time,accel_g\n", 1e3, 1.0), &[speed, ("--time-unit", "us")], ("--time-unit", "ms"));
+}
+
+#[test]
+fn the_sign_is_asked_once() {
+    let speed = ("--impact-speed", "50km/h");
+    let text = table("time_s,accel_g\n", 1.0, -1.0);
+    is_asked_and_answered(&text, &[speed], ("--sign", "flip"));
+    assert!(!read(&text, &[speed]).notes.to_texts().iter().any(|note| note.contains("the pulse is positive")));
+    let text = table("time_s,accel_g\n", 1.0, 1.0);
+    is_asked_and_answered(&text, &[speed, ("--sign", "flip")], ("--sign", "keep"));
+}
+
+/// Real tests and the records of known truth.
+#[test]
+fn nothing_is_asked_of_right_records() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut paths: Vec<std::path::PathBuf> = ["kelvin", "double", "elastoplastic", "noisy"]
+        .iter()
+        .map(|name| root.join("fixtures").join(name).join("crash.csv"))
+        .collect();
+    paths.extend(
+        ["data/nhtsa-10146", "reference/cases/F04-free-fall-as-zero-level/offset-5g-right-today.csv"]
+            .iter()
+            .filter_map(|path| shared(path)),
+    );
+    for path in paths {
+        let Ok(bundle) = Bundle::open(&path) else { continue };
+        let mut flags = IngestSettings::default();
+        if path.ends_with("offset-5g-right-today.csv") {
+            flags.impact_speed = Some("50km/h".parse().unwrap());
+        }
+        let ingested = ingest(&bundle, &flags).unwrap();
+        assert_eq!(questions(&ingested), Vec::<String>::new(), "{}", path.display());
+    }
+}
+
+#[test]
+fn a_fall_before_contact_is_named_and_an_offset_is_not() {
+    // Rest until -150 ms, a fall until contact, 20 ms of 50 g, rest.
+    let text = |fall: f64| {
+        let row = |k: i32| {
+            let t = f64::from(k) * 1e-3;
+            let pulse = if (0.0..0.02).contains(&t) { 50.0 * (std::f64::consts::PI * t / 0.02).sin() } else { 0.0 };
+            let level = if (-0.15..0.0).contains(&t) { fall } else { 0.0 };
+            format!("{t:.3},{:.5}\n", 0.3 + level + pulse + 0.01 * (f64::from(k) * 1.7).sin())
+        };
+        format!("time_s,acc_z_g\n{}", (-250..400).map(row).collect::<String>())
+    };
+    let notes_of = |text: &str| read(text, &[]).notes.iter().cloned().collect::<Vec<_>>();
+    for fall in [-1.0, 1.0] {
+        let notes = notes_of(&text(fall));
+        let words = format!("free fall before contact: the level there is {fall:+.2} g off the level at rest");
+        let note = notes.iter().find(|note| note.text.contains(&words)).unwrap_or_else(|| panic!("{notes:#?}"));
+        assert_eq!(note.bearing.as_ref().map(|bearing| &bearing.about), Some(&About::Pulse));
+    }
+    assert!(!notes_of(&text(0.0)).iter().any(|note| note.text.contains("free fall")));
+}

@@ -1,0 +1,220 @@
+//! Numbers named in protobuf messages of MCAP files, in chunks of every packing.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
+use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
+use mcap::Compression;
+use mcap::records::MessageHeader;
+use proptest::prelude::*;
+use prost_reflect::prost::Message as _;
+use prost_reflect::prost_types::field_descriptor_proto::{Label, Type};
+use prost_reflect::prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
+use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, Value};
+
+fn field(name: &str, number: i32, kind: Type, of: &str) -> FieldDescriptorProto {
+    FieldDescriptorProto {
+        name: Some(name.to_owned()),
+        number: Some(number),
+        label: Some(if name == "raw" { Label::Repeated } else { Label::Optional } as i32),
+        r#type: Some(kind as i32),
+        type_name: (!of.is_empty()).then(|| of.to_owned()),
+        ..FieldDescriptorProto::default()
+    }
+}
+
+fn message(name: &str, fields: Vec<FieldDescriptorProto>) -> DescriptorProto {
+    DescriptorProto { name: Some(name.to_owned()), field: fields, ..DescriptorProto::default() }
+}
+
+/// `crash.Sensor`, in the manner of Foxglove's types: a stamp, a vector, a repeated number, a float.
+fn description() -> Vec<u8> {
+    let file = |package: &str, types: Vec<DescriptorProto>, needs: &[&str]| FileDescriptorProto {
+        name: Some(format!("{package}.proto")),
+        package: Some(package.to_owned()),
+        dependency: needs.iter().map(|n| format!("{n}.proto")).collect(),
+        message_type: types,
+        syntax: Some("proto3".to_owned()),
+        ..FileDescriptorProto::default()
+    };
+    let stamp = message("Timestamp", vec![field("seconds", 1, Type::Int64, ""), field("nanos", 2, Type::Int32, "")]);
+    let vector =
+        message("Vector3", ["x", "y", "z"].iter().zip(1..).map(|(n, k)| field(n, k, Type::Double, "")).collect());
+    let sensor = message(
+        "Sensor",
+        vec![
+            field("timestamp", 1, Type::Message, ".google.protobuf.Timestamp"),
+            field("linear", 3, Type::Message, ".crash.Vector3"),
+            field("raw", 4, Type::Sint32, ""),
+            field("force", 5, Type::Float, ""),
+            field("label", 6, Type::String, ""),
+        ],
+    );
+    let set = FileDescriptorSet {
+        file: vec![
+            file("google.protobuf", vec![stamp], &[]),
+            file("crash", vec![vector, sensor], &["google.protobuf"]),
+        ],
+    };
+    set.encode_to_vec()
+}
+
+/// One message: x = -k m/s^2 at 1 kHz from 100 s on. The z of the first is 0, which protobuf does not send.
+fn sample(pool: &DescriptorPool, k: u64, with_stamp: bool) -> Vec<u8> {
+    let of = |name: &str| DynamicMessage::new(pool.get_message_by_name(name).unwrap());
+    let mut sensor = of("crash.Sensor");
+    if with_stamp {
+        let mut stamp = of("google.protobuf.Timestamp");
+        stamp.set_field_by_name("seconds", Value::I64(100));
+        stamp.set_field_by_name("nanos", Value::I32((k * 1_000_000) as i32));
+        sensor.set_field_by_name("timestamp", Value::Message(stamp));
+    }
+    let mut linear = of("crash.Vector3");
+    linear.set_field_by_name("x", Value::F64(-(k as f64)));
+    linear.set_field_by_name("z", Value::F64(0.5 * k as f64));
+    sensor.set_field_by_name("linear", Value::Message(linear));
+    sensor.set_field_by_name("raw", Value::List(vec![Value::I32(7), Value::I32(-(k as i32))]));
+    sensor.set_field_by_name("force", Value::F32(0.25 * k as f32));
+    sensor.encode_to_vec()
+}
+
+fn mcap_file(packing: Option<Compression>, description: &[u8], with_stamp: bool) -> Vec<u8> {
+    let pool = DescriptorPool::decode(self::description().as_slice()).unwrap();
+    let mut writer = mcap::WriteOptions::new().compression(packing).create(Cursor::new(Vec::new())).unwrap();
+    let schema = writer.add_schema("crash.Sensor", "protobuf", description).unwrap();
+    let channel = writer.add_channel(schema, "/tunnel", "protobuf", &BTreeMap::new()).unwrap();
+    for k in 0..200_u64 {
+        // Recorded late and, without a stamp of their own, evenly.
+        let late = if with_stamp { (k * 7919) % 500_000 } else { 0 };
+        let time = 50_000_000_000 + k * 2_000_000 + late;
+        let header = MessageHeader { channel_id: channel, sequence: 0, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, &sample(&pool, k, with_stamp)).unwrap();
+    }
+    writer.finish().unwrap();
+    writer.into_inner().into_inner()
+}
+
+fn read(bytes: Vec<u8>, field: &str, unit: Option<&str>) -> Result<Ingested, IngestError> {
+    let settings = IngestSettings {
+        field: Some(field.to_owned()),
+        unit: unit.map(str::to_owned),
+        allow_missing: Some(true),
+        ..IngestSettings::default()
+    };
+    ingest(&Bundle::from_bytes("a.mcap", bytes)?, &settings)
+}
+
+#[test]
+fn named_fields_come_with_the_stamps_of_the_messages_whatever_the_packing() {
+    for packing in [None, Some(Compression::Lz4), Some(Compression::Zstd)] {
+        let ingested =
+            read(mcap_file(packing, &description(), true), "linear.x,linear.z,raw.1,force", Some("g")).unwrap();
+        let of = |id: &str| ingested.waves.iter().find(|w| w.id == id).unwrap();
+        let x = of("tunnel-linear_x");
+        assert_eq!((x.quantity, x.samples.t0_s(), x.samples.dt_s()), (QuantityKind::Acceleration, 0.0, 1e-3));
+        assert_eq!((x.samples.len(), x.samples.samples()[17]), (200, -17.0 * G));
+        // 0 is not sent and read as 0.
+        assert_eq!(of("tunnel-linear_z").samples.samples()[..2], [0.0, 0.5 * G]);
+        assert_eq!(of("tunnel-raw_1").samples.samples()[3], -3.0 * G);
+        assert_eq!(of("tunnel-force").samples.samples()[3], 0.75 * G);
+    }
+}
+
+#[test]
+fn without_a_stamp_the_time_of_recording_counts_and_is_said() {
+    let ingested = read(mcap_file(None, &description(), false), "linear.x", None).unwrap();
+    assert_eq!((ingested.waves[0].samples.dt_s(), ingested.waves[0].quantity), (2e-3, QuantityKind::Other));
+    let notes = ingested.notes.to_texts().join("\n");
+    assert!(notes.contains("the time of recording is taken") && notes.contains("no unit is known"), "{notes}");
+}
+
+#[test]
+fn a_wrong_path_is_answered_with_the_right_ones() {
+    let error = read(mcap_file(None, &description(), true), "linear.w", Some("g")).unwrap_err();
+    assert!(error.to_string().contains("no JSON or protobuf message has a number at linear.w"), "{error}");
+    assert_eq!(error.hint(), "correct --field; numbers there: force, linear.x, linear.y, linear.z, raw.0");
+    let error = read(mcap_file(None, &description(), true), "linear", Some("g")).unwrap_err();
+    assert!(error.to_string().contains("has a number at linear"), "{error}");
+    let error = read(mcap_file(None, &description(), true), "linear.x", Some("parsec")).unwrap_err();
+    assert!(error.to_string().contains("\"parsec\", stated by --unit"), "{error}");
+}
+
+#[test]
+fn unnamed_fields_and_broken_schemas_are_refused_by_name() {
+    let bytes = mcap_file(None, &description(), true);
+    let error = ingest(&Bundle::from_bytes("a.mcap", bytes).unwrap(), &IngestSettings::default()).unwrap_err();
+    assert!(error.to_string().contains("/tunnel (crash.Sensor, protobuf, 200 messages)"), "{error}");
+    assert!(error.hint().contains("--field"), "{}", error.hint());
+    let error = read(mcap_file(None, b"syntax = \"proto3\";", true), "linear.x", None).unwrap_err();
+    assert!(error.to_string().contains("its schema is no description of protobuf types"), "{error}");
+    let nothing = FileDescriptorSet::default().encode_to_vec();
+    let error = read(mcap_file(None, &nothing, true), "linear.x", None).unwrap_err();
+    assert!(error.to_string().contains("its schema does not describe crash.Sensor"), "{error}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Neither a damaged description nor damaged messages stop the program; they are written into an intact MCAP file,
+    /// so that no checksum is in the way.
+    #[test]
+    fn damaged_descriptions_and_messages(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        which in 0..2,
+    ) {
+        let pool = DescriptorPool::decode(description().as_slice()).unwrap();
+        let change = |mut bytes: Vec<u8>| {
+            for (at, byte) in &changes {
+                let at = at.index(bytes.len());
+                bytes[at] = *byte;
+            }
+            bytes
+        };
+        let schema = if which == 0 { change(description()) } else { description() };
+        let mut writer = mcap::WriteOptions::new().compression(None).create(Cursor::new(Vec::new())).unwrap();
+        let schema = writer.add_schema("crash.Sensor", "protobuf", &schema).unwrap();
+        let channel = writer.add_channel(schema, "/tunnel", "protobuf", &BTreeMap::new()).unwrap();
+        for k in 0..60_u64 {
+            let data = sample(&pool, k, true);
+            let data = if which == 1 && k % 7 == 3 { change(data) } else { data };
+            let header = MessageHeader { channel_id: channel, sequence: 0, log_time: k, publish_time: k };
+            writer.write_to_known_channel(&header, &data).unwrap();
+        }
+        writer.finish().unwrap();
+        if let Ok(ingested) = read(writer.into_inner().into_inner(), "linear.x,raw.1", Some("g")) {
+            prop_assert!(ingested.waves.iter().all(|w| w.samples.samples().iter().all(|x| x.is_finite())));
+        }
+    }
+}
+
+#[test]
+fn maps_are_no_numbers() {
+    // A map is a repeated message with `map_entry`; a path into it finds nothing, and it is not listed.
+    let mut entry = message("OfEntry", vec![field("key", 1, Type::String, ""), field("value", 2, Type::Double, "")]);
+    entry.options = Some(prost_reflect::prost_types::MessageOptions { map_entry: Some(true), ..Default::default() });
+    let mut of = field("of", 1, Type::Message, ".crash.Table.OfEntry");
+    of.label = Some(Label::Repeated as i32);
+    let mut table = message("Table", vec![of, field("a", 2, Type::Double, "")]);
+    table.nested_type = vec![entry];
+    let set = FileDescriptorSet {
+        file: vec![FileDescriptorProto {
+            name: Some("crash.proto".to_owned()),
+            package: Some("crash".to_owned()),
+            message_type: vec![table],
+            syntax: Some("proto3".to_owned()),
+            ..FileDescriptorProto::default()
+        }],
+    };
+    let pool = DescriptorPool::from_file_descriptor_set(set.clone()).unwrap();
+    let mut row = DynamicMessage::new(pool.get_message_by_name("crash.Table").unwrap());
+    row.set_field_by_name("of", Value::Map([(MapKey::String("x".to_owned()), Value::F64(1.0))].into()));
+    let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
+    let schema = writer.add_schema("crash.Table", "protobuf", &set.encode_to_vec()).unwrap();
+    let channel = writer.add_channel(schema, "/t", "protobuf", &BTreeMap::new()).unwrap();
+    let header = MessageHeader { channel_id: channel, sequence: 0, log_time: 1, publish_time: 1 };
+    writer.write_to_known_channel(&header, &row.encode_to_vec()).unwrap();
+    writer.finish().unwrap();
+    let error = read(writer.into_inner().into_inner(), "of.x", None).unwrap_err();
+    assert_eq!(error.hint(), "correct --field; numbers there: a");
+}

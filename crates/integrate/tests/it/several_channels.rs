@@ -1,0 +1,213 @@
+//! The program on tests with several channels: further accelerometers, a contact switch, a load-cell barrier.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use crumple_artifact::records::{EventsV1, MetricsV2, NotesV1, TestV1};
+use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
+use crumple_testkit::program::Program;
+
+const MASS_KG: f64 = 1000.0;
+
+/// A constant deceleration from contact to 150 ms, 50 ms at rest before it, 1 ms of ramp at either end.
+fn braking(level: f64, contact_s: f64) -> Sampled {
+    let at = |t: f64| -level * ((t - contact_s) / 1e-3).clamp(0.0, 1.0) * ((0.151 - t) / 1e-3).clamp(0.0, 1.0);
+    Sampled::new(-0.05, 1e-4, (0..2500).map(|k| at(f64::from(k) * 1e-4 - 0.05)).collect()).unwrap()
+}
+
+fn channel(id: &str, location: &str, quantity: QuantityKind) -> Channel {
+    Channel { location: location.to_owned(), axis: Some(Axis::X), cfc: Some(60), ..Channel::new(id, quantity) }
+}
+
+/// Three accelerometers, an engine, a switch and three load cells of which one is dead.
+fn test_folder(folder: &Path) -> PathBuf {
+    use QuantityKind::{Acceleration, Force, Voltage};
+    let force = |share: f64| {
+        let samples = braking(120.0, 0.0).samples().iter().map(|a| share * MASS_KG * a).collect();
+        Sampled::new(-0.05, 1e-4, samples).unwrap()
+    };
+    let switch = (0..2500).map(|k| if k < 520 { 5.0 } else { 0.0 }).collect();
+    let mut waves = vec![
+        (channel("1", "vehicle, left sill", Acceleration), braking(120.0, 0.0)),
+        (channel("2", "vehicle, right sill", Acceleration), braking(122.0, 0.0)),
+        (channel("3", "vehicle, rear passenger floor", Acceleration), braking(118.0, 0.0)),
+        (channel("4", "vehicle, top of engine", Acceleration), braking(300.0, 0.0)),
+        (channel("5", "vehicle, contact", Voltage), Sampled::new(-0.05, 1e-4, switch).unwrap()),
+        (channel("6", "barrier, load cell A", Force), force(0.6)),
+        (channel("7", "barrier, load cell B", Force), force(0.4)),
+        (channel("8", "barrier, load cell C", Force), force(0.1)),
+        (Channel { axis: Some(Axis::Y), ..channel("9", "vehicle, left sill", Acceleration) }, braking(120.0, 0.0)),
+    ];
+    waves[7].0.status = ChannelStatus::Questionable;
+    let test = TestDescription {
+        title: "several".to_owned(),
+        mass_kg: Some(MASS_KG),
+        impact_speed_m_per_s: Some(15.0),
+        pulse: Some("1".to_owned()),
+        channels: waves.iter().map(|(channel, _)| channel.clone()).collect(),
+        ..TestDescription::default()
+    };
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(&test)).unwrap();
+    for (channel, samples) in waves {
+        builder.wave(&channel.id, channel.quantity, samples).unwrap();
+    }
+    let path = folder.join("2-filter.mcap");
+    builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+    path
+}
+
+const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
+
+fn run(input: &Path, flags: &[&str]) -> Output {
+    PROGRAM.run(input, flags)
+}
+
+fn result(input: &Path, flags: &[&str]) -> Artifact {
+    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
+}
+
+fn events(artifact: &Artifact) -> EventsV1 {
+    artifact.record("/events").unwrap().unwrap()
+}
+
+fn notes(artifact: &Artifact) -> Vec<String> {
+    artifact.record::<NotesV1>("/notes").unwrap().unwrap().notes
+}
+
+fn metric(artifact: &Artifact, channel: &str, name: &str) -> Option<f64> {
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    metrics
+        .metrics
+        .iter()
+        .find(|metric| metric.channel == channel && metric.name == name)
+        .and_then(|metric| metric.value)
+}
+
+#[test]
+fn all_means_the_compartment_and_the_events_stay_those_of_the_pulse() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let artifact = result(&input, &["--channels", "all"]);
+    for id in ["1", "2", "3"] {
+        assert!(artifact.waves().contains_key(&format!("{id}/displacement")), "{id}");
+        assert!(metric(&artifact, id, "dynamic_crush").is_some(), "{id}");
+    }
+    assert!(!artifact.waves().contains_key("4/displacement"));
+    assert_eq!(events(&artifact).channel, "1");
+    let notes = notes(&artifact);
+    assert!(notes.iter().any(|note| note.contains("not of the compartment: channels 4")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.starts_with("dynamic crush of 3 channels: 0.9")), "{notes:?}");
+
+    assert!(notes.iter().any(|note| note.starts_with("channel 2 against 1: largest |da| 0.20 g")), "{notes:?}");
+
+    let artifact = result(&input, &["--channels", "4"]);
+    assert!(artifact.waves().contains_key("4/displacement"));
+    // A name twice is once; what is named beside all is taken along whatever axis.
+    let artifact = result(&input, &["--channels", "all,4,9,9"]);
+    assert!(["2", "3", "4", "9"].iter().all(|id| artifact.waves().contains_key(&format!("{id}/displacement"))));
+    assert_eq!(run(&input, &["--channels", "10"]).status.code(), Some(3));
+    assert_eq!(run(&input, &["--channels", "6"]).status.code(), Some(3));
+}
+
+#[test]
+fn the_spread_of_the_channels_is_the_interval_of_every_metric_and_an_engine_is_not_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let artifact = result(&input, &["--channels", "2,3,4"]);
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    let of = |channel: &str, name: &str| {
+        metrics.metrics.iter().find(|metric| metric.channel == channel && metric.name == name).cloned()
+    };
+    let crush = of("1+2+3", "dynamic_crush").unwrap();
+    let single = |channel: &str| of(channel, "dynamic_crush").unwrap().value;
+    // The harder braking stops shorter.
+    assert_eq!((crush.low, crush.high, crush.value), (single("2"), single("3"), single("1")));
+    assert_eq!(crush.interval_by.as_deref(), Some("range over 3 channels"));
+    assert!(crush.definition.ends_with("; value of channel 1"), "{}", crush.definition);
+    assert!(of("1+2+3", "olc").is_some_and(|olc| olc.low < olc.value && olc.value < olc.high));
+    // The impact speed is one for all.
+    assert_eq!(of("1+2+3", "impact_energy"), None);
+    let said = notes(&artifact);
+    assert!(said.iter().any(|note| note.starts_with("channel 4 is not in the spread")), "{said:?}");
+}
+
+#[test]
+fn the_barrier_force_is_the_sum_of_its_living_cells_and_its_impulse_is_the_change_of_momentum() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let artifact = result(&input, &[]);
+    let force = &artifact.waves()["barrier/force"];
+    assert_eq!(force.quantity, QuantityKind::Force);
+    // 0.6 and 0.4 of 120 kN: rounding only.
+    assert!((force.sampled.at(0.05).unwrap() - 120e3).abs() < 1e-6);
+    assert!((metric(&artifact, "barrier", "barrier_peak_force").unwrap() - 120e3).abs() < 1e-6);
+    // 120 m/s² over 150 ms, ramps of 1 ms at both ends: 18.0 m/s; the pulse has the same samples.
+    assert!((metric(&artifact, "barrier", "barrier_delta_v").unwrap() - 18.0).abs() < 1e-9);
+    assert!((metric(&artifact, "barrier", "momentum_ratio").unwrap() - 1.0).abs() < 1e-9);
+    let said = notes(&artifact);
+    assert!(
+        said.iter().any(|note| note.contains("1 cell not marked valid by the laboratory, not in the sum: 8")),
+        "{said:?}"
+    );
+    assert!(said.iter().any(|note| note.starts_with("momentum check up to separation at 151.0 ms")), "{said:?}");
+
+    let all = result(&input, &["--barrier-cells", "all"]);
+    assert!((metric(&all, "barrier", "momentum_ratio").unwrap() - 1.1).abs() < 1e-9);
+    assert!(notes(&all).iter().any(|note| note.starts_with("warning: momentum check")));
+    // All cells with data, the dead one among them, whichever are summed: 1.1 of 18 m/s.
+    for artifact in [&artifact, &all] {
+        assert!((metric(artifact, "barrier", "barrier_delta_v_as_read").unwrap() - 19.8).abs() < 1e-9);
+        assert!(notes(artifact).iter().any(|note| note.starts_with("barrier as read: all 3 load cells with data")));
+    }
+    let none = result(&input, &["--barrier-cells", "none"]);
+    assert!(!none.waves().contains_key("barrier/force"));
+}
+
+#[test]
+fn time_zero_is_found_by_the_rule_asked_for_and_its_uncertainty_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let found = |rule: &str| {
+        let artifact = result(&input, &["--time-zero-rule", rule]);
+        let zero = events(&artifact);
+        (zero.time_zero_s, zero.time_zero_rule, notes(&artifact))
+    };
+    let (time_s, rule, _) = found("file");
+    assert_eq!((time_s, rule.as_str()), (0.0, "file"));
+    // 0.5 g of a ramp of 120 m/s² in 1 ms, linear between samples.
+    let (time_s, rule, said) = found("threshold");
+    assert!((time_s - 4.903_325 / 120e3).abs() < 1e-12, "{time_s}");
+    assert_eq!(rule, "threshold");
+    assert!(said.iter().any(|note| note.contains("contact may be 0.04 ms earlier (0.6 mm")), "{said:?}");
+    let (time_s, _, said) = found("edr");
+    assert!((-0.02..0.0).contains(&time_s), "{time_s}");
+    assert!(said.iter().any(|note| note.contains("contact may be 20.00 ms later")), "{said:?}");
+    // The switch opens between samples 519 and 520, 1.9 and 2.0 ms.
+    let (time_s, rule, _) = found("contact:5");
+    assert!((time_s - 1.95e-3).abs() < 1e-9, "{time_s}");
+    assert_eq!(rule, "contact:5");
+
+    assert_eq!(run(&input, &["--time-zero-rule", "contact:nope"]).status.code(), Some(3));
+    assert_eq!(run(&input, &["--time-zero-rule", "guess"]).status.code(), Some(2));
+    assert_eq!(run(&input, &["--time-zero-rule", "edr", "--time-zero", "0s"]).status.code(), Some(2));
+}
+
+#[test]
+fn a_stated_end_velocity_is_met_and_what_it_took_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let artifact = result(&input, &["--end-velocity", "-2.5m/s"]);
+    let velocity = &artifact.waves()["1/velocity"].sampled;
+    assert!((velocity.samples().last().unwrap() + 2.5).abs() < 1e-9);
+    // Without it the pulse ends at 15 - 18 = -3 m/s; 0.5 m/s over the record's 249.9 ms.
+    assert!((metric(&artifact, "1", "drift_correction").unwrap() + 0.5 / 0.2499).abs() < 1e-6);
+    assert!(notes(&artifact).iter().any(|note| note.contains("(-0.20402 g, bias)")), "{:?}", notes(&artifact));
+
+    let artifact = result(&input, &["--end-velocity", "standstill", "--end-time", "120ms", "--drift", "linear"]);
+    assert!(artifact.waves()["1/velocity"].sampled.at(0.12).unwrap().abs() < 1e-9);
+    assert_eq!(run(&input, &["--end-time", "120ms"]).status.code(), Some(2));
+    assert_eq!(run(&input, &["--end-velocity", "-2.5"]).status.code(), Some(2));
+    assert_eq!(run(&input, &["--end-velocity", "standstill", "--end-time", "9s"]).status.code(), Some(3));
+}

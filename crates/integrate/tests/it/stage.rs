@@ -1,0 +1,293 @@
+//! The program on artifacts: what it reads, what it writes, what it refuses.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use crumple_artifact::records::{EventsV1, MetricsV2, NotesV1, TestV1};
+use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+use crumple_testkit::program::Program;
+
+/// A test with one channel of constant deceleration 200 m/s² from time zero, 50 ms at rest before it.
+fn constant(impact_speed_m_per_s: Option<f64>, mass_kg: Option<f64>, cfc: Option<u16>) -> TestDescription {
+    TestDescription {
+        title: "constant".to_owned(),
+        mass_kg,
+        impact_speed_m_per_s,
+        channels: vec![Channel { cfc, ..Channel::new("a", QuantityKind::Acceleration) }],
+        ..TestDescription::default()
+    }
+}
+
+/// Writes what the filter stage would have written.
+fn filtered(folder: &Path, test: &TestDescription) -> PathBuf {
+    let samples = (0..2000).map(|k| if k < 500 { 0.0 } else { -200.0 }).collect();
+    let mut builder = ArtifactBuilder::new();
+    builder.put("/test", &TestV1::from(test)).unwrap();
+    builder.wave("a", test.channels[0].quantity, Sampled::new(-0.05, 1e-4, samples).unwrap()).unwrap();
+    let path = folder.join("2-filter.mcap");
+    builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+    path
+}
+
+const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
+
+fn run(input: &Path, flags: &[&str]) -> Output {
+    PROGRAM.run(input, flags)
+}
+
+fn result(input: &Path, flags: &[&str]) -> Artifact {
+    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
+}
+
+fn events(artifact: &Artifact) -> EventsV1 {
+    artifact.record("/events").unwrap().unwrap()
+}
+
+#[test]
+fn writes_motion_events_and_metrics_of_the_pulse() {
+    let folder = tempfile::tempdir().unwrap();
+    let artifact = result(&filtered(folder.path(), &constant(Some(20.0), Some(900.0), None)), &[]);
+    assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["a/displacement", "a/force", "a/velocity"]);
+    let velocity = &artifact.waves()["a/velocity"];
+    assert_eq!(
+        (velocity.quantity, velocity.sampled.t0_s(), velocity.sampled.len()),
+        (QuantityKind::Velocity, 0.0, 1500)
+    );
+
+    let events = events(&artifact);
+    // x = v0²/2a = 1 m at v0/a = 100 ms; the trapezoid is exact for a constant, the rest is rounding.
+    assert!((events.dynamic_crush_m.unwrap() - 1.0).abs() < 1e-12);
+    assert!((events.time_of_dynamic_crush_s.unwrap() - 0.1).abs() < 1e-12);
+    assert!((events.centroid_time_s.unwrap() - 0.05).abs() < 1e-12);
+    assert_eq!((events.rule.as_deref(), events.start.as_deref()), (Some("trapezoid"), Some("time-zero")));
+    assert_eq!((events.time_zero_s, events.time_zero_rule.as_str(), events.channel.as_str()), (0.0, "file", "a"));
+    assert_eq!(artifact.waves()["a/force"].sampled.samples()[7], 180_000.0);
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    let stiffness = metrics.metrics.iter().find(|metric| metric.name == "average_stiffness").unwrap();
+    assert!((stiffness.value.unwrap() / 360_000.0 - 1.0).abs() < 1e-12);
+    assert_eq!((stiffness.unit.as_str(), stiffness.channel.as_str()), ("N/m", "a"));
+}
+
+#[test]
+fn a_filtered_channel_is_integrated_from_the_start_of_the_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let artifact = result(&filtered(folder.path(), &constant(Some(20.0), None, Some(60))), &[]);
+    assert_eq!(events(&artifact).start.as_deref(), Some("record-start"));
+    let displacement = &artifact.waves()["a/displacement"].sampled;
+    assert_eq!((displacement.t0_s(), displacement.len()), (-0.05, 2000));
+    assert_eq!(displacement.samples()[500], 0.0);
+    assert!(!artifact.waves().contains_key("a/force"));
+}
+
+#[test]
+fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let artifact = result(&filtered(folder.path(), &constant(Some(40.0), Some(900.0), None)), &[]);
+    let events = events(&artifact);
+    assert_eq!((events.dynamic_crush_m, events.rebound_velocity_m_per_s), (None, None));
+    // 40 m/s less what is left; rounding of 1500 sums.
+    assert!((events.delta_v_m_per_s.unwrap() - 29.98).abs() < 1e-9, "{events:?}");
+    assert_eq!(events.end_of_event_rule.as_deref(), Some("end of the record"));
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert_eq!(
+        notes.notes[1..],
+        ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: no dynamic crush, no \
+             rebound; delta-v is 29.980 m/s at 149.9 ms, the lowest velocity up to the end of the event at 149.9 ms \
+             (end of the record): a lower bound, it still changes there"]
+    );
+}
+
+#[test]
+fn a_missing_impact_speed_leaves_the_pulse_and_a_flag_gives_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(None, None, None));
+    let output = run(&input, &[]);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("change of velocity 29.980 m/s"), "{stderr}");
+    assert!(stderr.contains("no impact speed") && stderr.contains("--impact-speed 35km/h"), "{stderr}");
+    assert_eq!(run(&input, &["--impact-speed", "20"]).status.code(), Some(2));
+
+    let artifact = result(&input, &["--impact-speed", "72km/h"]);
+    assert_eq!(events(&artifact).impact_speed_m_per_s, Some(20.0));
+    // Later stages work with the same speed.
+    assert_eq!(artifact.record::<TestV1>("/test").unwrap().unwrap().impact_speed_m_per_s, Some(20.0));
+}
+
+#[test]
+fn a_time_zero_from_a_flag_is_an_offset_and_one_outside_the_record_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), None, None));
+    let artifact = result(&input, &["--time-zero=-10ms"]);
+    let events = events(&artifact);
+    assert_eq!((events.time_zero_s, events.time_zero_rule.as_str()), (-0.01, "flag"));
+    // Ten milliseconds at speed before the pulse: 0.2 m more. The step of 200 m/s², counted as a ramp of one sample,
+    // takes T/2 of it, 0.01 m/s, for the 0.1 s of the pulse: 1 mm less.
+    assert!((events.time_of_dynamic_crush_s.unwrap() - 0.11).abs() < 1e-4);
+    assert!((events.dynamic_crush_m.unwrap() - 1.2).abs() < 1.1e-3, "{events:?}");
+    assert_eq!(run(&input, &["--time-zero", "9s"]).status.code(), Some(3));
+}
+
+#[test]
+fn refuses_a_channel_that_is_not_there_or_no_acceleration() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), None, None));
+    let output = run(&input, &["--channel", "b"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the test has no channel \"b\""));
+    let mut force = constant(Some(20.0), None, None);
+    force.channels[0].quantity = QuantityKind::Force;
+    let input = filtered(folder.path(), &force);
+    let output = run(&input, &["--channel", "a"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("channel a is no accelerometer"));
+}
+
+#[test]
+fn stated_uncertainties_give_intervals_and_none_gives_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), Some(900.0), Some(60)));
+    let flags =
+        ["--speed-uncertainty", "0.36km/h uniform", "--gain-uncertainty", "1%", "--time-zero-uncertainty", "0.5ms"];
+    let artifact = result(&input, &flags);
+    let crush = events(&artifact);
+    let interval = crush.intervals.iter().find(|interval| interval.name == "dynamic_crush_m").unwrap();
+    let value = crush.dynamic_crush_m.unwrap();
+    assert!(interval.low < value && value < interval.high, "{interval:?} {value}");
+    assert_eq!(interval.interval_by, "5-95 % of 400 replicates");
+    let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
+    let olc = metrics.metrics.iter().find(|metric| metric.name == "olc").unwrap();
+    assert_eq!(olc.definition_id.as_deref(), Some("olc-tb027"));
+    assert!(olc.low < olc.value && olc.value < olc.high && olc.from_s < olc.to_s, "{olc:?}");
+    let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    assert!(
+        notes.notes.iter().any(|note| note.starts_with(
+            "intervals are 5-95 % of 400 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
+             (standard deviation, normal), time zero 0.5 ms (standard deviation, normal); an error of time zero moves"
+        )),
+        "{:?}",
+        notes.notes
+    );
+
+    let without = result(&input, &[&flags[..], &["--uncertainty-replicates", "0"]].concat());
+    assert_eq!(events(&without).intervals, []);
+    for wrong in [
+        ["--speed-uncertainty", "0.1"],
+        ["--gain-uncertainty", "1 km/h"],
+        ["--time-zero-uncertainty", "1ms triangular"],
+        ["--uncertainty-replicates", "5"],
+    ] {
+        assert_eq!(run(&input, &wrong).status.code(), Some(2), "{wrong:?}");
+    }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = filtered(folder.path(), &constant(Some(20.0), Some(900.0), Some(60)));
+    let written = |threads: &str| {
+        let output = input.with_file_name(format!("{threads}.mcap"));
+        let status = Command::new(env!("CARGO_BIN_EXE_crumple-integrate"))
+            .arg(&input)
+            .args(["--speed-uncertainty", "0.1m/s", "--zero-level-uncertainty", "0.05g"])
+            .arg("-o")
+            .arg(&output)
+            .env("RAYON_NUM_THREADS", threads)
+            .status()
+            .unwrap();
+        assert!(status.success());
+        std::fs::read(output).unwrap()
+    };
+    assert_eq!(written("1"), written("3"));
+}
+
+#[test]
+fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = |name: &str, format: &str, time_zero: Option<&str>| {
+        let mut test = constant(Some(14.0), None, None);
+        test.time_zero = time_zero.map(str::to_owned);
+        test.source.format = format.to_owned();
+        // At rest for 60 ms, then the pulse.
+        let samples = (0..3000).map(|k| if k < 600 { 0.0 } else { -200.0 }).collect();
+        let mut builder = ArtifactBuilder::new();
+        builder.put("/test", &TestV1::from(&test)).unwrap();
+        builder.wave("a", QuantityKind::Acceleration, Sampled::new(0.0, 1e-4, samples).unwrap()).unwrap();
+        let path = folder.path().join(name);
+        builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
+        path
+    };
+    let notes = |input: &Path, flags: &[&str]| {
+        result(input, flags).record::<NotesV1>("/notes").unwrap().map_or(String::new(), |notes| notes.notes.join("\n"))
+    };
+    let table = input("table.mcap", "csv", None);
+    // The crossing is interpolated between the last sample at rest, 59.9 ms, and the first of the pulse.
+    let found = notes(&table, &[]);
+    assert!(found.contains("warning: channel a first exceeds 0.5 g for 3 ms at 59.9 ms"), "{found}");
+    assert!(found.contains("0.839 m") && found.contains("crumple-ingest --time-zero 59.9ms"), "{found}");
+    for flags in [["--time-zero", "0s"], ["--time-zero", "60ms"]] {
+        assert!(!notes(&table, &flags).contains("first exceeds"), "{flags:?}");
+    }
+    assert!(!notes(&input("test.mcap", "nhtsa-ev5", None), &[]).contains("first exceeds"));
+    let stated = input("stated.mcap", "tdms", Some("the format tdms"));
+    assert!(!notes(&stated, &[]).contains("first exceeds"));
+}
+
+#[test]
+fn the_pulse_may_be_named_by_code_or_pattern() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut test = constant(Some(20.0), None, None);
+    test.channels[0].code = Some("10VEHCCG0000ACXP".to_owned());
+    let input = filtered(folder.path(), &test);
+    for name in ["a", "10VEHCCG0000ACXP", "1?VEHC*X?"] {
+        assert_eq!(events(&result(&input, &["--channel", name])).channel, "a", "{name}");
+    }
+    assert_eq!(run(&input, &["--channel", "1?ENGN*"]).status.code(), Some(3));
+}
+
+#[test]
+fn without_an_impact_speed_the_metrics_that_need_none_are_those_with_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = result(&filtered(folder.path(), &constant(Some(20.0), Some(900.0), None)), &[]);
+    let without = result(&filtered(folder.path(), &constant(None, Some(900.0), None)), &[]);
+    let metrics = |artifact: &Artifact| artifact.record::<MetricsV2>("/metrics").unwrap().unwrap().metrics;
+    let (with, without_speed) = (metrics(&with), metrics(&without));
+    assert_eq!(with.len(), without_speed.len());
+    let value = |metrics: &[crumple_artifact::records::MetricV1], name: &str| {
+        metrics.iter().find(|metric| metric.name == name).unwrap().value
+    };
+    for name in ["peak_acceleration", "time_of_peak_acceleration", "sm25", "olc", "vpi"] {
+        let (a, b) = (value(&with, name).unwrap(), value(&without_speed, name).unwrap());
+        // The sums start at 20 and at 0: rounding.
+        assert!((a - b).abs() <= 1e-9 * a.abs(), "{name}: {a} {b}");
+    }
+    // 150 ms at 200 m/s² take 30 m/s off, whatever the speed was.
+    assert!((value(&without_speed, "delta_v").unwrap() - 0.1499 * 200.0).abs() < 1e-9);
+    for name in ["dynamic_crush", "coefficient_of_restitution", "impact_energy", "average_stiffness"] {
+        let metric = without_speed.iter().find(|metric| metric.name == name).unwrap();
+        assert_eq!(metric.value, None, "{name}");
+        assert!(metric.definition.contains("the impact speed is not stated"), "{}", metric.definition);
+    }
+    assert_eq!(without.waves().keys().collect::<Vec<_>>(), ["a/velocity_change"]);
+    assert!(without.record::<EventsV1>("/events").unwrap().is_none());
+}
+
+#[test]
+fn a_speed_that_does_not_fit_the_pulse_is_questioned_before_anything_else() {
+    let folder = tempfile::tempdir().unwrap();
+    // 30 m/s are taken off: at 15 m/s the vehicle would leave the wall as fast as it came.
+    for (speed, words) in [(15.0, "rebound at 100 % of it"), (40.0, "not stop, it would still move at")] {
+        let artifact = result(&filtered(folder.path(), &constant(Some(speed), Some(900.0), None)), &[]);
+        let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+        assert!(notes.notes[0].starts_with("warning: check the impact speed"), "{:?}", notes.notes);
+        assert!(notes.notes[0].contains(words) && notes.notes[0].contains("94 km/h would fit"), "{:?}", notes.notes);
+        // Not where the reader of the record has asked for an exchange, unless the speed is another one.
+        let asked = TestDescription { exchange_asked: true, ..constant(Some(speed), Some(900.0), None) };
+        for (flags, is_questioned) in [(&[][..], false), (&["--impact-speed", "60m/s"][..], true)] {
+            let notes: NotesV1 = result(&filtered(folder.path(), &asked), flags).record("/notes").unwrap().unwrap();
+            let first = &notes.notes[0];
+            assert_eq!(first.starts_with("warning: check the impact speed"), is_questioned, "{:?}", notes.notes);
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! Propagated uncertainty against closed forms to first order, and its independence of threads.
+
+use std::f64::consts::PI;
+
+use crumple_integrate::{
+    Distribution, DriftShape, EVENT_NAMES, EndCondition, Intervals, Perturbation, Rule, Settings, Spread, Start,
+    Uncertainty, integrate, perturbed, propagate,
+};
+use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
+use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
+
+const V0: f64 = 14.0;
+/// Replicates where nothing else is said.
+const N: usize = 1500;
+/// Half-sine of 25 g over 100 ms.
+const PEAK: f64 = 25.0 * STANDARD_GRAVITY_M_PER_S2;
+const DURATION_S: f64 = 0.1;
+/// Time of rest before contact, s.
+const BEFORE_S: f64 = 0.02;
+
+fn pulse(at: impl Fn(f64) -> f64) -> Signal<Acceleration> {
+    Signal::new(-BEFORE_S, 1e-4, (0..1501).map(|k| at(f64::from(k) * 1e-4 - BEFORE_S)).collect()).unwrap()
+}
+
+fn half_sine() -> Signal<Acceleration> {
+    pulse(|t| if (0.0..=DURATION_S).contains(&t) { -PEAK * (PI * t / DURATION_S).sin() } else { 0.0 })
+}
+
+fn settings(start: Start) -> Settings {
+    Settings { rule: Rule::Trapezoid, start, time_zero_s: 0.0, impact_speed_m_per_s: V0, low_pass_filtered: true }
+}
+
+fn events(a: &Signal<Acceleration>, start: Start, by: Perturbation) -> CrashEvents {
+    let motion = perturbed(a, &settings(start), None, &by).unwrap();
+    crash_events(&motion.velocity, &motion.displacement, by.time_zero_s).unwrap()
+}
+
+/// Crush, its time and delta-v with an error less those without.
+fn moved(a: &Signal<Acceleration>, start: Start, by: Perturbation) -> [f64; 3] {
+    let of = |by: Perturbation| {
+        let events = events(a, start, by);
+        let crush = events.crush.unwrap();
+        let v0 = V0 + by.impact_speed_m_per_s;
+        [crush.displacement_m, crush.time_s, events.delta_v_m_per_s(v0).unwrap()]
+    };
+    let (with, without) = (of(by), of(Perturbation::default()));
+    std::array::from_fn(|k| with[k] - without[k])
+}
+
+fn close(found: f64, expected: f64, within: f64, what: &str) {
+    assert!((found - expected).abs() <= within, "{what}: {found} {expected} {within}");
+}
+
+#[test]
+fn an_error_of_speed_moves_the_crush_by_the_time_of_crush_times_it() {
+    let a = half_sine();
+    let crush = events(&a, Start::RecordStart, Perturbation::default()).crush.unwrap();
+    // Closed form: v = v0 - (A·D/π)(1 - cos(πt/D)), so cos(π·t_m/D) = 1 - π·v0/(A·D); the trapezoid errs by O(T²).
+    let t_m = DURATION_S / PI * (1.0 - PI * V0 / (PEAK * DURATION_S)).acos();
+    close(crush.time_s, t_m, 1e-6, "t_m");
+    let at_crush = PEAK * (PI * t_m / DURATION_S).sin();
+    let dv = 0.1 / 3.6;
+    for start in [Start::RecordStart, Start::TimeZero] {
+        let by = Perturbation { impact_speed_m_per_s: dv, ..Perturbation::default() };
+        let [crush, time, delta_v] = moved(&a, start, by);
+        // x = ∫v dt: from the start of the record x counts from time zero all the same. Second order: δv²/(2a) =
+        // 2.6e-6.
+        close(crush, t_m * dv, 4e-6, "crush");
+        // Second order: δv²·a'/(2a³), a' of the order of A·π/D: 5e-6.
+        close(time, dv / at_crush, 1e-5, "time");
+        // Delta-v is the area of the pulse, whatever the speed.
+        close(delta_v, 0.0, 1e-12, "delta-v");
+    }
+}
+
+#[test]
+fn an_error_of_the_zero_level_acts_from_where_the_integration_starts() {
+    let a = half_sine();
+    let t_m = events(&a, Start::RecordStart, Perturbation::default()).crush.unwrap().time_s;
+    let db = 0.05 * STANDARD_GRAVITY_M_PER_S2;
+    let by = Perturbation { zero_level_m_per_s2: db, ..Perturbation::default() };
+    // δx = -δb·t²/2 from time zero. Second order (δb·t_m)²/(2a) = 5e-6 m.
+    let [crush, ..] = moved(&a, Start::TimeZero, by);
+    close(crush, -db * t_m * t_m / 2.0, 8e-6, "from time zero");
+    // From the record's start δv = -δb·(t + 20 ms), and the displacement counts from time zero:
+    // δx = -δb·(t²/2 + 20 ms·t). Second order (δb·(t_m + 20 ms))²/(2a) = 8e-6 m.
+    let [crush, ..] = moved(&a, Start::RecordStart, by);
+    close(crush, -db * (t_m * t_m / 2.0 + BEFORE_S * t_m), 1.2e-5, "from the record's start");
+}
+
+#[test]
+fn an_error_of_the_gain_moves_the_crush_by_its_share_of_what_the_pulse_took() {
+    let by = Perturbation { gain: 0.01, ..Perturbation::default() };
+    for start in [Start::TimeZero, Start::RecordStart] {
+        let a = half_sine();
+        let without = events(&a, start, Perturbation::default()).crush.unwrap();
+        let [crush, _, delta_v] = moved(&a, start, by);
+        let first_order = -0.01 * (V0 * without.time_s - without.displacement_m);
+        // Second order: (δg·v0)²/(2a) with a = 146 m/s² at t_m: 7e-5 m.
+        close(crush, first_order, 1e-4, "crush");
+        // A percent more of the area 2·A·D/π.
+        close(delta_v, 0.01 * 2.0 * PEAK * DURATION_S / PI, 1e-5, "delta-v");
+    }
+    // A constant pulse has closed forms beyond the first order: C = v0²/(2a), t_m = v0/a, over a grid that has time
+    // zero.
+    let constant = Signal::new(0.0, 1e-4, vec![-200.0; 1501]).unwrap();
+    let [crush, time, _] = moved(&constant, Start::TimeZero, by);
+    // A velocity that is linear is summed without error: rounding only.
+    close(crush, V0 * V0 / 400.0 * (1.0 / 1.01 - 1.0), 1e-9, "crush of a constant pulse");
+    close(time, V0 / 200.0 * (1.0 / 1.01 - 1.0), 1e-9, "time of a constant pulse");
+}
+
+#[test]
+fn an_error_of_time_zero_moves_what_its_place_in_the_record_moves() {
+    let a = half_sine();
+    let dt = 0.5e-3;
+    let by = |time_zero_s| Perturbation { time_zero_s, ..Perturbation::default() };
+    // Integrated from the record's start the velocity does not know time zero: only the label moves. The crush counts
+    // from the label. Before contact, at rest, exactly; after it but for what the pulse took in 0.5 ms: A·π/D·δ³/6 =
+    // 2e-7 m.
+    let [crush, time, delta_v] = moved(&a, Start::RecordStart, by(-dt));
+    close(crush, V0 * dt, 1e-12, "early label");
+    close(time, dt, 1e-12, "early label");
+    close(delta_v, 0.0, 1e-12, "early label");
+    let [crush, time, delta_v] = moved(&a, Start::RecordStart, by(dt));
+    close(crush, -V0 * dt, 2e-7, "late label");
+    close(time, -dt, 1e-12, "late label");
+    close(delta_v, 0.0, 1e-12, "late label");
+    // Integrated from time zero, a late one cuts the record: v0·δ of crush, and the area A·π·δ²/(2D) = 9.6e-4 m/s of
+    // the half-sine, which acts up to t_m: 8e-5 m. Counted on a grid of T: T²·A·π/(8D) per sample more.
+    let [crush, _, delta_v] = moved(&a, Start::TimeZero, by(dt));
+    let area = PEAK * PI * dt * dt / (2.0 * DURATION_S);
+    close(crush, -V0 * dt + area * 0.0792, 2e-6, "cut late");
+    close(delta_v, -area, 1e-5 * area + 1e-7, "cut late");
+    // An early one adds rest.
+    let [crush, _, delta_v] = moved(&a, Start::TimeZero, by(-dt));
+    close(crush, V0 * dt, 1e-12, "cut early");
+    close(delta_v, 0.0, 1e-12, "cut early");
+    // A pulse that jumps at contact loses velocity to first order: a·δ.
+    let constant = Signal::new(0.0, 1e-4, vec![-200.0; 1501]).unwrap();
+    let [crush, time, _] = moved(&constant, Start::TimeZero, by(dt));
+    close(crush, 0.0, 1e-9, "a constant pulse looks the same later");
+    close(time, 0.0, 1e-9, "a constant pulse looks the same later");
+    // Contact before the record: the speed is held until the first sample.
+    let [crush, time, _] = moved(&constant, Start::TimeZero, by(-dt));
+    close(crush, V0 * dt, 1e-9, "before the record");
+    close(time, dt, 1e-9, "before the record");
+}
+
+fn uncertainty(distribution: Distribution) -> Uncertainty {
+    let of = |size| Some(Spread { size, distribution });
+    Uncertainty {
+        impact_speed_m_per_s: of(0.1 / 3.6),
+        zero_level_m_per_s2: of(0.05 * STANDARD_GRAVITY_M_PER_S2),
+        gain: of(0.01),
+        time_zero_s: of(0.5e-3),
+        replicates: N,
+        seed: 1,
+    }
+}
+
+fn intervals(uncertainty: &Uncertainty, end: Option<EndCondition>) -> Intervals {
+    let (a, settings) = (half_sine(), settings(Start::RecordStart));
+    let motion = integrate(&a, &settings).unwrap();
+    propagate(&a, &motion, &settings, end, Some(1000.0), uncertainty, |_| ())
+}
+
+/// 5 % and 95 % of the crush and of the time of crush.
+fn of_crush(uncertainty: &Uncertainty) -> [[f64; 2]; 2] {
+    let found = intervals(uncertainty, None);
+    [0, 1].map(|k| found.events[k].map(|interval| [interval.low, interval.high]).unwrap())
+}
+
+#[test]
+fn one_uncertain_input_gives_its_own_quantiles() {
+    let crush = events(&half_sine(), Start::RecordStart, Perturbation::default()).crush.unwrap();
+    for (distribution, quantile, density) in [
+        // 95 % of a uniform distribution over ±1 lie below 0.9, where its density is 1/2; of a normal one below 1.6449,
+        // where it is 0.1031.
+        (Distribution::Uniform, 0.9, 0.5),
+        (Distribution::Normal, 1.6449, 0.1031),
+    ] {
+        let all = uncertainty(distribution);
+        let nothing = Uncertainty {
+            impact_speed_m_per_s: None,
+            zero_level_m_per_s2: None,
+            gain: None,
+            time_zero_s: None,
+            ..all.clone()
+        };
+        // A quantile of N replicates has the standard deviation sqrt(0.05·0.95/N)/density; four of them are allowed,
+        // and 2 % for the second order.
+        let noise = 4.0 * (0.05 * 0.95 / N as f64).sqrt() / density;
+        let t = crush.time_s;
+        for (stated, effect) in [
+            (Uncertainty { impact_speed_m_per_s: all.impact_speed_m_per_s, ..nothing.clone() }, t * 0.1 / 3.6),
+            (
+                Uncertainty { zero_level_m_per_s2: all.zero_level_m_per_s2, ..nothing.clone() },
+                0.05 * STANDARD_GRAVITY_M_PER_S2 * (t * t / 2.0 + BEFORE_S * t),
+            ),
+            (Uncertainty { gain: all.gain, ..nothing.clone() }, 0.01 * (V0 * t - crush.displacement_m)),
+            (Uncertainty { time_zero_s: all.time_zero_s, ..nothing.clone() }, V0 * 0.5e-3),
+        ] {
+            let [[low, high], _] = of_crush(&stated);
+            let within = (noise + 0.02 * quantile) * effect;
+            close(high - crush.displacement_m, quantile * effect, within, "high");
+            close(crush.displacement_m - low, quantile * effect, within, "low");
+        }
+    }
+}
+
+#[test]
+fn the_intervals_of_several_inputs_add_as_independent_errors() {
+    let crush = events(&half_sine(), Start::RecordStart, Perturbation::default()).crush.unwrap();
+    let t = crush.time_s;
+    let effects = [
+        t * 0.1 / 3.6,
+        0.05 * STANDARD_GRAVITY_M_PER_S2 * (t * t / 2.0 + BEFORE_S * t),
+        0.01 * (V0 * t - crush.displacement_m),
+        V0 * 0.5e-3,
+    ];
+    let sum = effects.iter().map(|e| e * e).sum::<f64>().sqrt();
+    let [[low, high], [early, late]] = of_crush(&uncertainty(Distribution::Normal));
+    // As above: noise of the replicates and the second order.
+    let within = (4.0 * (0.05 * 0.95 / N as f64).sqrt() / 0.1031 + 0.02 * 1.6449) * sum;
+    close(high - crush.displacement_m, 1.6449 * sum, within, "high");
+    close(crush.displacement_m - low, 1.6449 * sum, within, "low");
+    assert!(early < t && t < late);
+}
+
+#[test]
+fn every_event_and_metric_has_an_interval_but_what_replicates_lack_and_a_check_of_the_arithmetic() {
+    let found = intervals(&Uncertainty { replicates: 400, ..uncertainty(Distribution::Uniform) }, None);
+    assert_eq!(found.events.len(), EVENT_NAMES.len());
+    assert!(found.events.iter().all(Option::is_some), "{found:?}");
+    let (a, settings) = (half_sine(), settings(Start::RecordStart));
+    let motion = integrate(&a, &settings).unwrap();
+    let metrics = pulse_metrics(&Pulse {
+        acceleration: &motion.acceleration,
+        velocity: &motion.velocity,
+        displacement: &motion.displacement,
+        events: &crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap(),
+        impact_speed_m_per_s: Some(V0),
+        mass_kg: Some(1000.0),
+        time_zero_s: 0.0,
+    })
+    .unwrap();
+    assert_eq!(metrics.len(), found.metrics.len());
+    let without = metrics.iter().zip(&found.metrics).filter(|(_, interval)| interval.is_none());
+    let names: Vec<&str> = without.map(|(metric, _)| metric.name).collect();
+    // A zero level that is too low lets the velocity fall to the end of the record: nothing is left after separation.
+    assert_eq!(names, ["energy_closure", "acceleration_after_separation"]);
+    for (metric, interval) in metrics.iter().zip(&found.metrics) {
+        let (Some(value), Some(interval)) = (metric.value, interval) else { continue };
+        assert!(interval.low <= value && value <= interval.high, "{} {value} {interval:?}", metric.name);
+    }
+}
+
+#[test]
+fn a_known_velocity_takes_the_zero_level_out_of_the_intervals() {
+    let end = |velocity_m_per_s| EndCondition { velocity_m_per_s, time_s: None, shape: DriftShape::Bias };
+    let only = |zero_level_m_per_s2, gain| Uncertainty {
+        impact_speed_m_per_s: None,
+        time_zero_s: None,
+        zero_level_m_per_s2,
+        gain,
+        replicates: 100,
+        ..uncertainty(Distribution::Uniform)
+    };
+    let all = uncertainty(Distribution::Uniform);
+    let rebound = -1.6;
+    let of = |stated: &Uncertainty| intervals(stated, Some(end(rebound))).events[0].unwrap();
+    // The correction finds the same bias whatever was added: rounding of 1500 sums is left.
+    let certain = of(&only(all.zero_level_m_per_s2, None));
+    assert!(certain.high - certain.low < 1e-10, "{certain:?}");
+    let gain = of(&only(None, all.gain));
+    assert!(gain.high - gain.low > 1e-5, "{gain:?}");
+}
+
+#[test]
+fn the_number_of_threads_and_of_replicates_changes_no_replicate() {
+    let stated = Uncertainty { replicates: 150, ..uncertainty(Distribution::Normal) };
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| intervals(&stated, None))
+    };
+    assert_eq!(with(1), with(3));
+    let more = Uncertainty { replicates: N, ..stated.clone() };
+    assert_eq!(stated.perturbation(7), more.perturbation(7));
+    let alone = Uncertainty { gain: None, ..stated.clone() };
+    assert_eq!(alone.perturbation(7), Perturbation { gain: 0.0, ..stated.perturbation(7) });
+    assert_ne!(stated.perturbation(7), stated.perturbation(8));
+    assert_ne!(stated.perturbation(7), Uncertainty { seed: 2, ..stated.clone() }.perturbation(7));
+}
+
+#[test]
+fn a_value_that_some_replicates_do_not_have_has_no_interval() {
+    // The pulse takes 15.6 m/s: at 15.5 ± 0.3 m/s some replicates do not stop.
+    let a = half_sine();
+    let settings = Settings { impact_speed_m_per_s: 15.5, ..settings(Start::RecordStart) };
+    let motion = integrate(&a, &settings).unwrap();
+    let stated = Uncertainty {
+        impact_speed_m_per_s: Some(Spread { size: 0.3, distribution: Distribution::Uniform }),
+        replicates: 100,
+        ..uncertainty(Distribution::Uniform)
+    };
+    let found = propagate(&a, &motion, &settings, None, None, &stated, |_| ());
+    assert_eq!(found.events[0], None);
+    // It is said how many: 15.5 ± 0.3 m/s against 15.6 m/s, a gain of ± 1 % and more.
+    assert!((10..90).contains(&found.without_event[0]), "{:?}", found.without_event);
+    assert_eq!(found.without_metric[0], 0);
+    // The peak is there in every replicate.
+    assert!(found.metrics[0].is_some());
+}

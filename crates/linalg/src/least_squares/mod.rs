@@ -1,8 +1,0 @@
-//! Linear least squares: tall systems row block by row block, and with non-negative unknowns.
-//! Uses [`svd`](crate::svd) and [`product`](crate::product).
-
-mod nonnegative_least_squares;
-mod triangular_factor;
-
-pub use nonnegative_least_squares::nonnegative_least_squares;
-pub use triangular_factor::{CONDITION_LIMIT, Solution, TriangularFactor};

@@ -1,9 +1,0 @@
-//! Between continuous and sampled models, and between state space and transfer function.
-//! Uses model and matrix.
-
-pub mod continuous;
-pub mod first_order_hold;
-pub mod from_transfer_function;
-pub mod to_transfer_function;
-pub mod tustin;
-pub mod zero_order_hold;

@@ -1,9 +1,0 @@
-//! Functions of small real matrices: eigenvalues and eigenvectors, exponential, logarithm, polynomial roots.
-//! Uses no other room.
-
-pub mod checks;
-pub mod complex;
-pub mod eigen;
-pub mod exponential;
-pub mod logarithm;
-pub mod roots;

@@ -1,6 +1,0 @@
-//! Linear models: state space, transfer function, and the modes of a pole.
-//! Uses matrix.
-
-pub mod mode;
-pub mod state_space;
-pub mod transfer_function;

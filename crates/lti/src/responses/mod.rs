@@ -1,6 +1,0 @@
-//! What a model answers: in time to an input or an initial state, and over frequency.
-//! Uses `model` and `matrix`; its tests use `conversion`.
-
-pub mod frequency_response;
-pub mod response;
-pub mod simulate;

@@ -1,6 +1,0 @@
-//! The families by name and what their parameters are: mass, stiffness, damping, the place of a knot.
-//! May use nothing.
-
-pub mod model_kind;
-pub mod parameter;
-pub mod parse;

@@ -1,6 +1,0 @@
-//! A model of any family: its parameters by name, and what its structure answers.
-//! May use every other room but `matching`.
-
-pub mod lumped_model;
-pub mod parameters;
-pub mod simulation;

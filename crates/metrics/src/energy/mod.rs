@@ -1,8 +1,0 @@
-//! Work of the pulse, average stiffness, crush energy.
-//! May use `events` and `metric`.
-
-pub mod average_stiffness;
-pub mod crush_energy;
-pub mod damage_profile;
-pub mod wall_stiffness;
-pub mod work;

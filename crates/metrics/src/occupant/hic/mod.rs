@@ -1,5 +1,0 @@
-//! Head injury criterion and its relatives on a resultant, and the pruned search for the worst window.
-//! May use `sums` and `metric`.
-
-pub mod criterion;
-mod search;

@@ -1,0 +1,218 @@
+//! Corridors, agreement of channels and residuals: worked by hand.
+
+use crumple_metrics::{
+    ChannelMotion, CoraInterval, CoraOptions, Corridor, CorridorOptions, Interval, Iso18571Options, agreement, cora,
+    definitions::OLC, fit_percent, iso18571, residuals,
+};
+use crumple_signal::{Sampled, Signal};
+
+fn signal(t0_s: f64, dt_s: f64, samples: &[f64]) -> Sampled {
+    Sampled::new(t0_s, dt_s, samples.to_vec()).unwrap()
+}
+
+#[test]
+fn a_corridor_of_three_tests_is_their_mean_and_standard_deviation() {
+    let tests = [[1.0, -8.0], [2.0, -10.0], [6.0, -12.0]].map(|test| signal(0.25, 0.5, &test));
+    let options = CorridorOptions { sigmas: 2.0, least_half_width: 0.0 };
+    let corridor = Corridor::of_tests(&[&tests[0], &tests[1], &tests[2]], options).unwrap();
+    // Deviations -2, -1, 3 and 2, 0, -2 with divisor 2: variances 7 and 4.
+    let half = 2.0 * 7.0_f64.sqrt();
+    assert_eq!(corridor.mean.unwrap().samples(), [3.0, -10.0]);
+    assert_eq!(
+        (corridor.lower.samples(), corridor.upper.samples()),
+        (&[3.0 - half, -14.0][..], &[3.0 + half, -6.0][..])
+    );
+    assert_eq!((corridor.lower.t0_s(), corridor.tests), (0.25, 3));
+    assert!(Corridor::of_tests(&[&tests[0], &signal(0.25, 0.5, &[1.0])], options).is_err());
+}
+
+#[test]
+fn polylines_are_sampled_on_the_grid_where_both_are_defined() {
+    let lower = [(-1.0, 0.0), (1.0, 4.0), (2.0, -4.0)];
+    let upper = [(-0.6, 10.0), (1.4, 6.0), (3.0, 6.0)];
+    // Grid at -0.75, -0.5, ..., 2: both begin at -0.6 and end at 2.
+    let corridor = Corridor::of_polylines(&lower, &upper, -0.75, 0.25).unwrap();
+    let (low, high) = (corridor.lower.samples(), corridor.upper.samples());
+    assert_eq!((corridor.lower.t0_s(), low.len(), high.len()), (-0.5, 11, 11));
+    assert_eq!(low, [1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 2.0, 0.0, -2.0, -4.0]);
+    // Down by 4 over 2 s from -0.6 s on, then level.
+    for (k, high) in high.iter().enumerate() {
+        let t = -0.5 + 0.25 * k as f64;
+        let expected = if t < 1.4 { 10.0 - 2.0 * (t + 0.6) } else { 6.0 };
+        assert!((high - expected).abs() < 1e-14, "{t}: {high} {expected}");
+    }
+    assert_eq!((corridor.mean, corridor.tests), (None, 0));
+    // A single point of time; times of a decimal grid.
+    let one = Corridor::of_polylines(&[(0.3, 1.0)], &[(0.3, 2.0)], 0.0, 0.1).unwrap();
+    assert_eq!((one.lower.len(), one.lower.samples()[0], one.upper.samples()[0]), (1, 1.0, 2.0));
+    assert!((one.lower.t0_s() - 0.3).abs() < 1e-15);
+    // The third sample is at 0.1 + 2·0.1, which is more than 0.3 to the last bit: the end value.
+    let end = Corridor::of_polylines(&[(0.1, 1.0), (0.3, 3.0)], &[(0.1, 5.0), (0.3, 7.0)], 0.1, 0.1).unwrap();
+    assert_eq!((end.lower.samples()[2], end.upper.samples()[2]), (3.0, 7.0));
+}
+
+#[test]
+fn polylines_that_make_no_corridor_are_refused() {
+    let good: [(f64, f64); 2] = [(0.0, 0.0), (1.0, 0.0)];
+    let made = |lower: &[(f64, f64)], upper: &[(f64, f64)]| Corridor::of_polylines(lower, upper, 0.0, 0.25);
+    assert!(made(&good, &[(0.0, 1.0), (1.0, 1.0)]).is_ok());
+    assert!(made(&good, &good).is_ok(), "bounds may meet");
+    for bad in [
+        &[][..],
+        &[(0.0, 1.0), (0.0, 1.0)],
+        &[(1.0, 1.0), (0.0, 1.0)],
+        &[(0.0, 1.0), (0.5, f64::NAN), (1.0, 1.0)],
+        &[(0.0, 1.0), (f64::INFINITY, 1.0)],
+        &[(0.0, 1.0), (1.0, -0.5)],
+        &[(2.0, 1.0), (3.0, 1.0)],
+        &[(0.1, 1.0), (0.2, 1.0)],
+    ] {
+        assert!(made(&good, bad).is_err(), "{bad:?}");
+    }
+    assert!(Corridor::of_polylines(&[(0.0, 0.0), (1e9, 0.0)], &[(0.0, 1.0), (1e9, 1.0)], 0.0, 0.5).is_err());
+}
+
+#[test]
+fn a_signal_is_held_against_the_part_of_a_corridor_that_it_shares() {
+    let bound = |x: f64| signal(1.0, 0.25, &[x; 8]);
+    let corridor = Corridor { lower: bound(-1.0), upper: bound(2.0), mean: None, tests: 0 };
+    // Two samples before the corridor, then outside by 1, inside, on the bound, outside by 2 and 0.5.
+    let result = corridor.hold(&signal(0.5, 0.25, &[9.0, 9.0, 3.0, 0.0, 2.0, -3.0, 2.5])).unwrap();
+    assert_eq!((result.samples, result.inside, result.first_exit_s), (5, 2, Some(1.0)));
+    let longest = result.longest.unwrap();
+    assert_eq!((longest.from_s, longest.duration_s, longest.area), (1.75, 0.5, 0.625));
+    let [share, excursion, exit] = result.metrics();
+    let window = excursion.window.unwrap();
+    assert_eq!((share.value, window.from_s, window.to_s, exit.value), (Some(0.4), 1.75, 2.25, Some(1.0)));
+    // It begins inside and goes on beyond the end; of two equal stays the first is the longest.
+    let result = corridor.hold(&signal(1.5, 0.25, &[3.0, 0.0, 3.0, 0.0, 0.0, 0.0, 9.0, 9.0, 9.0])).unwrap();
+    assert_eq!((result.samples, result.inside, result.longest.unwrap().from_s), (6, 4, 1.5));
+    let never = corridor.hold(&signal(1.0, 0.25, &[0.0; 8])).unwrap().metrics();
+    assert_eq!(never[2].definition, "absent: the signal never leaves the corridor");
+    assert_eq!(never[1].definition, never[2].definition);
+    let apart = corridor.hold(&signal(9.0, 0.25, &[0.0; 8])).unwrap();
+    assert_eq!((apart.samples, apart.metrics()[2].definition.as_str()), (0, "absent: no common time"));
+    assert_eq!(apart.metrics()[0].value, None);
+}
+
+#[test]
+fn grids_must_coincide_to_a_millionth_of_an_interval_over_the_whole_signal() {
+    let bound = |x: f64| signal(0.0, 1e-3, &vec![x; 1000]);
+    let corridor = Corridor { lower: bound(-1.0), upper: bound(1.0), mean: None, tests: 0 };
+    let held = |t0_s: f64, dt_s: f64, n: usize| corridor.hold(&signal(t0_s, dt_s, &vec![0.0; n])).is_ok();
+    assert!(held(0.0, 1e-3, 1000) && held(0.005, 1e-3, 10) && held(1e-10, 1e-3, 10));
+    // Off by a ten-millionth of an interval a sample: a millionth after ten of them, far more after a thousand.
+    assert!(held(0.0, 1e-3 * (1.0 + 0.5e-7), 10) && !held(0.0, 1e-3 * (1.0 + 0.5e-7), 1000));
+    assert!(!held(0.0, 1.1e-3, 10) && !held(0.0, 0.5e-3, 10) && !held(4e-4, 1e-3, 10) && !held(1e-8, 1e-3, 10));
+}
+
+#[test]
+fn the_gap_of_two_crushes_is_a_share_of_their_mean() {
+    let a = Signal::new(0.0, 0.5, vec![0.0, -2.0, 0.0]).unwrap();
+    let v = Signal::new(0.0, 0.5, vec![4.0, 3.5, 3.0]).unwrap();
+    let motion = |c| ChannelMotion { acceleration: &a, velocity: &v, dynamic_crush_m: Some(c) };
+    let gaps = agreement(motion(0.75), motion(0.25), 0.5).unwrap();
+    assert_eq!((gaps.crush_gap_m, gaps.crush_gap_ratio), (Some(0.5), Some(1.0)));
+    assert_eq!(agreement(motion(3.0), motion(1.0), 0.5).unwrap().crush_gap_ratio, Some(1.0));
+    assert_eq!(agreement(motion(1.0), motion(0.0), 0.5).unwrap().crush_gap_ratio, Some(2.0));
+}
+
+#[test]
+fn residuals_of_curves_with_an_offset_are_those_worked_by_hand() {
+    // m - mean = -3, -1, 0, 4; e = m - c = 1, -1, 2, 0 around 0.5.
+    let (m, c) = ([1.0, 3.0, 4.0, 8.0], [0.0, 4.0, 2.0, 8.0]);
+    let r = residuals(&signal(0.5, 0.25, &m), &signal(0.5, 0.25, &c)).unwrap();
+    let ratio: f64 = 6.0 / 26.0;
+    assert!((r.nrmse.unwrap() - ratio.sqrt()).abs() < 1e-15 && (r.r2.unwrap() - (1.0 - ratio)).abs() < 1e-15);
+    // var e = 6 - 4·0.25, var m = 26.
+    assert!((r.vaf_percent.unwrap() - 100.0 * (1.0 - 5.0 / 26.0)).abs() < 1e-12);
+    assert!((r.rmse - 1.5_f64.sqrt()).abs() < 1e-15);
+    // Trapezoids of m², c² and m·c: 57.5, 52, 52.
+    assert!((r.sprague_geers_magnitude.unwrap() - ((52.0 / 57.5_f64).sqrt() - 1.0)).abs() < 1e-15);
+    let cosine = 52.0 / (57.5 * 52.0_f64).sqrt();
+    assert!((r.sprague_geers_phase.unwrap() - cosine.acos() / std::f64::consts::PI).abs() < 1e-14);
+    assert!((r.anova_mean.unwrap() - 0.5 / 8.0).abs() < 1e-16);
+    assert!((r.anova_standard_deviation.unwrap() - (5.0 / 3.0_f64).sqrt() / 8.0).abs() < 1e-15);
+    assert_eq!(r.interval_s, (0.5, 1.25));
+}
+
+#[test]
+fn residuals_are_free_of_the_unit_and_a_constant_has_no_fit() {
+    let (m, c) = ([1.0, 3.0, 4.0, 8.0], [0.0, 4.0, 2.0, 8.0]);
+    let of = |factor: f64| {
+        let scaled = |x: &[f64]| signal(0.0, 0.5, &x.iter().map(|x| factor * x).collect::<Vec<f64>>());
+        residuals(&scaled(&m), &scaled(&c)).unwrap()
+    };
+    let plain = of(1.0);
+    for exponent in [-900, -500, 500, 900] {
+        // Powers of two change no digit; squares of such samples leave the range of numbers.
+        let factor = 2.0_f64.powi(exponent);
+        let r = of(factor);
+        assert_eq!((r.nrmse, r.vaf_percent, r.theil_u1), (plain.nrmse, plain.vaf_percent, plain.theil_u1));
+        assert_eq!((r.rmse / factor, r.sprague_geers_phase), (plain.rmse, plain.sprague_geers_phase));
+    }
+    // The mean of seven tenths is no tenth to the last bit.
+    assert_eq!(fit_percent(&[0.1; 7], &[0.2; 7]), None);
+    let constant = residuals(&signal(0.0, 0.5, &[0.1; 7]), &signal(0.0, 0.5, &[0.2; 7])).unwrap();
+    assert_eq!((constant.nrmse, constant.vaf_percent), (None, None));
+}
+
+#[test]
+fn the_rated_interval_of_cora_is_cut_at_its_thresholds_and_lengthened() {
+    let mut t = vec![0.0; 1000];
+    t[200] = 2.9;
+    t[300] = 3.0;
+    t[400] = -100.0;
+    t[700] = 7.5;
+    t[800] = 7.4;
+    let of = |extension: f64| {
+        let interval = CoraInterval::Automatic { start: 0.03, end: 0.075, extension };
+        let t = signal(0.0, 1.0, &t);
+        cora(&t, &t, &CoraOptions { interval, ..CoraOptions::default() }).unwrap().interval_s
+    };
+    // 400 intervals; 1 % of them are 4, and 90 % end at the record's.
+    assert_eq!((of(0.0), of(0.01), of(0.9)), ((300.0, 700.0), (296.0, 704.0), (0.0, 999.0)));
+    assert_eq!((of(-1.0), of(1e300)), ((300.0, 700.0), (0.0, 999.0)));
+}
+
+#[test]
+fn the_shift_of_cora_keeps_the_overlap_and_scores_by_the_length() {
+    // A pulse that comes 20 of 100 samples late may still be found, 21 may not.
+    let at =
+        |from: usize| -> Vec<f64> { (0..100).map(|k| if (from..from + 8).contains(&k) { 1.0 } else { 0.0 }).collect() };
+    for (late, found) in [(20, Some(20)), (21, None), (5, Some(5))] {
+        let rating =
+            cora(&signal(0.0, 1.0, &at(40)), &signal(0.0, 1.0, &at(40 + late)), &CoraOptions::default()).unwrap();
+        assert_eq!(rating.shift_samples, found.unwrap_or(20), "{late}");
+        if late == 5 {
+            // 5 of 99 intervals between 1 % and 12 %.
+            assert!((rating.phase - (0.12 - 5.0 / 99.0) / 0.11).abs() < 1e-12 && rating.size == 1.0);
+        }
+    }
+    // One sample cannot be shifted.
+    assert_eq!(cora(&signal(0.0, 1.0, &[2.0]), &signal(0.0, 1.0, &[1.0]), &CoraOptions::default()).unwrap().size, 0.25);
+}
+
+#[test]
+fn corridors_of_no_width_between_them_score_one_or_zero() {
+    let options = CoraOptions { a_0: 0.25, b_0: 0.25, ..CoraOptions::default() };
+    let rating = cora(&signal(0.0, 1.0, &[4.0; 4]), &signal(0.0, 1.0, &[4.0, 5.0, 5.5, 3.0]), &options).unwrap();
+    assert_eq!(rating.corridor, 0.75);
+}
+
+#[test]
+fn nine_samples_have_a_slope_and_eight_have_none() {
+    let ramp: Vec<f64> = (0..9).map(f64::from).collect();
+    let rated = |n: usize| {
+        iso18571(&signal(0.0, 1.0, &ramp[..n]), &signal(0.0, 1.0, &ramp[..n]), &Iso18571Options::default()).unwrap()
+    };
+    assert_eq!((rated(9).slope_error, rated(8).slope_error), (Some(0.0), None));
+}
+
+#[test]
+fn windows_count_from_time_zero_and_an_interval_of_replicates_is_finite() {
+    let window = crumple_metrics::Metric::with_value(&OLC, 1.0).over(0.75, 1.25).counted_from(0.25).window.unwrap();
+    assert_eq!((window.from_s, window.to_s), (0.5, 1.0));
+    let spread = |extreme: f64| Interval::of_replicates([vec![1.0; 8], vec![extreme; 4]].concat());
+    assert!(spread(2.0).is_some() && spread(f64::INFINITY).is_none() && spread(f64::NEG_INFINITY).is_none());
+}

@@ -1,0 +1,9 @@
+//! Tests of `crumple-parameter-solve`, one program.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod command;
+mod command_chain;
+mod command_models;
+mod sensor_assessment;
+mod several_tests;

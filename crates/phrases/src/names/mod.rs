@@ -1,5 +1,0 @@
-//! What the names and keys of records are called: metrics, quantities, states of channels, definitions. Uses no other
-//! room.
-
-pub mod definitions;
-pub mod metrics;

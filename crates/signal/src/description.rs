@@ -1,0 +1,225 @@
+//! What is known of a test beside its samples: description, channels by name, parts of a dummy's body.
+
+use crate::iso13499::{IsoCode, wildcard};
+use crate::{Channel, QuantityKind};
+
+// The part of a dummy that an accelerometer sits in, and the channel frequency class it asks for.
+
+/// A part of the body that a criterion is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BodyPart {
+    /// Head of a dummy.
+    Head,
+    /// Free-motion headform, FMVSS 201.
+    Headform,
+    /// Chest of a dummy.
+    Chest,
+}
+
+impl BodyPart {
+    /// The class of its linear acceleration: head 1000, chest 180 (SAE J211-1 Table 1; FMVSS 208).
+    pub const fn cfc(self) -> u16 {
+        match self {
+            Self::Head | Self::Headform => 1000,
+            Self::Chest => 180,
+        }
+    }
+}
+
+/// Words of a place near a head that is none.
+const NO_HEAD: [&str; 11] =
+    ["restraint", "rest", "liner", "airbag", "lamp", "light", "rail", "cylinder", "engine", "motor", "bulk"];
+
+/// The part of the body an accelerometer sits in, by its ISO code, else by the words of its location (of its id where
+/// there is no location).
+pub fn part_of(channel: &Channel) -> Option<BodyPart> {
+    if channel.quantity != QuantityKind::Acceleration {
+        return None;
+    }
+    let place = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
+    let place = place.to_lowercase();
+    let words: Vec<&str> = place.split(|c: char| !c.is_alphanumeric()).collect();
+    let has = |word: &str| words.contains(&word);
+    if has("headform") || has("fmh") {
+        return Some(BodyPart::Headform);
+    }
+    if let Some((code, _)) = channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()) {
+        match code.main_location() {
+            "HEAD" => return Some(BodyPart::Head),
+            "CHST" => return Some(BodyPart::Chest),
+            _ => {}
+        }
+    }
+    if place.starts_with("vehicle") || NO_HEAD.into_iter().any(has) {
+        None
+    } else if has("head") {
+        Some(BodyPart::Head)
+    } else {
+        (has("chest") || has("thorax")).then_some(BodyPart::Chest)
+    }
+}
+
+// Selects channels by the name a person gives: an id, a code, another name, a pattern.
+
+/// Whether a name is a pattern: it has `*` or `?` in it.
+pub fn is_pattern(wanted: &str) -> bool {
+    wanted.contains(['*', '?'])
+}
+
+/// The channels that a name selects, as indices: the one with this id; else those with this id or code or other name
+/// in any case; else, if it is a pattern, all whose id, code or other name matches. None, one or several.
+pub fn resolve_channels(channels: &[(&Channel, &[String])], wanted: &str) -> Vec<usize> {
+    let wanted = wanted.trim();
+    if let Some(index) = channels.iter().position(|(channel, _)| channel.id == wanted) {
+        return vec![index];
+    }
+    let fold = wanted.to_lowercase();
+    let all = |fits: &dyn Fn(&str) -> bool, by_other_names: bool| -> Vec<usize> {
+        let named = |(channel, names): &(&Channel, &[String])| {
+            let others = names.iter().chain(&channel.code).map(String::as_str);
+            fits(&channel.id) || (by_other_names && others.into_iter().any(fits))
+        };
+        (0..channels.len()).filter(|k| named(&channels[*k])).collect()
+    };
+    let same = |name: &str| name.to_lowercase() == fold;
+    for by_other_names in [false, true] {
+        let matches = all(&same, by_other_names);
+        if !matches.is_empty() {
+            return matches;
+        }
+    }
+    if is_pattern(wanted) { all(&|name| wildcard(wanted, name), true) } else { Vec::new() }
+}
+
+impl TestDescription {
+    /// The channels that an id, a code or a pattern such as `1?VEHC*X?` selects, see [`resolve_channels`].
+    pub fn resolve_channels(&self, wanted: &str) -> Vec<&Channel> {
+        let named: Vec<(&Channel, &[String])> = self.channels.iter().map(|channel| (channel, [].as_slice())).collect();
+        resolve_channels(&named, wanted).into_iter().map(|k| &self.channels[k]).collect()
+    }
+}
+
+// What is known of a crash test beside its samples.
+
+/// What stands in place of a barrier where the vehicle met another one.
+pub const ANOTHER_VEHICLE: &str = "another vehicle";
+
+/// Where a record came from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Source {
+    /// The file format as recognised, e.g. `csv`, `nhtsa-ev5`.
+    pub format: String,
+    /// The file's name without its folder.
+    pub name: String,
+    /// Digest of the content, `blake3:<hex>`.
+    pub digest: String,
+}
+
+/// A crash test: title, vehicle, masses and speeds where known, and its channels.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TestDescription {
+    /// Title as the source gives it, else the file's stem.
+    pub title: String,
+    /// Vehicle, in words.
+    pub vehicle: Option<String>,
+    /// Test mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Speed just before contact, m/s, positive.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// Barrier, in words.
+    pub barrier: Option<String>,
+    /// Where the record came from.
+    pub source: Source,
+    /// Every channel the source lists.
+    pub channels: Vec<Channel>,
+    /// Id of the channel taken as the crash pulse.
+    pub pulse: Option<String>,
+    /// Remarks of the reader of the file.
+    pub notes: Vec<String>,
+    /// What says that t = 0 is first contact, in words: the format, or the person who stated it; `None`: nothing.
+    pub time_zero: Option<String>,
+    /// Whether its reader asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
+    pub exchange_asked: bool,
+}
+
+/// Why no channel can be taken as the pulse.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum PulseError {
+    /// The named channel is not in the test.
+    #[error("the test names {0:?} as its pulse, but has no such channel")]
+    Unknown(String),
+    /// There is no acceleration.
+    #[error("the test has no acceleration channel with data")]
+    None,
+    /// There are several, and the test does not say which.
+    #[error("the test has {0} acceleration channels and does not say which is the pulse")]
+    Several(usize),
+}
+
+impl TestDescription {
+    /// The channel with this id.
+    pub fn channel(&self, id: &str) -> Option<&Channel> {
+        self.channels.iter().find(|c| c.id == id)
+    }
+
+    /// The channel taken as the crash pulse: the one the record names, else its only acceleration channel with data.
+    pub fn pulse_channel(&self) -> Result<&Channel, PulseError> {
+        if let Some(id) = &self.pulse {
+            return self.channel(id).ok_or_else(|| PulseError::Unknown(id.clone()));
+        }
+        let mut candidates =
+            self.channels.iter().filter(|c| c.quantity == QuantityKind::Acceleration && c.status.has_data());
+        match (candidates.next(), candidates.count()) {
+            (None, _) => Err(PulseError::None),
+            (Some(only), 0) => Ok(only),
+            (Some(_), more) => Err(PulseError::Several(more + 1)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::QuantityKind;
+
+    fn at(location: &str, code: Option<&str>) -> Option<BodyPart> {
+        let code = code.map(str::to_owned);
+        let location = location.to_owned();
+        part_of(&Channel { location, code, ..Channel::new("1", QuantityKind::Acceleration) })
+    }
+
+    #[test]
+    fn heads_and_chests_are_known_by_code_and_by_words() {
+        assert_eq!(at("somewhere", Some("11HEADCG0000ACXP")), Some(BodyPart::Head));
+        assert_eq!(at("driver, head", None), Some(BodyPart::Head));
+        assert_eq!(at("front passenger, chest", None), Some(BodyPart::Chest));
+        assert_eq!(at("free motion headform", None), Some(BodyPart::Headform));
+        assert_eq!(at("vehicle, head restraint", None), None);
+        assert_eq!(at("engine, cylinder head", None), None);
+        assert_eq!(at("driver, pelvis", Some("11PELV000000ACXP")), None);
+        assert_eq!(part_of(&Channel::new("head_x", QuantityKind::Acceleration)), Some(BodyPart::Head));
+        assert_eq!(part_of(&Channel::new("head_x", QuantityKind::AngularVelocity)), None);
+    }
+
+    #[test]
+    fn an_id_beats_a_code_beats_a_pattern() {
+        let channel = |id: &str, code: &str| Channel {
+            code: Some(code.to_owned()),
+            ..Channel::new(id, QuantityKind::Acceleration)
+        };
+        let channels = vec![
+            channel("93", "10FORALERE00ACXP"),
+            channel("94", "10FORARIRE00ACXP"),
+            channel("95", "10ENGN000000ACXP"),
+        ];
+        let test = TestDescription { channels, ..TestDescription::default() };
+        let ids = |wanted: &str| -> Vec<String> {
+            test.resolve_channels(wanted).into_iter().map(|channel| channel.id.clone()).collect()
+        };
+        assert_eq!(ids("93"), ["93"]);
+        assert_eq!(ids("10foralere00acxp"), ["93"]);
+        assert_eq!(ids("1?FORA*X?"), ["93", "94"]);
+        assert_eq!(ids("9?"), ["93", "94", "95"]);
+        assert_eq!(ids("96"), [""; 0]);
+    }
+}

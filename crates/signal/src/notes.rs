@@ -1,0 +1,291 @@
+//! Remarks of a computation, each with a severity.
+
+use std::fmt;
+use std::str::FromStr;
+
+// What a note concerns, and how much it changes there.
+
+/// What a note concerns: one of the things that a report shows.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum About {
+    /// The channel that the crash is read from: whether it is the right one, its sign, its unit, its samples.
+    Pulse,
+    /// The mass of the vehicle.
+    Mass,
+    /// The impact speed.
+    ImpactSpeed,
+    /// Time zero and the time axis.
+    Time,
+    /// Velocity, crush and the numbers made from them.
+    Motion,
+    /// A lumped model or one of its candidates, by name or id.
+    Model(String),
+    /// What is predicted.
+    Predictions,
+    /// Criteria of occupants.
+    Occupants,
+    /// Force on the barrier.
+    WallForce,
+    /// Identified models of inputs and outputs.
+    IdentifiedModels,
+    /// An identification method that gave no model, or not all that were asked of it, by name.
+    Method(String),
+    /// Another channel than the pulse, by id.
+    Channel(String),
+    /// The file as it was read.
+    Record,
+}
+
+/// Words of the kinds that need no name.
+const PLAIN: [(About, &str); 10] = [
+    (About::Pulse, "pulse"),
+    (About::Mass, "mass"),
+    (About::ImpactSpeed, "impact-speed"),
+    (About::Time, "time"),
+    (About::Motion, "motion"),
+    (About::Predictions, "predictions"),
+    (About::Occupants, "occupants"),
+    (About::WallForce, "wall-force"),
+    (About::IdentifiedModels, "identified-models"),
+    (About::Record, "record"),
+];
+
+const MODEL: &str = "model:";
+
+const METHOD: &str = "method:";
+
+const CHANNEL: &str = "channel:";
+
+impl About {
+    /// What notes of a stage concern that do not say it.
+    pub fn of_stage(stage: &str) -> Self {
+        match stage {
+            "filter" => Self::Pulse,
+            "integrate" => Self::Motion,
+            "identify" => Self::IdentifiedModels,
+            "parameter-solve" | "simulate" => Self::Model(String::new()),
+            "predict" => Self::Predictions,
+            _ => Self::Record,
+        }
+    }
+}
+
+/// The text form of records: `pulse`, `model:kelvin/direct-fit/1`, `channel:96`.
+impl fmt::Display for About {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Model(name) => write!(f, "{MODEL}{name}"),
+            Self::Method(name) => write!(f, "{METHOD}{name}"),
+            Self::Channel(id) => write!(f, "{CHANNEL}{id}"),
+            plain => f.write_str(PLAIN.iter().find(|(about, _)| about == plain).map_or("record", |(_, word)| word)),
+        }
+    }
+}
+
+/// Text that names nothing a report shows.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0:?} is not what a note can concern")]
+pub struct UnknownAbout(String);
+
+impl FromStr for About {
+    type Err = UnknownAbout;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if let Some(name) = text.strip_prefix(MODEL) {
+            return Ok(Self::Model(name.to_owned()));
+        }
+        if let Some(name) = text.strip_prefix(METHOD) {
+            return Ok(Self::Method(name.to_owned()));
+        }
+        if let Some(id) = text.strip_prefix(CHANNEL) {
+            return Ok(Self::Channel(id.to_owned()));
+        }
+        let plain = PLAIN.iter().find(|(_, word)| *word == text).map(|(about, _)| about.clone());
+        plain.ok_or_else(|| UnknownAbout(text.to_owned()))
+    }
+}
+
+/// What becomes of what is shown, if the note is true.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Weight {
+    /// It stays within what its interval says, or a part of little interest changes.
+    Slight = 1,
+    /// Numbers may be off by more than their intervals say.
+    Marked = 2,
+    /// It may be another thing than it is taken for: wrong channel, sign, unit, mass.
+    Decisive = 3,
+}
+
+impl Weight {
+    /// 1 to 3, as records have it.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// The weight of a number; what is beyond 3 is decisive, 0 slight.
+    pub const fn of_number(number: u8) -> Self {
+        match number {
+            0 | 1 => Self::Slight,
+            2 => Self::Marked,
+            _ => Self::Decisive,
+        }
+    }
+}
+
+/// What a note concerns and how much it changes there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Bearing {
+    /// What it concerns.
+    pub about: About,
+    /// How much it changes there.
+    pub weight: Weight,
+}
+
+// Remarks that a stage leaves for the reader of its result.
+
+/// What a warning begins with in its text form, as the record of notes has it on disk.
+const WARNING_PREFIX: &str = "warning: ";
+
+/// How much a note matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Good to know.
+    Info,
+    /// May change a conclusion.
+    Warning,
+}
+
+/// A remark in plain words. Its text form, which [`Note::parse`] reads back, starts with `warning: ` if it is a
+/// warning: nothing else in the code writes or reads that prefix.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Note {
+    /// How much it matters.
+    pub severity: Severity,
+    /// One sentence, units included.
+    pub text: String,
+    /// What it concerns and how much it changes there; `None`: what the stage concerns, with the least weight.
+    pub bearing: Option<Bearing>,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.severity {
+            Severity::Info => f.write_str(&self.text),
+            Severity::Warning => write!(f, "{WARNING_PREFIX}{}", self.text),
+        }
+    }
+}
+
+impl Note {
+    /// Something good to know.
+    pub fn info(text: impl Into<String>) -> Self {
+        Self { severity: Severity::Info, text: text.into(), bearing: None }
+    }
+
+    /// Something that may change a conclusion.
+    pub fn warning(text: impl Into<String>) -> Self {
+        Self { severity: Severity::Warning, text: text.into(), bearing: None }
+    }
+
+    /// The same, with what it concerns and how much it changes there.
+    #[must_use]
+    pub fn bears_on(mut self, about: About, weight: Weight) -> Self {
+        self.bearing = Some(Bearing { about, weight });
+        self
+    }
+
+    /// Reads the text form back.
+    pub fn parse(text: &str) -> Self {
+        match text.strip_prefix(WARNING_PREFIX) {
+            Some(rest) => Self::warning(rest),
+            None => Self::info(text),
+        }
+    }
+}
+
+/// The notes of one computation, in the order they were made.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Notes(Vec<Note>);
+
+impl Notes {
+    /// None yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds something good to know.
+    pub fn info(&mut self, text: impl Into<String>) {
+        self.0.push(Note::info(text));
+    }
+
+    /// Adds something that may change a conclusion.
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.0.push(Note::warning(text));
+    }
+
+    /// Adds a warning with what it concerns and how much it changes there.
+    pub fn concern(&mut self, about: About, weight: Weight, text: impl Into<String>) {
+        self.0.push(Note::warning(text).bears_on(about, weight));
+    }
+
+    /// Gives `about` to all warnings that do not say what they concern, with the least weight.
+    #[must_use]
+    pub fn all_about(mut self, about: &About) -> Self {
+        for note in self.0.iter_mut().filter(|note| note.severity == Severity::Warning) {
+            note.bearing.get_or_insert_with(|| Bearing { about: about.clone(), weight: Weight::Slight });
+        }
+        self
+    }
+
+    /// Puts a warning before all other notes: what the rest rests on is in doubt.
+    pub fn concern_first(&mut self, about: About, text: impl Into<String>) {
+        self.0.insert(0, Note::warning(text).bears_on(about, Weight::Decisive));
+    }
+
+    /// Adds a note as it is.
+    pub fn push(&mut self, note: Note) {
+        self.0.push(note);
+    }
+
+    /// The notes in order.
+    pub fn iter(&self) -> std::slice::Iter<'_, Note> {
+        self.0.iter()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Appends the notes of a part of the computation.
+    pub fn extend(&mut self, other: Self) {
+        self.0.extend(other.0);
+    }
+
+    /// The text forms, in order.
+    pub fn to_texts(&self) -> Vec<String> {
+        self.0.iter().map(Note::to_string).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    #[test]
+    fn text_forms_are_read_back() {
+        let named = [
+            About::Model("kelvin/direct-fit/1".to_owned()),
+            About::Method("okid".to_owned()),
+            About::Channel("96".to_owned()),
+        ];
+        for about in PLAIN.iter().map(|(about, _)| about.clone()).chain(named) {
+            assert_eq!(about.to_string().parse(), Ok(about));
+        }
+        assert!("elsewhere".parse::<About>().is_err());
+        for weight in [Weight::Slight, Weight::Marked, Weight::Decisive] {
+            assert_eq!(Weight::of_number(weight.number()), weight);
+        }
+    }
+}

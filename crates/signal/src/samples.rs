@@ -1,0 +1,559 @@
+//! Uniformly sampled signals, the zero level before the event, and the steps from an acceleration to its motion.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use crate::{Quantity, QuantityKind, STANDARD_GRAVITY_M_PER_S2};
+
+// A free fall before the event: what is the level before contact then is no zero.
+
+/// How far a change of level may be from 1 g and still be that of gravity, m/s²: sensors are calibrated to 2 %, gravity
+/// differs by 0.3 % on the ground, and a fall is braked by the air and by rails.
+const SLACK_M_PER_S2: f64 = 0.05 * STANDARD_GRAVITY_M_PER_S2;
+
+/// Length of the first part of a record, s, that may show the rest before the fall.
+const FIRST_S: f64 = 0.02;
+
+/// Length of the last part of a record, s, that may show the rest after the event.
+const LAST_S: f64 = 0.1;
+
+/// The last part is this long after contact at least, s: an impact is over by then.
+const OVER_S: f64 = 0.05;
+
+/// Noise that a level at rest has at most, as a factor of that in the fall: what moves is noisier.
+const QUIET: f64 = 1.5;
+
+/// Resolution of a record, m/s²: noise below it is none.
+const RESOLUTION_M_PER_S2: f64 = 0.02 * STANDARD_GRAVITY_M_PER_S2;
+
+/// A free fall before the event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeFall {
+    /// Level at rest, the zero of the motion, m/s².
+    pub rest_level: f64,
+    /// Level in the fall, m/s².
+    pub fall_level: f64,
+}
+
+/// Whether a level is that of gravity, of either sign.
+pub fn is_gravity(level_m_per_s2: f64) -> bool {
+    (level_m_per_s2.abs() - STANDARD_GRAVITY_M_PER_S2).abs() <= SLACK_M_PER_S2
+}
+
+/// Whether an acceleration, its zero level removed, is that of a fall before t = 0.
+pub fn falls_before_event(acceleration: &Sampled) -> bool {
+    pre_event(acceleration, PreEventWindow::default()).is_some_and(|before| is_gravity(before.zero_level))
+}
+
+/// The free fall before an event, if the level of an acceleration before it, `before`, is 1 g off the level at rest.
+///
+/// A sensor that feels gravity reads 0 in a fall and 1 g at rest; one that was zeroed at rest reads 1 g in a fall. Of
+/// both, what the body accelerates is the reading less the level at rest. The rest is looked for at the start of the
+/// record (20 ms, before the fall) and at its end (100 ms, 50 ms after contact at least); it is steady and no noisier
+/// than the fall. `None` where no rest shows, or is the level before the event: an offset stays.
+pub fn free_fall(samples: &Sampled, before: &PreEvent) -> Option<FreeFall> {
+    let (start_s, end_s) = (samples.t0_s(), samples.end_s());
+    let first = (start_s + 2.0 * FIRST_S < before.from_s).then_some((start_s, start_s + FIRST_S));
+    let last = (end_s - LAST_S > OVER_S).then_some((end_s - LAST_S, end_s));
+    let quiet_m_per_s2 = QUIET * before.noise_floor + RESOLUTION_M_PER_S2;
+    let rest_level = [first, last].into_iter().flatten().find_map(|(from_s, to_s)| {
+        let level = steady_level(samples, from_s, to_s, quiet_m_per_s2)?;
+        is_gravity(level - before.zero_level).then_some(level)
+    })?;
+    Some(FreeFall { rest_level, fall_level: before.zero_level })
+}
+
+/// The mean of a stretch that is steady: its halves agree, and it has little noise.
+fn steady_level(samples: &Sampled, from_s: f64, to_s: f64, quiet_m_per_s2: f64) -> Option<f64> {
+    let (from, to) = (samples.index_at_or_after(from_s), samples.index_at_or_after(to_s));
+    let part = samples.samples().get(from..to).filter(|part| part.len() >= 4)?;
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let (level, halves) = (mean(part), part.split_at(part.len() / 2));
+    let noise = (part.iter().map(|x| (x - level).powi(2)).sum::<f64>() / part.len() as f64).sqrt();
+    // A mean of few noisy samples is no level.
+    let is_known = noise <= RESOLUTION_M_PER_S2 * (part.len() as f64).sqrt();
+    let is_steady = (mean(halves.0) - mean(halves.1)).abs() <= SLACK_M_PER_S2;
+    (noise <= quiet_m_per_s2 && is_known && is_steady).then_some(level)
+}
+
+// Zero level and noise of a channel before the event.
+
+/// Shortest stretch of pre-event data that gives a zero level, s.
+const SHORTEST_S: f64 = 0.01;
+
+/// Runs of exact zeros at the start of a record up to this long are samples like others; longer ones are a muted
+/// recorder.
+const FEW_ZEROS: usize = 10;
+
+/// Slack for time stamps that are sums of a decimal interval, s.
+const SLACK_S: f64 = 1e-9;
+
+/// Where the zero level is read, s on the record's time axis, both ends included.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PreEventWindow {
+    /// First sample at or after this time.
+    pub from_s: f64,
+    /// Last sample at or before this time.
+    pub to_s: f64,
+}
+
+/// -50 ms to -10 ms: clear of the electrical noise of a trigger and of early contact.
+impl Default for PreEventWindow {
+    fn default() -> Self {
+        Self { from_s: -0.05, to_s: -0.01 }
+    }
+}
+
+/// Zero level and noise before the event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PreEvent {
+    /// Mean of the samples in the window, SI.
+    pub zero_level: f64,
+    /// Their standard deviation about it (divisor n), SI.
+    pub noise_floor: f64,
+    /// Time of the first, s.
+    pub from_s: f64,
+    /// Time of the last, s.
+    pub to_s: f64,
+    /// How many they are.
+    pub samples: usize,
+    /// Samples in front of them that are exactly 0 and not counted: the recorder was muted.
+    pub muted: usize,
+}
+
+/// Mean and standard deviation in the part of the window that the record covers; `None` if that is shorter than 10 ms.
+///
+/// The mean is wrong by about the noise floor over the square root of the number of samples. A wrong zero level δ adds
+/// δ·t to the velocity and δ·t²/2 to the displacement: 0.1 g over 100 ms is 0.098 m/s and 4.9 mm. Never the mean of the
+/// whole record: a crash pulse has one.
+///
+/// A record that begins with more than ten samples of exactly 0 was muted until then (NHTSA's TDMS files): that run is
+/// not counted. A window of nothing but such zeros is taken as it is, as computed records have it.
+pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> {
+    let from = samples.index_at_or_after(window.from_s - SLACK_S);
+    let to = samples.index_at_or_after(window.to_s + SLACK_S);
+    // A sample inside the slack belongs to the window; `index_at_or_after` has a slack of its own, in intervals.
+    let to = if to < samples.len() && samples.time_s(to) <= window.to_s + SLACK_S { to + 1 } else { to };
+    let muted = samples.samples().iter().take(to).take_while(|x| **x == 0.0).count();
+    let muted = if (FEW_ZEROS + 1..to).contains(&muted) { muted } else { 0 };
+    let from = from.max(muted);
+    let inside = samples.samples().get(from..to).filter(|inside| !inside.is_empty())?;
+    let (from_s, to_s) = (samples.time_s(from), samples.time_s(to - 1));
+    if to_s - from_s < SHORTEST_S - SLACK_S {
+        return None;
+    }
+    let n = inside.len() as f64;
+    let zero_level = inside.iter().sum::<f64>() / n;
+    let noise_floor = (inside.iter().map(|x| (x - zero_level).powi(2)).sum::<f64>() / n).sqrt();
+    let level = PreEvent { zero_level, noise_floor, from_s, to_s, samples: inside.len(), muted };
+    // Samples near the end of the range of numbers have squares beyond it.
+    (zero_level.is_finite() && noise_floor.is_finite()).then_some(level)
+}
+
+// What was done to an acceleration before its motion stood in an artifact.
+
+/// The steps between an acceleration and the motion that was recorded of it, as the records of a run state them:
+/// sampling, channel filter, integration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordingSteps {
+    /// Sampling interval, s.
+    pub dt_s: f64,
+    /// First sample of the acceleration, s after contact; negative before it.
+    pub first_s: f64,
+    /// Samples of the acceleration.
+    pub samples: usize,
+    /// Filter of second order that ran forward and backward: a0, a1, a2, b1, b2, and the samples mirrored through the
+    /// end points before. `None`: not filtered.
+    pub two_pass_filter: Option<([f64; 5], usize)>,
+    /// Whether the integration starts at contact (else at the first sample), with the impact speed.
+    pub from_contact: bool,
+    /// Whether every sample holds until the next (forward Euler); else trapezoids.
+    pub forward_euler: bool,
+    /// What the filtered acceleration shows before the event; `None`: too little.
+    pub before_event: Option<BeforeEvent>,
+    /// Whether these are all steps; else a filter or a rule stands in no record, or in one that cannot be repeated.
+    pub known: bool,
+}
+
+/// The stretch before the event from which the zero level of an acceleration was read, and the noise there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeforeEvent {
+    /// First sample of the zero level, s after contact.
+    pub from_s: f64,
+    /// Samples that the zero level is the mean of.
+    pub samples: usize,
+    /// Standard deviation of the filtered acceleration, unit of the samples.
+    pub noise: f64,
+    /// Samples that it is of: those that the ends of the record do not reach through the filter.
+    pub noise_samples: usize,
+}
+
+impl BeforeEvent {
+    /// In the usual window ([`PreEventWindow`]) of a filtered acceleration, contact at `time_zero_s` of its axis.
+    ///
+    /// `end_s`: what is left out of the noise at the first sample, because a filter that mirrors the record there
+    /// passes more of it. `None` where less than 10 ms are left.
+    pub fn of(filtered: &Sampled, time_zero_s: f64, end_s: f64) -> Option<Self> {
+        let window = PreEventWindow::default();
+        let whole = pre_event(filtered, window)?;
+        let inner =
+            pre_event(filtered, PreEventWindow { from_s: window.from_s.max(filtered.t0_s() + end_s), ..window })?;
+        Some(Self {
+            from_s: whole.from_s - time_zero_s,
+            samples: whole.samples,
+            noise: inner.noise_floor,
+            noise_samples: inner.samples,
+        })
+    }
+}
+
+// Uniformly sampled signals.
+
+/// Why samples do not form a signal.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SignalError {
+    /// The sampling interval is zero, negative or not finite.
+    #[error("sampling interval {0} s is not a positive number")]
+    Interval(f64),
+    /// The time of the first sample is not finite.
+    #[error("time of the first sample {0} s is not finite")]
+    Start(f64),
+    /// A sample is NaN or infinite.
+    #[error("sample {index} (t = {time_s:.6} s) is {value}, a finite number is needed")]
+    NotFinite {
+        /// Index of the first such sample.
+        index: usize,
+        /// Its time.
+        time_s: f64,
+        /// NaN, inf or -inf.
+        value: f64,
+    },
+    /// The samples measure something else.
+    #[error("the samples are {found}, {needed} is needed")]
+    Quantity {
+        /// What they are.
+        found: QuantityKind,
+        /// What was asked for.
+        needed: QuantityKind,
+    },
+}
+
+/// Samples on a uniform time grid, whatever they measure: `t(k) = t0_s + k·dt_s`.
+///
+/// Always: `dt_s` is positive, `t0_s` and every sample are finite. The samples are shared: a clone or a
+/// [`slice`](Self::slice) costs nothing, whatever the length of the record.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    t0_s: f64,
+    dt_s: f64,
+    samples: Arc<Vec<f64>>,
+    /// The part of the shared samples that is meant.
+    part: Range<usize>,
+}
+
+/// Same grid and same samples.
+impl PartialEq for Sampled {
+    fn eq(&self, other: &Self) -> bool {
+        self.t0_s == other.t0_s && self.dt_s == other.dt_s && self.samples() == other.samples()
+    }
+}
+
+impl Sampled {
+    /// Checks the grid and the samples and takes them. Errors: [`SignalError`].
+    pub fn new(t0_s: f64, dt_s: f64, samples: Vec<f64>) -> Result<Self, SignalError> {
+        if !(dt_s.is_finite() && dt_s > 0.0) {
+            return Err(SignalError::Interval(dt_s));
+        }
+        if !t0_s.is_finite() {
+            return Err(SignalError::Start(t0_s));
+        }
+        if let Some(index) = first_not_finite(&samples) {
+            return Err(SignalError::NotFinite { index, time_s: t0_s + index as f64 * dt_s, value: samples[index] });
+        }
+        let part = 0..samples.len();
+        Ok(Self { t0_s, dt_s, samples: Arc::new(samples), part })
+    }
+
+    /// The same samples on a time axis whose first sample is at `t0_s`, which must be finite.
+    pub fn starting_at(&self, t0_s: f64) -> Result<Self, SignalError> {
+        if !t0_s.is_finite() {
+            return Err(SignalError::Start(t0_s));
+        }
+        Ok(Self { t0_s, ..self.clone() })
+    }
+
+    /// Time of sample 0, s.
+    pub fn t0_s(&self) -> f64 {
+        self.t0_s
+    }
+
+    /// Sampling interval, s.
+    pub fn dt_s(&self) -> f64 {
+        self.dt_s
+    }
+
+    /// Sampling rate, Hz.
+    pub fn rate_hz(&self) -> f64 {
+        1.0 / self.dt_s
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.part.len()
+    }
+
+    /// Whether there are no samples.
+    pub fn is_empty(&self) -> bool {
+        self.part.is_empty()
+    }
+
+    /// The samples, SI.
+    pub fn samples(&self) -> &[f64] {
+        &self.samples[self.part.clone()]
+    }
+
+    /// The samples, taken out; copied if they are shared with another signal or part of a longer one.
+    pub fn into_samples(self) -> Vec<f64> {
+        let Self { samples, part, .. } = self;
+        match Arc::try_unwrap(samples) {
+            Ok(whole) if part.len() == whole.len() => whole,
+            Ok(whole) => whole[part].to_vec(),
+            Err(shared) => shared[part].to_vec(),
+        }
+    }
+
+    /// Time of sample `index`, s. `index` may lie past the end.
+    pub fn time_s(&self, index: usize) -> f64 {
+        self.t0_s + index as f64 * self.dt_s
+    }
+
+    /// Time of the last sample, s; `t0_s` if there is none.
+    pub fn end_s(&self) -> f64 {
+        self.time_s(self.len().saturating_sub(1))
+    }
+
+    /// All sample times, s.
+    pub fn times_s(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.len()).map(|k| self.time_s(k))
+    }
+
+    /// First index whose time is at or after `t_s`, with a slack of `1e-6·dt` for rounding; at most `len`.
+    pub fn index_at_or_after(&self, t_s: f64) -> usize {
+        let k = ((t_s - self.t0_s) / self.dt_s - 1e-6).ceil();
+        if k <= 0.0 { 0 } else { (k as usize).min(self.len()) }
+    }
+
+    /// The part with indices `from..to` (clamped to the record), on the same grid. Nothing is copied.
+    pub fn slice(&self, from: usize, to: usize) -> Self {
+        let to = to.min(self.len());
+        let from = from.min(to);
+        Self {
+            t0_s: self.time_s(from),
+            dt_s: self.dt_s,
+            samples: Arc::clone(&self.samples),
+            part: self.part.start + from..self.part.start + to,
+        }
+    }
+
+    /// Linear interpolation at `t_s`; `None` outside the record.
+    pub fn at(&self, t_s: f64) -> Option<f64> {
+        let x = (t_s - self.t0_s) / self.dt_s;
+        if self.is_empty() || x < -1e-9 || x > self.len() as f64 - 1.0 + 1e-9 {
+            return None;
+        }
+        let k = (x.max(0.0) as usize).min(self.len() - 1);
+        let next = (k + 1).min(self.len() - 1);
+        let w = (x - k as f64).clamp(0.0, 1.0);
+        let samples = self.samples();
+        Some(samples[k] + w * (samples[next] - samples[k]))
+    }
+}
+
+/// Index of the first NaN or infinity. Whole blocks are checked at once, at the speed of memory.
+fn first_not_finite(samples: &[f64]) -> Option<usize> {
+    const BLOCK: usize = 1024;
+    let bad = samples.chunks(BLOCK).position(|block| !block.iter().fold(true, |all, x| all & x.is_finite()))?;
+    samples[bad * BLOCK..].iter().position(|x| !x.is_finite()).map(|k| bad * BLOCK + k)
+}
+
+/// Samples that know what they measure: `Signal<Acceleration>` is in m/s².
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal<Q> {
+    sampled: Sampled,
+    quantity: PhantomData<Q>,
+}
+
+impl<Q: Quantity> Signal<Q> {
+    /// Checks the grid and the samples and takes them. Errors: [`SignalError`].
+    pub fn new(t0_s: f64, dt_s: f64, samples: Vec<f64>) -> Result<Self, SignalError> {
+        Sampled::new(t0_s, dt_s, samples).map(Self::from)
+    }
+
+    /// The untyped samples.
+    pub fn into_sampled(self) -> Sampled {
+        self.sampled
+    }
+
+    /// A signal of the same quantity on the same grid with other samples, which must be finite.
+    pub fn with_samples(&self, samples: Vec<f64>) -> Result<Self, SignalError> {
+        Self::new(self.t0_s(), self.dt_s(), samples)
+    }
+}
+
+/// Declares that the samples measure `Q`; the caller has checked it.
+impl<Q: Quantity> From<Sampled> for Signal<Q> {
+    fn from(sampled: Sampled) -> Self {
+        Self { sampled, quantity: PhantomData }
+    }
+}
+
+impl<Q> std::ops::Deref for Signal<Q> {
+    type Target = Sampled;
+
+    fn deref(&self) -> &Sampled {
+        &self.sampled
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Acceleration;
+
+    const G: f64 = STANDARD_GRAVITY_M_PER_S2;
+
+    /// Rest until -0.5 s where `rest_first`, a fall until 0, a half sine of 50 g and 20 ms, rest; in g.
+    fn drop(rest: f64, fall: f64, rest_first: bool, noise_g: f64) -> Sampled {
+        let at = |k: u32| {
+            let t = f64::from(k) * 1e-3 - 0.7;
+            // A noise that repeats itself after many samples.
+            let noise = noise_g * (f64::from(k * 7919 % 1009) / 504.0 - 1.0);
+            let level = if t < -0.5 && rest_first || t >= 0.0 { rest } else { fall };
+            let pulse = if (0.0..0.02).contains(&t) { 50.0 * (std::f64::consts::PI * t / 0.02).sin() } else { 0.0 };
+            G * (level + pulse + noise)
+        };
+        Sampled::new(-0.7, 1e-3, (0..1500).map(at).collect()).unwrap()
+    }
+
+    fn of(samples: &Sampled) -> Option<FreeFall> {
+        free_fall(samples, &pre_event(samples, PreEventWindow::default())?)
+    }
+
+    #[test]
+    fn the_level_at_rest_is_found_for_any_sign_offset_and_sensor() {
+        for (rest, fall) in [(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0), (4.0, 5.0), (0.03, -0.99)] {
+            for (rest_first, noise) in [(true, 0.0), (false, 0.0), (true, 0.05), (false, 0.05)] {
+                let found = of(&drop(rest, fall, rest_first, noise)).unwrap();
+                // A mean over 20 samples of a noise of 0.03 g.
+                assert!((found.rest_level / G - rest).abs() < 0.02, "{rest} {fall} {rest_first} {noise}: {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_offset_that_stays_and_other_steps_are_no_fall() {
+        for (rest, fall) in [(-5.0, -5.0), (1.0, 1.0), (0.0, 0.9), (0.0, 2.0), (0.0, 0.5)] {
+            assert_eq!(of(&drop(rest, fall, false, 0.01)), None, "{rest} {fall}");
+        }
+        // What shakes after the event does not rest.
+        let shaken = drop(0.0, -1.0, false, 0.0);
+        let shake = |(k, a): (usize, &f64)| if k > 750 { a + 3.0 * (k as f64).sin() } else { *a };
+        let shaken = Sampled::new(-0.7, 1e-3, shaken.samples().iter().enumerate().map(shake).collect()).unwrap();
+        assert_eq!(of(&shaken), None);
+    }
+
+    fn ramp(t0_s: f64, dt_s: f64, n: usize) -> Sampled {
+        Sampled::new(t0_s, dt_s, (0..n).map(|k| k as f64).collect()).unwrap()
+    }
+
+    #[test]
+    fn both_ends_of_the_window_belong_to_it() {
+        let level = pre_event(&ramp(-0.06, 1e-3, 200), PreEventWindow::default()).unwrap();
+        assert_eq!((level.samples, level.zero_level), (41, 30.0));
+        // Variance of the integers -20..=20: 20·21/3.
+        assert!((level.noise_floor - 140.0_f64.sqrt()).abs() < 1e-12);
+        // -50.0 to -10.0 ms at 10 kHz: samples 0 to 400.
+        let level = pre_event(&ramp(-0.05, 1e-4, 3500), PreEventWindow::default()).unwrap();
+        assert_eq!((level.samples, level.zero_level), (401, 200.0));
+    }
+
+    #[test]
+    fn a_muted_start_is_not_counted() {
+        let record = |muted: usize| {
+            let at = |k: usize| if k < muted { 0.0 } else { 2.0 };
+            Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap()
+        };
+        let level_after =
+            |muted| pre_event(&record(muted), PreEventWindow::default()).map(|f| (f.zero_level, f.muted, f.samples));
+        assert_eq!(level_after(0), Some((2.0, 0, 401)));
+        assert_eq!(level_after(200), Some((2.0, 200, 201)));
+        // Ten zeros may be measured ones.
+        assert_eq!(level_after(10).map(|(_, muted, samples)| (muted, samples)), Some((0, 401)));
+        // Less than 10 ms are left.
+        assert_eq!(level_after(350), None);
+        // Nothing but zeros: a computed record.
+        assert_eq!(level_after(500), Some((0.0, 0, 401)));
+        assert_eq!(level_after(3500), Some((0.0, 0, 401)));
+    }
+
+    #[test]
+    fn ten_milliseconds_before_the_event_are_enough_and_nine_are_not() {
+        let samples = |t0_s| pre_event(&ramp(t0_s, 1e-3, 200), PreEventWindow::default()).map(|level| level.samples);
+        assert_eq!((samples(-0.02), samples(-0.019), samples(0.0)), (Some(11), None, None));
+        assert_eq!(pre_event(&ramp(-0.02, 1e-4, 2701), PreEventWindow::default()).map(|f| f.samples), Some(101));
+        assert_eq!(pre_event(&ramp(-0.0199, 1e-4, 2701), PreEventWindow::default()), None);
+    }
+
+    #[test]
+    fn a_window_that_ends_before_it_starts_and_samples_beyond_squares_have_none() {
+        assert_eq!(pre_event(&ramp(-0.06, 1e-3, 200), PreEventWindow { from_s: -0.01, to_s: -0.05 }), None);
+        let huge = Sampled::new(-0.06, 1e-3, (0..100).map(|k| if k % 2 == 0 { 1e300 } else { -1e300 }).collect());
+        assert_eq!(pre_event(&huge.unwrap(), PreEventWindow::default()), None);
+    }
+
+    #[test]
+    fn refuses_a_nan_and_names_its_place() {
+        let error = Signal::<Acceleration>::new(-0.1, 0.1, vec![0.0, 1.0, f64::NAN]).unwrap_err();
+        assert_eq!(error.to_string(), "sample 2 (t = 0.100000 s) is NaN, a finite number is needed");
+    }
+
+    #[test]
+    fn a_nan_late_in_a_long_record_is_found_where_it_is() {
+        for bad in [0, 1023, 1024, 4999] {
+            let mut samples = vec![1.0; 5000];
+            samples[bad] = f64::INFINITY;
+            let error = Sampled::new(0.0, 1.0, samples).unwrap_err();
+            assert!(matches!(error, SignalError::NotFinite { index, .. } if index == bad), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn a_slice_shares_its_samples_and_equals_a_record_of_its_own() {
+        let whole = Sampled::new(0.0, 0.5, (0..8).map(f64::from).collect()).unwrap();
+        let part = whole.slice(2, 6).slice(1, 99);
+        assert_eq!(part, Sampled::new(1.5, 0.5, vec![3.0, 4.0, 5.0]).unwrap());
+        assert!(std::ptr::eq(&raw const whole.samples()[3], &raw const part.samples()[0]));
+        assert_eq!(part.clone().into_samples(), [3.0, 4.0, 5.0]);
+        assert_eq!(part.starting_at(7.0).unwrap().t0_s(), 7.0);
+        assert_eq!((part.at(2.0), part.at(1.0)), (Some(4.0), None));
+    }
+
+    #[test]
+    fn finds_the_sample_at_time_zero_despite_rounding() {
+        let s = Sampled::new(-0.02, 1e-4, vec![0.0; 2701]).unwrap();
+        assert_eq!(s.index_at_or_after(0.0), 200);
+        assert_eq!(s.index_at_or_after(-1.0), 0);
+        assert_eq!(s.index_at_or_after(9.0), 2701);
+    }
+
+    #[test]
+    fn interpolates_inside_and_not_outside() {
+        let s = Sampled::new(0.0, 0.5, vec![0.0, 1.0, 3.0]).unwrap();
+        assert_eq!(s.at(0.75), Some(2.0));
+        assert_eq!(s.at(1.0), Some(3.0));
+        assert_eq!(s.at(1.1), None);
+    }
+}

@@ -1,0 +1,5 @@
+//! Tests of `crumple-stage`, one program.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod artifacts;

@@ -1,7 +1,0 @@
-//! A record as a sum of exponentials: the free motion of a linear system.
-//! May use poles, simulation, data, error.
-
-pub(crate) mod exponential_sum;
-pub(crate) mod options;
-pub(crate) mod starts;
-pub(crate) mod terms;

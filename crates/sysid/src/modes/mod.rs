@@ -1,7 +1,0 @@
-//! Modes of an identified model: how much the data support each, how alike their shapes are, how sure their
-//! frequencies. Uses no other room.
-
-pub(crate) mod identified_mode;
-pub(crate) mod mode_deviations;
-pub(crate) mod mode_shape;
-pub(crate) mod pole_kind;

@@ -1,5 +1,0 @@
-//! Observer/Kalman filter identification: Markov parameters of system and observer from any input and output.
-//! May use era, regression, data, error.
-
-pub(crate) mod observer_regression;
-pub(crate) mod okid;

@@ -1,5 +1,0 @@
-//! Models of many orders: their poles, and those that stay in the stabilisation diagram.
-//! May use subspace, hankel, modes, data, error.
-
-pub(crate) mod order_scan;
-pub(crate) mod stabilization;

@@ -1,7 +1,0 @@
-//! Subspace identification (N4SID, MOESP, CVA), its horizon, and balanced truncation.
-//! May use okid, simulation, regression, data, error.
-
-pub(crate) mod balanced_truncation;
-pub(crate) mod horizon;
-pub(crate) mod subspace;
-pub(crate) mod weighting;

@@ -1,0 +1,17 @@
+//! Tests of `crumple-sysid`, one program.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod best_of_many_starts;
+mod crash_rate;
+mod daisy;
+mod era;
+mod era_dc;
+mod evidence;
+mod fir;
+mod known_truth;
+mod okid;
+mod paper_matrices;
+mod recovery;
+mod several_channels;
+mod transfer_functions;

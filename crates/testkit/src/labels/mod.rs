@@ -1,6 +1,0 @@
-//! What labels of pages have in common in English and German.
-//! Uses no other room.
-
-mod same_in_german;
-
-pub use same_in_german::SAME_IN_GERMAN;

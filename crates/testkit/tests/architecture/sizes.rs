@@ -1,0 +1,66 @@
+//! Sizes of files, functions and lines, in tests too.
+
+use syn::visit::{self, Visit};
+
+use crate::Package;
+
+/// Most lines of a file.
+pub const FILE_LINES: usize = 600;
+/// Most lines of a function.
+pub const FUNCTION_LINES: usize = 100;
+/// Most characters of a line: rustfmt leaves comments and strings as they are.
+pub const WIDTH: usize = 120;
+
+pub fn broken(package: &Package) -> Vec<String> {
+    let mut broken = Vec::new();
+    for (path, source) in &package.files {
+        let place = format!("crates/{}/{path}", package.name);
+        let lines = source.text.lines().count();
+        if lines > FILE_LINES {
+            broken.push(format!("{place}: {lines} lines, {FILE_LINES} at most: split it by subject"));
+        }
+        if !source.text.starts_with("//!") {
+            broken.push(format!("{place}: does not open with //!: say in a line what is in it"));
+        }
+        for (line, text) in source.text.lines().enumerate().filter(|(_, text)| text.chars().count() > WIDTH) {
+            broken.push(format!("{place}:{}: {} characters, {WIDTH} at most", line + 1, text.chars().count()));
+        }
+        let mut functions = Functions::default();
+        functions.visit_file(&source.syntax);
+        for (name, line, lines) in functions.0.into_iter().filter(|(_, _, lines)| *lines > FUNCTION_LINES) {
+            broken.push(format!(
+                "{place}:{line}: function {name} has {lines} lines, {FUNCTION_LINES} at most: give its steps names"
+            ));
+        }
+    }
+    broken
+}
+
+/// Functions with a body: name, first line, number of lines.
+#[derive(Default)]
+struct Functions(Vec<(String, usize, usize)>);
+
+impl Functions {
+    fn add(&mut self, signature: &syn::Signature, body: &syn::Block) {
+        let first = signature.fn_token.span.start().line;
+        let last = body.brace_token.span.close().end().line;
+        self.0.push((signature.ident.to_string(), first, last + 1 - first));
+    }
+}
+
+impl<'a> Visit<'a> for Functions {
+    fn visit_item_fn(&mut self, function: &'a syn::ItemFn) {
+        self.add(&function.sig, &function.block);
+        visit::visit_item_fn(self, function);
+    }
+
+    fn visit_impl_item_fn(&mut self, function: &'a syn::ImplItemFn) {
+        self.add(&function.sig, &function.block);
+        visit::visit_impl_item_fn(self, function);
+    }
+
+    fn visit_trait_item_fn(&mut self, function: &'a syn::TraitItemFn) {
+        function.default.iter().for_each(|body| self.add(&function.sig, body));
+        visit::visit_trait_item_fn(self, function);
+    }
+}

@@ -1,0 +1,84 @@
+//! Reference cases: the product is fed with the inputs of a case file and every expected number is compared; nothing is
+//! computed here. `just cases metrics|papers|prediction [FILE]`; as a test, every kind over its shared file.
+//!
+//! Prints a count for each kind of case, what failed, and last `N of M cases`. A kind of case that is not known here
+//! fails by its name.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod metrics;
+mod papers;
+mod prediction;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::Value;
+
+/// What of a case is not met; empty: all of it is.
+type Check = Box<dyn Fn(&Value) -> Vec<String>>;
+
+/// A subject: its name, its shared file, and what checks a case of such a file.
+type Subject = (&'static str, &'static str, fn(Value) -> Check);
+
+const SUBJECTS: [Subject; 3] = [
+    ("metrics", "reference/metrics.json", metrics::check),
+    ("papers", "reference/papers.json", papers::check),
+    ("prediction", "reference/prediction.json", prediction::check),
+];
+
+fn main() -> ExitCode {
+    if crumple_testkit::asked_for_tests("cases") {
+        return ExitCode::SUCCESS;
+    }
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let asked = words.first().filter(|word| SUBJECTS.iter().any(|(name, ..)| name == word));
+    let mut is_right = true;
+    for (name, shared, check) in SUBJECTS.iter().filter(|(name, ..)| asked.is_none_or(|asked| asked == name)) {
+        let given = asked.and(words.get(1)).map(PathBuf::from);
+        // What the project itself holds of the papers needs no shared file.
+        is_right &= *name != "papers" || given.is_some() || papers::page_and_variants_agree();
+        if let Some(path) = given.or_else(|| crumple_testkit::shared(shared)) {
+            is_right &= all_met(&read(&path), *check);
+        }
+    }
+    if is_right { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn read(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The cases of a file: its list `cases` or `items`, or the file itself.
+fn cases_of(file: &Value) -> &[Value] {
+    let named = file["cases"].as_array().or_else(|| file["items"].as_array());
+    named.or_else(|| file.as_array()).map_or(&[], Vec::as_slice)
+}
+
+/// Checks every case of a file, says what is not met and how many are.
+fn all_met(file: &Value, check: fn(Value) -> Check) -> bool {
+    let check = check(file.clone());
+    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for case in cases_of(file) {
+        let kind = case["kind"].as_str().or_else(|| case["metric"].as_str()).unwrap_or("(no kind)");
+        let (met, all) = counts.entry(kind).or_default();
+        *all += 1;
+        // A case of another shape panics; the others still count.
+        let failures = catch_unwind(AssertUnwindSafe(|| check(case))).unwrap_or_else(|panic| {
+            let message = panic.downcast_ref::<String>().cloned();
+            vec![message.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned())).unwrap_or_default()]
+        });
+        *met += usize::from(failures.is_empty());
+        let id = case["id"].as_str().unwrap_or("?");
+        failures.iter().for_each(|failure| println!("FAILED {id} ({kind}): {failure}"));
+    }
+    for (kind, (met, all)) in &counts {
+        println!("{kind}: {met} of {all}");
+    }
+    let (met, all) = counts.values().fold((0, 0), |(m, a), (met, all)| (m + met, a + all));
+    println!("{met} of {all} cases");
+    met == all && all > 0
+}
