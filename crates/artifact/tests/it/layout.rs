@@ -389,7 +389,6 @@ fn freeze_fitted() {
             dynamic_crush_m: Some(0.5),
             time_of_dynamic_crush_s: Some(0.075),
             coefficient_of_restitution: None,
-            still_separating: true,
         }],
         rate_factor: "fitted".to_owned(),
     });

@@ -1,6 +1,7 @@
 //! The reference cases of crash metrics and their signals, made from the formulas in the same file.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
 use serde_json::Value;
