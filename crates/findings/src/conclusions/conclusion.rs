@@ -533,7 +533,7 @@ impl<'a> Text<'a> {
     /// The one thing that the model does not give, before all others; what the status says is not said again.
     fn caution(&mut self, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
         let phrases = &PHRASES.conclusion;
-        if let Some(tests) = self.run.joint.as_ref().and_then(|joint| missed(joint)) {
+        if let Some(tests) = self.run.joint.as_ref().and_then(missed) {
             return Some(fill(PHRASES.joint.tests_disagree, &[("tests", tests)]));
         }
         if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {

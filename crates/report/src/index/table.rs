@@ -10,6 +10,7 @@ use crumple_findings::names::model_name;
 use super::failures::{line_of, shortened};
 use super::indexed_run::{IndexedRun, status};
 use super::quantities::{CRUSH, DELTA_V, MASS, OLC, PEAK, Quantity, RESTITUTION, SPEED, STIFFNESS, TIME_OF_CRUSH};
+use super::run_summary::RunSummary;
 
 /// Columns of numbers.
 const NUMBERS: [Quantity; 9] = [SPEED, MASS, CRUSH, TIME_OF_CRUSH, DELTA_V, PEAK, OLC, RESTITUTION, STIFFNESS];
@@ -57,7 +58,7 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
         let value = summary.and_then(quantity.of);
         let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| words::significant(value, DIGITS)));
     }
-    let certainty = summary.and_then(|summary| summary.certainty()).unwrap_or_default();
+    let certainty = summary.and_then(RunSummary::certainty).unwrap_or_default();
     let _ = match summary.filter(|_| run.is_done()) {
         Some(summary) => {
             let model = summary.usable_model().map(|id| model_name(id.split('/').next().unwrap_or(id)));

@@ -15,8 +15,6 @@ use crumple_report::{
 use crumple_signal::{ANOTHER_VEHICLE, Axis, Channel, QuantityKind};
 use serde_json::{Value, json};
 
-use without_model::without_result;
-
 const BEST: &str = "kelvin/direct-fit/1";
 
 fn record<T: serde::de::DeserializeOwned>(json: Value) -> T {

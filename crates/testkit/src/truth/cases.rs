@@ -258,7 +258,7 @@ fn of_places(folder: &Path) -> io::Result<Vec<RunCase>> {
 fn of_some_stages() -> Vec<RunCase> {
     let fixtures = fixture_models();
     let of_fixture = |what: &str| {
-        let (name, model, mass_kg, speed) = fixtures.iter().find(|(name, ..)| *name == "elastoplastic")?.clone();
+        let (name, model, mass_kg, speed) = *fixtures.iter().find(|(name, ..)| *name == "elastoplastic")?;
         let record = workspace().join("fixtures").join(name).join("crash.csv");
         Some(case(format!("{name}, {what}"), record, Known::vehicle(Maker::Lumped(model), mass_kg, speed)))
     };
@@ -357,7 +357,8 @@ fn of_inputs_and_outputs(folder: &Path) -> io::Result<Vec<RunCase>> {
     };
     let mut unrelated = |_: f64, k: i32| 3.0 * (0.37 * f64::from(k * k)).sin();
     let flags = ["--sample-time=20ms", "--allow-missing", "--orders=2", "--inputs=u", "--outputs=y"];
-    let outputs: [(&str, &mut dyn FnMut(f64, i32) -> f64, &[&str]); 2] = [
+    type Output<'a> = (&'a str, &'a mut dyn FnMut(f64, i32) -> f64, &'a [&'a str]);
+    let outputs: [Output<'_>; 2] = [
         ("inputs and outputs", &mut process, &["--methods=n4sid,arx,output-error"]),
         ("unrelated output", &mut unrelated, &["--methods=n4sid,arx", "--validate-from=6s"]),
     ];
