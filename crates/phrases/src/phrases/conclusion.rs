@@ -13,8 +13,8 @@ texts! { ConclusionTexts
         "{scenario}, jenseits des Versuchs, ist die Eindrückung auf ±{good_to} bekannt";
     because_sensors:
         "the crush is known to ±{apart}, not ±{half_width}: {count} sensors of the compartment differ",
-        "die Eindrückung ist auf ±{apart} bekannt, nicht auf ±{half_width}: {count} Aufnehmer der Fahrgastzelle weichen \
-         voneinander ab";
+        "die Eindrückung ist auf ±{apart} bekannt, nicht auf ±{half_width}: {count} Aufnehmer der Fahrgastzelle \
+         weichen voneinander ab";
     because_few_forces:
         "use its crush, not its forces: the record determines {determined} of {parameters}",
         "seine Eindrückung gilt, seine Kräfte nicht: die Aufzeichnung bestimmt {determined} von {parameters}";
