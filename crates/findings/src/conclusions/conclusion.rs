@@ -10,13 +10,13 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::conclusions::concerns::concerns;
-use crate::conclusions::key_numbers::{sign_of, true_places};
+use crate::conclusions::key_numbers::{in_ms, sign_of};
 use crate::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
 use crate::conclusions::several_tests::{missed, several_tests};
 use crate::conclusions::status::{
     Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
 };
-use crate::text::names::{candidate_name, model_name};
+use crate::text::names::{as_sentence, candidate_name, model_name};
 use crate::text::parameters::{DEFLECTION, deflection_of_knot, listed, symbols};
 use crate::{CandidateResult, Ranking, Run};
 
@@ -112,18 +112,6 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
         remedy: diagnosis.and_then(|concern| concern.remedy.clone()),
     };
     (verdict, concerns)
-}
-
-/// A reason as a sentence.
-fn as_sentence(reason: &str) -> String {
-    let mut rest = reason.chars();
-    let first = rest.next().map_or_else(String::new, |first| first.to_uppercase().to_string());
-    format!("{first}{}.", rest.as_str())
-}
-
-/// Factor, decimals and unit of a time in a sentence: none of a pulse of a car, some of a shorter one.
-fn in_ms(time_s: f64) -> (f64, usize, &'static str) {
-    (MILLI, true_places(MILLI * time_s), "ms")
 }
 
 /// Text on its way, with the numbers it has taken.

@@ -1,6 +1,7 @@
 //! The numbers that people ask for first, each with its interval, its spread over sensors and why it is missing.
 
 use crumple_artifact::records::{EventsV1, MetricV1};
+use crumple_drawing::numbers::MILLI;
 use crumple_phrases::PHRASES;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -75,8 +76,13 @@ pub fn decimals(name: &str) -> usize {
     }
 }
 
+/// Factor, decimals and unit of a time in a sentence: none of a pulse of a car, some of a shorter one.
+pub(crate) fn in_ms(time_s: f64) -> (f64, usize, &'static str) {
+    (MILLI, true_places(MILLI * time_s), "ms")
+}
+
 /// Decimals of a time in ms in a sentence, known to some tenths.
-pub(crate) fn true_places(value: f64) -> usize {
+fn true_places(value: f64) -> usize {
     match value.abs() {
         large if large >= 30.0 => 0,
         middle if middle >= 3.0 => 1,

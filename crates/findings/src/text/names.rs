@@ -36,6 +36,13 @@ pub fn candidate_name(id: &str) -> String {
     }
 }
 
+/// A reason as a sentence.
+pub(crate) fn as_sentence(reason: &str) -> String {
+    let mut rest = reason.chars();
+    let first = rest.next().map_or_else(String::new, |first| first.to_uppercase().to_string());
+    format!("{first}{}.", rest.as_str())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -216,7 +216,7 @@ fn a_recorder_has_the_interval_of_its_resolution_and_no_peak() {
     let numbers = assert_same(&page, &summary);
     let shown: Vec<&str> = numbers.iter().map(|(_, text)| text.as_str()).collect();
     assert_eq!(shown, ["−41.0 km/h", "100 ms"]);
-    assert!(page.contains("resolution: −41.50 to −40.50\u{a0}km/h"));
+    assert!(page.contains("resolution: −41.5 to −40.5\u{a0}km/h"));
     run.events = Some(events(Some(0.5)));
     let (page, summary) = pages(&run);
     let numbers = assert_same(&page, &summary);

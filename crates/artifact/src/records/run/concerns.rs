@@ -29,8 +29,8 @@ pub struct ConcernV1 {
     /// `warning`, or `no-result`: the stage has no acceptable result, or none that later stages work on.
     pub severity: String,
     /// What it concerns: `pulse`, `mass`, `impact-speed`, `time`, `motion`, `model:<model or candidate>`,
-    /// `predictions`, `occupants`, `wall-force`, `identified-models`, `method:<identification method that gave no model, or none of an order>`,
-    /// `channel:<id>`, `record`.
+    /// `predictions`, `occupants`, `wall-force`, `identified-models`, `method:<identification method that gave no
+    /// model, or none of an order>`, `channel:<id>`, `record`.
     pub about: String,
     /// How much it changes there: 1 it stays within the intervals, 2 numbers may be off by more, 3 it may be another
     /// thing than it is taken for.

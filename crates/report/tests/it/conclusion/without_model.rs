@@ -88,7 +88,7 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
     assert_eq!(texts[3], "dropouts");
     assert_eq!(texts.last(), Some(&"questionable"));
     assert_eq!(concerns[0].weight, 9);
-    assert_eq!((said.status, said.sentences.len()), (Status::DoNotUse, 2), "{said:?}");
+    assert_eq!((said.status, said.sentences.len()), (Status::DoNotUse, 1), "{said:?}");
     let page = page_of(&run);
     let before_use = &page[page.find("class=\"before-use\"").unwrap()..];
     let before_use = &before_use[..before_use.find("</section>").unwrap()];
