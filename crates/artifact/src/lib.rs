@@ -12,8 +12,8 @@ pub mod records;
 mod write;
 
 pub use error::{ConversionError, ReadError, WriteError};
-pub use json::registry::{JsonForm, put_json, schema_json, schema_of_type};
-pub use json::topics::topic_matches;
+pub use json::topic_matches;
+pub use json::{JsonForm, put_json, schema_json, schema_of_type};
 pub use layout::codec::Codec;
 pub use layout::digest::{ContentDigest, blake3_text};
 pub use layout::names::{WAVE_PREFIX, same_type};

@@ -12,7 +12,7 @@ mod runs;
 mod study;
 mod tables;
 
-pub use command::options::Options;
-pub use fleet::make::fleet;
+pub use command::Options;
+pub use fleet::fleet;
 pub use study::options::StudyOptions;
 pub use study::vehicle_models::study;

@@ -21,7 +21,7 @@ pub use files::digests::RecordDigests;
 pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
 pub use formats::registry::READERS;
 pub use ingest::{Ingested, ingest};
-pub use listing::channel_table::{ListedChannel, list};
+pub use listing::{ListedChannel, list};
 pub use recording::content::{PulseRule, Recording};
 pub use recording::details::{Damage, Details, Stated, TestVehicle};
 pub use recording::line_numbers::LineNumbers;

@@ -30,8 +30,8 @@ mod events;
 mod motion;
 mod uncertainty;
 
-pub use barrier::cell_sum::{CellSum, impulse_n_s, sum_of_cells};
-pub use barrier::inertia_force::barrier_force;
+pub use barrier::barrier_force;
+pub use barrier::{CellSum, impulse_n_s, sum_of_cells};
 pub use error::IntegrateError;
 pub use events::findings::findings;
 pub use events::sign::{WRONG_SIGN, events_of, wrong_sign};
@@ -42,7 +42,7 @@ pub use motion::integration::{Motion, Settings, integrate, integrate_reporting};
 pub use motion::rule::{Rule, integrate_twice, integrate_twice_into};
 pub use motion::start::{Start, UsedStart};
 
-pub use uncertainty::propagation::{
+pub use uncertainty::{
     EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,
 };
 

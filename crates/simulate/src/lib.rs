@@ -19,11 +19,11 @@ mod drive;
 mod error;
 mod simulate;
 
-pub use comparison::deceleration_peak::deceleration_peak;
-pub use comparison::information::{Information, information, numbers_of, parameters_of};
-pub use comparison::other_sensor::{OtherSensor, SensorFit, beside, beside_mass, is_on_engine};
-pub use comparison::ratings::{Rating, ratings};
-pub use comparison::simulation::{Comparison, Measured, Simulation, Window};
-pub use drive::excitation::Excitation;
+pub use comparison::deceleration_peak;
+pub use comparison::{Comparison, Measured, Simulation, Window};
+pub use comparison::{Information, information, numbers_of, parameters_of};
+pub use comparison::{OtherSensor, SensorFit, beside, beside_mass, is_on_engine};
+pub use comparison::{Rating, ratings};
+pub use drive::Excitation;
 pub use error::SimulateError;
 pub use simulate::{simulate, simulate_chain, simulate_driven};

@@ -5,9 +5,9 @@ use crumple_lumped_fit::{FitQuantity, Observation, ObservedWave};
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
 
-use crate::comparison::ratings::{iso_ratings, ratings};
-use crate::comparison::simulation::{Comparison, Measured, Simulation, Window};
-use crate::drive::excitation::Excitation;
+use crate::comparison::{Comparison, Measured, Simulation, Window};
+use crate::comparison::{iso_ratings, ratings};
+use crate::drive::Excitation;
 use crate::error::SimulateError;
 
 /// Simulates a model at the test's impact speed and sampling interval, and compares it with the test.

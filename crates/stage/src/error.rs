@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use crumple_artifact::ReadError;
 
-use crate::names::nearest::nearest;
+use crate::names::nearest;
 
 /// What the process tells its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

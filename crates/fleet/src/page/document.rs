@@ -10,7 +10,7 @@ use crumple_report::quantities::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS
 use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex, write_shared_files};
 use rayon::prelude::*;
 
-use crate::command::options::{Options, PAGE_FILES};
+use crate::command::{Options, PAGE_FILES};
 use crate::page::distributions::distributions;
 use crate::page::pulse::pulse;
 use crate::page::scatter::scatter;
@@ -82,8 +82,8 @@ mod tests {
 
     use super::*;
     use crate::records::record::Record;
-    use crate::runs::journal::Ended;
-    use crate::runs::plan::Run;
+    use crate::runs::Ended;
+    use crate::runs::Run;
 
     fn fixture(file: &str) -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/kelvin/golden").join(file)

@@ -9,7 +9,7 @@ use crumple_ingest::{Bundle, RecordDigests};
 use crumple_stage::Refused;
 use rayon::prelude::*;
 
-use crate::command::options::Batch;
+use crate::command::Batch;
 use crate::records::inputs::records_meant;
 use crate::records::names::names;
 

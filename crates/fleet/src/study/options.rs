@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::command::options::Options;
+use crate::command::Options;
 
 /// Runs a fleet, fits one model to the tests of each vehicle, and asks how the models depend on mass, year and class.
 ///

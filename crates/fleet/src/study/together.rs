@@ -12,8 +12,8 @@ use crumple_report::SummaryCandidate;
 use crumple_run::own_program;
 use serde::Deserialize;
 
-use crate::runs::journal::{Ended, digest_of_summary};
-use crate::runs::programs::digest_of_programs;
+use crate::runs::digest_of_programs;
+use crate::runs::{Ended, digest_of_summary};
 use crate::study::left_out::LeftOut;
 use crate::study::options::StudyOptions;
 use crate::study::vehicles::Vehicle;

@@ -7,9 +7,9 @@ use anyhow::Context;
 use crumple_stage::{ExitStatus, Usage, say};
 use rayon::prelude::*;
 
-use crate::fleet::make::make;
-use crate::runs::journal::{Ended, Journal, read_journals};
-use crate::runs::pool::jobs;
+use crate::fleet::make;
+use crate::runs::jobs;
+use crate::runs::{Ended, Journal, read_journals};
 use crate::study::classes::read_classes;
 use crate::study::left_out::{LeftOut, left_out_table, prediction_error};
 use crate::study::options::StudyOptions;

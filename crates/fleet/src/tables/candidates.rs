@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crumple_report::{RunSummary, SummaryCandidate};
 
-use crate::runs::plan::Run;
+use crate::runs::Run;
 use crate::tables::table::Kind::{Count, Flag, Number, Text};
 use crate::tables::table::{Cell, Column, Kind};
 use crate::tables::tests_table::cells_of_run;

@@ -2,7 +2,7 @@
 
 use crumple_report::{RunSummary, SummaryMetric};
 
-use crate::runs::plan::Run;
+use crate::runs::Run;
 use crate::tables::table::Kind::{Number, Text};
 use crate::tables::table::{Cell, Kind};
 use crate::tables::tests_table::cells_of_run;

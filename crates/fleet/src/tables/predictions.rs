@@ -3,7 +3,7 @@
 use crumple_artifact::records::PredictionV1;
 use crumple_report::RunSummary;
 
-use crate::runs::plan::Run;
+use crate::runs::Run;
 use crate::tables::table::Kind::{Flag, Number, Text};
 use crate::tables::table::{Cell, Kind};
 use crate::tables::tests_table::cells_of_run;

@@ -7,8 +7,8 @@ use anyhow::Context;
 use crumple_report::RunSummary;
 use rayon::prelude::*;
 
-use crate::runs::journal::Ended;
-use crate::runs::plan::{Run, path_in};
+use crate::runs::Ended;
+use crate::runs::{Run, path_in};
 use crate::tables::table::{Column, Table, columns};
 use crate::tables::tests_table::OF_RUN;
 use crate::tables::{candidates, metrics, predictions, tests_table};

@@ -3,8 +3,8 @@
 use crumple_report::{RunSummary, status};
 use crumple_signal::{Note, Severity};
 
-use crate::runs::journal::Ended;
-use crate::runs::plan::Run;
+use crate::runs::Ended;
+use crate::runs::Run;
 use crate::tables::table::Kind::{Count, Number, Text};
 use crate::tables::table::{Cell, Kind};
 

@@ -21,9 +21,9 @@ use crate::stage::methods::tfest;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::level_note;
-use crate::stage::waves::source::Source;
-use crate::stage::waves::window::window_start;
+use crate::stage::waves::Source;
+use crate::stage::waves::level_note;
+use crate::stage::waves::window_start;
 
 /// The stage.
 pub struct Identify;

@@ -18,8 +18,8 @@ use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
 use crate::stage::criteria::load_cells;
 use crate::stage::criteria::occupants_and_roadside::Criteria;
 use crate::stage::criteria::recorder::recorded_changes;
-use crate::stage::options::flags::Options;
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::Options;
+use crate::stage::options::StageSettings;
 use crate::stage::pulse::channel_agreement::ChannelAgreement;
 use crate::stage::pulse::impact_speed::impact_speed;
 use crate::stage::pulse::integration::{ChannelIntegration, acceleration};
@@ -89,7 +89,7 @@ impl Stage for Integrate {
         note_findings(&pulse, zero.time_s, impact_speed_m_per_s, speed_rule, out.notes());
         warn_unless_of_the_vehicle(&channel, out.notes());
         if let Some(uncertainty) = &settings.uncertainty {
-            out.notes().info(options::uncertainty::uncertainty_note(uncertainty, pulse.motion.start));
+            out.notes().info(options::uncertainty_note(uncertainty, pulse.motion.start));
         }
         let mut metrics = metric_records(&channel.id, &pulse, zero.time_s);
         let mut others = ChannelAgreement::new(&channel, &pulse, zero.time_s);

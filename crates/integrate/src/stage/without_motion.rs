@@ -6,7 +6,7 @@ use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::occupants_and_roadside::Criteria;
 use crate::stage::criteria::recorder::recorded_changes;
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::StageSettings;
 
 /// What a motion of the pulse lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

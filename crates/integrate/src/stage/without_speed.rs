@@ -5,7 +5,7 @@ use crumple_stage::records::{MetricsV2, TestV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::occupants_and_roadside::Criteria;
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::StageSettings;
 use crate::stage::pulse::integration::{ChannelIntegration, acceleration};
 use crate::stage::pulse::records::metric_records;
 use crate::stage::pulse::summary::warn_unless_of_the_vehicle;

@@ -9,7 +9,7 @@ use crumple_lumped::{DoubleSpringMassDamper, Model};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::candidate::minimum::Minimum;
+use crate::candidate::Minimum;
 use crate::fit::multistart::{WORTH_A_HOP, weakest_direction};
 use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;

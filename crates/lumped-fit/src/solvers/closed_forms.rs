@@ -7,7 +7,7 @@ use crumple_lumped::{Elastoplastic, Model};
 use crumple_signal::{Note, Notes};
 
 use super::extent::{Extent, crush_of, extent_of};
-use crate::closed_form::elastoplastic::{RIGID_RESTITUTION, elastoplastic_of_record};
+use crate::closed_form::{RIGID_RESTITUTION, elastoplastic_of_record};
 use crate::solvers::fitting::{FitStart, Fitting, computed};
 use crate::solvers::task::Task;
 use crate::{Candidate, KelvinBranch, SolveError, kelvin_from_events};

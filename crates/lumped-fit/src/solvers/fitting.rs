@@ -3,7 +3,7 @@
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
 use crumple_signal::{Note, Notes};
 
-use crate::candidate::parameter_set::fixed_at_bound;
+use crate::candidate::fixed_at_bound;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
 use crate::free::search_bounds::largest_of_chain;

@@ -3,7 +3,7 @@
 use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_signal::Sampled;
 
-use crate::candidate::method::Method;
+use crate::candidate::Method;
 use crate::free::search_coordinates::MassFit;
 use crate::record::fit_quantity::FitQuantity;
 use crate::record::sensor::Sensor;

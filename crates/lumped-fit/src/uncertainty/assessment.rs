@@ -13,7 +13,7 @@ use crumple_numerics::estimation::statistics::{
 };
 use nalgebra::DMatrix;
 
-use crate::candidate::minimum::Minimum;
+use crate::candidate::Minimum;
 use crate::fit::as_measured::near;
 use crate::free::coordinates::Coordinates;
 use crate::free::parametric::Parametric;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, ParameterKind};
 
-use crate::closed_form::elastoplastic::elastoplastic_of_record;
+use crate::closed_form::elastoplastic_of_record;
 use crate::record::observation::Observation;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};
 use crate::{kelvin_from_events, unloads_rigidly};

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, Nonlinear1, Parameter, ParameterKind};
 
-use crate::fit::nonlinear::nonlinear1::{descend_to_conditions, parts};
+use crate::fit::nonlinear::{descend_to_conditions, parts};
 use crate::fit::problem::Problem;
 use crate::uncertainty::closed_form_propagation::FollowedEvents;
 use crate::uncertainty::propagation::{InputUncertainty, Propagation, Repetition, over_repetitions, with_errors};

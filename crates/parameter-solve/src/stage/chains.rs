@@ -11,12 +11,12 @@ use crumple_lumped_fit::{
 use crumple_stage::records::{CandidateV1, EventsV1, UncertaintyV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, total_mass_remark};
 
-use crate::stage::assess::candidate_assessment::CandidateAssessment;
-use crate::stage::inputs::motions::{sensor_wave, stated_places};
+use crate::stage::assess::CandidateAssessment;
+use crate::stage::inputs::{sensor_wave, stated_places};
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::settings::StageSettings;
-use crate::stage::records::candidate::fit_record;
-use crate::stage::records::uncertainty::{linearised, summary_text, uncertainty_record};
+use crate::stage::records::fit_record;
+use crate::stage::records::{linearised, summary_text, uncertainty_record};
 
 /// A sensor on a mass of the chain.
 struct Sensor {

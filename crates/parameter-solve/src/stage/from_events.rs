@@ -5,7 +5,7 @@ use crumple_signal::Displacement;
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Wave};
 
-use crate::stage::inputs::record::Record;
+use crate::stage::inputs::Record;
 use crate::stage::options::settings::StageSettings;
 
 /// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero

@@ -5,7 +5,7 @@ use crumple_lumped_fit::{Candidate, Method, curve_fit_of_the_paper, maxwell_from
 use crumple_stage::records::ExponentialSumV1;
 use crumple_stage::{Inputs, Output, Refused};
 
-use crate::stage::inputs::masses::given_masses;
+use crate::stage::inputs::given_masses;
 use crate::stage::options::settings::StageSettings;
 
 /// Whether the Maxwell model is to be taken from exponents.

@@ -3,10 +3,10 @@
 use crumple_lumped_fit::{Candidate, Identified, Quartic, match_identified};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused};
 
-use crate::stage::inputs::identified_models::identified_models;
-use crate::stage::inputs::masses::given_masses;
+use crate::stage::inputs::given_masses;
+use crate::stage::inputs::identified_models;
 use crate::stage::options::settings::StageSettings;
-use crate::stage::records::matching::matching_record;
+use crate::stage::records::matching_record;
 
 /// Candidates from every identified model with four poles, and the record of each matching.
 pub fn from_models(

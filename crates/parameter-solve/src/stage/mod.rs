@@ -18,21 +18,21 @@ use crumple_signal::{About, TestDescription, Weight};
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage, Tests};
 
-use crate::stage::assess::candidate_assessment::CandidateAssessment;
-use crate::stage::assess::candidates::assess_all;
+use crate::stage::assess::CandidateAssessment;
+use crate::stage::assess::assess_all;
 use crate::stage::chains::fit_chains;
 use crate::stage::from_events::{from_events, not_slowed, up_to_the_end_of_the_event};
 use crate::stage::from_exponentials::{from_exponentials, maxwell_candidates};
 use crate::stage::from_models::from_models;
-use crate::stage::inputs::record::Record;
+use crate::stage::inputs::Record;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::recommend::compared_candidates::Submitted;
 use crate::stage::recommend::recommendation::recommend;
-use crate::stage::records::candidate::{parameters_line, record};
-use crate::stage::records::matching::matching_record;
-use crate::stage::records::uncertainty::summary_text;
+use crate::stage::records::matching_record;
+use crate::stage::records::summary_text;
+use crate::stage::records::{parameters_line, record};
 use crate::stage::several_tests::from_several;
 
 /// The stage.

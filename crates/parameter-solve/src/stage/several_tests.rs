@@ -9,15 +9,15 @@ use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage};
 use rayon::prelude::*;
 
-use crate::stage::assess::candidate_assessment::CandidateAssessment;
+use crate::stage::assess::CandidateAssessment;
 use crate::stage::from_events::{not_slowed, sensors_of, test_data};
-use crate::stage::inputs::motions::motion;
-use crate::stage::inputs::record::Record;
+use crate::stage::inputs::Record;
+use crate::stage::inputs::motion;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::recommend::compared_candidates::{Comparison, Submitted};
 use crate::stage::recommend::recommendation::{chosen, without};
-use crate::stage::records::candidate::{parameters_line, record};
-use crate::stage::records::uncertainty::summary_text;
+use crate::stage::records::summary_text;
+use crate::stage::records::{parameters_line, record};
 
 /// What the artifacts say of one of the tests.
 struct OneTest<'a> {

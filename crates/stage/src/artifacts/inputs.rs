@@ -7,8 +7,8 @@ use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type
 use crumple_signal::TestDescription;
 
 use crate::error::{MissingTopic, RefuseExt, Refused};
-use crate::names::stages::{stage_order, writer_of};
-use crate::terminal::progress::Progress;
+use crate::names::{stage_order, writer_of};
+use crate::terminal::Progress;
 
 /// What a stage works on, and the digests that go into its provenance.
 #[derive(Debug)]

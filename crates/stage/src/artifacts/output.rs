@@ -4,7 +4,7 @@ use anyhow::Context;
 use crumple_artifact::{ArtifactBuilder, Record};
 use crumple_signal::{Notes, QuantityKind, Sampled};
 
-use crate::terminal::progress::Progress;
+use crate::terminal::Progress;
 
 /// Collects records, waveforms, notes and the summary of a stage.
 pub struct Output {

@@ -6,7 +6,7 @@ use anyhow::Context;
 use toml::{Table, Value};
 
 use crate::error::{Usage, unknown_name};
-use crate::names::stages::STAGES;
+use crate::names::STAGES;
 
 /// The default pipeline as it was when the program was built.
 const DEFAULT: &str = include_str!("../../../../pipelines/default.toml");

@@ -14,10 +14,10 @@ use crate::stage::options::settings::Settings;
 use crate::stage::records::realization::{RealizationTask, put_realization};
 use crate::stage::records::results::Results;
 use crate::stage::records::stabilization;
-use crate::stage::waves::input_output::{WindowedWave, filter_edges, waves};
-use crate::stage::waves::scaled::ScaledWaves;
-use crate::stage::waves::source::Source;
-use crate::stage::waves::window::channel;
+use crate::stage::waves::ScaledWaves;
+use crate::stage::waves::Source;
+use crate::stage::waves::channel;
+use crate::stage::waves::{WindowedWave, filter_edges, waves};
 
 /// What models of all orders are for and from.
 struct EraRun<'a> {

@@ -16,8 +16,8 @@ use crate::stage::records::evidence::{
 use crate::stage::records::poles::Poles;
 use crate::stage::records::responses::{put_spreads, spread};
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{WindowedWave, output};
-use crate::stage::waves::source::Source;
+use crate::stage::waves::Source;
+use crate::stage::waves::{WindowedWave, output};
 
 /// What one sum is fitted with.
 struct SumTask {

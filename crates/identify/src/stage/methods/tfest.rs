@@ -24,8 +24,8 @@ use crate::stage::records::transfer_function_array::put_array;
 use crate::stage::records::transfer_function_task::{
     TransferFunctionTask, condition_note, preparation, validate_continuous,
 };
-use crate::stage::waves::input_output::{WindowedWave, record};
-use crate::stage::waves::source::Source;
+use crate::stage::waves::Source;
+use crate::stage::waves::{WindowedWave, record};
 
 /// One transfer function, or an array of them, for every limit of iterations.
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {

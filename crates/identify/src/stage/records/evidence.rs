@@ -9,7 +9,7 @@ use crumple_sysid::{
     pole_notes, residual_tests,
 };
 
-use crate::stage::waves::input_output::{Record, WindowedWave, filter_edges};
+use crate::stage::waves::{Record, WindowedWave, filter_edges};
 
 /// Lags of the whiteness test.
 const LAGS: usize = 20;

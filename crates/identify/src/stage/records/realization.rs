@@ -16,7 +16,7 @@ use crate::stage::records::evidence::{pole_record, simulation_evidence, validate
 use crate::stage::records::poles::{Poles, entry};
 use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{WindowedWave, filter_edges};
+use crate::stage::waves::{WindowedWave, filter_edges};
 
 /// What a reader of the model must know of its input.
 const INPUT: &str = "unit impulse (the record taken as Markov parameters)";

@@ -18,7 +18,7 @@ use crate::stage::records::responses::{
     Band, ModelResponses, note_limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of,
 };
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::{Record, WindowedWave};
+use crate::stage::waves::{Record, WindowedWave};
 
 /// Transfer functions of more states are not written: their coefficients say nothing.
 const MOST_COEFFICIENTS: usize = 10;

@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::evidence::validate_all;
-use crate::stage::waves::input_output::Record;
+use crate::stage::waves::Record;
 
 /// What transfer functions are for and from.
 pub struct TransferFunctionTask<'a> {

@@ -5,7 +5,7 @@ use crumple_signal::Notes;
 use crumple_stage::records::{DamageV1, MetricV1};
 
 use crate::stage::criteria::occupants_and_roadside::Criteria;
-use crate::stage::options::settings::Damage;
+use crate::stage::options::Damage;
 
 /// Place of the deformed area in a collision deformation classification (SAE J224), and its letter for the front.
 const AREA: (usize, char) = (2, 'F');

@@ -11,7 +11,7 @@ use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
 use crate::stage::metric_record::metric_record;
-use crate::stage::options::flags::BarrierCells;
+use crate::stage::options::BarrierCells;
 
 /// Channel name of what is about the barrier as a whole.
 const BARRIER: &str = "barrier";

@@ -13,8 +13,8 @@ use crumple_stage::{Inputs, Output, RefuseExt};
 
 use crate::stage::criteria::sensor_sites::{Site, sites};
 use crate::stage::metric_record::metric_record;
-use crate::stage::options::flags::MetricGroup;
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::MetricGroup;
+use crate::stage::options::StageSettings;
 
 /// Class that the criteria of roadside hardware ask for.
 const ROADSIDE_CFC: u16 = 180;

@@ -3,7 +3,7 @@
 use crumple_signal::{About, Channel, Notes, TestDescription, Weight};
 use crumple_stage::Refused;
 
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::StageSettings;
 
 /// Impact speeds of test and channel that differ by more than this get a warning, m/s.
 const SPEED_GAP_M_PER_S: f64 = 0.05;

@@ -13,7 +13,7 @@ use crumple_signal::{
 use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{Inputs, Output, RefuseExt};
 
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::StageSettings;
 use crate::stage::pulse::integrated::Integrated;
 
 /// A drift larger than this is no drift, m/s² (0.5 g).

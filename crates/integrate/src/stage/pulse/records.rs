@@ -5,7 +5,7 @@ use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
 use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1, MissingIntervalV1};
 
 use crate::stage::metric_record::metric_record;
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::StageSettings;
 use crate::stage::pulse::integrated::Integrated;
 use crate::stage::pulse::time_zero::TimeZero;
 

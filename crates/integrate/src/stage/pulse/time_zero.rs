@@ -5,8 +5,8 @@ use crumple_metrics::event_end_by_velocity_change;
 use crumple_signal::{About, Acceleration, Channel, Notes, Signal, TestDescription, Weight};
 use crumple_stage::{Inputs, Refused};
 
-use crate::stage::options::flags::ZeroRule;
-use crate::stage::options::settings::StageSettings;
+use crate::stage::options::StageSettings;
+use crate::stage::options::ZeroRule;
 
 /// Threshold crossings this much later than the file's t = 0 are worth a warning, s.
 const LATE_S: f64 = 0.005;

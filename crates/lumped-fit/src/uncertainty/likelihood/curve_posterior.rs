@@ -17,7 +17,7 @@ use crumple_numerics::estimation::statistics::{quantile, student_95};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
-use crate::candidate::minimum::Minimum;
+use crate::candidate::Minimum;
 use crate::free::coordinates::{Axis, Coordinates, FreeNumber, Map};
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends};

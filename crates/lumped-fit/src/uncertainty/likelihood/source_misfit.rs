@@ -9,7 +9,7 @@ use crumple_numerics::estimation::statistics::{Covariance, shortest_with, studen
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::candidate::minimum::Minimum;
+use crate::candidate::Minimum;
 use crate::fit::as_measured::near;
 use crate::fit::problem::Problem;
 use crate::free::coordinates::{Coordinates, FreeNumber};

@@ -8,7 +8,7 @@ use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Respon
 use crumple_numerics::estimation::statistics::normal_distribution;
 
 use crate::FitQuantity;
-use crate::candidate::minimum::Minimum;
+use crate::candidate::Minimum;
 use crate::fit::as_measured::near;
 use crate::fit::problem::Problem;
 use crate::free::coordinates::Coordinates;

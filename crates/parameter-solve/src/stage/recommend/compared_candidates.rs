@@ -13,7 +13,7 @@ use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Wave};
 use rayon::prelude::*;
 
-use crate::stage::inputs::motions::motion;
+use crate::stage::inputs::motion;
 use crate::stage::options::settings::StageSettings;
 use crate::stage::recommend::felt::is_felt;
 

@@ -9,8 +9,8 @@ use crate::stage::options::arx_structure::ArxRanges;
 use crate::stage::records::discrete_model::DiscreteModel;
 use crate::stage::records::responses::Equation;
 use crate::stage::records::results::Results;
-use crate::stage::waves::input_output::Record;
-use crate::stage::waves::source::Source;
+use crate::stage::waves::Record;
+use crate::stage::waves::Source;
 
 /// What to do about a regression that does not work.
 const HINT: &str =

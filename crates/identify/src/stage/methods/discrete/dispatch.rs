@@ -14,7 +14,7 @@ use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::records::acceptance::mirror_growing_poles;
 use crate::stage::records::discrete_model::DiscreteModel;
 use crate::stage::records::results::Results;
-use crate::stage::waves::source::Source;
+use crate::stage::waves::Source;
 
 /// The order where it is left to a method that does not choose one.
 const AUTOMATIC_ORDER: usize = 4;

@@ -10,8 +10,8 @@ use crate::stage::records::acceptance::simulate_accepted;
 use crate::stage::records::discrete_model::{DiscreteModel, RecordChoices};
 use crate::stage::records::results::Results;
 use crate::stage::records::state_space::{DiscreteTask, put_discrete_model};
-use crate::stage::waves::input_output::{Record, record};
-use crate::stage::waves::source::Source;
+use crate::stage::waves::Source;
+use crate::stage::waves::{Record, record};
 
 /// A method and the waveforms that it works on.
 pub struct MethodRun<'a> {

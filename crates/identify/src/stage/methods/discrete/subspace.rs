@@ -12,7 +12,7 @@ use crate::stage::options::evidence::Stabilisation;
 use crate::stage::options::input_output::InputOutputSettings;
 use crate::stage::records::discrete_model::{DiscreteModel, RecordChoices};
 use crate::stage::records::stabilization;
-use crate::stage::waves::input_output::Record;
+use crate::stage::waves::Record;
 
 /// Block rows of past and future, at least.
 const SHORTEST_HORIZON: usize = 10;

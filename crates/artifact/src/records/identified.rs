@@ -1,0 +1,515 @@
+//! Records of identify: models, modes, how they were chosen and what supports them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+// Record: ARX structures compared.
+
+/// ARX models of many structures, compared on the same equations. Topic `/scan/<output channel>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ArxScanV1 {
+    /// Channels that drive the models, separated by commas.
+    pub input: String,
+    /// Channel they answer with.
+    pub output: String,
+    /// Number of equations that every model is compared on.
+    pub samples: u64,
+    /// The models, the fewest past outputs first, then the fewest inputs, then the shortest delay.
+    pub models: Vec<ArxScanModelV1>,
+    /// Id of the model with the smallest BIC, `arx-<past outputs>-<inputs>-<delay>`.
+    pub best_by_bic: Option<String>,
+    /// Id of the model with the smallest AICc.
+    pub best_by_aicc: Option<String>,
+}
+
+/// One structure of a scan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ArxScanModelV1 {
+    /// Number of past outputs.
+    pub past_outputs: u64,
+    /// Number of samples of every input.
+    pub inputs: u64,
+    /// Samples between an input and its first effect.
+    pub delay: u64,
+    /// Number of coefficients.
+    pub parameters: u64,
+    /// Mean square of the one-step prediction errors, square of the output's unit; `null` where the fit failed.
+    pub loss: Option<f64>,
+    /// Akaike's criterion for short records, of the prediction errors.
+    pub aicc: Option<f64>,
+    /// Schwarz's criterion, likewise.
+    pub bic: Option<f64>,
+    /// Minimum description length, likewise, square of the output's unit.
+    pub mdl: Option<f64>,
+    /// Fit of the simulated output with the best initial state, percent; `null` for a model whose output overflows.
+    pub fit_percent: Option<f64>,
+    /// Why there is no model.
+    pub failure: Option<String>,
+}
+
+// Record: validation of an identified model.
+
+/// Validation of an identified model beyond its fit. Topic `/evidence/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EvidenceV1 {
+    /// Channel that drives the model; `null` for a free motion.
+    pub input: Option<String>,
+    /// Channel it answers with.
+    pub output: String,
+    /// Input between samples: `first-order` or `zero-order` hold; `null` without an input.
+    pub hold: Option<String>,
+    /// Initial conditions: `estimated`, `zero`, or `held: ` and what is held with its values.
+    pub initial_conditions: String,
+    /// Kind of the start that led to the model.
+    pub start: Option<String>,
+    /// Why the iteration stopped, e.g. `gradient-converged`; `null` for a direct method.
+    pub stop_reason: Option<String>,
+    /// Iterations of the best start.
+    pub iterations: Option<u32>,
+    /// Evaluations of all starts.
+    pub evaluations: Option<u64>,
+    /// Mean square error of every refined start, best first, square of the output's unit.
+    pub losses: Vec<f64>,
+    /// Mean square error of the simulated output, square of its unit.
+    pub loss: Option<f64>,
+    /// Fit of the one-step prediction, where the method has one; it says little about a simulation.
+    pub prediction_fit_percent: Option<f64>,
+    /// Number of estimated parameters.
+    pub parameters: u64,
+    /// Number of independent samples that the correlated residuals are worth.
+    pub effective_samples: Option<f64>,
+    /// Akaike's criterion for short records, with the effective number of samples.
+    pub aicc: Option<f64>,
+    /// Schwarz's criterion, likewise.
+    pub bic: Option<f64>,
+    /// Akaike's final prediction error, likewise, square of the output's unit.
+    pub final_prediction_error: Option<f64>,
+    /// Autocorrelation of the simulation errors at lag one.
+    pub residual_lag_one: Option<f64>,
+    /// Box-Pierce statistic over 20 lags: of the one-step prediction errors where the method has a predictor, else of
+    /// the simulation errors; the notes of `/identification/<id>` say which.
+    pub whiteness: Option<f64>,
+    /// Its 95 % point.
+    pub whiteness_limit: Option<f64>,
+    /// Largest correlation of the same errors with the input, in units of its 95 % limit.
+    pub input_correlation: Option<f64>,
+    /// Condition number of the column-scaled sensitivities; above 1e8 single parameters mean little.
+    pub condition: Option<f64>,
+    /// Standard deviations of the numerator's coefficients, highest power first.
+    pub numerator_deviations: Vec<f64>,
+    /// Standard deviations of the denominator's coefficients after the leading 1.
+    pub denominator_deviations: Vec<f64>,
+    /// Standard deviations of the natural frequencies of the modes, rad/s, in their order.
+    pub frequency_deviations: Vec<Option<f64>>,
+    /// Standard deviations of the damping ratios of the modes.
+    pub damping_deviations: Vec<Option<f64>>,
+    /// Real parts of the zeros, 1/s.
+    pub zeros_re_per_s: Vec<f64>,
+    /// Their imaginary parts, rad/s.
+    pub zeros_im_rad_per_s: Vec<f64>,
+    /// Bounds of the errors of the singular values in `/identification/<id>`, one each.
+    pub singular_value_errors: Vec<f64>,
+    /// Standard deviations of the real parts of the zeros, 1/s; `null` where not determined. Empty without them.
+    pub zero_re_deviations: Vec<Option<f64>>,
+    /// The same of their imaginary parts, rad/s.
+    pub zero_im_deviations: Vec<Option<f64>>,
+    /// Replicates of the bootstrap that led to a model; `null` without a bootstrap.
+    pub bootstrap_replicates: Option<u32>,
+    /// Replicates that did not.
+    pub bootstrap_failed: Option<u32>,
+    /// How their noise was drawn, in words.
+    pub bootstrap_noise: Option<String>,
+    /// Spread over the replicates of the natural frequency of every mode, rad/s, in their order.
+    pub frequency_spreads: Vec<Option<SpreadV1>>,
+    /// The same of the damping ratio.
+    pub damping_spreads: Vec<Option<SpreadV1>>,
+    /// The same of the real part of every zero, 1/s.
+    pub zero_re_spreads: Vec<Option<SpreadV1>>,
+    /// The same of its imaginary part, rad/s.
+    pub zero_im_spreads: Vec<Option<SpreadV1>>,
+    /// Fit of the samples kept for validation, which the model has not seen, percent.
+    pub validation_fit_percent: Option<f64>,
+    /// First of these samples, s on the record's time axis.
+    pub validation_from_s: Option<f64>,
+    /// The paper whose procedure this is, as printed: `era`, `curve-fit` or `tfest`.
+    pub paper: Option<String>,
+    /// Fit of the samples kept for validation with the initial state fitted on them, percent; `validation_fit_percent`
+    /// runs on with the state that the model has at the end of the samples it was identified from.
+    pub validation_restarted_fit_percent: Option<f64>,
+    /// Akaike's criterion, with the effective number of samples.
+    pub aic: Option<f64>,
+    /// Minimum description length, likewise, square of the output's unit.
+    pub minimum_description_length: Option<f64>,
+    /// Variance of the output that the simulation accounts for, percent.
+    pub vaf_percent: Option<f64>,
+    /// Why there are no standard deviations of frequencies and damping ratios; `null` where there are.
+    pub no_deviations: Option<String>,
+    /// Names of numbers of the model whose correlations are known, e.g. `re_per_s_1`.
+    pub parameter_names: Vec<String>,
+    /// Their values.
+    pub parameter_values: Vec<f64>,
+    /// Their standard deviations, from the linearised fit, inflated for correlated residuals.
+    pub parameter_deviations: Vec<f64>,
+    /// Their correlations, row after row.
+    pub parameter_correlations: Vec<Vec<f64>>,
+    /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not
+    /// known.
+    pub denominator_covariance: Vec<Vec<f64>>,
+    /// Whether the model holds on the samples kept for validation, run on and with its state fitted to them: a fit of
+    /// at least 0, and at most 30 points below that of the samples of this output that it was identified from. `null`:
+    /// it has seen all.
+    #[serde(default)]
+    pub holds_on_unseen: Option<bool>,
+}
+
+/// Spread of a number over the replicates of a bootstrap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SpreadV1 {
+    /// Standard deviation.
+    pub deviation: f64,
+    /// 5 % of the replicates lie below.
+    pub lower: f64,
+    /// 5 % lie above.
+    pub upper: f64,
+}
+
+// Record: how a model was identified and how well it fits.
+
+/// How a model was identified and how well it fits. Topic `/identification/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct IdentificationV1 {
+    /// Method, e.g. `era`.
+    pub method: String,
+    /// Model order (number of states).
+    pub order: u32,
+    /// Channel the model was identified from; several outputs separated by ", ".
+    pub channel: String,
+    /// What the samples were taken for: `impulse-response` or `free-decay`.
+    pub treated_as: String,
+    /// Window on the record's time axis: first sample, s.
+    pub from_s: f64,
+    /// Window: last sample, s.
+    pub to_s: f64,
+    /// Number of samples used.
+    pub samples: u64,
+    /// Rows of the Hankel matrix, where the method has one.
+    pub hankel_rows: Option<u32>,
+    /// Columns of the Hankel matrix, where the method has one.
+    pub hankel_columns: Option<u32>,
+    /// Singular values of the Hankel matrix, largest first, as far as they converged.
+    pub singular_values: Vec<f64>,
+    /// Fit of the model's response to the window, 100 (1 - |y - yh| / |y - mean y|); `null` for a constant record.
+    pub fit_percent: Option<f64>,
+    /// Root mean square error of the response, unit of the channel.
+    pub rmse: Option<f64>,
+    /// What a reader should know.
+    pub notes: Vec<String>,
+    /// Fit of every output where there are several, in the order of `channel`; `fit_percent` is then the smallest.
+    #[serde(default)]
+    pub output_fits_percent: Vec<Option<f64>>,
+    /// Time by which the input acts late, s; `null`: no delay.
+    pub delay_s: Option<f64>,
+}
+
+// Records: identified models (state space, transfer function, exponential sum) and their modes.
+
+/// A linear state-space model. Topic `/model/<id>`. Matrices are lists of rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StateSpaceV1 {
+    /// State matrix, n x n.
+    pub a: Vec<Vec<f64>>,
+    /// Input matrix, n x inputs.
+    pub b: Vec<Vec<f64>>,
+    /// Output matrix, outputs x n.
+    pub c: Vec<Vec<f64>>,
+    /// Direct term, outputs x inputs.
+    pub d: Vec<Vec<f64>>,
+    /// Sample time, s; 0 for a continuous model.
+    pub sample_time_s: f64,
+    /// What drives the model, in words.
+    pub input: String,
+    /// What it answers with, in words.
+    pub output: String,
+    /// Time by which the input acts late, s, beyond what the matrices hold: the response is that of the model, moved to
+    /// later times by it. `null`: no delay.
+    pub delay_s: Option<f64>,
+}
+
+/// A continuous transfer function. Topic `/model/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TransferFunctionV1 {
+    /// Numerator coefficients, highest power of s first.
+    pub numerator: Vec<f64>,
+    /// Denominator coefficients, highest power first, the first is 1.
+    pub denominator: Vec<f64>,
+    /// What drives the model, in words.
+    pub input: String,
+    /// What it answers with, in words.
+    pub output: String,
+    /// Time by which the input acts late, s, beyond what the coefficients hold: the response is that of the model,
+    /// moved to later times by it. `null`: no delay.
+    pub delay_s: Option<f64>,
+}
+
+/// A sum of complex exponentials. Topic `/model/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExponentialSumV1 {
+    /// Terms; a real signal has them real or in conjugate pairs.
+    pub terms: Vec<ExponentialTermV1>,
+    /// What the sum describes, in words.
+    pub output: String,
+}
+
+/// `(re_amplitude + i im_amplitude) exp((re_per_s + i im_rad_per_s) t)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExponentialTermV1 {
+    /// Real part of the amplitude.
+    pub re_amplitude: f64,
+    /// Imaginary part of the amplitude.
+    pub im_amplitude: f64,
+    /// Real part of the exponent, 1/s.
+    pub re_per_s: f64,
+    /// Imaginary part of the exponent, rad/s.
+    pub im_rad_per_s: f64,
+}
+
+/// Modes of a model. Topic `/modes/<id>`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ModesV2 {
+    /// One entry a pole that is a mode.
+    pub modes: Vec<ModeV1>,
+    /// The poles of the model that are no modes.
+    #[serde(default)]
+    pub other_poles: Vec<OtherPoleV1>,
+}
+
+/// A pole that is no mode of the record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OtherPoleV1 {
+    /// Real part, continuous time, 1/s.
+    pub re_per_s: f64,
+    /// Imaginary part, rad/s.
+    pub im_rad_per_s: f64,
+    /// The discrete pole, real part.
+    pub discrete_re: Option<f64>,
+    /// The discrete pole, imaginary part.
+    pub discrete_im: Option<f64>,
+    /// Why it is none.
+    pub kind: OtherPoleKindV1,
+}
+
+/// Why a pole is no mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OtherPoleKindV1 {
+    /// At or near zero: the model integrates.
+    Integrator,
+    /// At or beyond the Nyquist frequency of the record.
+    BeyondNyquist,
+}
+
+/// Modes of a model as they were written before: a JSON array.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct ModesV1(pub Vec<ModeV1>);
+
+impl From<ModesV1> for ModesV2 {
+    fn from(earlier: ModesV1) -> Self {
+        Self { modes: earlier.0, other_poles: Vec::new() }
+    }
+}
+
+/// One mode of a model, continuous time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ModeV1 {
+    /// Real part of the pole, 1/s.
+    pub re_per_s: f64,
+    /// Imaginary part, rad/s.
+    pub im_rad_per_s: f64,
+    /// Natural frequency, modulus of the pole, rad/s.
+    pub natural_frequency_rad_per_s: f64,
+    /// Damping ratio, -re/modulus; `null` for a pole at zero.
+    pub damping_ratio: Option<f64>,
+    /// Modal amplitude coherence, 0 to 1, where the method gives one.
+    pub modal_amplitude_coherence: Option<f64>,
+    /// Mode singular value, relative to the largest, where the method gives one.
+    pub mode_singular_value: Option<f64>,
+    /// The discrete pole, real part.
+    pub discrete_re: Option<f64>,
+    /// The discrete pole, imaginary part.
+    pub discrete_im: Option<f64>,
+}
+
+// Record: responses of an identified model.
+
+/// Responses of an identified model, ready to be drawn. Topic `/response/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ResponseV1 {
+    /// What drives the model, in words.
+    pub input: String,
+    /// What it answers with, in words.
+    pub output: String,
+    /// Which model's frequency response this is: `continuous`, or `discrete` where there is no continuous one.
+    pub model: String,
+    /// Frequencies, Hz, rising: evenly spaced in the logarithm, with more of them at resonances.
+    pub frequency_hz: Vec<f64>,
+    /// Modulus of the frequency response, SI units.
+    pub magnitude: Vec<f64>,
+    /// Phase, unwrapped, rad.
+    pub phase_rad: Vec<f64>,
+    /// Where the band comes from, e.g. `covariance, 5 to 95 %`; `null` without a band.
+    pub band: Option<String>,
+    /// Lower edge of the band of the modulus; `null` where it is not determined. Empty without a band.
+    pub magnitude_lower: Vec<Option<f64>>,
+    /// Upper edge.
+    pub magnitude_upper: Vec<Option<f64>>,
+    /// Lower edge of the band of the phase, rad.
+    pub phase_lower_rad: Vec<Option<f64>>,
+    /// Upper edge, rad.
+    pub phase_upper_rad: Vec<Option<f64>>,
+    /// What the impulse response answers to: `unit impulse` of a continuous model, `unit sample` of a sampled one.
+    pub impulse_of: String,
+    /// Times of both responses, s.
+    pub time_s: Vec<f64>,
+    /// Response to the impulse, from rest.
+    pub impulse: Vec<f64>,
+    /// Response to a unit step, from rest.
+    pub step: Vec<f64>,
+    /// Real parts of the zeros of the continuous model, 1/s; empty where there is none.
+    pub zeros_re_per_s: Vec<f64>,
+    /// Their imaginary parts, rad/s.
+    pub zeros_im_rad_per_s: Vec<f64>,
+}
+
+// Record: models of one output compared.
+
+/// Models of one output compared: which of them the record prefers, and which it does not distinguish. Topic
+/// `/selection/<output channel>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SelectionV1 {
+    /// Channel that the models answer with; several separated by commas, in the topic by `+`.
+    pub output: String,
+    /// Number of independent samples that all of them are compared on.
+    pub effective_samples: f64,
+    /// The models, the smallest criterion first.
+    pub models: Vec<SelectionModelV1>,
+    /// Id with the smallest AICc.
+    pub best_by_aicc: String,
+    /// Id with the smallest BIC.
+    pub best_by_bic: String,
+    /// Id with the best fit of the samples kept for validation, if any were.
+    pub best_by_validation: Option<String>,
+    /// Ids within 2 of the smallest AICc: the record does not distinguish them. The best itself is among them.
+    pub near_equal: Vec<String>,
+}
+
+/// One model of a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SelectionModelV1 {
+    /// Id of the model.
+    pub id: String,
+    /// Number of its parameters.
+    pub parameters: u64,
+    /// Mean square error of the simulated output; of several outputs the geometric mean.
+    pub loss: f64,
+    /// Akaike's criterion for short records less that of the best; `null` with too many parameters.
+    pub aicc_difference: Option<f64>,
+    /// Schwarz's criterion less that of the best.
+    pub bic_difference: f64,
+    /// Fit of the samples kept for validation, percent.
+    pub validation_fit_percent: Option<f64>,
+}
+
+// Record: mode shapes over the sensors.
+
+/// Mode shapes of one model over several sensors. Topic `/shapes/<id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShapesV1 {
+    /// Channels, in the order of the entries of a shape.
+    pub channels: Vec<String>,
+    /// One entry for every mode, conjugates once, in the order of `/modes/<id>`.
+    pub shapes: Vec<ShapeV1>,
+    /// Modal assurance criterion between each two shapes, 0 to 1; its rows are as many as the shapes.
+    pub modal_assurance: Vec<Vec<f64>>,
+}
+
+/// Shape of one mode: relative motion of the sensors, the largest entry 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShapeV1 {
+    /// Real part of the pole, 1/s.
+    pub re_per_s: f64,
+    /// Imaginary part, rad/s.
+    pub im_rad_per_s: f64,
+    /// Real parts, one entry a channel.
+    pub re: Vec<f64>,
+    /// Imaginary parts: what is out of phase.
+    pub im: Vec<f64>,
+    /// Modal phase collinearity: 1 if all sensors move in phase or against it, 0 if phases are spread all round.
+    pub phase_collinearity: Option<f64>,
+}
+
+// Record: stabilisation diagram, poles over the model order.
+
+/// Poles of models of rising order, and the clusters they form. Topic `/stabilisation/<method>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StabilizationV1 {
+    /// Method of the models, e.g. `era`.
+    pub method: String,
+    /// Channel they were identified from.
+    pub channel: String,
+    /// Orders, rising.
+    pub orders: Vec<u32>,
+    /// Largest damping ratio of a pole that counts.
+    pub highest_damping: f64,
+    /// Share of the Nyquist frequency above which a pole does not count.
+    pub nyquist_share: f64,
+    /// Least modal phase collinearity of a shape; `null` with one sensor.
+    pub least_collinearity: Option<f64>,
+    /// Least energy of a pole's wave in the record, over that of the strongest wave in noise like the residual; `null`
+    /// where the method does not give it.
+    pub least_strength: Option<f64>,
+    /// Relative change of frequency up to which a pole is stable.
+    pub frequency_change: f64,
+    /// Relative change of the damping ratio, likewise.
+    pub damping_change: f64,
+    /// `1 - MAC`, likewise; `null` with one sensor.
+    pub shape_change: Option<f64>,
+    /// Share of the orders in which a cluster is present.
+    pub presence: f64,
+    /// Oscillating poles, the upper of each pair, by order and frequency.
+    pub poles: Vec<StabilizationPoleV1>,
+    /// Clusters, by frequency.
+    pub clusters: Vec<StabilizationClusterV1>,
+}
+
+/// One pole of a stabilisation diagram.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StabilizationPoleV1 {
+    /// Order of its model.
+    pub order: u32,
+    /// Real part, 1/s.
+    pub re_per_s: f64,
+    /// Imaginary part, rad/s.
+    pub im_rad_per_s: f64,
+    /// `rejected`, `new`, `frequency`, `frequency-and-damping` or `all`.
+    pub stability: String,
+}
+
+/// A mode that many orders agree on: medians and quartiles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StabilizationClusterV1 {
+    /// Number of orders in which it is present.
+    pub orders: u32,
+    /// Natural frequency, rad/s, median.
+    pub natural_frequency_rad_per_s: f64,
+    /// Its lower quartile.
+    pub natural_frequency_lower_rad_per_s: f64,
+    /// Its upper quartile.
+    pub natural_frequency_upper_rad_per_s: f64,
+    /// Damping ratio, median.
+    pub damping_ratio: f64,
+    /// Its lower quartile.
+    pub damping_ratio_lower: f64,
+    /// Its upper quartile.
+    pub damping_ratio_upper: f64,
+}

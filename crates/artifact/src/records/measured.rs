@@ -1,0 +1,489 @@
+//! Records of ingest, filter and integrate: the test, its vehicles and damage, waveforms, filters, quality, events,
+//! metrics.
+
+use crumple_signal::{Axis, Channel, QuantityKind, Source, TestDescription};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::ConversionError;
+
+// Record: how a channel was filtered.
+
+/// How a channel was filtered. Topic `/filter/<channel id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ChannelFilterV1 {
+    /// Channel frequency class applied; `null`: passed through.
+    pub cfc: Option<u16>,
+    /// `iso6487`, `sae_reflect`, `sae_zero_state`, `butterworth-low`, `butterworth-high`, `butterworth-band`,
+    /// `moving-average` or `none`.
+    pub mode: String,
+    /// Ratio of the design frequency to the class, e.g. 2.0775.
+    pub frequency_factor: Option<f64>,
+    /// Samples added at each end before filtering.
+    pub samples_added: u64,
+    /// Coefficients a0, a1, a2, b1, b2 of `y[i] = a0 x[i] + a1 x[i-1] + a2 x[i-2] + b1 y[i-1] + b2 y[i-2]`; five for
+    /// each section of a Butterworth filter, sections in the order they are run.
+    pub coefficients: Vec<f64>,
+    /// Gain of both passes at the class frequency, dB.
+    pub gain_at_class_db: Option<f64>,
+    /// Zero level subtracted before filtering, SI unit of the channel.
+    pub zero_level_removed: f64,
+    /// What a reader should know.
+    pub notes: Vec<String>,
+    /// Response of the filter that was run beside the limits of its class; empty without a class.
+    #[serde(default)]
+    pub corridor: Vec<CorridorPointV1>,
+    /// Whether the response keeps all limits of the class; `null` without a class.
+    pub corridor_ok: Option<bool>,
+    /// Cut-off frequencies of a Butterworth filter, Hz: one, or two for a band.
+    #[serde(default)]
+    pub cutoff_hz: Vec<f64>,
+    /// `zero` (forward and backward, no phase) or `causal`; `null`: nothing was filtered.
+    pub phase: Option<String>,
+    /// Width of a moving average, s.
+    pub width_s: Option<f64>,
+    /// Sampling rate the channel was brought to after filtering, Hz; `null`: its own.
+    pub resampled_to_hz: Option<f64>,
+    /// Shift of the time axis that aligns the channel with another, s; negative: the channel was late.
+    pub shift_s: Option<f64>,
+}
+
+/// The gain of a filter at one frequency, and what its class allows there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CorridorPointV1 {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Gain of the filter as run, dB.
+    pub gain_db: f64,
+    /// Upper limit, dB.
+    pub upper_db: f64,
+    /// Lower limit, dB; `null`: none.
+    pub lower_db: Option<f64>,
+}
+
+// Record: what was measured on the vehicle after the test.
+
+/// Residual crush of the vehicle, as the file of the test states it. Topic `/damage`; not there where it states none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DamageV1 {
+    /// Residual crush at stations of equal spacing over the width of the damage, left to right, m; negative: the
+    /// structure bulges out.
+    pub residual_crush_m: Vec<f64>,
+    /// Width of the damage, m; `null`: not stated.
+    pub damage_width_m: Option<f64>,
+    /// Width of the vehicle, m.
+    pub vehicle_width_m: Option<f64>,
+    /// Collision deformation classification (SAE J224), e.g. `12FDEW2`.
+    pub classification: Option<String>,
+    /// The fields of the file that these are from.
+    pub from: String,
+}
+
+// Record: the events of a crash on one channel.
+
+/// Interval of an event, from the stated uncertainty of the measurement.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EventIntervalV1 {
+    /// Field of [`EventsV1`] it belongs to, e.g. `dynamic_crush_m`.
+    pub name: String,
+    /// Lower end, unit of the field.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// How it was found, e.g. `5-95 % of 400 replicates`.
+    pub interval_by: String,
+}
+
+/// Why an event has no interval.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MissingIntervalV1 {
+    /// Field of [`EventsV1`], e.g. `dynamic_crush_m`.
+    pub name: String,
+    /// The reason in words.
+    pub reason: String,
+}
+
+/// The events of a crash on one channel; times count from time zero. Topic `/events`.
+///
+/// `null` means that the record does not show the event; a note says why.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EventsV1 {
+    /// Channel the events were read from.
+    pub channel: String,
+    /// Time zero on the record's own time axis, s.
+    pub time_zero_s: f64,
+    /// How time zero was found: `file`, `flag`, ...
+    pub time_zero_rule: String,
+    /// Dynamic crush C: displacement at the first zero of velocity, m.
+    pub dynamic_crush_m: Option<f64>,
+    /// Time of dynamic crush t_m, s.
+    pub time_of_dynamic_crush_s: Option<f64>,
+    /// Centroid time t_c of the loading pulse, s.
+    pub centroid_time_s: Option<f64>,
+    /// Lowest velocity after t_m, m/s, negative when the vehicle rebounds.
+    pub rebound_velocity_m_per_s: Option<f64>,
+    /// Coefficient of restitution e = -rebound velocity / impact speed.
+    pub coefficient_of_restitution: Option<f64>,
+    /// Whether the record ends during the rebound: its lowest velocity is the last sample, so that restitution and
+    /// delta-v are lower bounds.
+    #[serde(default)]
+    pub still_separating: bool,
+    /// Change of velocity, impact speed minus rebound velocity, m/s; of a velocity that never reaches zero impact speed
+    /// minus the lowest velocity up to `end_of_event_s`.
+    pub delta_v_m_per_s: Option<f64>,
+    /// Time of the rebound velocity, s.
+    pub time_of_rebound_s: Option<f64>,
+    /// Impact speed the integration started from, m/s.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// Integration rule: `trapezoid` or `forward-euler`.
+    pub rule: Option<String>,
+    /// Where the integration started: `time-zero` or `record-start`.
+    pub start: Option<String>,
+    /// Intervals of the events, where the uncertainty of the measurement was stated.
+    #[serde(default)]
+    pub intervals: Vec<EventIntervalV1>,
+    /// Time of the lowest velocity of an event whose velocity never reaches zero, s; elsewhere it is
+    /// `time_of_rebound_s`.
+    #[serde(default)]
+    pub time_of_delta_v_s: Option<f64>,
+    /// End of an event whose velocity never reaches zero, s; `null` where it does, or where nothing happens.
+    #[serde(default)]
+    pub end_of_event_s: Option<f64>,
+    /// What ends it: `20 ms with no more than 0.8 km/h (49 CFR 563)` or `end of the record`.
+    #[serde(default)]
+    pub end_of_event_rule: Option<String>,
+    /// Events that have no interval although the uncertainty of the measurement was stated, and why.
+    #[serde(default)]
+    pub without_interval: Vec<MissingIntervalV1>,
+}
+
+impl EventsV1 {
+    /// End of the contact with the barrier, s after time zero: the lowest velocity, where the vehicle separates, else
+    /// the end of a record that ends at `record_end_s` on its own axis.
+    pub fn end_of_contact_s(&self, record_end_s: f64) -> f64 {
+        let end_s = record_end_s - self.time_zero_s;
+        self.time_of_rebound_s.or(self.time_of_delta_v_s).map_or(end_s, |t| t.min(end_s))
+    }
+}
+
+// Record: crash metrics.
+
+/// Crash metrics. Topic `/metrics`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MetricsV2 {
+    /// The metrics, in the order of channels.
+    pub metrics: Vec<MetricV1>,
+}
+
+/// Crash metrics as they were written before: a JSON array.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct MetricsV1(pub Vec<MetricV1>);
+
+impl From<MetricsV1> for MetricsV2 {
+    fn from(earlier: MetricsV1) -> Self {
+        Self { metrics: earlier.0 }
+    }
+}
+
+/// One number about a channel.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MetricV1 {
+    /// Name, e.g. `peak_acceleration`.
+    pub name: String,
+    /// Value; `null` where the record does not show it.
+    pub value: Option<f64>,
+    /// SI unit.
+    pub unit: String,
+    /// Channel it was computed from.
+    pub channel: String,
+    /// Definition, or the reason for a missing value.
+    pub definition: String,
+    /// Key of the definition in the catalogue of `docs/metrics.md`, e.g. `olc-tb027`.
+    pub definition_id: Option<String>,
+    /// Start of the part of the record the value belongs to, s from time zero; `null` where it belongs to none.
+    pub from_s: Option<f64>,
+    /// Its end, s from time zero; the start again for a moment.
+    pub to_s: Option<f64>,
+    /// Lower end of the interval of the value, from stated or measured uncertainty.
+    pub low: Option<f64>,
+    /// Its upper end.
+    pub high: Option<f64>,
+    /// How the interval was found, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why there is
+    /// none, where one was to be expected.
+    pub interval_by: Option<String>,
+}
+
+// Record: what ingest measured on a channel.
+
+/// What ingest measured on a channel before any processing. Topic `/quality/<channel id>`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct QualityV1 {
+    /// Mean before the event, SI unit of the channel; `null` without enough pre-event data.
+    pub zero_level: Option<f64>,
+    /// Standard deviation before the event.
+    pub noise_floor: Option<f64>,
+    /// Pre-event window: start, s.
+    pub pre_event_from_s: Option<f64>,
+    /// Pre-event window: end, s.
+    pub pre_event_to_s: Option<f64>,
+    /// Sampling rate, Hz.
+    pub sample_rate_hz: f64,
+    /// Largest deviation of a time stamp from the uniform grid, in sampling intervals.
+    pub time_jitter: f64,
+    /// Smallest sample.
+    pub minimum: f64,
+    /// Largest sample.
+    pub maximum: f64,
+    /// Longest run of equal samples at an extreme (3 or more: clipped).
+    pub clipped_run: u64,
+    /// Longest run of equal samples while the signal is active after time zero (5 or more over 0.5 ms: a dropout,
+    /// perhaps).
+    #[serde(default)]
+    pub constant_run: Option<u64>,
+    /// Start of that run, s.
+    #[serde(default)]
+    pub constant_run_from_s: Option<f64>,
+    /// Mean over the last 20 ms, zero level removed, SI unit of the channel.
+    #[serde(default)]
+    pub end_level: Option<f64>,
+    /// Level at rest of an acceleration in free fall before the event, 1 g off `zero_level`, m/s²; `null`: no free fall
+    /// shows.
+    #[serde(default)]
+    pub rest_level: Option<f64>,
+}
+
+impl QualityV1 {
+    /// Equal samples in a row at an extreme from which on a channel may be clipped.
+    pub const CLIPPED_RUN: u64 = 3;
+
+    /// Whether the channel may be clipped.
+    pub fn may_be_clipped(&self) -> bool {
+        self.clipped_run >= Self::CLIPPED_RUN
+    }
+}
+
+// Record: the test, its source and its channels.
+
+/// The test a record belongs to. Topic `/test`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TestV1 {
+    /// Title of the test.
+    pub title: String,
+    /// Vehicle, in words.
+    pub vehicle: Option<String>,
+    /// Test mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Speed just before contact, m/s, positive.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// Barrier, in words.
+    pub barrier: Option<String>,
+    /// Where the record came from.
+    pub source: SourceV1,
+    /// Every channel the source lists.
+    pub channels: Vec<ChannelV1>,
+    /// Id of the channel taken as the crash pulse; `null`: the only acceleration channel.
+    pub pulse: Option<String>,
+    /// Remarks of the reader of the file.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// What says that t = 0 is first contact, in words; `null`: nothing.
+    #[serde(default)]
+    pub time_zero: Option<String>,
+    /// Whether ingest asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
+    #[serde(default)]
+    pub exchange_asked: bool,
+}
+
+/// Origin of a record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SourceV1 {
+    /// File format as recognised.
+    pub format: String,
+    /// File name without folder.
+    pub name: String,
+    /// `blake3:<hex>` of the content.
+    pub digest: String,
+}
+
+/// One channel of a test.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ChannelV1 {
+    /// Unique name; the waveform's topic is `/wave/<id>`.
+    pub id: String,
+    /// Sensor location in words; empty if unknown.
+    pub location: String,
+    /// `x`, `y`, `z`, `resultant` or `null`.
+    pub axis: Option<String>,
+    /// `acceleration`, `velocity`, `velocity_change`, `displacement`, `force`, ...
+    pub quantity: String,
+    /// SI unit of the samples.
+    pub unit: String,
+    /// Channel frequency class of the samples: 60, 180, 600, 1000 or `null`.
+    pub cfc: Option<u16>,
+    /// `valid`, `computed`, `questionable`, `failed`, `not installed` or `absent`.
+    pub status: String,
+    /// Velocity along the sensor axis at time zero, m/s, signed.
+    pub initial_velocity_m_per_s: Option<f64>,
+    /// Whether another sensor at the same place is the primary one.
+    #[serde(default)]
+    pub redundant: bool,
+    /// The laboratory's remark.
+    pub comment: Option<String>,
+    /// Channel code of ISO/TS 13499.
+    #[serde(default)]
+    pub code: Option<String>,
+    /// Transducer: type and serial number.
+    #[serde(default)]
+    pub sensor: Option<String>,
+    /// Filter state in words.
+    #[serde(default)]
+    pub filter_state: Option<String>,
+    /// What the source says of the sign, where it departs from SAE J211 or leaves it open.
+    #[serde(default)]
+    pub polarity: Option<String>,
+}
+
+impl From<&TestDescription> for TestV1 {
+    fn from(test: &TestDescription) -> Self {
+        Self {
+            title: test.title.clone(),
+            vehicle: test.vehicle.clone(),
+            mass_kg: test.mass_kg,
+            impact_speed_m_per_s: test.impact_speed_m_per_s,
+            barrier: test.barrier.clone(),
+            source: SourceV1 {
+                format: test.source.format.clone(),
+                name: test.source.name.clone(),
+                digest: test.source.digest.clone(),
+            },
+            channels: test.channels.iter().map(ChannelV1::from).collect(),
+            pulse: test.pulse.clone(),
+            notes: test.notes.clone(),
+            time_zero: test.time_zero.clone(),
+            exchange_asked: test.exchange_asked,
+        }
+    }
+}
+
+impl From<&Channel> for ChannelV1 {
+    fn from(channel: &Channel) -> Self {
+        Self {
+            id: channel.id.clone(),
+            location: channel.location.clone(),
+            axis: channel.axis.map(|axis| axis.to_string()),
+            quantity: channel.quantity.name().to_owned(),
+            unit: channel.quantity.si_unit().to_owned(),
+            cfc: channel.cfc,
+            status: channel.status.name().to_owned(),
+            initial_velocity_m_per_s: channel.initial_velocity_m_per_s,
+            redundant: channel.redundant,
+            comment: channel.comment.clone(),
+            code: channel.code.clone(),
+            sensor: channel.sensor.clone(),
+            filter_state: channel.filter_state.clone(),
+            polarity: channel.polarity.clone(),
+        }
+    }
+}
+
+impl TryFrom<TestV1> for TestDescription {
+    type Error = ConversionError;
+
+    fn try_from(test: TestV1) -> Result<Self, ConversionError> {
+        let mut ids = std::collections::BTreeSet::new();
+        if let Some(twice) = test.channels.iter().find(|channel| !ids.insert(channel.id.as_str())) {
+            return Err(ConversionError(format!("channel {:?} is listed twice", twice.id)));
+        }
+        Ok(Self {
+            title: test.title,
+            vehicle: test.vehicle,
+            mass_kg: test.mass_kg,
+            impact_speed_m_per_s: test.impact_speed_m_per_s,
+            barrier: test.barrier,
+            source: Source { format: test.source.format, name: test.source.name, digest: test.source.digest },
+            channels: test.channels.into_iter().map(Channel::try_from).collect::<Result<_, _>>()?,
+            pulse: test.pulse,
+            notes: test.notes,
+            time_zero: test.time_zero,
+            exchange_asked: test.exchange_asked,
+        })
+    }
+}
+
+impl TryFrom<ChannelV1> for Channel {
+    type Error = ConversionError;
+
+    fn try_from(channel: ChannelV1) -> Result<Self, ConversionError> {
+        let error = |what| ConversionError(format!("channel {:?}: {what}", channel.id));
+        let quantity: QuantityKind = channel.quantity.parse().map_err(error)?;
+        if quantity.si_unit() != channel.unit && quantity != QuantityKind::Other {
+            return Err(error(format!(
+                "unit is {:?}, but {quantity} is stored in {:?}",
+                channel.unit,
+                quantity.si_unit()
+            )));
+        }
+        Ok(Self {
+            axis: channel.axis.as_deref().map(str::parse::<Axis>).transpose().map_err(error)?,
+            status: channel.status.parse().map_err(error)?,
+            quantity,
+            id: channel.id,
+            location: channel.location,
+            cfc: channel.cfc,
+            redundant: channel.redundant,
+            initial_velocity_m_per_s: channel.initial_velocity_m_per_s,
+            comment: channel.comment,
+            code: channel.code,
+            sensor: channel.sensor,
+            filter_state: channel.filter_state,
+            polarity: channel.polarity,
+        })
+    }
+}
+
+// Record: the vehicles of a test with several.
+
+/// The vehicles of a test in which two meet. Topic `/vehicles`; not there where the file states one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct VehiclesV1 {
+    /// In the order of the file. The one with the pulse of `/test` has the mass and the speed stated there.
+    pub vehicles: Vec<VehicleV1>,
+    /// Speed at which they approach each other, m/s, as the file states it.
+    pub closing_speed_m_per_s: Option<f64>,
+}
+
+/// One vehicle of several.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct VehicleV1 {
+    /// Number by which the file names it.
+    pub number: u32,
+    /// In words.
+    pub description: Option<String>,
+    /// Test mass, kg.
+    pub mass_kg: Option<f64>,
+    /// Speed just before contact, m/s; 0: it stands.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// The channel that serves best as its pulse, where one does.
+    pub pulse: Option<String>,
+    /// Ids of all channels on it and in it.
+    pub channels: Vec<String>,
+}
+
+// Record: a block of a waveform.
+
+/// A block of samples of one waveform. Topic `/wave/<channel id>`.
+///
+/// Sample i of the block is sample `first + i` of the waveform and was taken at
+/// `t0_ns / 1e9 + (first + i) * dt_s` seconds; `t0_ns` and `dt_s` are equal in all blocks of a waveform.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WaveBlockV1 {
+    /// Time of sample 0 of the waveform, ns from the record's time origin.
+    pub t0_ns: i64,
+    /// Sampling interval, s.
+    pub dt_s: f64,
+    /// Index of the block's first sample.
+    pub first: u64,
+    /// Samples in the SI unit of the channel.
+    pub samples: Vec<f64>,
+}

@@ -1,0 +1,76 @@
+//! Records any stage may write: its notes, what speaks against its result, and the diagnosis of a run without one.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+// Record: what speaks against a result, with its weight and what it concerns.
+
+/// What speaks against the result of a stage. Topic `/concerns`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ConcernsV2 {
+    /// The concerns, in the order in which the stage met them.
+    pub concerns: Vec<ConcernV1>,
+}
+
+/// What speaks against the result of a stage as it was written before: a JSON array.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct ConcernsV1(pub Vec<ConcernV1>);
+
+impl From<ConcernsV1> for ConcernsV2 {
+    fn from(earlier: ConcernsV1) -> Self {
+        Self { concerns: earlier.0 }
+    }
+}
+
+/// One warning of `/notes`, or the diagnosis of a stage without a result, as a program can rank it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ConcernV1 {
+    /// The stage that says it.
+    pub stage: String,
+    /// `warning`, or `no-result`: the stage has no acceptable result, or none that later stages work on.
+    pub severity: String,
+    /// What it concerns: `pulse`, `mass`, `impact-speed`, `time`, `motion`, `model:<model or candidate>`,
+    /// `predictions`, `occupants`, `wall-force`, `identified-models`, `method:<identification method that gave no
+    /// model, or none of an order>`, `channel:<id>`, `record`.
+    pub about: String,
+    /// How much it changes there: 1 it stays within the intervals, 2 numbers may be off by more, 3 it may be another
+    /// thing than it is taken for.
+    pub weight: u8,
+    /// One sentence.
+    pub text: String,
+    /// One thing to do about it.
+    pub remedy: Option<String>,
+}
+
+impl ConcernV1 {
+    /// Severity of a warning.
+    pub const WARNING: &str = "warning";
+    /// Severity of the diagnosis of a stage without a result.
+    pub const NO_RESULT: &str = "no-result";
+}
+
+// Record: why a run has no acceptable result.
+
+/// Why a stage has no acceptable result, or not the one that later stages need. Topic `/diagnosis`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DiagnosisV1 {
+    /// The stage.
+    pub stage: String,
+    /// The reason, in words.
+    pub reason: String,
+    /// The stage has a result nevertheless, but not what later stages work on.
+    #[serde(default)]
+    pub has_result: bool,
+}
+
+// Record: the notes of a stage.
+
+/// Remarks a stage leaves for the reader. Topic `/notes`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NotesV1 {
+    /// The stage that made them.
+    pub stage: String,
+    /// One sentence each; `warning: ` in front where it may change a conclusion.
+    pub notes: Vec<String>,
+}

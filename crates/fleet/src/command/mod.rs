@@ -1,4 +1,0 @@
-//! The command line of the programs.
-
-pub mod options;
-pub mod sweep;

@@ -1,0 +1,442 @@
+//! The waveforms of a run: which ones, which window of them, how they are scaled.
+
+use crumple_signal::{About, Note, QuantityKind, Sampled, TestDescription, Weight};
+use crumple_stage::records::{ChannelFilterV1, EventsV1};
+use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
+use crumple_sysid::{EraError, FilterEdge, IoData, MarkovParameters, Realization, end_of_contact};
+
+use crate::stage::options::input_output::InputOutputSettings;
+use crate::stage::options::settings::Settings;
+
+// Inputs and outputs of a run: waveforms sampled together, in one window.
+
+/// What a user may do about waveforms that do not fit.
+const HINT: &str = "name other waveforms with --inputs and --outputs";
+
+/// What a user may do about a record without a crash pulse.
+const NO_PULSE: &str = "name what drives with --inputs and what answers with --outputs";
+
+/// Frequency times width at which a moving average leaves 1/√2: root of `sin(πx)/(πx) = 1/√2`.
+const MOVING_AVERAGE_EDGE: f64 = 0.442_946;
+
+/// A waveform within the window of the run.
+pub struct WindowedWave {
+    /// Id of the waveform.
+    pub id: String,
+    /// What it measures.
+    pub quantity: QuantityKind,
+    /// Its samples in the window.
+    pub sampled: Sampled,
+    /// Samples after the window that are kept for validation.
+    pub kept: Vec<f64>,
+    /// Edges of the filter it went through, if known: that of the channel it was made from.
+    pub edges: Vec<FilterEdge>,
+}
+
+impl WindowedWave {
+    /// The window of a waveform.
+    pub fn new(id: String, wave: &Wave, source: Source<'_>) -> anyhow::Result<Self> {
+        let Window { used, kept } = window(&wave.sampled, source)?;
+        let channel = id.split('/').next().unwrap_or(&id);
+        let edges = match source.inputs.record_if::<ChannelFilterV1>(&format!("/filter/{channel}"))? {
+            Some(record) => edges_of(&record),
+            None => Vec::new(),
+        };
+        let cfc = source.test.channel(&id).or_else(|| source.test.channel(channel)).and_then(|c| c.cfc);
+        // Without a filter of ours, the class that the record came with.
+        let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
+        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id })
+    }
+
+    /// All samples, those kept for validation too.
+    pub fn whole(&self) -> Vec<f64> {
+        self.sampled.samples().iter().chain(&self.kept).copied().collect()
+    }
+
+    /// First time of the samples kept for validation, s.
+    pub fn kept_from_s(&self) -> Option<f64> {
+        (!self.kept.is_empty()).then(|| self.sampled.time_s(self.sampled.len()))
+    }
+
+    /// `displacement 93/displacement, m`.
+    pub fn describe(&self) -> String {
+        format!("{} {}, {}", self.quantity.name(), self.id, self.quantity.si_unit())
+    }
+
+    /// Subtracts the mean over the samples that a model is identified from, also from those kept; says which.
+    pub fn remove_mean(&mut self) -> anyhow::Result<String> {
+        let mean = self.sampled.samples().iter().sum::<f64>() / self.sampled.len().max(1) as f64;
+        let centred = self.sampled.samples().iter().map(|x| x - mean).collect();
+        self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
+        self.kept.iter_mut().for_each(|x| *x -= mean);
+        Ok(format!(
+            "the mean of the samples identified from, {mean:.6e} {}, was removed from {}",
+            self.quantity.si_unit(),
+            self.id
+        ))
+    }
+
+    /// Errors unless the other has the same times; `hint` says what to do.
+    pub fn require_same_times(&self, other: &Self, hint: &str) -> anyhow::Result<()> {
+        let (u, y) = (&self.sampled, &other.sampled);
+        let dt = y.dt_s();
+        let apart = (u.t0_s() - y.t0_s()).abs() > 1e-6 * dt || (u.dt_s() / dt - 1.0).abs() > 1e-9;
+        let (samples, other_samples) = (u.len() + self.kept.len(), y.len() + other.kept.len());
+        if apart || u.len() != y.len() || samples != other_samples {
+            return Err(Refused::new(format!(
+                "waveforms {} and {} are not sampled together: {samples} samples of {} s from {} s, and \
+                 {other_samples} of {dt} s from {} s",
+                self.id,
+                other.id,
+                u.dt_s(),
+                u.t0_s(),
+                y.t0_s()
+            ))
+            .hint(hint)
+            .into());
+        }
+        Ok(())
+    }
+}
+
+/// Edges of the filter that the first waveform with a filter went through.
+pub fn filter_edges<'a>(waves: impl IntoIterator<Item = &'a WindowedWave>) -> &'a [FilterEdge] {
+    waves.into_iter().map(|wave| &wave.edges[..]).find(|edges| !edges.is_empty()).unwrap_or_default()
+}
+
+/// Edges (-3 dB) of the filter of a channel: of a class, of a Butterworth filter as it was run, or of a moving average.
+fn edges_of(record: &ChannelFilterV1) -> Vec<FilterEdge> {
+    let butterworth = |hz: &f64| FilterEdge { hz: *hz, filter: format!("{} filter", record.mode) };
+    let class = record.cfc.map(FilterEdge::of_class);
+    let average = record.width_s.map(|width_s| FilterEdge {
+        hz: MOVING_AVERAGE_EDGE / width_s,
+        filter: format!("moving average over {width_s} s"),
+    });
+    let all = record.cutoff_hz.iter().map(butterworth).chain(class).chain(average);
+    all.filter(|edge| edge.hz.is_finite() && edge.hz > 0.0).collect()
+}
+
+/// Waveforms sampled together.
+pub struct Record {
+    /// What drives; empty: nothing does.
+    pub inputs: Vec<WindowedWave>,
+    /// What answers, at least one.
+    pub outputs: Vec<WindowedWave>,
+    /// Their samples in the window.
+    pub data: IoData,
+    /// The same with those after it that are kept for validation.
+    pub whole: IoData,
+    /// Time by which the inputs act late, s, if they do.
+    pub delay_s: Option<f64>,
+    /// What was done to the samples, for the notes of every model.
+    pub remarks: Vec<String>,
+}
+
+impl Record {
+    /// Descriptions of all inputs, separated by semicolons.
+    pub fn input(&self) -> String {
+        if self.inputs.is_empty() { "none (free motion)".to_owned() } else { described(&self.inputs) }
+    }
+
+    /// Descriptions of all outputs.
+    pub fn output(&self) -> String {
+        described(&self.outputs)
+    }
+
+    /// Whether there is one input and one output.
+    pub fn single(&self) -> bool {
+        self.inputs.len() == 1 && self.outputs.len() == 1
+    }
+
+    /// All waveforms, the answering ones first.
+    pub fn waves(&self) -> Vec<&WindowedWave> {
+        self.outputs.iter().chain(&self.inputs).collect()
+    }
+}
+
+fn described(waves: &[WindowedWave]) -> String {
+    waves.iter().map(WindowedWave::describe).collect::<Vec<_>>().join("; ")
+}
+
+/// The first answering waveform: as asked for, else the displacement of the pulse.
+pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<WindowedWave> {
+    let mut outputs = outputs(source, input_output)?;
+    Ok(outputs.swap_remove(0))
+}
+
+fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<WindowedWave>> {
+    if input_output.outputs.is_empty() {
+        let pulse = channel(source, NO_PULSE)?;
+        return waves(vec![format!("{pulse}/displacement")], source);
+    }
+    waves(input_output.outputs.clone(), source)
+}
+
+/// The windows of waveforms, any quantity.
+pub fn waves(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<WindowedWave>> {
+    ids.into_iter()
+        .map(|id| {
+            let wave = find_wave(&id, source)?;
+            WindowedWave::new(id, wave, source)
+        })
+        .collect()
+}
+
+/// A waveform by its id. Where no channel of the test has that name, the error lists the waveforms that there are.
+fn find_wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
+    let Source { test, inputs, .. } = source;
+    let channel = id.split('/').next().unwrap_or(id);
+    match inputs.wave_if(id) {
+        Some(wave) => Ok(wave),
+        // A known channel whose waveform another stage writes.
+        None if test.channel(channel).is_some() || inputs.waves().next().is_none() => inputs.wave(id),
+        None => {
+            let names: Vec<&str> = inputs.waves().map(|(id, _)| id).collect();
+            let text = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
+            Err(Refused::new(text).hint("name one of them with --inputs or --outputs").into())
+        }
+    }
+}
+
+/// Inputs and outputs, sampled together.
+pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Record> {
+    let mut outputs = outputs(source, input_output)?;
+    let ids = match &input_output.inputs[..] {
+        [] => vec![channel(source, NO_PULSE)?.to_owned()],
+        [none] if none == "none" => Vec::new(),
+        several => several.to_vec(),
+    };
+    let mut inputs = waves(ids, source)?;
+    let mut remarks = Vec::new();
+    if input_output.remove_mean {
+        for wave in outputs.iter_mut().chain(&mut inputs) {
+            remarks.push(wave.remove_mean()?);
+        }
+    }
+    let first = &outputs[0];
+    for other in inputs.iter().chain(&outputs[1..]) {
+        let hint = "name waveforms of one time base with --inputs and --outputs, or a window that all have";
+        other.require_same_times(first, hint)?;
+    }
+    let data = |samples: &dyn Fn(&WindowedWave) -> Vec<f64>| {
+        let signals_of = |waves: &[WindowedWave]| waves.iter().map(samples).collect();
+        IoData::new(signals_of(&inputs), signals_of(&outputs), first.sampled.dt_s()).refuse_with_hint(HINT)
+    };
+    let (used, whole) = (data(&|wave| wave.sampled.samples().to_vec())?, data(&WindowedWave::whole)?);
+    let delay_s =
+        (input_output.delay > 0 && !inputs.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
+    Ok(Record { inputs, outputs, data: used, whole, delay_s, remarks })
+}
+
+/// Levels above this share of the root mean square about them are named.
+const NAMED_LEVEL: f64 = 1.0;
+
+/// What may be wrong with waveforms that lie far from zero: a linear model has no constant. `None` of a crash, where
+/// the level of a motion is its result, and where the mean is removed.
+pub fn level_note(source: Source<'_>) -> anyhow::Result<Option<Note>> {
+    let Some(input_output) = source.settings.input_output.as_ref().filter(|_| !source.is_of_a_crash()) else {
+        return Ok(None);
+    };
+    if input_output.remove_mean {
+        return Ok(None);
+    }
+    // Where the waveforms are refused, the methods have said so.
+    let Ok(record) = record(source, input_output) else { return Ok(None) };
+    let levels: Vec<String> = record.waves().into_iter().filter_map(level_in_words).collect();
+    let text = format!(
+        "the mean of {}: a linear model has no constant; if the level is no part of the motion, add --remove-mean",
+        levels.join(", of ")
+    );
+    Ok((!levels.is_empty()).then(|| Note::warning(text).bears_on(About::IdentifiedModels, Weight::Marked)))
+}
+
+/// `y is 5.1 V, 12 times its standard deviation`, where that is much.
+fn level_in_words(wave: &WindowedWave) -> Option<String> {
+    let samples = wave.sampled.samples();
+    let mean_of = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / samples.len() as f64;
+    let mean = mean_of(&mut samples.iter().copied());
+    let deviation = mean_of(&mut samples.iter().map(|x| (x - mean).powi(2))).sqrt();
+    (deviation > 0.0 && mean.abs() > NAMED_LEVEL * deviation).then(|| {
+        // A number without a unit has the unit 1.
+        let unit = Some(wave.quantity.si_unit()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
+        let (id, times) = (&wave.id, mean.abs() / deviation);
+        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", unit.unwrap_or_default())
+    })
+}
+
+// Waveforms of several quantities, scaled so that ERA can take them together.
+
+/// The samples of waveforms as ERA is given them: of different quantities each divided by its root mean square, for
+/// sequences count by their size.
+pub struct ScaledWaves<'a> {
+    waves: &'a [WindowedWave],
+    /// Divisors and the divided samples; empty where the quantity is one.
+    scales: Vec<f64>,
+    scaled: Vec<Vec<f64>>,
+}
+
+impl<'a> ScaledWaves<'a> {
+    /// Of waveforms sampled together, at least one.
+    pub fn new(waves: &'a [WindowedWave]) -> Self {
+        if waves.iter().all(|wave| wave.quantity == waves[0].quantity) {
+            return Self { waves, scales: Vec::new(), scaled: Vec::new() };
+        }
+        let scales: Vec<f64> = waves.iter().map(|wave| root_mean_square(wave.sampled.samples())).collect();
+        let divided = |(wave, scale): (&WindowedWave, &f64)| wave.sampled.samples().iter().map(|x| x / scale).collect();
+        let scaled = waves.iter().zip(&scales).map(divided).collect();
+        Self { waves, scales, scaled }
+    }
+
+    /// One a waveform.
+    pub fn slices(&self) -> Vec<&[f64]> {
+        if self.scaled.is_empty() {
+            return self.waves.iter().map(|wave| wave.sampled.samples()).collect();
+        }
+        self.scaled.iter().map(Vec::as_slice).collect()
+    }
+
+    /// The same as Markov parameters of one impulse.
+    pub fn markov(&self) -> Result<MarkovParameters<'_>, EraError> {
+        MarkovParameters::new(self.slices(), 1)
+    }
+
+    /// Other samples of the same waveforms, divided alike.
+    pub fn divided(&self, samples: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        if self.scales.is_empty() {
+            return samples.to_vec();
+        }
+        samples.iter().zip(&self.scales).map(|(y, scale)| y.iter().map(|x| x / scale).collect()).collect()
+    }
+
+    /// The model of the samples as they are.
+    pub fn unscaled(&self, model: Realization) -> Realization {
+        if self.scales.is_empty() { model } else { model.with_outputs_times(&self.scales) }
+    }
+}
+
+/// 1 for silence.
+fn root_mean_square(samples: &[f64]) -> f64 {
+    let largest = samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 {
+        return 1.0;
+    }
+    let sum: f64 = samples.iter().map(|x| (x / largest).powi(2)).sum();
+    largest * (sum / samples.len() as f64).sqrt()
+}
+
+// What the waveforms of a run are taken from.
+
+/// Settings, test and artifacts of a run.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// Settings of the stage.
+    pub settings: &'a Settings,
+    /// The test that the artifacts are of.
+    pub test: &'a TestDescription,
+    /// The artifacts read.
+    pub inputs: &'a Inputs,
+}
+
+impl Source<'_> {
+    /// Whether the record is of a crash: it has a pulse, or its events. Any other record has inputs and outputs.
+    pub fn is_of_a_crash(&self) -> bool {
+        self.test.pulse_channel().is_ok() || self.inputs.record_if::<EventsV1>("/events").ok().flatten().is_some()
+    }
+}
+
+// The window of a run: its channel, where it starts, and the samples in it.
+
+/// Start of the window, s after time zero, and in words how it was found where that is not simply `--from`.
+pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)> {
+    let Source { settings, test, inputs } = source;
+    let Some(share) = settings.hankel.as_ref().and_then(|hankel| hankel.free_decay_share) else {
+        return Ok((settings.from_s, None));
+    };
+    let events = inputs.record_if::<EventsV1>("/events")?;
+    if share == 0.0 {
+        let Some(events) = events else {
+            return Err(Refused::new("free decay from separation on, but there is no topic /events")
+                .hint("add the artifact of crumple-integrate, or give a share of the peak, e.g. --free-decay 5%")
+                .into());
+        };
+        let Some(time_s) = events.time_of_rebound_s else {
+            return Err(Refused::new("the record of /events shows no time of rebound, hence no separation")
+                .hint("give a share of the peak, e.g. --free-decay 5%, or --from")
+                .into());
+        };
+        let start = time_s.max(settings.from_s);
+        let rule = "the time of the rebound velocity, when the vehicle parts from the barrier";
+        return Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))));
+    }
+    let zero_s = events.as_ref().map_or(0.0, |events| events.time_zero_s);
+    // The crash pulse is the channel that the events were read from.
+    let pulse = match &events {
+        Some(events) => &events.channel,
+        None => &test.pulse_channel().refuse_with_hint("give the start as a time with --from")?.id,
+    };
+    let wave = &inputs.wave(pulse)?.sampled;
+    let first = wave.index_at_or_after(zero_s + settings.from_s);
+    let end = settings.to_s.map_or(wave.len(), |to| wave.index_at_or_after(zero_s + to + wave.dt_s() / 2.0));
+    let force = wave.slice(first, end);
+    let Some(after) = end_of_contact(force.samples(), share) else {
+        return Err(Refused::new(format!(
+            "channel {pulse} does not stay under {} % of its peak before the window ends: there is no free decay",
+            100.0 * share
+        ))
+        .hint("give a larger share, a later --to, or the start as a time with --from")
+        .into());
+    };
+    let start = force.t0_s() + after as f64 * force.dt_s() - zero_s;
+    let rule = format!("after the last sample of channel {pulse} with {} % of its peak", 100.0 * share);
+    Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))))
+}
+
+/// The channel asked for, else the crash pulse; `hint` tells what to name where there is none.
+pub fn channel<'a>(source: Source<'a>, hint: &str) -> anyhow::Result<&'a str> {
+    match &source.settings.channel {
+        Some(id) => Ok(id),
+        None => Ok(&source.test.pulse_channel().refuse_with_hint(hint)?.id),
+    }
+}
+
+/// The samples of a record that a model is identified from, and those after them that are kept for validation.
+pub struct Window {
+    /// Identified from.
+    pub used: Sampled,
+    /// What follows, if samples are kept for validation: no gap between.
+    pub kept: Vec<f64>,
+}
+
+/// The part of the record that is used. The window counts from time zero, which the crash events state where they are
+/// among the inputs; without them it is the record's own zero.
+pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
+    let Source { settings, inputs, .. } = source;
+    let zero_s = inputs.record_if::<EventsV1>("/events")?.map_or(0.0, |events| events.time_zero_s);
+    // Half a sample of room for the rounding of times.
+    let (from_s, rule) = window_start(source)?;
+    let room_s = if rule.is_some() { record.dt_s() / 2.0 } else { 0.0 };
+    let first = record.index_at_or_after(zero_s + from_s - room_s);
+    // The sample at `to` itself belongs to the window.
+    let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(zero_s + to + record.dt_s() / 2.0));
+    let used = settings.validate_from_s.map_or(end, |from| end.min(record.index_at_or_after(zero_s + from)));
+    let kept = record.slice(used.max(first), end).samples().to_vec();
+    let end = settings.samples.map_or(used, |count| used.min(first.saturating_add(count)));
+    let window = record.slice(first, end);
+    if window.is_empty() {
+        return Err(Refused::new(format!(
+            "the window from {} s holds no sample: the record runs from {} s to {} s",
+            settings.from_s,
+            record.t0_s(),
+            record.end_s()
+        ))
+        .hint("set --from and --to to times inside the record")
+        .into());
+    }
+    if settings.validate_from_s.is_some() && (kept.is_empty() || end < used) {
+        return Err(Refused::new("no sample is left for the validation, or --samples ends before it begins")
+            .hint("set --validate-from to a time inside the window, without --samples")
+            .into());
+    }
+    let kept = if settings.validate_from_s.is_some() { kept } else { Vec::new() };
+    Ok(Window { used: window, kept })
+}

@@ -1,0 +1,445 @@
+//! TDM, the older files of DIAdem: an XML header `.tdm` and a binary file `.tdx` beside it.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crumple_signal::Notes;
+use roxmltree::{Document, Node, ParsingOptions};
+
+use crate::formats::reader::{Bundle, Reader, stem};
+use crate::formats::tdms::metadata::Type;
+use crate::formats::tdms::samples::{Strided, numbers, times};
+use crate::formats::text::lines::{decode, without_mark};
+use crate::formats::waveform::channel::{Instant, Waveform};
+use crate::formats::waveform::conversion;
+use crate::formats::waveform::date::instant;
+use crate::formats::{diadem, iso13499};
+use crate::recording::content::Recording;
+use crate::recording::read_channel::ReadChannel;
+use crate::{IngestError, IngestSettings, Place};
+
+/// Largest header, bytes.
+const HEADER_LIMIT: usize = 128 << 20;
+
+/// Most samples in a file, all channels together: 2 GiB in memory.
+const SAMPLE_LIMIT: u64 = 1 << 28;
+
+/// Reader of TDM files.
+pub struct Tdm;
+
+impl Reader for Tdm {
+    fn format(&self) -> &'static str {
+        "tdm"
+    }
+
+    fn recognises(&self, head: &[u8]) -> bool {
+        let head = without_mark(head);
+        let is_xml = head.trim_ascii_start().starts_with(b"<");
+        is_xml && head.windows(7).any(|window| window == b"usi:tdm")
+    }
+
+    fn companion(&self, main: &str, name: &str) -> bool {
+        let is_tdx = name.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("tdx"));
+        is_tdx && stem(name).to_lowercase() == stem(main).to_lowercase()
+    }
+
+    fn relevant_flags(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
+    }
+
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+        read(bundle, settings)
+    }
+}
+
+/// Reads the header and its channels.
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+    let file = bundle.main.name.as_str();
+    if bundle.main.bytes.len() > HEADER_LIMIT {
+        return Err(IngestError::TooLarge {
+            place: Place::file(file),
+            found: format!("a TDM header of {} MiB", bundle.main.bytes.len() >> 20),
+            limit: format!("headers up to {} MiB", HEADER_LIMIT >> 20),
+        });
+    }
+    let header = parse(&decode(&without_mark(&bundle.main.bytes))).map_err(|found| {
+        IngestError::content(
+            Place::file(file),
+            found,
+            "a TDM header as DIAdem writes it",
+            "export the data from DIAdem as TDMS or CSV",
+        )
+    })?;
+    let mut notes = Notes::new();
+    let (tdx_name, tdx) = binary(bundle, &header, &mut notes)?;
+    let mut samples = 0_u64;
+    let mut waveforms = Vec::with_capacity(header.channels.len());
+    for channel in &header.channels {
+        samples = samples.saturating_add(channel.samples.as_ref().map_or(0, |sequence| sequence.most(tdx)));
+        if samples > SAMPLE_LIMIT {
+            return Err(IngestError::TooLarge {
+                place: Place::file(file),
+                found: format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
+                limit: format!("at most {SAMPLE_LIMIT} samples in all channels together"),
+            });
+        }
+        waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
+    }
+    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
+    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
+    let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
+    let details = diadem::details(&header.root);
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+}
+
+/// The binary file: that of the header's name in any case, else the one that is named like the header.
+fn binary<'a>(bundle: &'a Bundle, header: &TdmHeader, notes: &mut Notes) -> Result<(&'a str, &'a [u8]), IngestError> {
+    let wanted = header.url.rsplit(['/', '\\']).next().unwrap_or(&header.url);
+    let named = bundle.companions.iter().find(|(name, _)| name.to_lowercase() == wanted.to_lowercase());
+    if let Some((name, bytes)) = named {
+        return Ok((name, bytes));
+    }
+    if let Some((name, bytes)) = bundle.companions.iter().next() {
+        notes.warning(format!(
+            "{} names {wanted} as its file of samples, {name} is taken: renamed, perhaps",
+            bundle.main.name
+        ));
+        return Ok((name, bytes));
+    }
+    Err(IngestError::content(
+        Place::file(&bundle.main.name),
+        format!("a TDM header without its samples: {wanted} is not beside it"),
+        format!("the .tdx file of the same name as the .TDM file ({}.tdx)", stem(&bundle.main.name)),
+        format!(
+            "copy {wanted} into the same folder, with the name of the .TDM file, or export the data as TDMS or CSV"
+        ),
+    ))
+}
+
+fn waveform(channel: &TdmChannel, tdx_name: &str, tdx: &[u8], big_endian: bool) -> Waveform {
+    let attribute = |name: &str| channel.attributes.get(name).map_or("", |text| text.trim());
+    let number = |name: &str| attribute(name).parse::<f64>().ok().filter(|x| x.is_finite());
+    let mut waveform = Waveform::new(channel.group.clone(), channel.name.clone());
+    attribute("unit_string").clone_into(&mut waveform.unit);
+    waveform.comment = Some(attribute("description").to_owned()).filter(|text| !text.is_empty());
+    let interval = number("wf_increment").filter(|dt| *dt > 0.0);
+    let start = number("wf_start_offset").unwrap_or(0.0);
+    waveform.set_steps(interval.map(|dt| (start, dt)), attribute("wf_xname"), attribute("wf_xunit_string"));
+    waveform.origin = instant(attribute("wf_start_time"));
+    waveform.values = channel.samples.clone().and_then(|sequence| {
+        let (samples, first_stamp) = values(&sequence, tdx_name, tdx, big_endian)?;
+        waveform.set_stamps(first_stamp);
+        Ok(samples)
+    });
+    waveform
+}
+
+impl Sequence {
+    /// Samples that it makes at most.
+    fn most(&self, tdx: &[u8]) -> u64 {
+        match (self.form, &self.numbers) {
+            (Form::ImplicitLinear { count }, _) => count,
+            (_, Numbers::Block(block)) => block.length.min(tdx.len() as u64),
+            (_, Numbers::Here(numbers)) => numbers.len() as u64,
+        }
+    }
+}
+
+/// The samples; of times those since the first one, and that one.
+fn values(
+    sequence: &Sequence,
+    tdx_name: &str,
+    tdx: &[u8],
+    big_endian: bool,
+) -> Result<(Vec<f64>, Option<Instant>), String> {
+    let (mut numbers, first_stamp) = match &sequence.numbers {
+        Numbers::Block(block) => of_block(block, tdx_name, tdx, big_endian)?,
+        Numbers::Here(numbers) => (numbers.clone(), None),
+    };
+    match sequence.form {
+        Form::Explicit => {}
+        Form::RawLinear { offset, slope } => numbers.iter_mut().for_each(|x| *x = offset + slope * *x),
+        Form::ImplicitLinear { count } => {
+            let [start, step] = numbers.as_slice() else {
+                return Err(format!("{} numbers in place of its start and its step", numbers.len()));
+            };
+            numbers = (0..count).map(|k| start + step * k as f64).collect();
+        }
+    }
+    Ok((numbers, first_stamp))
+}
+
+/// The numbers of a block; of times those since the first one, and that one.
+fn of_block(
+    block: &Block,
+    tdx_name: &str,
+    tdx: &[u8],
+    big_endian: bool,
+) -> Result<(Vec<f64>, Option<Instant>), String> {
+    let size = block.kind.size();
+    let range =
+        usize::try_from(block.offset).ok().zip(usize::try_from(block.length).ok()).and_then(|(offset, count)| {
+            let end = count.checked_mul(size)?.checked_add(offset)?;
+            Some((count, tdx.get(offset..end)?))
+        });
+    let Some((count, raw)) = range else {
+        return Err(format!(
+            "its block, {} samples of {size} bytes from byte {} on, is not in {tdx_name} of {} bytes",
+            block.length,
+            block.offset,
+            tdx.len()
+        ));
+    };
+    let (mut values, mut first_stamp) = (Vec::new(), None);
+    let raw = Strided { raw, stride: size, count };
+    if block.kind == Type::Time {
+        times(raw, big_endian, &mut first_stamp, &mut values);
+    } else {
+        numbers(raw, block.kind, big_endian, &mut values);
+    }
+    Ok((values, first_stamp))
+}
+
+// The XML of a TDM file: blocks of the binary file, groups, channels, and how they refer to each other.
+
+/// Most elements and texts in a header; a channel takes about a hundred.
+const NODE_LIMIT: u32 = 5_000_000;
+
+/// Longest tag, bytes: names of attributes are compared each with each, DIAdem writes three of them.
+const LONGEST_TAG: usize = 8 << 10;
+
+/// The numbers of a sequence and what samples are made of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sequence {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// What they are.
+    pub form: Form,
+}
+
+/// Where the numbers of a sequence stand.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Numbers {
+    /// In the binary file.
+    Block(Block),
+    /// In the header.
+    Here(Vec<f64>),
+}
+
+/// What samples are made of the numbers of a sequence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Form {
+    /// They are the samples.
+    Explicit,
+    /// `offset + slope·number`.
+    RawLinear {
+        /// Added to each.
+        offset: f64,
+        /// Factor of each.
+        slope: f64,
+    },
+    /// The numbers are start and step of so many samples.
+    ImplicitLinear {
+        /// How many there are.
+        count: u64,
+    },
+}
+
+/// Where the samples of a sequence lie in the binary file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// Offset of the first, bytes.
+    pub offset: u64,
+    /// How many there are.
+    pub length: u64,
+    /// What they are.
+    pub kind: Type,
+}
+
+/// A channel.
+#[derive(Debug, Clone)]
+pub struct TdmChannel {
+    /// Name of its group.
+    pub group: String,
+    /// Its name.
+    pub name: String,
+    /// `unit_string`, `description`, and the instance attributes.
+    pub attributes: BTreeMap<String, String>,
+    /// Its samples, or why they are not to be had.
+    pub samples: Result<Sequence, String>,
+}
+
+/// What the header says.
+#[derive(Debug, Clone)]
+pub struct TdmHeader {
+    /// Name of the binary file as the header has it.
+    pub url: String,
+    /// The binary file has the high byte first.
+    pub big_endian: bool,
+    /// Name, title and attributes of the file.
+    pub root: BTreeMap<String, String>,
+    /// The channels.
+    pub channels: Vec<TdmChannel>,
+}
+
+/// Bytes of the longest stretch between a `<` and the `>` after it.
+fn longest_tag(text: &str) -> Option<usize> {
+    text.split('<').skip(1).map(|after| after.find('>').unwrap_or(after.len())).max()
+}
+
+type NodeIndex<'a, 'i> = HashMap<&'a str, Node<'a, 'i>>;
+
+/// Reads the header; an error says what was found.
+pub fn parse(text: &str) -> Result<TdmHeader, String> {
+    if let Some(length) = longest_tag(text).filter(|length| *length > LONGEST_TAG) {
+        return Err(format!("a tag of {length} bytes"));
+    }
+    let options = ParsingOptions { allow_dtd: false, nodes_limit: NODE_LIMIT, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|error| error.to_string())?;
+    let named = |name: &'static str| document.descendants().filter(move |node| node.has_tag_name(name));
+    let mut files = named("file");
+    let file = files.next().ok_or("no file of samples is named")?;
+    if files.next().is_some() {
+        return Err("several files of samples are named, one is read".to_owned());
+    }
+    let url = file.attribute("url").ok_or("the file of samples has no url")?.to_owned();
+    let big_endian = match file.attribute("byteOrder") {
+        Some("littleEndian") | None => false,
+        Some("bigEndian") => true,
+        Some(other) => return Err(format!("byte order {other:?}, littleEndian and bigEndian are known")),
+    };
+    // Later elements do not replace earlier ones of the same id.
+    let mut by_id = NodeIndex::new();
+    for node in document.descendants() {
+        if let Some(id) = node.attribute("id") {
+            by_id.entry(id).or_insert(node);
+        }
+    }
+    let root = named("tdm_root").next().map(attributes).unwrap_or_default();
+    let mut group_of: HashMap<&str, String> = HashMap::new();
+    for group in named("tdm_channelgroup") {
+        for id in child_text(group, "channels").map(references).unwrap_or_default() {
+            group_of.insert(id, child_text(group, "name").unwrap_or_default().to_owned());
+        }
+    }
+    let channels = named("tdm_channel")
+        .map(|channel| {
+            let id = channel.attribute("id").unwrap_or_default();
+            let group = group_of.get(id).cloned().or_else(|| group_by_reference(channel, &by_id)).unwrap_or_default();
+            let name = child_text(channel, "name").unwrap_or_default().to_owned();
+            TdmChannel { group, name, attributes: attributes(channel), samples: sequence(channel, &by_id) }
+        })
+        .collect();
+    Ok(TdmHeader { url, big_endian, root, channels })
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn child_text<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
+    child(node, name)?.text().map(str::trim).filter(|text| !text.is_empty())
+}
+
+/// `#xpointer(id("usi1") id("usi2"))`: the ids.
+fn references(text: &str) -> Vec<&str> {
+    text.split("id(\"").skip(1).filter_map(|part| part.split('"').next()).collect()
+}
+
+fn referred<'a, 'i>(node: Node<'a, 'i>, name: &str, by_id: &NodeIndex<'a, 'i>) -> Option<Node<'a, 'i>> {
+    by_id.get(references(child_text(node, name)?).first()?).copied()
+}
+
+fn group_by_reference(channel: Node, by_id: &NodeIndex) -> Option<String> {
+    let id = *references(child_text(channel, "group")?).first()?;
+    child_text(*by_id.get(id)?, "name").map(str::to_owned)
+}
+
+/// The plain children and the instance attributes, by name.
+fn attributes(node: Node) -> BTreeMap<String, String> {
+    let mut all = BTreeMap::new();
+    for child in node.children().filter(Node::is_element) {
+        let name = child.tag_name().name();
+        if name != "instance_attributes" {
+            if let Some(text) = child.text().map(str::trim).filter(|text| !text.is_empty() && !text.starts_with('#')) {
+                all.insert(name.to_owned(), text.to_owned());
+            }
+            continue;
+        }
+        for attribute in child.children().filter(Node::is_element) {
+            // A text stands one level deeper, in <s>.
+            let text = attribute.descendants().filter_map(|part| part.text()).map(str::trim).find(|t| !t.is_empty());
+            if let (Some(name), Some(text)) = (attribute.attribute("name"), text) {
+                all.insert(name.to_owned(), text.to_owned());
+            }
+        }
+    }
+    all
+}
+
+/// From a channel by its local column to the sequence of its samples.
+fn sequence<'a, 'i>(channel: Node<'a, 'i>, by_id: &NodeIndex<'a, 'i>) -> Result<Sequence, String> {
+    let column = referred(channel, "local_columns", by_id).ok_or("no local column belongs to it")?;
+    let parameters = numbers_in(child_text(column, "generation_parameters").unwrap_or_default());
+    let form = match (child_text(column, "sequence_representation"), parameters.as_slice()) {
+        (Some("explicit") | None, _) => Form::Explicit,
+        (Some("raw_linear"), [offset, slope]) => Form::RawLinear { offset: *offset, slope: *slope },
+        (Some("implicit_linear"), _) => {
+            let rows = referred(column, "submatrix", by_id).and_then(|matrix| child_text(matrix, "number_of_rows"));
+            let count = rows.and_then(|rows| rows.parse().ok()).ok_or("its number of rows is not stated")?;
+            Form::ImplicitLinear { count }
+        }
+        (Some(other), _) => {
+            return Err(format!(
+                "its samples are represented as {other}, only explicit, raw_linear with its two parameters and \
+                 implicit_linear are read"
+            ));
+        }
+    };
+    if matches!(form, Form::ImplicitLinear { .. }) && parameters.len() == 2 {
+        return Ok(Sequence { numbers: Numbers::Here(parameters), form });
+    }
+    let sequence = referred(column, "values", by_id).ok_or("its local column has no values")?;
+    let values = child(sequence, "values").ok_or("its sequence has no values")?;
+    let numbers = match values.attribute("external") {
+        Some(id) => Numbers::Block(block(id, by_id)?),
+        None => {
+            let texts = values.children().filter(Node::is_element).map(|value| value.text().unwrap_or_default().trim());
+            let numbers: Option<Vec<f64>> = texts.map(|text| text.parse().ok()).collect();
+            let numbers = numbers.filter(|numbers| !numbers.is_empty());
+            Numbers::Here(numbers.ok_or("its samples stand in the header and are no numbers")?)
+        }
+    };
+    Ok(Sequence { numbers, form })
+}
+
+/// Numbers with blanks between; none if one is no number.
+fn numbers_in(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(str::parse).collect::<Result<_, _>>().unwrap_or_default()
+}
+
+/// A block of the binary file.
+fn block(id: &str, by_id: &NodeIndex) -> Result<Block, String> {
+    let block = by_id.get(id).ok_or_else(|| format!("its block {id} is not listed"))?;
+    if !block.has_tag_name("block") {
+        return Err(format!("its block is a {}, only plain blocks are read", block.tag_name().name()));
+    }
+    let number = |name: &str| {
+        let text = block.attribute(name).unwrap_or_default();
+        text.trim().parse::<u64>().map_err(|_| format!("{name} of its block is {text:?}, no count"))
+    };
+    let kind = match block.attribute("valueType").unwrap_or_default() {
+        "eFloat64Usi" => Type::Double,
+        "eFloat32Usi" => Type::Single,
+        "eInt8Usi" => Type::Int(1),
+        "eInt16Usi" => Type::Int(2),
+        "eInt32Usi" => Type::Int(4),
+        "eInt64Usi" => Type::Int(8),
+        "eUInt8Usi" => Type::Unsigned(1),
+        "eUInt16Usi" => Type::Unsigned(2),
+        "eUInt32Usi" => Type::Unsigned(4),
+        "eUInt64Usi" => Type::Unsigned(8),
+        "eTimeUsi" => Type::Time,
+        other => return Err(format!("its samples are of type {other}, only real numbers and times are read")),
+    };
+    Ok(Block { offset: number("byteOffset")?, length: number("length")?, kind })
+}

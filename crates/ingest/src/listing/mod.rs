@@ -1,3 +1,0 @@
-//! The table of channels of a record.
-
-pub mod channel_table;

@@ -1,4 +1,0 @@
-//! Force on the barrier, from load cells and from the mass.
-
-pub mod cell_sum;
-pub mod inertia_force;

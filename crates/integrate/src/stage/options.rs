@@ -1,0 +1,407 @@
+//! Flags and pipeline keys, the settings they come to, the uncertain inputs among them.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crumple_integrate::{DriftShape, EndCondition, Rule, Spread, Start, Uncertainty, UsedStart};
+use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
+use crumple_signal::value::{Length, Level, Share, Speed, Time};
+use crumple_signal::{Distribution, STANDARD_GRAVITY_M_PER_S2, Uncertain};
+use crumple_stage::Usage;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+// Flags and pipeline keys of the stage.
+
+/// Flags and keys; what is not given has the default named in its text.
+#[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// How samples are summed [default: trapezoid]
+    #[arg(long, value_enum)]
+    pub rule: Option<Rule>,
+
+    /// Where the integration starts [default: auto]
+    #[arg(long, value_enum)]
+    pub start: Option<Start>,
+
+    /// Channel to take as the crash pulse, by id, code or a pattern that means one [default: the pulse of the test]
+    #[arg(long, value_name = "ID")]
+    pub channel: Option<String>,
+
+    /// Further accelerometers to integrate, by id, code or pattern such as '1?VEHC*X?'; all stands for every x
+    /// acceleration of the compartment [default: none]
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    pub channels: Vec<String>,
+
+    /// First contact on the record's time axis, e.g. 1.2ms [default: 0 s, as the file has it]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub time_zero: Option<Time>,
+
+    /// How first contact is found: file, threshold (0.5 g for 3 ms), edr (49 CFR 563: 0.8 km/h in 20 ms) or
+    /// contact:<channel>, the edge of a contact switch [default: file]
+    #[arg(long, value_name = "RULE")]
+    pub time_zero_rule: Option<ZeroRule>,
+
+    /// Speed just before contact, e.g. 57.09km/h, instead of the one in the test description
+    #[arg(long, value_name = "SPEED")]
+    pub impact_speed: Option<Speed>,
+
+    /// Known velocity after separation, e.g. -2.5m/s, or standstill: the drift that brings the pulse there is taken out
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub end_velocity: Option<EndVelocity>,
+
+    /// When the known velocity holds, on the record's time axis [default: at the last sample]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub end_time: Option<Time>,
+
+    /// What the drift is taken to be [default: bias]
+    #[arg(long, value_enum)]
+    pub drift: Option<DriftShape>,
+
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h" (standard deviation) or "0.1 km/h uniform" (half width): events
+    /// and metrics get 5-95 % intervals [default: none stated]
+    #[arg(long, value_name = "SPEED [normal|uniform]")]
+    pub speed_uncertainty: Option<Uncertain<Speed>>,
+
+    /// Uncertainty of the zero level that is left, e.g. "0.05 g uniform" [default: none stated]
+    #[arg(long, value_name = "ACCELERATION [normal|uniform]")]
+    pub zero_level_uncertainty: Option<Uncertain<Level>>,
+
+    /// Uncertainty of the gain of the channel, e.g. "1 % uniform" [default: none stated]
+    #[arg(long, value_name = "PERCENT [normal|uniform]")]
+    pub gain_uncertainty: Option<Uncertain<Share>>,
+
+    /// Uncertainty of first contact, e.g. "0.5 ms uniform" [default: none stated]
+    #[arg(long, value_name = "TIME [normal|uniform]")]
+    pub time_zero_uncertainty: Option<Uncertain<Time>>,
+
+    /// How often the integration is repeated with perturbed inputs, 0 for no intervals [default: 400]
+    #[arg(long, value_name = "N")]
+    pub uncertainty_replicates: Option<u32>,
+
+    /// Seed of the random numbers of the repetitions [default: 1]
+    #[arg(long, value_name = "N")]
+    pub uncertainty_seed: Option<u64>,
+
+    /// Load cells of the barrier in the sum of its force [default: valid]
+    #[arg(long, value_enum)]
+    pub barrier_cells: Option<BarrierCells>,
+
+    /// Metrics of occupants and roadside hardware beside those of the pulse, by group [default: auto]
+    #[arg(long, value_enum, value_name = "GROUP", value_delimiter = ',')]
+    pub metrics: Vec<MetricGroup>,
+
+    /// Width of the damage, e.g. 1.6m: with the residual crush, CRASH3 stiffness A, B and G [default: as the file
+    /// states it]
+    #[arg(long, value_name = "LENGTH")]
+    pub damage_width: Option<Length>,
+
+    /// Residual crush measured on the vehicle, e.g. 520mm, for CRASH3 [default: as the file states it]
+    #[arg(long, value_name = "LENGTH")]
+    pub residual_crush: Option<Length>,
+
+    /// Speed of no damage b0 for CRASH3 [default: 2.2352 m/s, 5 mph]
+    #[arg(long, value_name = "SPEED")]
+    pub no_damage_speed: Option<Speed>,
+}
+
+/// Groups of metrics of occupants and of roadside hardware.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum MetricGroup {
+    /// Every group whose channels the test has.
+    #[default]
+    Auto,
+    /// Head accelerations: HIC15, HIC36, 3 ms clips; HIC(d) of a free-motion headform.
+    Head,
+    /// Chest accelerations: 3 ms clips.
+    Chest,
+    /// Vehicle x and y at the centre of gravity: ASI, OIV, ORA; with the yaw rate THIV and PHD. Asked for by name, the
+    /// pulse stands in for a missing x, and a missing y is 0.
+    Roadside,
+    /// Chest x against the pulse: ride-down.
+    RideDown,
+    /// None of them.
+    None,
+}
+
+/// Which load cells are summed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum BarrierCells {
+    /// Those that the laboratory marks valid; the others are named.
+    #[default]
+    Valid,
+    /// All with data, as read.
+    All,
+    /// None: no barrier force.
+    None,
+}
+
+/// How first contact is found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ZeroRule {
+    /// At 0 s of the record.
+    File,
+    /// By threshold.
+    Threshold,
+    /// By the rule for event data recorders.
+    Edr,
+    /// From a contact switch: id of its channel.
+    Contact(String),
+}
+
+impl FromStr for ZeroRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "file" => Ok(Self::File),
+            "threshold" => Ok(Self::Threshold),
+            "edr" => Ok(Self::Edr),
+            other => match other.strip_prefix("contact:").map(str::trim) {
+                Some(id) if !id.is_empty() => Ok(Self::Contact(id.to_owned())),
+                _ => Err(format!("unknown rule {text:?}, expected file, threshold, edr or contact:<channel>")),
+            },
+        }
+    }
+}
+
+impl fmt::Display for ZeroRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => f.write_str("file"),
+            Self::Threshold => f.write_str("threshold"),
+            Self::Edr => f.write_str("edr"),
+            Self::Contact(id) => write!(f, "contact:{id}"),
+        }
+    }
+}
+
+/// A velocity along x, m/s; `standstill` is 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndVelocity(pub Speed);
+
+impl FromStr for EndVelocity {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "standstill" => Ok(Self(Speed::from_si(0.0))),
+            speed => speed.parse().map(Self).map_err(|error: crumple_signal::unit::UnitError| error.to_string()),
+        }
+    }
+}
+
+impl fmt::Display for EndVelocity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+macro_rules! as_text {
+    ($($name:ident),*) => {$(
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
+            }
+        }
+    )*};
+}
+
+as_text!(ZeroRule, EndVelocity);
+
+// The settings that the options come to.
+
+/// Options with the defaults filled in that do not depend on the record.
+#[derive(Debug, Serialize)]
+pub struct StageSettings {
+    pub rule: Rule,
+    pub start: Start,
+    /// `None`: the pulse of the test.
+    pub channel: Option<String>,
+    /// Further channels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub channels: Vec<String>,
+    /// `None`: by the rule.
+    pub time_zero_s: Option<f64>,
+    /// `None`: 0 s, where the file has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_zero_rule: Option<ZeroRule>,
+    /// `None`: that of the test.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// `None`: no drift is taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_condition: Option<EndCondition>,
+    #[serde(skip_serializing_if = "is_default")]
+    pub barrier_cells: BarrierCells,
+    /// Empty: auto.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub metrics: Vec<MetricGroup>,
+    /// Speed of no damage, for CRASH3.
+    #[serde(skip_serializing_if = "is_usual_speed")]
+    pub no_damage_speed_m_per_s: f64,
+    /// For CRASH3; `None`: what the file of the test states.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damage: Option<Damage>,
+    /// `None`: no intervals.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// The damage of a barrier test, for the stiffness of CRASH3.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Damage {
+    pub width_m: f64,
+    pub residual_crush_m: f64,
+}
+
+/// Options that are not used stay out of the provenance, so that results from before they existed stay up to date.
+fn is_default(cells: &BarrierCells) -> bool {
+    *cells == BarrierCells::default()
+}
+
+fn is_usual_speed(speed: &f64) -> bool {
+    *speed == NO_DAMAGE_SPEED_M_PER_S
+}
+
+impl TryFrom<Options> for StageSettings {
+    type Error = Usage;
+
+    fn try_from(options: Options) -> Result<Self, Usage> {
+        if options.time_zero.is_some() && options.time_zero_rule.is_some() {
+            return Err(Usage::new("both time-zero and time-zero-rule are given").hint("leave out either"));
+        }
+        if options.end_velocity.is_none() {
+            let given = [("end-time", options.end_time.is_some()), ("drift", options.drift.is_some())];
+            if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
+                return Err(Usage::new(format!("{name} needs end-velocity"))
+                    .hint("give the velocity that is known with --end-velocity"));
+            }
+        }
+        let uncertainty = uncertainty(&options)?;
+        let metrics: Vec<MetricGroup> =
+            options.metrics.iter().copied().filter(|group| *group != MetricGroup::Auto).collect();
+        if metrics.contains(&MetricGroup::None) && metrics.len() > 1 {
+            return Err(Usage::new("metrics none stands beside other groups").hint("leave out either"));
+        }
+        let damage = match (options.damage_width, options.residual_crush) {
+            (Some(width), Some(crush)) => Some(Damage { width_m: width.si(), residual_crush_m: crush.si() }),
+            (None, None) => None,
+            _ => {
+                return Err(Usage::new("damage-width and residual-crush belong together")
+                    .hint("give both, e.g. --damage-width 1.6m --residual-crush 520mm"));
+            }
+        };
+        Ok(Self {
+            uncertainty,
+            rule: options.rule.unwrap_or_default(),
+            start: options.start.unwrap_or_default(),
+            channel: options.channel,
+            channels: options.channels,
+            time_zero_s: options.time_zero.map(Time::si),
+            time_zero_rule: options.time_zero_rule.filter(|rule| *rule != ZeroRule::File),
+            impact_speed_m_per_s: options.impact_speed.map(Speed::si),
+            end_condition: options.end_velocity.map(|EndVelocity(speed)| EndCondition {
+                velocity_m_per_s: speed.si(),
+                time_s: options.end_time.map(Time::si),
+                shape: options.drift.unwrap_or_default(),
+            }),
+            barrier_cells: options.barrier_cells.unwrap_or_default(),
+            metrics,
+            no_damage_speed_m_per_s: options.no_damage_speed.map_or(NO_DAMAGE_SPEED_M_PER_S, Speed::si),
+            damage,
+        })
+    }
+}
+
+// The uncertain inputs of the options, and what the intervals made of them rest on.
+
+fn spread<V>(stated: Uncertain<V>, si: impl Fn(V) -> f64) -> Spread {
+    Spread { size: si(stated.size), distribution: stated.distribution }
+}
+
+/// Repetitions where none are stated: the ends of an interval are then uncertain by a ninth of a standard deviation.
+const REPLICATES: u32 = 400;
+
+/// Fewer have no 5 % quantile.
+const FEWEST_REPLICATES: u32 = 20;
+
+/// More do not make an interval better that rests on stated uncertainties.
+const MOST_REPLICATES: u32 = 100_000;
+
+/// `None` where nothing is uncertain or no repetitions are wanted.
+pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
+    let replicates = options.uncertainty_replicates.unwrap_or(REPLICATES);
+    if replicates != 0 && !(FEWEST_REPLICATES..=MOST_REPLICATES).contains(&replicates) {
+        return Err(Usage::new(format!(
+            "{replicates} replicates, expected 0 or a number from {FEWEST_REPLICATES} to {MOST_REPLICATES}"
+        )));
+    }
+    let stated = Uncertainty {
+        impact_speed_m_per_s: options.speed_uncertainty.map(|u| spread(u, Speed::si)),
+        zero_level_m_per_s2: options.zero_level_uncertainty.map(|u| spread(u, Level::si)),
+        gain: options.gain_uncertainty.map(|u| spread(u, Share::si)),
+        time_zero_s: options.time_zero_uncertainty.map(|u| spread(u, Time::si)),
+        replicates: replicates as usize,
+        seed: options.uncertainty_seed.unwrap_or(1),
+    };
+    let inputs = [stated.impact_speed_m_per_s, stated.zero_level_m_per_s2, stated.gain, stated.time_zero_s];
+    Ok((replicates > 0 && inputs.into_iter().any(|input| input.is_some())).then_some(stated))
+}
+
+/// What the intervals rest on, in words.
+pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
+    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, time_zero_s, replicates, seed } = uncertainty;
+    let inputs = [
+        ("impact speed", impact_speed_m_per_s, 3.6, "km/h"),
+        ("zero level", zero_level_m_per_s2, 1.0 / STANDARD_GRAVITY_M_PER_S2, "g"),
+        ("gain", gain, 1e2, "%"),
+        ("time zero", time_zero_s, 1e3, "ms"),
+    ];
+    let stated = inputs.into_iter().filter_map(|(name, spread, factor, unit)| {
+        let Spread { size, distribution } = (*spread)?;
+        // Rounded to what was typed: 0.1 km/h is not 0.09999999999999999.
+        let size = (1e9 * size * factor).round() / 1e9;
+        Some(match distribution {
+            Distribution::Normal => format!("{name} {size} {unit} (standard deviation, normal)"),
+            Distribution::Uniform => format!("{name} +-{size} {unit} (uniform)"),
+        })
+    });
+    let moved = match (time_zero_s, start) {
+        (None, _) => "",
+        (Some(_), UsedStart::RecordStart) => {
+            "; an error of time zero moves the crush by v0 times it and every time by it, not the velocity, which is \
+             integrated from the start of the record"
+        }
+        (Some(_), UsedStart::TimeZero) => {
+            "; an error of time zero cuts the record there: it moves the crush by v0 times it, and the velocity by \
+             what the pulse does in it"
+        }
+    };
+    let stated: Vec<String> = stated.collect();
+    format!("intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}", stated.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    #[test]
+    fn nothing_uncertain_or_no_repetitions_is_none() {
+        assert_eq!(uncertainty(&Options::default()).unwrap(), None);
+        let speed = "0.1 m/s".parse().ok();
+        let stated =
+            |uncertainty_replicates| Options { speed_uncertainty: speed, uncertainty_replicates, ..Options::default() };
+        assert_eq!(uncertainty(&stated(None)).unwrap().map(|u| (u.replicates, u.seed)), Some((400, 1)));
+        assert_eq!(uncertainty(&stated(Some(0))).unwrap(), None);
+        assert!(uncertainty(&stated(Some(3))).is_err());
+    }
+}

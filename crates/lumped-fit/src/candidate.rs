@@ -1,0 +1,424 @@
+//! A parameter set with how it was found, how it was fitted and how well it is known, and its parameters in words.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+use crumple_lumped::{Model, ParameterKind, parameter_kind};
+use crumple_numerics::estimation::minimise::StopReason;
+use crumple_signal::Note;
+use nalgebra::DMatrix;
+
+use crate::free::coordinates::Coordinates;
+use crate::free::free_parameter::{FreeParameter, mass_of};
+use crate::record::observation::Observation;
+use crate::{FitQuantity, ObservedWave, SensorFit};
+
+// Methods by which parameters are found: their names in files and what each is.
+
+/// How parameters are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Method {
+    /// From the events of the crash, by formula.
+    ClosedForm,
+    /// By fitting the response to the record.
+    DirectFit,
+    /// From the characteristic polynomial of an identified model.
+    CoefficientMatching,
+    /// From exponents and amplitudes as the ERA paper does it, for reproduction.
+    CurveFit,
+    /// By the firefly search of the single-mass paper.
+    Firefly,
+    /// By the general global search, ended by a descent.
+    LShade,
+    /// By the interior-point method of the single-mass paper.
+    InteriorPoint,
+}
+
+/// Name in candidate ids and pipeline files, and what the method is in a few words, in the order of the variants. The
+/// names are part of the file format.
+const TABLE: [(Method, &str, &str); 7] = [
+    (Method::ClosedForm, "closed-form", "from the crash events"),
+    (Method::DirectFit, "direct-fit", "to the motion of the test"),
+    (Method::CoefficientMatching, "coefficient-matching", "from an identified model with four poles: every solution"),
+    (Method::CurveFit, "curve-fit", "from four real exponentials, as the ERA paper prints it: for reproduction only"),
+    (Method::Firefly, "firefly", "population search of the single-mass paper"),
+    (Method::LShade, "l-shade", "general global search, then a descent"),
+    (Method::InteriorPoint, "interior-point", "side constraints as in the single-mass paper"),
+];
+
+/// All methods.
+pub const METHODS: [Method; TABLE.len()] = {
+    let mut methods = [Method::ClosedForm; TABLE.len()];
+    let mut k = 0;
+    while k < TABLE.len() {
+        methods[k] = TABLE[k].0;
+        k += 1;
+    }
+    methods
+};
+
+impl Method {
+    /// The name in candidate ids and pipeline files.
+    pub const fn name(self) -> &'static str {
+        TABLE[self as usize].1
+    }
+
+    /// What it is, in a few words.
+    pub const fn about(self) -> &'static str {
+        TABLE[self as usize].2
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        METHODS
+            .into_iter()
+            .find(|m| m.name() == text)
+            .ok_or_else(|| format!("unknown method {text:?}, expected one of {}", METHODS.map(Self::name).join(", ")))
+    }
+}
+
+// The minimum of a misfit as measured: what a candidate is made from and assessed by.
+
+/// A model at the minimum of its misfit, with the sensitivities there. Metres stand for the unit of the first wave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Minimum {
+    /// The model.
+    pub model: Model,
+    /// Its free parameters; the values are those of the minimum.
+    pub free: Vec<FreeParameter>,
+    /// Which of them stopped on a bound.
+    pub on_bound: Vec<bool>,
+    /// The waves it was fitted to, with their weights.
+    pub observed: Observation,
+    /// Model minus record, m.
+    pub misfit_m: Vec<f64>,
+    /// Change of the displacement by each free parameter's coordinate, m; columns as `free`.
+    pub sensitivity_m: DMatrix<f64>,
+    /// Model evaluations spent.
+    pub evaluations: u64,
+    /// Iterations.
+    pub iterations: u32,
+    /// Why it stopped.
+    pub stop_reason: StopReason,
+}
+
+impl Minimum {
+    /// Root mean square misfit, m.
+    pub fn rmse_m(&self) -> f64 {
+        (self.misfit_m.iter().map(|r| r * r).sum::<f64>() / self.misfit_m.len() as f64).sqrt()
+    }
+
+    /// The fit repeated with other waves or values, from these coordinates and without leaving the minimum.
+    pub(crate) fn coordinates(&self) -> Coordinates<Model> {
+        Coordinates::near(self.model, &self.free)
+    }
+}
+
+// A parameter set with the record of how it was fitted.
+//
+// A [`Candidate`] is one answer for one model by one method. A record can have several: dual models, other minima,
+// other roots of a polynomial. They are numbered by `index`, and none is left out because another fits as well.
+
+/// One set of parameters, with how it was found and what was assumed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The model with its parameters.
+    pub model: Model,
+    /// How they were found.
+    pub method: Method,
+    /// Place among the solutions of this model and method, from 1.
+    pub index: usize,
+    /// Index of another solution of the same model and method that gives exactly the same record.
+    pub equivalent_to: Option<usize>,
+    /// How it was fitted; `None` for a closed form.
+    pub fit: Option<Fit>,
+    /// Standard deviations that the method brings along, such as those of matched coefficients.
+    pub uncertainty: Option<Uncertainty>,
+    /// The minimum of the misfit as measured at these values, or nearest to them: what they are assessed by. `None`
+    /// without a record.
+    pub minimum: Option<Minimum>,
+    /// Reductions and assumptions, in words.
+    pub notes: Vec<Note>,
+}
+
+impl Candidate {
+    /// Number `index` of these parameters, without a fit or an equivalent.
+    pub fn new(model: Model, method: Method, index: usize, notes: Vec<Note>) -> Self {
+        Self { model, method, index, equivalent_to: None, fit: None, uncertainty: None, minimum: None, notes }
+    }
+
+    /// `<model>/<method>/<index>`.
+    pub fn id(&self) -> String {
+        self.id_of(self.index)
+    }
+
+    /// Id of the candidate it is equivalent to.
+    pub fn equivalent_id(&self) -> Option<String> {
+        self.equivalent_to.map(|index| self.id_of(index))
+    }
+
+    /// Whether the values are those of a fit at its minimum, and not only near one.
+    pub fn is_at_minimum(&self) -> bool {
+        self.fit.is_some() && self.minimum.as_ref().is_some_and(|minimum| minimum.model == self.model)
+    }
+
+    /// Fitted to something else than the displacement of the pulse.
+    pub fn is_of_sensors(&self) -> bool {
+        self.fit.as_ref().is_some_and(|fit| fit.quantity != FitQuantity::Displacement || !fit.sensors.is_empty())
+    }
+
+    /// Parameters that the fit left on a bound of the search.
+    pub fn fixed_at_bound(&self) -> Vec<&'static str> {
+        self.fit.as_ref().map_or_else(Vec::new, |fit| fixed_at_bound(&self.model, &fit.active_bounds, fit.to_s))
+    }
+
+    fn id_of(&self, index: usize) -> String {
+        format!("{}/{}/{index}", self.model.kind(), self.method)
+    }
+}
+
+/// Record of a fit by iteration; parameters are named by `N`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit<N = &'static str> {
+    /// Window, s after time zero.
+    pub from_s: f64,
+    /// End of the window: time of the last sample used.
+    pub to_s: f64,
+    /// Samples used.
+    pub samples: usize,
+    /// What was fitted.
+    pub quantity: FitQuantity,
+    /// Root mean square error over them, unit of the quantity; of several sensors that of the first.
+    pub rmse: f64,
+    /// Iterations of the descent that ended here, on the thinned and on the whole window.
+    pub iterations: u32,
+    /// Model evaluations of all starts.
+    pub evaluations: u64,
+    /// Why the best start stopped.
+    pub stop_reason: StopReason,
+    /// Names of the parameters that stopped on a bound.
+    pub active_bounds: Vec<N>,
+    /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
+    pub sensors: Vec<SensorFit>,
+}
+
+impl<N> Fit<N> {
+    /// The record of a fit to waves with these root mean square errors, each in its unit. `sensors`: channel and number
+    /// of the mass of each wave, none where they are not told apart; `descent`: iterations, evaluations and why it
+    /// stopped.
+    pub(crate) fn of_waves(
+        observed: &Observation,
+        rmse: &[f64],
+        sensors: Vec<(String, usize)>,
+        descent: (u32, u64, StopReason),
+        active_bounds: Vec<N>,
+    ) -> Self {
+        let (first, level) = (&observed.waves[0], observed.noise_levels(rmse)[0]);
+        let sensor = |(((channel, mass), rmse), wave): (((String, usize), &f64), &ObservedWave)| SensorFit {
+            channel,
+            mass,
+            quantity: wave.quantity,
+            rmse: *rmse,
+            noise: level / wave.weight,
+        };
+        let (iterations, evaluations, stop_reason) = descent;
+        Self {
+            from_s: first.time_s(0),
+            to_s: first.time_s(first.samples.len() - 1),
+            samples: observed.rows(),
+            quantity: first.quantity,
+            rmse: rmse[0],
+            iterations,
+            evaluations,
+            stop_reason,
+            active_bounds,
+            sensors: sensors.into_iter().zip(rmse).zip(&observed.waves).map(sensor).collect(),
+        }
+    }
+}
+
+/// Standard deviations to first order that a method brings along.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// What it was made from, in words.
+    pub method: &'static str,
+    /// Standard deviation by parameter, in its unit; a parameter on a bound has none.
+    pub standard_deviation: BTreeMap<&'static str, f64>,
+    /// Condition number of the sensitivity matrix, columns scaled to one length.
+    pub condition: f64,
+    /// Lag-1 autocorrelation of the residuals that entered; `None` where none did.
+    pub residual_autocorrelation: Option<f64>,
+}
+
+/// The note on parameters that stopped on a bound; `None` where none did.
+///
+/// Zero is the limit of what is physical, and an answer: a damper of zero is a spring alone. Any other bound is that
+/// of the search: the value is the bound's and nothing of the record.
+pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
+    let values = model.parameters();
+    let (zero, other): (Vec<&str>, Vec<&str>) =
+        active_bounds.iter().partition(|name| values.get(**name).is_some_and(|value| *value == 0.0));
+    let zero = (!zero.is_empty()).then(|| format!("zero, the smallest value possible: {}", all_in_words(model, zero)));
+    let other = (!other.is_empty())
+        .then(|| format!("on a bound, not determined by the record: {}", all_in_words(model, other)));
+    match (zero, other) {
+        (Some(zero), Some(other)) => Some(format!("{zero}; {other}")),
+        (zero, other) => zero.or(other),
+    }
+}
+
+/// A damper of a chain below this share of `M/T`, of the mass and the window of a fit, stands for none: the least that
+/// searches in logarithms reach is 1e-5 of it.
+const NO_DAMPER: f64 = 1e-4;
+
+/// Of the parameters on a bound those whose bound is not zero: the value is that of the search, so it is fixed in the
+/// fit and has no interval. A damper of a chain of masses (the Kelvin model is one) on its lower bound is not fixed:
+/// it goes to zero. `window_s`: end of the window, s after contact.
+pub(crate) fn fixed_at_bound(model: &Model, active_bounds: &[&'static str], window_s: f64) -> Vec<&'static str> {
+    let (values, kind) = (model.parameters(), model.kind());
+    let is_chain =
+        matches!(model, Model::Kelvin(_) | Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_));
+    let least = if is_chain { NO_DAMPER * mass_of(model) / window_s } else { 0.0 };
+    let is_damper = |name: &str| kind.parameter(name).is_some_and(|p| p.kind == ParameterKind::Damping);
+    let nothing = |name: &str| if is_damper(name) { least } else { 0.0 };
+    active_bounds.iter().copied().filter(|name| values.get(*name).is_some_and(|value| *value > nothing(name))).collect()
+}
+
+// Names of parameters for notes and messages, made from their kind.
+
+/// The name of a parameter in a sentence: `stiffness k2 at 0.31 m`, `damping c1 at rest`, `unloading stiffness`,
+/// `mass m1`.
+///
+/// A value at a knot of a nonlinear model is named with the place of its knot, m or m/s: the first spring knot is at
+/// contact, the first damper knot at rest. A name that the model does not have is given without its unit.
+pub fn in_words(model: &Model, name: &str) -> String {
+    let parameter = model.kind().parameter(name);
+    let kind = parameter.map(|parameter| parameter.kind).or_else(|| parameter_kind("", name));
+    let Some(kind) = kind else { return name.replace('_', " ") };
+    let stem = kind.symbol_of(name).replace('_', " ");
+    let length = |m: f64| format!("at {m:.3} m");
+    let speed = |v: f64| format!("at {v:.2} m/s");
+    let at_contact = || "at contact".to_owned();
+    let at_rest = || "at rest".to_owned();
+    if let Model::LoadPaths(_) = model
+        && let Some((path, rest)) = stem.split_once(' ')
+    {
+        return match (kind, rest.strip_prefix("knot")) {
+            (ParameterKind::Force, Some(number)) => format!("force at knot {number} of the {path} load path"),
+            (ParameterKind::Length, Some(number)) => format!("deflection of knot {number} of the {path} load path"),
+            (ParameterKind::RateFactor, _) => format!("rate factor of the {path} load path"),
+            _ => format!("unloading stiffness of the {path} load path"),
+        };
+    }
+    match (kind, stem.strip_prefix("knot")) {
+        (ParameterKind::Force, Some(number)) => return format!("force at knot {number}"),
+        (ParameterKind::Length, Some(number)) => return format!("deflection of knot {number}"),
+        (ParameterKind::RateFactor, _) => return "rate factor".to_owned(),
+        _ => {}
+    }
+    let place = match (model, stem.as_str()) {
+        (Model::Nonlinear1(_) | Model::Nonlinear2(_), "k1") => Some(at_contact()),
+        (Model::Nonlinear1(_) | Model::Nonlinear2(_), "c1") => Some(at_rest()),
+        (Model::Nonlinear1(m), "k2") => Some(length(m.crush_m)),
+        (Model::Nonlinear1(m), "c2") => Some(speed(m.v_thresh_m_per_s)),
+        (Model::Nonlinear1(m), "c3") => Some(speed(m.v0_m_per_s)),
+        (Model::Nonlinear2(m), "k2") => Some(length(m.x1_m)),
+        (Model::Nonlinear2(m), "k3") => Some(length(m.crush_m)),
+        (Model::Nonlinear2(m), "c2") => Some(speed(m.v1_m_per_s)),
+        (Model::Nonlinear2(m), "c3") => Some(speed(m.v2_m_per_s)),
+        (Model::Nonlinear2(m), "c4") => Some(speed(m.v0_m_per_s)),
+        _ => None,
+    };
+    let is_numbered = matches!(stem.as_bytes(), [_, digit] if digit.is_ascii_digit());
+    let kind = match kind {
+        ParameterKind::Rate if !is_numbered => return "speed of the damper's knot".to_owned(),
+        ParameterKind::Stiffness if is_numbered => "stiffness ",
+        ParameterKind::Damping if is_numbered => "damping ",
+        ParameterKind::Mass if is_numbered => "mass ",
+        ParameterKind::Length if is_numbered => "displacement of the spring's knot ",
+        ParameterKind::Rate if parameter.is_some_and(|parameter| !parameter.of_the_test) => {
+            "speed of the damper's knot "
+        }
+        _ => "",
+    };
+    let place = place.map(|place| format!(" {place}")).unwrap_or_default();
+    format!("{kind}{stem}{place}")
+}
+
+/// Several of these names, separated by commas.
+pub fn all_in_words<'a>(model: &Model, names: impl IntoIterator<Item = &'a str>) -> String {
+    names.into_iter().map(|name| in_words(model, name)).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_lumped::ModelKind;
+    use crumple_lumped::{Kelvin, Maxwell};
+
+    #[test]
+    fn the_table_follows_the_variants() {
+        for (k, method) in METHODS.into_iter().enumerate() {
+            assert_eq!(method as usize, k);
+            assert_eq!(method.name().parse(), Ok(method));
+        }
+    }
+
+    #[test]
+    fn zero_is_an_answer_and_another_bound_is_not() {
+        let model = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 2.0, damping_n_s_per_m: 0.0 });
+        let said = |names: &[&'static str]| bounds_remark(&model, names);
+        assert_eq!(said(&[]), None);
+        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the smallest value possible: damping"));
+        let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
+        let text = "zero, the smallest value possible: damping; on a bound, not determined by the record: stiffness";
+        assert_eq!(both.as_deref(), Some(text));
+    }
+
+    #[test]
+    fn a_damper_at_nothing_is_free_to_be_zero_and_a_large_one_is_held() {
+        // 1e-4 of 1000 kg over 0.1 s is 1 N s/m.
+        let kelvin = |c: f64| Model::Kelvin(Kelvin { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: c });
+        let both = ["stiffness_n_per_m", "damping_n_s_per_m"];
+        assert_eq!(fixed_at_bound(&kelvin(0.1), &both, 0.1), both[..1]);
+        assert_eq!(fixed_at_bound(&kelvin(10.0), &both, 0.1), both);
+        // In series a damper of nothing is no model.
+        let maxwell = Maxwell { mass_kg: 1e3, stiffness_n_per_m: 1e5, damping_n_s_per_m: 0.1 };
+        assert_eq!(fixed_at_bound(&Model::Maxwell(maxwell), &both, 0.1), both);
+    }
+
+    #[test]
+    fn no_parameter_of_any_model_is_named_by_its_field() {
+        for kind in ModelKind::ALL {
+            let names = kind.parameter_names();
+            let values = names.iter().enumerate().map(|(k, name)| ((*name).to_owned(), 1.0 + k as f64)).collect();
+            let model = Model::from_parameters(kind, &values).unwrap();
+            for name in names {
+                let words = in_words(&model, name);
+                assert!(!words.contains('_') && !words.is_empty(), "{kind} {name}: {words}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_knot_is_named_with_its_place() {
+        let names = ModelKind::Nonlinear2.parameter_names();
+        let values = names.iter().enumerate().map(|(k, name)| ((*name).to_owned(), 0.25 + k as f64)).collect();
+        let model = Model::from_parameters(ModelKind::Nonlinear2, &values).unwrap();
+        assert_eq!(in_words(&model, "k2_n_per_m"), "stiffness k2 at 4.250 m");
+        assert_eq!(
+            all_in_words(&model, ["c1_n_s_per_m", "v1_m_per_s"]),
+            "damping c1 at rest, speed of the damper's knot v1"
+        );
+    }
+}

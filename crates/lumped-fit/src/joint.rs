@@ -1,0 +1,476 @@
+//! One model for several tests: the waves of all of them side by side, each with its own speed, mass and filter.
+
+use crumple_lumped::{CrushedStructure, Model, ModelKind, ParameterKind};
+use crumple_signal::{Note, Notes, Sampled, Severity};
+use rayon::prelude::*;
+
+use crate::fit::as_measured::{fit_as_measured, fit_nearby};
+use crate::free::free_parameter::{FreeParameter, free_parameters};
+use crate::record::observation::{Impact, Observation};
+use crate::solvers::crush_curves::assumptions::{RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
+use crate::solvers::solve::solve;
+use crate::solvers::task::mass_count;
+use crate::{
+    Candidate, Fit, FitQuantity, Measurement, Method, Minimum, ObservedWave, SolveError, SolveSettings, TestData,
+    bounds_remark,
+};
+
+// Models of one mass fitted to several tests together.
+
+/// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another one.
+const WEIGHINGS: usize = 4;
+
+const WORTH_ANOTHER: f64 = 0.01;
+
+/// Noise levels of the tests, as shares of their waves, lie within this factor of their mean: a curve with many knots
+/// could follow one test to rounding, and nothing of the others would count.
+const LEVELS: f64 = 2.0;
+
+/// The unloading stiffness while a curve is fitted, over that of its start: no sample up to dynamic crush depends on
+/// it, and a curve must not be steeper.
+const STIFF: f64 = 100.0;
+
+/// A test that goes into a joint fit.
+#[derive(Debug, Clone, Copy)]
+pub struct JointTest<'a> {
+    /// Its name, for records and notes.
+    pub name: &'a str,
+    /// What is known of it.
+    pub data: TestData<'a>,
+    /// Acceleration of the pulse and how it was measured; `None`: not at hand.
+    pub acceleration: Option<(&'a Sampled, Measurement)>,
+}
+
+/// Fits every model of one mass that the settings ask for to all tests together: one set of parameters, and for each
+/// test its own speed, mass, window, filter and noise level.
+///
+/// Starts are what the solvers find for each test alone; the minimum is that of the sum of the squared misfits as
+/// measured, of the displacements, for curves also of the accelerations. Waves count alike at first, as shares of their
+/// size, then by their misfits there, in turn with the fit, within a factor of 2 of the mean of their quantity.
+/// Force-deflection curves have the knots of the test with the deepest crush,
+/// unloading by the restitution of all, and a free rate factor where [`rate_factor_source`] says so.
+///
+/// Candidates hold the mass of the test with the deepest crush. What cannot be fitted is left out with a note.
+/// Deterministic for any number of threads. Errors: a test without meaning, as for [`solve`].
+pub fn fit_together(
+    tests: &[JointTest<'_>],
+    settings: &SolveSettings,
+    notes: &mut Notes,
+) -> Result<Vec<Candidate>, SolveError> {
+    let mut settings = settings.clone();
+    let chains: Vec<ModelKind> = settings.models.iter().copied().filter(|kind| mass_count(*kind) > 1).collect();
+    settings.models.retain(|kind| mass_count(*kind) == 1);
+    if !chains.is_empty() {
+        let names: Vec<&str> = chains.iter().map(|kind| kind.name()).collect();
+        notes.info(format!(
+            "{}: not fitted to several tests, which models of one mass are; how the mass divides no compartment tells",
+            names.join(", ")
+        ));
+    }
+    let alone = tests.iter().map(|test| of_one(test, &settings, notes)).collect::<Result<Vec<_>, _>>()?;
+    let speeds: Vec<f64> = tests.iter().map(|test| test.data.impact_speed_m_per_s).collect();
+    let joint = Joint { tests, rate: rate_factor_source(&speeds) };
+    let mut candidates = Vec::new();
+    for kind in &settings.models {
+        let of_kind: Vec<Vec<&Candidate>> = alone
+            .iter()
+            .map(|of_test| of_test.iter().filter(|c| c.model.kind() == *kind && c.minimum.is_some()).collect())
+            .collect();
+        if let Some(without) = of_kind.iter().position(Vec::is_empty) {
+            let name = tests[without].name;
+            notes.warning(format!("{kind}: not fitted to all tests, {name} alone has no fit of it"));
+            continue;
+        }
+        let fitted: Vec<Candidate> = joint
+            .starts(&of_kind)
+            .par_iter()
+            .enumerate()
+            .filter_map(|(k, starts)| joint.candidate(starts, joint.waves(&of_kind)?, k + 1))
+            .collect();
+        if fitted.is_empty() {
+            notes.warning(format!("{kind}: not fitted to all tests, no set of parameters has a finite response"));
+        }
+        candidates.extend(fitted);
+    }
+    Ok(candidates)
+}
+
+/// What a test alone gives; its warnings under its name.
+fn of_one(test: &JointTest<'_>, settings: &SolveSettings, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    let mut own = Notes::new();
+    let candidates = solve(&test.data, settings, &mut own)?;
+    for note in own.iter().filter(|note| note.severity == Severity::Warning) {
+        notes.warning(format!("{} alone: {}", test.name, note.text));
+    }
+    Ok(candidates)
+}
+
+/// A model and its free numbers.
+type Start = (Model, Vec<FreeParameter>);
+
+/// The tests, and what they say of the rate factor.
+struct Joint<'a> {
+    tests: &'a [JointTest<'a>],
+    rate: RateFactorSource,
+}
+
+impl Joint<'_> {
+    /// Models of single tests with their free numbers, from which one candidate each is fitted: where knots follow from
+    /// the test, those of the deepest crush, one by one; else those of all tests for one candidate.
+    ///
+    /// Where a rate factor is fitted, the curve has as many knots as the record of one test carries or, since each
+    /// further test passes each crush at another speed, as many again. Fewer there are not: the rate factor would stand
+    /// for bends that a curve lacks (on exact records of 0.02 s/m with 6, 4 and 3 knots: 0.020, 0.022, 0.035).
+    fn starts(&self, of_kind: &[Vec<&Candidate>]) -> Vec<Vec<Start>> {
+        let starts = |of_test: &Vec<&Candidate>| -> Vec<Start> {
+            let minima = of_test.iter().filter_map(|candidate| candidate.minimum.as_ref());
+            minima.map(|minimum| (minimum.model, minimum.free.clone())).collect()
+        };
+        let Some(kind) = of_kind.iter().flatten().next().map(|candidate| candidate.model.kind()) else {
+            return Vec::new();
+        };
+        if !kind.parameters().iter().any(|parameter| parameter.of_the_test) {
+            return vec![of_kind.iter().flat_map(starts).collect()];
+        }
+        let mut each = starts(&of_kind[deepest_crush(self.tests)]);
+        if self.rate.starts(kind).is_some() {
+            each.truncate(1);
+            let finer: Vec<Start> = each.iter().filter_map(|(model, _)| self.with_more_knots(model)).collect();
+            each.splice(0..0, finer);
+        }
+        each.into_iter().map(|start| vec![start]).collect()
+    }
+
+    /// The same curve with a knot in the middle of every piece but the last, whose slope goes on beyond, and the first,
+    /// which ends early, where forces rise. `None` where that is too many.
+    fn with_more_knots(&self, model: &Model) -> Option<Start> {
+        let Model::ForceDeflection(curve) = model else { return None };
+        let knots = curve.knots();
+        let middle = |a: &(f64, f64), b: &(f64, f64)| (0.5 * (a.0 + b.0), 0.5 * (a.1 + b.1));
+        let (last, others) = knots.split_last()?;
+        let (_, risen) = others.split_first()?;
+        let early = risen.first()?;
+        let finer: Vec<(f64, f64)> = std::iter::once(*early)
+            .chain(risen.iter().zip(&risen[1..]).flat_map(|(a, b)| [middle(a, b), *b]))
+            .chain([*last])
+            .collect();
+        let (stiffness, rate) = (curve.unloading_stiffness_n_per_m, curve.rate_s_per_m);
+        let model = Model::ForceDeflection(CrushedStructure::new(curve.mass_kg, &finer, stiffness, rate).ok()?);
+        let deepest = self.tests.get(deepest_crush(self.tests))?.data;
+        let free = free_parameters(&model, deepest.impact_speed_m_per_s, deepest.dynamic_crush_m?);
+        Some((model, free))
+    }
+
+    /// The waves of all tests that a model was fitted to, test after test, and the name of the test of each.
+    fn waves(&self, of_kind: &[Vec<&Candidate>]) -> Option<(Observation, Vec<String>)> {
+        let (mut waves, mut names) = (Vec::new(), Vec::new());
+        for (test, candidates) in self.tests.iter().zip(of_kind) {
+            let TestData { impact_speed_m_per_s: speed_m_per_s, mass_kg, .. } = test.data;
+            let impact = Some(Impact { speed_m_per_s, mass_kg: Some(mass_kg) });
+            let candidate = candidates.first()?;
+            let of_test = &candidate.minimum.as_ref()?.observed.waves;
+            let curve = matches!(candidate.model, Model::ForceDeflection(_));
+            let acceleration = if curve { acceleration(test, of_test.first()?) } else { None };
+            let of_test = of_test.iter().cloned().chain(acceleration);
+            waves.extend(of_test.map(|wave| ObservedWave { impact, ..wave }));
+            names.resize(waves.len(), test.name.to_owned());
+        }
+        let mut observed = Observation { impact_speed_m_per_s: self.tests.first()?.data.impact_speed_m_per_s, waves };
+        let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
+        observed.weigh(&sizes, 0.0);
+        Some((observed, names))
+    }
+
+    /// The best fit from these starts to waves of tests with these names.
+    fn candidate(
+        &self,
+        starts: &[Start],
+        (mut observed, names): (Observation, Vec<String>),
+        index: usize,
+    ) -> Option<Candidate> {
+        let fits = starts.par_iter().flat_map_iter(|start| self.fits(start, &observed));
+        let fits: Vec<Minimum> = fits.collect();
+        let mut best = fits.into_iter().min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))?;
+        for _ in 0..WEIGHINGS {
+            if !observed.weigh(&bounded_levels(&observed, &best.misfit_m), WORTH_ANOTHER) {
+                break;
+            }
+            best = fit_nearby(&best.model, &best.free, &observed)?;
+        }
+        if let Model::ForceDeflection(structure) = &best.model {
+            let data: Vec<&TestData<'_>> = self.tests.iter().map(|test| &test.data).collect();
+            let model = Model::ForceDeflection(with_restitution(structure, &data)?);
+            best = fit_nearby(&model, &best.free, &observed)?;
+        }
+        Some(self.worded(best, names, index))
+    }
+
+    /// The fits from one start.
+    fn fits(&self, (model, free): &Start, observed: &Observation) -> Vec<Minimum> {
+        let Some(model) = self.in_the_deepest_test(model) else { return Vec::new() };
+        match self.rate.starts(model.kind()) {
+            Some(rates) => rates
+                .iter()
+                .filter_map(|rate| {
+                    let free: Vec<FreeParameter> = free.iter().copied().chain(free_rate(model.kind(), *rate)).collect();
+                    fit_nearby(&model, &free, observed)
+                })
+                .collect(),
+            None if matches!(model, Model::ForceDeflection(_)) => {
+                fit_nearby(&model, free, observed).into_iter().collect()
+            }
+            None => fit_as_measured(&model, free, observed).into_iter().collect(),
+        }
+    }
+
+    /// A model of one test with the mass of the deepest crush, its damper up to the fastest, and stiff in unloading.
+    fn in_the_deepest_test(&self, model: &Model) -> Option<Model> {
+        let (names, mut values) = (model.kind().parameter_names(), model.values());
+        for (name, value) in names.iter().zip(&mut values) {
+            match *name {
+                "mass_kg" => *value = self.tests.get(deepest_crush(self.tests))?.data.mass_kg,
+                "v0_m_per_s" => {
+                    *value = self.tests.iter().map(|test| test.data.impact_speed_m_per_s).fold(*value, f64::max);
+                }
+                _ => {}
+            }
+        }
+        match model.with_values(&values).ok()? {
+            Model::ForceDeflection(mut structure) => {
+                structure.unloading_stiffness_n_per_m *= STIFF;
+                Some(Model::ForceDeflection(structure))
+            }
+            model => Some(model),
+        }
+    }
+
+    /// A minimum as a candidate, with the error in each test.
+    fn worded(&self, minimum: Minimum, names: Vec<String>, index: usize) -> Candidate {
+        let model = minimum.model;
+        let stopped = minimum.free.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
+        let active_bounds: Vec<&'static str> = stopped.map(|(p, _)| p.name).collect();
+        let observed = &minimum.observed;
+        let names = names.into_iter().map(|name| (name, 1)).collect();
+        let descent = (minimum.iterations, minimum.evaluations, minimum.stop_reason);
+        let rmse = observed.rmse(&minimum.misfit_m);
+        let fit = Fit::of_waves(observed, &rmse, names, descent, active_bounds);
+        let mut notes = vec![Note::info(format!(
+            "fitted to {} tests together, each with its own speed and mass; mass {} kg is that of {}",
+            self.tests.len(),
+            model.parameters().get("mass_kg").copied().unwrap_or_default(),
+            self.tests.get(deepest_crush(self.tests)).map_or("", |test| test.name)
+        ))];
+        notes.extend(self.rate.remark(&model).map(Note::info));
+        notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
+        Candidate {
+            model,
+            method: Method::DirectFit,
+            index,
+            equivalent_to: None,
+            fit: Some(fit),
+            uncertainty: None,
+            minimum: Some(minimum),
+            notes,
+        }
+    }
+}
+
+/// The place of the test with the deepest crush, the first of several: the one that a joint model is counted from.
+pub fn deepest_crush(tests: &[JointTest<'_>]) -> usize {
+    let depth = |k: &usize| tests[*k].data.dynamic_crush_m.unwrap_or(0.0);
+    (0..tests.len()).max_by(|a, b| depth(a).total_cmp(&depth(b)).then(b.cmp(a))).unwrap_or(0)
+}
+
+/// The acceleration of a test over the window of its displacement; `None` where it is not at hand.
+///
+/// A displacement says little of single knots: two sums smooth what they do. Of one test the fit starts near the curve
+/// that is read off it; the curve of several is held by their forces at equal crush.
+fn acceleration(test: &JointTest<'_>, displacement: &ObservedWave) -> Option<ObservedWave> {
+    let (record, measurement) = test.acceleration?;
+    let window_s = (displacement.time_s(0), displacement.time_s(displacement.samples.len() - 1));
+    let (what, samples) = ((displacement.mass, FitQuantity::Acceleration), displacement.samples.len());
+    ObservedWave::new(record, what, test.data.time_zero_s, measurement, window_s, samples).ok()
+}
+
+/// Root mean square misfits of the waves, as shares of their sizes within a factor of the mean of their quantity.
+fn bounded_levels(observed: &Observation, misfit: &[f64]) -> Vec<f64> {
+    let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
+    let shares: Vec<f64> = observed.rmse(misfit).iter().zip(&sizes).map(|(rmse, size)| rmse / size).collect();
+    let mean_of = |quantity: FitQuantity| {
+        let of_quantity = observed.waves.iter().zip(&shares).filter(|(wave, _)| wave.quantity == quantity);
+        let logarithms: Vec<f64> = of_quantity.map(|(_, share)| share.max(f64::MIN_POSITIVE).ln()).collect();
+        (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp()
+    };
+    let level = |((wave, share), size): ((&ObservedWave, &f64), &f64)| {
+        let mean = mean_of(wave.quantity);
+        share.clamp(mean / LEVELS, mean * LEVELS) * size
+    };
+    observed.waves.iter().zip(&shares).zip(&sizes).map(level).collect()
+}
+
+// The rate factor of a structure: what tests at different speeds say of it, and a prior where they do not.
+
+/// Ratio of the fastest to the slowest impact from which a rate factor is fitted. The force at equal crush differs by
+/// `r` times the difference of the speeds there: at 56 and 50 km/h by 2 % for `r` of 1 % per m/s, about what a zero
+/// level that is off by 1 % of the peak makes of it.
+const APART: f64 = 1.1;
+
+/// One unit of its coordinate, s/m: the size that vehicles have.
+const UNIT_S_PER_M: f64 = 0.01;
+
+/// The largest that is looked for, s/m: beyond foams and hydraulic dampers.
+const LARGEST_S_PER_M: f64 = 0.2;
+
+/// Where its fit starts, s/m: steel structures, and foams or sled bucks.
+const STARTS_S_PER_M: [f64; 2] = [RATE_PRIOR_S_PER_M, 0.03];
+
+/// Where the rate factor of a joint fit comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RateFactorSource {
+    /// The speeds are far enough apart: it is fitted.
+    Fitted,
+    /// They are not, and it stays the prior of a single test.
+    Prior {
+        /// Fastest over slowest impact.
+        ratio: f64,
+    },
+}
+
+/// Whether impacts at these speeds tell the rate factor: the fastest at least a tenth above the slowest.
+pub fn rate_factor_source(speeds_m_per_s: &[f64]) -> RateFactorSource {
+    let fastest = speeds_m_per_s.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let slowest = speeds_m_per_s.iter().copied().fold(fastest, f64::min);
+    let ratio = fastest / slowest;
+    // Speeds as read off a record are never exactly those of the order.
+    if ratio >= APART { RateFactorSource::Fitted } else { RateFactorSource::Prior { ratio } }
+}
+
+impl RateFactorSource {
+    /// Values from which it is fitted; `None`: it is not, or the model has none.
+    pub(crate) fn starts(self, kind: ModelKind) -> Option<[f64; 2]> {
+        let has_one = kind.parameters().iter().any(|p| p.kind == ParameterKind::RateFactor);
+        (has_one && self == Self::Fitted).then_some(STARTS_S_PER_M)
+    }
+
+    /// In words, for a model that has one.
+    pub(crate) fn remark(self, model: &Model) -> Option<String> {
+        let rate = rate_of(model)?;
+        Some(match self {
+            Self::Fitted => format!("rate factor {rate:.4} s/m fitted: the tests are at different speeds"),
+            Self::Prior { ratio } => format!(
+                "rate factor {rate} s/m is a prior, +- 0.005: the fastest test is {:.1} % faster than the slowest, \
+                 and less than {:.0} % does not tell it",
+                100.0 * (ratio - 1.0),
+                100.0 * (APART - 1.0)
+            ),
+        })
+    }
+}
+
+/// The rate factor of a model, s/m; `None`: it has none.
+fn rate_of(model: &Model) -> Option<f64> {
+    let name = name_of(model.kind())?;
+    model.parameters().get(name).copied()
+}
+
+fn name_of(kind: ModelKind) -> Option<&'static str> {
+    kind.parameters().iter().find(|p| p.kind == ParameterKind::RateFactor).map(|p| p.name)
+}
+
+/// The rate factor as a free number that starts here; its coordinate is a share, so that zero is a value like others.
+pub(crate) fn free_rate(kind: ModelKind, start_s_per_m: f64) -> Option<FreeParameter> {
+    Some(FreeParameter {
+        name: name_of(kind)?,
+        kind: ParameterKind::RateFactor,
+        value: start_s_per_m,
+        unit: UNIT_S_PER_M,
+        scale: UNIT_S_PER_M,
+        logarithmic: false,
+        limit: LARGEST_S_PER_M,
+        lowest: 0.0,
+    })
+}
+
+// The unloading stiffness of a crushed structure from the restitution of several tests.
+
+/// Least unloading stiffness over the steepest slope of the curve: below one, unloading would give back more than was
+/// put in.
+const STIFFER: f64 = 1.05;
+
+/// The structure with the unloading stiffness `F(C)²/(m v0² e²)` of its tests, the geometric mean of them, at least
+/// 1.05 times its steepest slope. `None`: no curve.
+pub(crate) fn with_restitution(structure: &CrushedStructure, tests: &[&TestData<'_>]) -> Option<CrushedStructure> {
+    let knots = structure.knots();
+    let stiffness = |test: &&TestData<'_>, restitution: f64| -> Option<f64> {
+        let force = force_at(&knots, test.dynamic_crush_m?)?;
+        Some(force * force / (test.mass_kg * (test.impact_speed_m_per_s * restitution).powi(2)))
+    };
+    let shown = |test: &&TestData<'_>| test.coefficient_of_restitution.filter(|e| *e > 0.0);
+    let mut each: Vec<f64> = tests.iter().filter_map(|test| stiffness(test, shown(test)?)).collect();
+    if each.is_empty() {
+        each = tests.iter().filter_map(|test| stiffness(test, USUAL_RESTITUTION)).collect();
+    }
+    let mean = (each.iter().map(|k| k.ln()).sum::<f64>() / each.len() as f64).exp();
+    let slopes = knots.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
+    let least = STIFFER * slopes.fold(0.0, f64::max);
+    let unloading_stiffness_n_per_m = if mean.is_finite() { mean.max(least) } else { least };
+    let mut unloading = *structure;
+    unloading.unloading_stiffness_n_per_m = unloading_stiffness_n_per_m;
+    Some(unloading).filter(|_| unloading_stiffness_n_per_m > 0.0)
+}
+
+/// The force at a deflection, N: straight between knots, the last piece goes on.
+fn force_at(knots: &[(f64, f64)], deflection_m: f64) -> Option<f64> {
+    let right = knots.partition_point(|(d, _)| *d <= deflection_m).clamp(1, knots.len().checked_sub(1)?);
+    let (a, b) = (knots.get(right - 1)?, knots.get(right)?);
+    Some(a.1 + (b.1 - a.1) * (deflection_m - a.0) / (b.0 - a.0)).filter(|force| *force > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    #[test]
+    fn a_tenth_between_the_speeds_tells_the_rate_factor() {
+        assert_eq!(rate_factor_source(&[15.0, 11.0]), RateFactorSource::Fitted);
+        assert_eq!(rate_factor_source(&[10.0, 11.0, 10.5]), RateFactorSource::Fitted);
+        assert_eq!(rate_factor_source(&[15.0, 15.0]), RateFactorSource::Prior { ratio: 1.0 });
+        assert!(matches!(rate_factor_source(&[15.0, 15.3]), RateFactorSource::Prior { .. }));
+        assert_eq!(RateFactorSource::Fitted.starts(ModelKind::Kelvin), None);
+    }
+
+    fn test(speed: f64, crush_m: f64, restitution: Option<f64>) -> TestData<'static> {
+        TestData {
+            mass_kg: 1000.0,
+            impact_speed_m_per_s: speed,
+            time_of_dynamic_crush_s: Some(0.07),
+            dynamic_crush_m: Some(crush_m),
+            coefficient_of_restitution: restitution,
+            time_zero_s: 0.0,
+            time_of_rebound_s: None,
+            displacement: None,
+            measurement: None,
+            sensors: &[],
+        }
+    }
+
+    #[test]
+    fn it_is_the_mean_of_what_the_tests_show_and_never_below_the_curve() {
+        // 300 kN from 0.1 m on.
+        let curve = CrushedStructure::new(1000.0, &[(0.1, 3e5), (0.6, 3e5)], 1e8, 0.0).unwrap();
+        let of = |tests: &[TestData<'_>]| {
+            let tests: Vec<&TestData<'_>> = tests.iter().collect();
+            with_restitution(&curve, &tests).unwrap().unloading_stiffness_n_per_m
+        };
+        let [fast, slow] = [test(15.0, 0.5, Some(0.1)), test(10.0, 0.3, Some(0.2))];
+        // 9e10/(1000 1.5²) and 9e10/(1000 2²).
+        assert!((of(&[fast]) - 4e7).abs() < 1.0 && (of(&[slow]) - 2.25e7).abs() < 1.0);
+        assert!((of(&[fast, slow]) - 3e7).abs() < 1.0);
+        // A test that shows none has no say; where none shows one, the usual one stands for it.
+        assert_eq!(of(&[fast, test(10.0, 0.3, None)]), of(&[fast]));
+        assert!((of(&[test(10.0, 0.3, None)]) - 4e7).abs() < 1.0);
+        // 1.05 times 3 MN/m.
+        assert!((of(&[test(15.0, 0.5, Some(0.9))]) - 3.15e6).abs() < 1.0);
+    }
+}

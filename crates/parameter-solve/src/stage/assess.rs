@@ -1,0 +1,209 @@
+//! How well each candidate's parameters are known, by the minimum of the misfit that it carries.
+
+use crumple_lumped::{Model, ParameterKind};
+use crumple_lumped_fit::{
+    Assessment, AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation,
+    assess, largest_draw, propagate, propagate_closed_form, propagate_conditioned, unloads_rigidly,
+    widen_by_mass_split,
+};
+use crumple_signal::{About, Weight};
+use crumple_stage::Output;
+use crumple_stage::records::EventsV1;
+use rayon::prelude::*;
+
+use crate::stage::inputs::Record;
+use crate::stage::options::settings::StageSettings;
+
+// The assessment of one candidate, with the propagation of uncertain inputs.
+
+/// How well the parameters of one candidate are determined, and how that was found.
+#[derive(Debug, Clone)]
+pub struct CandidateAssessment {
+    pub assessment: Assessment,
+    pub propagation: Option<Propagation>,
+    /// What the propagation repeated: a fit or a closed form.
+    pub repeated: &'static str,
+    /// Whether the model was followed through the filter of the record.
+    pub through_filter: bool,
+    /// Half width of the share of the mass in front that is in the intervals; 0: none.
+    pub front_mass_uncertainty: f64,
+}
+
+// Says of every candidate how well its parameters are known.
+
+/// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
+const ONE_MINIMUM_S: f64 = 2.5e-4;
+
+/// What all candidates share.
+struct Assessor<'a> {
+    settings: &'a StageSettings,
+    events: &'a EventsV1,
+    /// Displacement from contact to its end, every sample: where events are read from.
+    whole: Option<Observation>,
+    mass_kg: f64,
+    crush_m: f64,
+}
+
+/// Assesses all candidates that carry a minimum; in their order.
+pub fn assess_all(
+    candidates: &[Candidate],
+    settings: &StageSettings,
+    record: &Record,
+    events: &EventsV1,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Option<CandidateAssessment>>> {
+    let (Some((displacement, measurement)), Some(crush_m)) = (&record.displacement, record.crush_m(events)) else {
+        return Ok(vec![None; candidates.len()]);
+    };
+    if events.dynamic_crush_m.is_none() {
+        out.notes().info(
+            "the vehicle does not stop within the record: its models are assessed over the window of their fit and not \
+             up to a dynamic crush; the record does not determine how they unload",
+        );
+    }
+    settings.assessment.check(Some(record.mass_kg), record.impact_speed_m_per_s)?;
+    let end = (0.0, displacement.end_s() - events.time_zero_s);
+    let speed = record.impact_speed_m_per_s;
+    let whole = Observation::new(displacement, events.time_zero_s, *measurement, speed, end, usize::MAX).ok();
+    if measurement.is_exact() {
+        out.notes().info(
+            "the filter of the record is not known here (the artifact of crumple-filter is not given, or the channel \
+             came filtered): models are fitted as if the displacement had none",
+        );
+    }
+    let scene = Assessor { settings, events, whole, mass_kg: record.mass_kg, crush_m };
+    let assessed: Vec<Option<CandidateAssessment>> = candidates
+        .par_iter()
+        .map(|candidate| candidate.minimum.as_ref().and_then(|minimum| scene.assess(candidate, minimum)))
+        .collect();
+    scene.note_what_is_left_out(candidates, &assessed, out);
+    Ok(assessed)
+}
+
+impl Assessor<'_> {
+    fn assess(&self, candidate: &Candidate, minimum: &Minimum) -> Option<CandidateAssessment> {
+        let asked = &self.settings.assessment;
+        let at_minimum = candidate.is_at_minimum();
+        let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
+        let mut assessment = assess(minimum, (!at_minimum).then_some(&candidate.model), options)?;
+        assessment.interval.extend(candidate.fixed_at_bound().into_iter().map(|name| (name.to_owned(), (None, None))));
+        if let (Method::ClosedForm, Model::Elastoplastic(model)) = (candidate.method, &candidate.model)
+            && unloads_rigidly(model)
+        {
+            assessment.interval.insert("unloading_stiffness_n_per_m".to_owned(), (None, None));
+            assessment.standard_deviation.remove("unloading_stiffness_n_per_m");
+        }
+        if candidate.is_of_sensors()
+            && self.settings.solve.mass_fit != MassFit::Known
+            && let Some(rest) = candidate.model.kind().parameters().iter().rfind(|p| p.kind == ParameterKind::Mass)
+        {
+            // Without any mass that was followed there is no word on the rest of the total.
+            assessment.interval.entry(rest.name.to_owned()).or_insert((None, None));
+        }
+        let of_several = matches!(candidate.model, Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_));
+        let given = self.settings.solve.triple.is_some() && matches!(candidate.model, Model::TripleSpringMassDamper(_));
+        let front_mass_uncertainty =
+            if of_several && at_minimum && !given { asked.front_mass_uncertainty } else { 0.0 };
+        if of_several && at_minimum {
+            widen_by_mass_split(minimum, &mut assessment, front_mass_uncertainty);
+        }
+        let repeated = match candidate.method {
+            Method::ClosedForm if candidate.fit.is_none() => "closed form",
+            _ if is_conditioned(candidate) => "fit, from its own minimum each time,",
+            _ => "fit",
+        };
+        Some(CandidateAssessment {
+            assessment,
+            propagation: self.propagation(candidate, minimum),
+            repeated,
+            through_filter: minimum.observed.is_as_measured(),
+            front_mass_uncertainty,
+        })
+    }
+
+    /// The estimator that made the values, repeated with uncertain inputs.
+    fn propagation(&self, candidate: &Candidate, minimum: &Minimum) -> Option<Propagation> {
+        let asked = &self.settings.assessment;
+        let (inputs, repetitions) = (asked.inputs(), asked.repetitions);
+        if !inputs.any() {
+            return None;
+        }
+        let events = FollowedEvents {
+            time_of_dynamic_crush_s: self.events.time_of_dynamic_crush_s.unwrap_or(0.0),
+            dynamic_crush_m: self.crush_m,
+            coefficient_of_restitution: self.events.coefficient_of_restitution.unwrap_or(0.0),
+        };
+        match (candidate.method, &candidate.model) {
+            _ if candidate.is_at_minimum() => {
+                propagate(&minimum.model, &minimum.free, &minimum.observed, self.mass_kg, &inputs, repetitions)
+            }
+            (Method::ClosedForm, model) => {
+                propagate_closed_form(model, &events, self.whole.as_ref()?, self.mass_kg, &inputs, repetitions)
+            }
+            (_, Model::Nonlinear1(model)) if is_conditioned(candidate) && self.events.dynamic_crush_m.is_some() => {
+                let records = (&minimum.observed, self.whole.as_ref()?);
+                propagate_conditioned(model, &events, records, self.mass_kg, &inputs, repetitions)
+            }
+            _ => None,
+        }
+    }
+
+    /// One remark for each thing that was asked for and does not belong to the values of a candidate.
+    fn note_what_is_left_out(
+        &self,
+        candidates: &[Candidate],
+        assessed: &[Option<CandidateAssessment>],
+        out: &mut Output,
+    ) {
+        let asked = &self.settings.assessment;
+        let flags: Vec<&str> =
+            asked.flags().into_iter().filter(|flag| ["--profile", "--bootstrap"].contains(flag)).collect();
+        let all = || candidates.iter().zip(assessed);
+        let elsewhere: Vec<String> = all()
+            .filter(|(candidate, assessed)| assessed.is_some() && !candidate.is_at_minimum())
+            .map(|(candidate, _)| candidate.id())
+            .collect();
+        if !flags.is_empty() && !elsewhere.is_empty() {
+            out.notes().info(format!(
+                "{} not computed for {}: profile and bootstrap start at the minimum of a fit through the filter, and \
+                 these values are not that minimum",
+                flags.join(" and "),
+                elsewhere.join(", ")
+            ));
+        }
+        let largest = largest_draw(asked.distributions[3]) * asked.time_zero_uncertainty_s;
+        for (candidate, assessed) in all() {
+            let repeated = assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some());
+            if repeated && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
+                out.notes().concern(About::Model(candidate.id()), Weight::Marked, format!(
+                    "{}: its repetitions start at its own minimum; with time zero more than {} ms off, another minimum \
+                     can be lower: the propagated intervals are those of one minimum and may be too narrow",
+                    candidate.id(),
+                    1e3 * ONE_MINIMUM_S
+                ));
+            }
+        }
+        let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
+        for (candidate, assessed) in all() {
+            if !inputs.is_empty() && assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_none()) {
+                out.notes().concern(
+                    About::Model(candidate.id()),
+                    Weight::Slight,
+                    format!(
+                        "{}: {} not propagated, its estimator cannot be repeated from this record",
+                        candidate.id(),
+                        inputs.join(", ")
+                    ),
+                );
+            }
+        }
+    }
+}
+
+/// Whether the values are those of the first nonlinear model under the conditions at dynamic crush.
+fn is_conditioned(candidate: &Candidate) -> bool {
+    matches!(candidate.method, Method::DirectFit | Method::InteriorPoint)
+        && matches!(candidate.model, Model::Nonlinear1(_))
+        && !candidate.is_of_sensors()
+        && !candidate.is_at_minimum()
+}

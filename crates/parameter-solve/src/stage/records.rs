@@ -1,0 +1,291 @@
+//! Results as records of the artifact and lines of the summary.
+
+use crumple_lumped::{Model, Parameter, ParameterKind, parameter_kind};
+use crumple_lumped_fit::{BlockBootstrap, Candidate, Fit, Matched, Profile, Propagation, SensorFit, Uncertainty};
+use crumple_stage::records::{
+    CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
+    ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
+};
+use nalgebra::SMatrix;
+
+use crate::stage::assess::CandidateAssessment;
+
+// A candidate as the artifact and a person get it.
+
+/// What goes to `/parameters/<id>`.
+pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, channel: &str) -> CandidateV1 {
+    CandidateV1 {
+        model: candidate.model.kind().name().to_owned(),
+        method: candidate.method.name().to_owned(),
+        parameters: candidate.model.parameters(),
+        physical: candidate.model.is_physical(),
+        equivalent_to: candidate.equivalent_id(),
+        fit: candidate.fit.as_ref().map(|fit| fit_record(fit, channel)),
+        uncertainty: assessed
+            .map(uncertainty_record)
+            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model))),
+        notes: candidate.notes.iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// How a candidate was fitted, to sensors of which `channel` is the pulse.
+pub fn fit_record<N: ToString>(fit: &Fit<N>, channel: &str) -> FitV1 {
+    let sensor = |sensor: &SensorFit| SensorFitV1 {
+        channel: sensor.channel.clone(),
+        mass: sensor.mass as u32,
+        quantity: sensor.quantity.name().to_owned(),
+        rmse: sensor.rmse,
+        noise: sensor.noise,
+    };
+    FitV1 {
+        channel: channel.to_owned(),
+        quantity: fit.quantity.name().to_owned(),
+        from_s: fit.from_s,
+        to_s: fit.to_s,
+        samples: fit.samples as u64,
+        rmse: fit.rmse,
+        iterations: fit.iterations,
+        evaluations: fit.evaluations,
+        stop_reason: fit.stop_reason.name().to_owned(),
+        active_bounds: fit.active_bounds.iter().map(N::to_string).collect(),
+        sensors: fit.sensors.iter().map(sensor).collect(),
+    }
+}
+
+/// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves
+/// open.
+pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
+    let open = match (candidate.undetermined().len(), candidate.asked().count()) {
+        (0, _) => String::new(),
+        (n, of) => format!("; {n} of {of} not determined"),
+    };
+    let parameters: Vec<String> = candidate
+        .parameters
+        .iter()
+        .map(|(name, value)| {
+            let kind = parameter_kind(&candidate.model, name).unwrap_or(ParameterKind::Mass);
+            let symbol = kind.symbol_of(name);
+            match kind {
+                ParameterKind::Damping => format!("{symbol} {:.3} kN s/m", value / 1e3),
+                ParameterKind::Stiffness => format!("{symbol} {:.2} kN/m", value / 1e3),
+                ParameterKind::Rate => format!("{symbol} {value:.3} m/s"),
+                ParameterKind::Force => format!("{symbol} {:.1} kN", value / 1e3),
+                ParameterKind::RateFactor => format!("{symbol} {value:.4} s/m"),
+                ParameterKind::Length => format!("{symbol} {:.1} mm", 1e3 * value),
+                ParameterKind::Mass => format!("{symbol} {value:.1} kg"),
+            }
+        })
+        .map(|text| text.replace('_', " "))
+        .collect();
+    format!("{id}: {}{open}", parameters.join(", "))
+}
+
+// What coefficient matching found, as the artifact gets it.
+
+/// What goes to `/matching/<model id>`.
+pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
+    let coefficient_match = &matched.coefficient_match;
+    let mut candidates = matched.candidates.iter();
+    let mut polynomial = vec![1.0];
+    polynomial.extend(coefficient_match.polynomial);
+    MatchingV1 {
+        m1_kg: coefficient_match.m1_kg,
+        m2_kg: coefficient_match.m2_kg,
+        polynomial,
+        largest_mass_ratio: coefficient_match.largest_mass_ratio,
+        roots: coefficient_match
+            .roots
+            .iter()
+            .map(|root| MatchingRootV1 {
+                re_per_s2: root.zeta.re,
+                im_per_s2: root.zeta.im,
+                multiplicity: root.multiplicity as u32,
+                certified_radius_per_s2: root.certificate.map(|c| c.radius),
+            })
+            .collect(),
+        solutions: coefficient_match
+            .solutions
+            .iter()
+            .map(|s| MatchingSolutionV1 {
+                k1_re_n_per_m: s.k1_n_per_m.re,
+                k1_im_n_per_m: s.k1_n_per_m.im,
+                k2_re_n_per_m: s.k2_n_per_m.re,
+                k2_im_n_per_m: s.k2_n_per_m.im,
+                c1_re_n_s_per_m: s.c1_n_s_per_m.re,
+                c1_im_n_s_per_m: s.c1_n_s_per_m.im,
+                c2_re_n_s_per_m: s.c2_n_s_per_m.re,
+                c2_im_n_s_per_m: s.c2_n_s_per_m.im,
+                real: s.real,
+                physical: s.physical,
+                multiplicity: s.multiplicity as u32,
+                dual: s.dual as u32,
+                residual: s.residual,
+                // Candidates are the real solutions, in the same order.
+                candidate: if s.real { candidates.next().map(Candidate::id) } else { None },
+                zero_re_per_s: s.zero().map(|zero| zero.re),
+                zero_im_per_s: s.zero().map(|zero| zero.im),
+            })
+            .collect(),
+        sweep: matched
+            .sweep
+            .iter()
+            .flat_map(|(fraction, at)| at.solutions.iter().filter(|s| s.real).map(move |s| (*fraction, s)))
+            .map(|(front_mass_fraction, s)| MatchingSweepV1 {
+                front_mass_fraction,
+                k1_n_per_m: s.k1_n_per_m.re,
+                k2_n_per_m: s.k2_n_per_m.re,
+                c1_n_s_per_m: s.c1_n_s_per_m.re,
+                c2_n_s_per_m: s.c2_n_s_per_m.re,
+                physical: s.physical,
+            })
+            .collect(),
+        notes: matched.remarks.clone(),
+        source: Some(source.to_owned()),
+        zeta_of_the_start_per_s2: matched.zeta_of_the_start,
+        coordinates: matched
+            .coordinates
+            .iter()
+            .map(|(place, physical)| PhysicalCoordinatesV1 {
+                candidate: matched.candidates[*place].id(),
+                mass_kg: rows(&physical.mass_kg),
+                damping_n_s_per_m: rows(&physical.damping_n_s_per_m),
+                stiffness_n_per_m: rows(&physical.stiffness_n_per_m),
+                transformation: rows(&physical.transformation),
+                condition: physical.condition,
+                residual: physical.residual,
+                chassis_mismatch: physical.chassis_mismatch,
+                start: physical.start.map(Vec::from),
+            })
+            .collect(),
+    }
+}
+
+/// A matrix row by row.
+fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
+// The uncertainty of a candidate, as a record and in words.
+
+/// Both ends of an interval.
+type Ends = (Option<f64>, Option<f64>);
+
+/// What goes to the artifact.
+pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
+    let j = &assessed.assessment;
+    let side = |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
+    UncertaintyV1 {
+        method: match assessed.front_mass_uncertainty {
+            0.0 => linearised(assessed.through_filter),
+            half => format!(
+                "{}, and a share of the mass in front that may be {half} off",
+                linearised(assessed.through_filter)
+            ),
+        },
+        standard_deviation: j.standard_deviation.clone(),
+        condition: j.condition,
+        interval_low: side(|ends| ends.0),
+        interval_high: side(|ends| ends.1),
+        order: j.parameters.clone(),
+        correlation: j.correlation.clone(),
+        rank: Some(j.rank as u32),
+        weakest_direction: j.weakest_direction.clone(),
+        effective_samples: Some(j.effective_samples),
+        profile: j.profile.iter().map(profile_record).collect(),
+        bootstrap: j.bootstrap.as_ref().map(bootstrap_record),
+        propagation: assessed.propagation.as_ref().map(|p| propagation_record(p, assessed.repeated)),
+    }
+}
+
+/// How intervals came about.
+pub fn linearised(through_filter: bool) -> String {
+    if through_filter {
+        "linearised about the minimum seen through the record's filter, autocorrelated residuals".to_owned()
+    } else {
+        "linearised about the minimum, autocorrelated residuals".to_owned()
+    }
+}
+
+fn profile_record(profile: &Profile) -> ProfileV1 {
+    ProfileV1 {
+        parameter: profile.parameter.clone(),
+        low: profile.low,
+        high: profile.high,
+        identifiable: profile.identifiable(),
+        values: profile.points.iter().map(|(value, _)| *value).collect(),
+        rise: profile.points.iter().map(|(_, rise)| *rise).collect(),
+    }
+}
+
+fn bootstrap_record(bootstrap: &BlockBootstrap) -> ReplicatesV1 {
+    let ends = |of: fn(&Ends) -> Option<f64>| {
+        bootstrap.interval.iter().filter_map(|(name, i)| Some((name.clone(), of(i)?))).collect()
+    };
+    ReplicatesV1 {
+        method: format!("block bootstrap of the misfit, blocks of {} samples", bootstrap.block),
+        replicates: bootstrap.replicates as u64,
+        coverage: 0.95,
+        low: ends(|i| i.0),
+        high: ends(|i| i.1),
+    }
+}
+
+/// What uncertain inputs do; `repeated`: a fit or a closed form.
+fn propagation_record(propagation: &Propagation, repeated: &str) -> ReplicatesV1 {
+    ReplicatesV1 {
+        method: format!("{repeated} repeated with mass, impact speed, zero level and time zero drawn again"),
+        replicates: propagation.repetitions as u64,
+        coverage: 0.9,
+        low: propagation.interval_90.iter().map(|(name, (low, _))| (name.clone(), *low)).collect(),
+        high: propagation.interval_90.iter().map(|(name, (_, high))| (name.clone(), *high)).collect(),
+    }
+}
+
+/// What a person should hear at once of the candidate of this id, its parameters in these words: those that the record
+/// does not determine, and propagated intervals. Empty where there is nothing.
+pub fn summary_text(id: &str, assessed: &CandidateAssessment, words: impl Fn(&str) -> String) -> String {
+    let (profiles, propagation) = (&assessed.assessment.profile, assessed.propagation.as_ref());
+    let mut parts = Vec::new();
+    let open: Vec<String> = profiles.iter().filter(|p| !p.identifiable()).map(|p| words(&p.parameter)).collect();
+    if !open.is_empty() {
+        parts.push(format!("not identifiable: {}", open.join(", ")));
+    }
+    if let Some(p) = propagation
+        && let Some((low, high)) = p.interval_90.get("dynamic_crush_m")
+    {
+        parts.push(format!(
+            "{} repetitions with uncertain inputs: crush {:.1} to {:.1} mm (5 to 95 %)",
+            p.repetitions,
+            1e3 * low,
+            1e3 * high
+        ));
+    }
+    if parts.is_empty() { String::new() } else { format!("{id}: {}", parts.join("; ")) }
+}
+
+/// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard
+/// deviations: log-normal, so that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of
+/// `e^9`, and for what is on a bound.
+pub fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1 {
+    let parameters = model.parameters();
+    let is_given = |p: &Parameter| p.of_the_test || p.kind == ParameterKind::Mass;
+    let ends = |side: f64| {
+        parameters
+            .iter()
+            .filter(|(name, _)| model.kind().parameter(name).is_some_and(|parameter| !is_given(parameter)))
+            .map(|(name, value)| {
+                let known = uncertainty.standard_deviation.get(name.as_str()).filter(|_| *value > 0.0);
+                let half = known.map(|deviation| 1.96 * deviation / value).filter(|half| *half < 9.0);
+                (name.clone(), half.map(|half| value * (side * half).exp()))
+            })
+            .collect()
+    };
+    UncertaintyV1 {
+        method: uncertainty.method.to_owned(),
+        standard_deviation: uncertainty.standard_deviation.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
+        condition: Some(uncertainty.condition),
+        interval_low: ends(-1.0),
+        interval_high: ends(1.0),
+        ..UncertaintyV1::default()
+    }
+}

@@ -1,0 +1,133 @@
+//! Sliders on the recommended model: the structure as data, and the script that moves it.
+
+use crumple_artifact::records::CandidateV1;
+use crumple_drawing::escape::html;
+use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_findings::names::candidate_name;
+use crumple_findings::{CandidateResult, Ranking, Run};
+use crumple_lumped::{Element, Extrapolation, ForceDeflection, Node, PiecewiseLinear, structure_of};
+use crumple_phrases::PHRASES;
+use crumple_phrases::words::fill;
+use crumple_signal::Sampled;
+use serde_json::{Value, json};
+
+use crate::frame::framed::json_element;
+use crate::frame::page_files::{PageFiles, Script};
+
+/// What the sliders look like, for the style of the page.
+pub(super) const STYLE: &str = include_str!("what_if/style.css");
+
+/// The script: integrates the model, keeps the state in the address, draws.
+pub(super) const SCRIPT: Script = Script { name: "what-if", text: include_str!("what_if/what_if.js") };
+
+/// A drawing that the script fills.
+fn panel(title: &str) -> String {
+    format!("<svg viewBox=\"0 0 350 210\" role=\"img\"><title>{title}</title></svg>")
+}
+
+/// Points of a measured curve beside the model's.
+const POINTS: usize = 300;
+
+/// The section, hidden until its script has reproduced the stage's crush and time. Nothing without a model that stops.
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, files: &PageFiles) {
+    let Some(candidate) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return };
+    let Some(data) = data(run, candidate) else { return };
+    let texts = &PHRASES.what_if;
+    let panel = panel(texts.motion_over_time);
+    out.push_str(&format!(
+        "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">{}</h2>\n\
+         <p>{}</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
+         <div class=\"panels\">{panel}{panel}</div>\n<p class=\"caption state\"></p>\n</section>\n\
+         {}{}{}",
+        texts.title,
+        fill(texts.not_fitted, &[("model", html(&candidate_name(&candidate.id)))]),
+        json_element("what-if-data", &data),
+        json_element("what-if-words", texts),
+        files.script(SCRIPT)
+    ));
+}
+
+/// What the script needs: structure, start, and what it must find again.
+fn data(run: &Run, candidate: &CandidateResult) -> Option<serde_json::Value> {
+    let simulation = candidate.simulation.as_ref().filter(|simulation| simulation.drive.is_none())?;
+    let (crush, time) = (simulation.dynamic_crush_m?, simulation.time_of_dynamic_crush_s?);
+    let speed = run.test.impact_speed_m_per_s?;
+    let structure = described(&candidate.record)?;
+    let end_s = 2.0 * time;
+    let curve = |wave: Option<&Sampled>, factor: f64| wave.map(|wave| thinned(wave, end_s, factor));
+    let mut data = json!({
+        "v0": speed, "crush": crush, "time": time, "end": end_s,
+        "tested": run.events.as_ref().and_then(|events| events.dynamic_crush_m),
+        "displacement": curve(run.measured.displacement.as_ref(), MILLI),
+        "acceleration": curve(run.measured.filtered.as_ref(), G_PER_M_PER_S2),
+        "kmh": KM_PER_H_PER_M_PER_S, "g": G_PER_M_PER_S2,
+    });
+    data["masses"] = structure["masses"].clone();
+    data["elements"] = structure["elements"].clone();
+    Some(data)
+}
+
+/// `[[t, y], ...]` in ms and the unit of `factor`, from contact to `end_s`.
+fn thinned(wave: &Sampled, end_s: f64, factor: f64) -> Vec<[f64; 2]> {
+    let first = wave.index_at_or_after(0.0);
+    let last = wave.index_at_or_after(end_s).min(wave.len());
+    let step = (last.saturating_sub(first) / POINTS).max(1);
+    let round = |x: f64| (x * 1e3).round() / 1e3;
+    let point = |k: usize| [round(MILLI * wave.time_s(k)), round(factor * wave.samples()[k])];
+    (first..last).step_by(step).map(point).collect()
+}
+
+// The structure of a candidate as numbers for the script: masses, and elements by their laws.
+
+/// Masses and elements, the curves continued beyond their last knot as predictions do. `None`: no model that this
+/// program knows.
+pub fn described(record: &CandidateV1) -> Option<Value> {
+    let structure = structure_of(&record.model, &record.parameters).ok()?.with_trends_beyond();
+    let node = |node: Node| match node {
+        Node::Wall => -1,
+        Node::Mass(i) => i64::try_from(i).unwrap_or(-1),
+    };
+    let elements: Vec<Value> = structure
+        .connections()
+        .iter()
+        .map(|connection| {
+            let mut element = law(&connection.element);
+            element["front"] = node(connection.front).into();
+            element["rear"] = node(connection.rear).into();
+            element
+        })
+        .collect();
+    Some(json!({"masses": structure.masses_kg(), "elements": elements}))
+}
+
+fn law(element: &Element) -> Value {
+    let points = |law: &PiecewiseLinear| law.points().map(|(at, value)| [at, value]).collect::<Vec<_>>();
+    match element {
+        Element::Spring(spring) => json!({"kind": "spring", "points": points(&spring.0)}),
+        Element::Damper(damper) => json!({"kind": "damper", "points": points(&damper.0)}),
+        Element::SeriesSpringDamper(series) => {
+            json!({"kind": "series", "k": series.stiffness_n_per_m, "c": series.damping_n_s_per_m})
+        }
+        // A curve of one slope that goes back along another.
+        Element::PlasticSpring(spring) => json!({
+            "kind": "curve", "knots": [[0.0, 0.0], [1.0, spring.loading_stiffness_n_per_m]],
+            "beyond": spring.loading_stiffness_n_per_m, "unloading": spring.unloading_stiffness_n_per_m, "rate": 0.0,
+            "gap": 0.0, "limit": null, "pulls": !spring.release,
+        }),
+        Element::ForceDeflection(curve) => json!({
+            "kind": "curve", "knots": curve.knots().iter().map(|(d, f)| [*d, *f]).collect::<Vec<_>>(),
+            "beyond": beyond(curve), "unloading": curve.unloading_n_per_m(), "rate": curve.rate_s_per_m(),
+            "gap": curve.gap_m(), "limit": curve.limit_n(), "pulls": false,
+        }),
+    }
+}
+
+/// Stiffness beyond the last knot, N/m.
+fn beyond(curve: &ForceDeflection) -> f64 {
+    match (curve.extrapolation(), curve.knots()) {
+        (Extrapolation::Stiffness(stiffness), _) => stiffness,
+        (Extrapolation::Constant, _) => 0.0,
+        (Extrapolation::Slope, [.., (a, fa), (b, fb)]) => (fb - fa) / (b - a),
+        (Extrapolation::Slope, _) => 0.0,
+    }
+}

@@ -1,3 +1,0 @@
-//! What moves the models, from records of the test.
-
-pub mod excitation;

@@ -1,0 +1,168 @@
+//! The chain of the stages and what they write; the name nearest to a mistyped one.
+
+use std::path::{Component, PathBuf};
+use std::sync::LazyLock;
+
+// Folders by what tells them apart.
+
+/// The folders by what tells them apart: their paths without the folders that all begin with and the names that all
+/// end with.
+pub fn told_apart(folders: &[PathBuf]) -> Vec<String> {
+    let parts = |folder: &PathBuf| -> Vec<String> {
+        let named = folder.components().filter(|part| !matches!(part, Component::CurDir));
+        named.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect()
+    };
+    let mut all: Vec<Vec<String>> = folders.iter().map(parts).collect();
+    let same = |all: &[Vec<String>], at: fn(&Vec<String>) -> Option<&String>| {
+        all.iter().all(|parts| parts.len() > 1 && at(parts) == at(&all[0]))
+    };
+    while same(&all, |parts| parts.first()) {
+        all.iter_mut().for_each(|parts| _ = parts.remove(0));
+    }
+    while same(&all, |parts| parts.last()) {
+        all.iter_mut().for_each(|parts| _ = parts.pop());
+    }
+    all.into_iter().map(|parts| parts.join("/")).collect()
+}
+
+// "Did you mean ...?"
+
+/// The choice nearest to a mistyped name, if one is near enough to be meant.
+pub fn nearest<'a>(name: &str, choices: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    choices
+        .into_iter()
+        .map(|choice| (strsim::jaro_winkler(&name.to_lowercase(), &choice.to_lowercase()), choice))
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, choice)| choice)
+}
+
+// The chain, `pipelines/chain`: which stage reads and writes what, for runs, messages and a stable order. Nothing here
+// knows what a stage does.
+
+/// One line a stage, as it was when the program was built.
+const CHAIN: &str = include_str!("../../../pipelines/chain");
+
+/// Names of the stages in the order of the chain.
+pub(crate) static STAGES: LazyLock<Vec<&str>> = LazyLock::new(|| chain().map(|stage| stage.name).collect());
+
+/// A stage in the chain.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChainStage {
+    /// `parameter-solve`.
+    pub name: &'static str,
+    /// Whether it runs only where the pipeline has a table of its name.
+    pub is_optional: bool,
+    /// Names in the run folder; `RECORD` is the file that a user brings.
+    pub inputs: Vec<&'static str>,
+    /// Names in the run folder; the program is told the first and writes the others beside it.
+    pub outputs: Vec<&'static str>,
+}
+
+/// The stages, in their order.
+pub fn chain() -> impl Iterator<Item = ChainStage> {
+    CHAIN.lines().filter(|line| !line.starts_with('#')).filter_map(|line| {
+        let (before, outputs) = line.split_once("->")?;
+        let mut inputs = before.split_whitespace();
+        let name = inputs.next()?;
+        Some(ChainStage {
+            name: name.trim_end_matches('?'),
+            is_optional: name.ends_with('?'),
+            inputs: inputs.collect(),
+            outputs: outputs.split_whitespace().collect(),
+        })
+    })
+}
+
+/// Position of a stage in the pipeline; programs from elsewhere come last.
+pub(crate) fn stage_order(stage: Option<&str>) -> usize {
+    stage.and_then(|name| STAGES.iter().position(|s| *s == name)).unwrap_or(STAGES.len())
+}
+
+/// The binary that writes a topic, e.g. `/events` -> `crumple-integrate`.
+pub(crate) fn writer_of(topic: &str) -> &'static str {
+    const WRITERS: [(&str, &str); 23] = [
+        ("/tests", "crumple-parameter-solve"),
+        ("/test", "crumple-ingest"),
+        ("/quality/", "crumple-ingest"),
+        ("/filter/", "crumple-filter"),
+        ("/events", "crumple-integrate"),
+        ("/metrics", "crumple-integrate"),
+        ("/model/", "crumple-identify"),
+        ("/modes/", "crumple-identify"),
+        ("/identification/", "crumple-identify"),
+        ("/evidence/", "crumple-identify"),
+        ("/shapes/", "crumple-identify"),
+        ("/stabilisation/", "crumple-identify"),
+        ("/response/", "crumple-identify"),
+        ("/selection/", "crumple-identify"),
+        ("/matching/", "crumple-parameter-solve"),
+        ("/parameters/", "crumple-parameter-solve"),
+        ("/recommendation", "crumple-parameter-solve"),
+        ("/simulation/", "crumple-simulate"),
+        ("/prediction/", "crumple-predict"),
+        ("/wave/", "crumple-filter or crumple-ingest"),
+        ("/notes", "any stage"),
+        ("/concerns", "any stage"),
+        ("/diagnosis", "any stage"),
+    ];
+    if topic.starts_with("/wave/") && ["/velocity", "/displacement", "/force"].iter().any(|s| topic.ends_with(s)) {
+        return "crumple-integrate";
+    }
+    WRITERS.iter().find(|(prefix, _)| topic.starts_with(prefix)).map_or("another stage", |(_, writer)| writer)
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    #[test]
+    fn folders_are_called_by_what_tells_them_apart() {
+        let of = |folders: &[&str]| told_apart(&folders.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(of(&["runs/a/default", "runs/b/default"]), ["a", "b"]);
+        assert_eq!(of(&["runs/a/default/", "./runs/a/unfiltered"]), ["default", "unfiltered"]);
+        assert_eq!(of(&["a", "a/x"]), ["a", "a/x"]);
+        assert_eq!(of(&["a", "a"]), ["a", "a"]);
+    }
+
+    #[test]
+    fn suggests_what_was_meant_and_nothing_far_fetched() {
+        assert_eq!(nearest("cuttoff", ["cfc", "cutoff", "mode"]), Some("cutoff"));
+        assert_eq!(nearest("zzz", ["cfc", "cutoff", "mode"]), None);
+    }
+
+    #[test]
+    fn every_line_of_the_chain_is_a_stage_and_reads_what_stages_before_it_write() {
+        let lines = CHAIN.lines().filter(|line| !line.starts_with('#')).count();
+        let mut there = vec!["RECORD"];
+        for stage in chain() {
+            assert!(stage.inputs.iter().all(|input| there.contains(input)) && !stage.outputs.is_empty(), "{stage:?}");
+            there.extend(stage.outputs);
+        }
+        assert_eq!((lines, there.last()), (STAGES.len(), Some(&"summary.json")));
+        assert!(chain().all(|stage| stage.is_optional == (stage.name == "predict")));
+    }
+
+    #[test]
+    fn stages_are_in_the_order_of_the_pipeline_and_others_behind_them() {
+        let orders: Vec<usize> = STAGES.iter().map(|stage| stage_order(Some(stage))).collect();
+        assert!(orders.windows(2).all(|pair| pair[0] < pair[1]), "{orders:?}");
+        assert!(stage_order(Some("mine")) > orders[0] && stage_order(None) > orders[0]);
+    }
+
+    #[test]
+    fn a_topic_is_written_by_its_stage() {
+        for (topic, writer) in [
+            ("/test", "crumple-ingest"),
+            ("/filter/93", "crumple-filter"),
+            ("/events", "crumple-integrate"),
+            ("/parameters/kelvin/direct-fit/1", "crumple-parameter-solve"),
+            ("/wave/93", "crumple-filter or crumple-ingest"),
+            ("/wave/93/velocity", "crumple-integrate"),
+            ("/mine/velocity", "another stage"),
+        ] {
+            assert_eq!(writer_of(topic), writer, "{topic}");
+        }
+    }
+}

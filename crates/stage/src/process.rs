@@ -1,0 +1,436 @@
+//! The life of a process: of a stage from its command line to its exit code, and of other programs.
+
+use std::fmt::Debug;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use clap::builder::PossibleValuesParser;
+use clap::error::ErrorKind;
+use clap::{Arg, Command, CommandFactory, FromArgMatches};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1};
+use crumple_artifact::{Artifact, InputDigest, OutputKind, Provenance, WriteError};
+use crumple_signal::{About, Bearing, Note, Severity, Weight};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::artifacts::inputs::{Loaded, open};
+use crate::artifacts::output::Output;
+use crate::artifacts::overwriting::refuse_to_overwrite;
+use crate::command_line::args::{Cli, SharedFlags};
+use crate::command_line::memory_limit;
+use crate::command_line::memory_limit::keep_budget;
+use crate::command_line::pipeline::{blame_the_default, canonical_json, is_flag, merge};
+use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
+use crate::terminal::{be_quiet, say, to_stdout};
+
+// The outcome of work on several models of which none came to a result.
+
+impl Output {
+    /// No acceptable result, in the words of the first warning about a model, and how many more there are; `otherwise`
+    /// without any. `remedy`: see [`Output::remedy`].
+    pub fn no_result(&mut self, otherwise: &str, remedy: &str) -> Outcome {
+        let is_of_a_model = |note: &&Note| matches!(&note.bearing, Some(Bearing { about: About::Model(_), .. }));
+        let texts: Vec<&str> = self.notes.iter().filter(is_of_a_model).map(|note| note.text.as_str()).collect();
+        let reason = match texts[..] {
+            [] => otherwise.to_owned(),
+            [only] => only.to_owned(),
+            [first, ..] => format!("{first}; {} more notes say why", texts.len() - 1),
+        };
+        self.remedy(remedy);
+        Outcome::NoAcceptableResult(reason)
+    }
+}
+
+// The life of a stage process.
+
+/// How a computation ended that did not fail.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// There is a result.
+    Done,
+    /// There is none that can be accepted; what was found and the reason are written. Exit code 4.
+    NoAcceptableResult(String),
+}
+
+/// One step of the pipeline.
+pub trait Stage {
+    /// Name of the stage: its pipeline table, its name in provenance; the binary is `crumple-<NAME>`.
+    const NAME: &'static str;
+    /// Digest of the sources of the program: `env!("CRUMPLE_BUILD")`, which its build script states.
+    const BUILD: &'static str;
+    /// One line for `--help`.
+    const ABOUT: &'static str;
+    /// Flags and pipeline keys: one struct whose fields are all optional.
+    type Options: clap::Args + Serialize + DeserializeOwned + Default + Debug;
+    /// Options with every default filled in. Goes into the provenance: only what changes the result belongs here.
+    type Settings: Serialize;
+    /// What the stage works on.
+    type Input;
+
+    /// Flags that the program takes before it becomes a stage; they stand in its help like all others.
+    fn other_flags() -> Vec<clap::Arg> {
+        Vec::new()
+    }
+    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline
+    /// file.
+    fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
+    /// Fills in the defaults and checks what can be checked without data.
+    fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
+    /// Reads the inputs.
+    fn load(paths: &[PathBuf], settings: &Self::Settings) -> anyhow::Result<Loaded<Self::Input>>;
+    /// The digests that [`load`](Self::load) would find, where they are to be had without holding the inputs: enough
+    /// where an earlier output is of the same. `None`: [`load`](Self::load) finds them.
+    fn digests(_paths: &[PathBuf]) -> Option<Vec<InputDigest>> {
+        None
+    }
+    /// Computes.
+    fn run(settings: &Self::Settings, input: &Self::Input, out: &mut Output) -> anyhow::Result<Outcome>;
+}
+
+/// The `main` of a stage binary.
+pub fn main<S: Stage>() -> ExitCode {
+    let command = Cli::<S::Options>::command()
+        .bin_name(format!("crumple-{}", S::NAME))
+        .display_name(format!("crumple-{}", S::NAME))
+        .version(env!("CARGO_PKG_VERSION"))
+        .about(S::ABOUT)
+        .args(S::other_flags())
+        .after_help(
+            "Values typed by a person carry their unit: 873kg, 35km/h, 0s.\n\
+             Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
+             (its diagnosis is written).",
+        );
+    let parsed = parse::<Cli<S::Options>>(command);
+    finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
+        merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
+            .and_then(|mut options| {
+                S::typed(&mut options, &|key| is_flag(&matches, key));
+                execute::<S>(&cli.common, options)
+            })
+            .map_err(Err)
+    }))
+}
+
+fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Result<ExitStatus> {
+    if common.quiet {
+        be_quiet();
+    }
+    keep_budget(&common.inputs, ExitStatus::Refused);
+    let sums_up = !common.quiet && !common.no_summary;
+    let settings =
+        S::resolve(options).map_err(|error| blame_the_default(S::NAME, common.pipeline.as_deref(), error))?;
+    if common.check_options {
+        return Ok(ExitStatus::Done);
+    }
+    refuse_to_overwrite(&common.output, OutputKind::Artifact, &common.inputs)?;
+    let config = canonical_json(&settings)?;
+    let provenance_of = |digests: &[InputDigest]| {
+        Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), config.clone(), digests.to_vec()).with_build(S::BUILD)
+    };
+    let Loaded { input, digests, diagnosed } = match read::<S>(common, &settings, &provenance_of)? {
+        Read::New(loaded) => loaded,
+        Read::UpToDate(existing) => return tell_again(S::NAME, common, sums_up, &existing),
+    };
+    let provenance = provenance_of(&digests);
+
+    let mut out = Output::new();
+    let mut of_earlier_stages = Vec::new();
+    let outcome = match S::run(&settings, &input, &mut out) {
+        Ok(outcome) => outcome,
+        Err(error) => match find_in_chain::<MissingTopic>(&error).and_then(|missing| diagnosed.reason_for(missing)) {
+            // An earlier stage has said why there is nothing to work on: so this one has no acceptable result either.
+            Some(reason) => {
+                out = Output::new();
+                of_earlier_stages.extend(diagnosed.concerns().cloned());
+                if let Some(test) = &diagnosed.test {
+                    out.put("/test", test)?;
+                }
+                Outcome::NoAcceptableResult(reason)
+            }
+            None if is_not_finite(&error) => {
+                out = Output::new();
+                Outcome::NoAcceptableResult(format!(
+                    "{error:#}; the numbers of the input are too large to compute with"
+                ))
+            }
+            None => return Err(name_the_inputs(error, &common.inputs)),
+        },
+    };
+    let diagnosis = match &outcome {
+        Outcome::NoAcceptableResult(reason) => Some((reason.clone(), false)),
+        Outcome::Done => out.without.clone().map(|reason| (reason, true)),
+    };
+    let mut concerns: Vec<ConcernV1> = out.notes.iter().filter_map(|note| concern(S::NAME, note)).collect();
+    if let Some((reason, has_result)) = diagnosis {
+        if of_earlier_stages.is_empty() {
+            concerns.push(no_result(S::NAME, &reason, out.remedy.take()));
+        } else {
+            concerns.append(&mut of_earlier_stages);
+        }
+        out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason, has_result })?;
+    }
+    let remedy = remedy_of(&concerns).map(str::to_owned);
+    if !concerns.is_empty() {
+        out.put("/concerns", &ConcernsV2 { concerns })?;
+    }
+    if !out.notes.is_empty() {
+        let notes = out.notes.to_texts();
+        out.put("/notes", &NotesV1 { stage: S::NAME.to_owned(), notes })?;
+    }
+    let mut progress = out.progress("writing", out.builder.samples());
+    out.builder
+        .write_replacing(&common.output, &common.dependents, &provenance, common.compress.into(), &mut |samples| {
+            progress.advance(samples);
+        })
+        .with_context(|| format!("the result of {} is lost", S::NAME))?;
+    drop(progress);
+    if sums_up {
+        for line in &out.summary {
+            say(format_args!("{:<16} {line}", S::NAME));
+        }
+        if let Some(remedy) = out.without.as_ref().and(remedy.as_deref()) {
+            say(format_args!("{:<16} hint: {remedy}", S::NAME));
+        }
+        print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
+    }
+    if common.json {
+        print_records(out.builder.records())?;
+    }
+    Ok(match outcome {
+        Outcome::Done => ExitStatus::Done,
+        Outcome::NoAcceptableResult(reason) => no_acceptable_result(common, S::NAME, &reason, remedy.as_deref()),
+    })
+}
+
+/// What a stage finds on the disk.
+enum Read<I> {
+    /// Inputs to work on.
+    New(Loaded<I>),
+    /// The output of an earlier call, whole and of the same inputs.
+    UpToDate(Artifact),
+}
+
+/// Reads the inputs and, beside them, the output of an earlier call.
+fn read<S: Stage>(
+    common: &SharedFlags,
+    settings: &S::Settings,
+    provenance_of: &dyn Fn(&[InputDigest]) -> Provenance,
+) -> anyhow::Result<Read<S::Input>> {
+    let (digests, existing) = std::thread::scope(|scope| {
+        let existing = (!common.force && common.output.exists()).then(|| scope.spawn(|| open(&common.output).ok()));
+        let digests = existing.as_ref().and_then(|_| S::digests(&common.inputs));
+        let digests = digests.ok_or_else(|| S::load(&common.inputs, settings));
+        (digests, existing.and_then(|reading| reading.join().ok().flatten()))
+    });
+    let of_the_same = |digests: &[InputDigest]| {
+        let provenance = provenance_of(digests);
+        existing.filter(|existing| existing.provenance() == Some(&provenance))
+    };
+    Ok(match digests {
+        Ok(digests) => match of_the_same(&digests) {
+            Some(existing) => Read::UpToDate(existing),
+            None => Read::New(S::load(&common.inputs, settings)?),
+        },
+        Err(loaded) => {
+            let loaded = loaded?;
+            of_the_same(&loaded.digests).map_or(Read::New(loaded), Read::UpToDate)
+        }
+    })
+}
+
+/// Says of an output that is up to date what was said when it was written.
+fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artifact) -> anyhow::Result<ExitStatus> {
+    if sums_up {
+        say(format_args!("{stage:<16} up to date: {}", common.output.display()));
+        let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
+        print_notes(stage, notes.iter().map(|text| Note::parse(text)), &common.output);
+    }
+    if common.json {
+        print_records(existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())))?;
+    }
+    Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
+        Some(diagnosis) if !diagnosis.has_result => {
+            let concerns =
+                existing.record::<ConcernsV2>("/concerns").ok().flatten().map_or(Vec::new(), |record| record.concerns);
+            no_acceptable_result(common, stage, &diagnosis.reason, remedy_of(&concerns))
+        }
+        _ => ExitStatus::Done,
+    })
+}
+
+/// Whether a result is NaN or infinite: a stage that read finite numbers computed it of numbers that are too large.
+fn is_not_finite(error: &anyhow::Error) -> bool {
+    matches!(find_in_chain::<WriteError>(error), Some(WriteError::NotFinite { .. }))
+}
+
+/// A warning with what it concerns; of one that does not say it, what the stage makes.
+fn concern(stage: &str, note: &Note) -> Option<ConcernV1> {
+    if note.severity != Severity::Warning {
+        return None;
+    }
+    let of_stage = || Bearing { about: About::of_stage(stage), weight: Weight::Slight };
+    let Bearing { about, weight } = note.bearing.clone().unwrap_or_else(of_stage);
+    Some(ConcernV1 {
+        stage: stage.to_owned(),
+        severity: ConcernV1::WARNING.to_owned(),
+        about: about.to_string(),
+        weight: weight.number(),
+        text: note.text.clone(),
+        remedy: None,
+    })
+}
+
+fn no_result(stage: &str, reason: &str, remedy: Option<String>) -> ConcernV1 {
+    ConcernV1 {
+        stage: stage.to_owned(),
+        severity: ConcernV1::NO_RESULT.to_owned(),
+        about: About::of_stage(stage).to_string(),
+        weight: Weight::Decisive.number(),
+        text: reason.to_owned(),
+        remedy,
+    }
+}
+
+/// Adds the inputs' names to an error that does not name any of them.
+fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
+    let text = format!("{error:#}");
+    let named = inputs.iter().filter_map(|path| path.file_name()).any(|name| text.contains(&*name.to_string_lossy()));
+    if named {
+        return error;
+    }
+    let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
+    error.context(format!("cannot work on {}", names.join(", ")))
+}
+
+/// What to do for a result, where there is none.
+fn remedy_of(concerns: &[ConcernV1]) -> Option<&str> {
+    concerns.iter().filter(|c| c.severity == ConcernV1::NO_RESULT).find_map(|c| c.remedy.as_deref())
+}
+
+fn no_acceptable_result(common: &SharedFlags, stage: &str, reason: &str, remedy: Option<&str>) -> ExitStatus {
+    if common.no_summary {
+        // The verdict of the run says it.
+        return ExitStatus::NoAcceptableResult;
+    }
+    say(format_args!("{stage:<16} no acceptable result: {reason}"));
+    if let Some(remedy) = remedy {
+        say(format_args!("{stage:<16} hint: {remedy}"));
+    }
+    ExitStatus::NoAcceptableResult
+}
+
+/// Warnings in full, the number of the other notes.
+fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
+    let (warnings, others): (Vec<Note>, Vec<Note>) = notes.partition(|note| note.severity == Severity::Warning);
+    for warning in warnings {
+        say(format_args!("{stage:<16} {warning}"));
+    }
+    let count = match others.len() {
+        0 => return,
+        1 => "1 note".to_owned(),
+        more => format!("{more} notes"),
+    };
+    let program = std::env::current_exe().unwrap_or_default().with_file_name("crumple-artifact");
+    say(format_args!("{stage:<16} {count}: {} notes {}", quoted(&program), quoted(output)));
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let plain = |c: char| c.is_alphanumeric() || "/._-+:=,@%~".contains(c);
+    if text.chars().all(plain) { text.into_owned() } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
+/// One JSON object a line: topic, schema, data.
+fn print_records<'a>(records: impl Iterator<Item = (&'a str, &'a str, &'a [u8])>) -> anyhow::Result<()> {
+    let mut lines = String::new();
+    for (topic, schema, payload) in records {
+        // The payload is JSON already; a record that is not (a foreign encoding) is left to crumple-artifact show.
+        let Ok(data) = std::str::from_utf8(payload) else { continue };
+        let topic = serde_json::Value::from(topic);
+        let schema = serde_json::Value::from(schema);
+        lines += &format!("{{\"topic\":{topic},\"schema\":{schema},\"data\":{data}}}\n");
+    }
+    to_stdout(lines.as_bytes())
+}
+
+// The shell of programs that read artifacts and write something else: report, diff, artifact.
+
+/// Parses the command line, runs the program, prints its error with cause and hint, and returns its exit code.
+pub fn tool_main<C: CommandFactory + FromArgMatches>(run: impl FnOnce(C) -> anyhow::Result<ExitStatus>) -> ExitCode {
+    finish(parse::<C>(C::command()).map_err(Ok).and_then(|(cli, _)| run(cli).map_err(Err)))
+}
+
+/// Flag that prints a completion script or the man page instead of running.
+const GENERATE: &str = "generate";
+
+const SHELLS: [(&str, clap_complete::Shell); 3] =
+    [("bash", clap_complete::Shell::Bash), ("zsh", clap_complete::Shell::Zsh), ("fish", clap_complete::Shell::Fish)];
+
+/// Parses a command line; `Err` is the exit status after help, version, a completion script or a usage error was
+/// printed.
+pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::ArgMatches), ExitStatus> {
+    let kinds = PossibleValuesParser::new(SHELLS.iter().map(|(name, _)| *name).chain(["man"]));
+    let flag = Arg::new(GENERATE)
+        .long(GENERATE)
+        .value_name("KIND")
+        .value_parser(kinds)
+        .exclusive(true)
+        .help_heading(None)
+        .help("Print a completion script for a shell, or the man page, and do nothing else");
+    let command = memory_limit::with_flag(command.arg(flag));
+    // Where a subcommand is needed, this flag is exclusive of it as well.
+    let is_generating = std::env::args_os().any(|word| word.to_string_lossy().starts_with("--generate"));
+    let parser = command.clone();
+    let parser = if is_generating { parser.subcommand_required(false).arg_required_else_help(false) } else { parser };
+    let matches = parser.try_get_matches().and_then(|matches| match matches.get_one::<String>(GENERATE) {
+        Some(kind) => Ok(Err(generate(command, kind))),
+        None => {
+            memory_limit::take(&matches);
+            Ok(Ok((C::from_arg_matches(&matches)?, matches)))
+        }
+    });
+    match matches {
+        Ok(parsed) => parsed,
+        Err(error) => {
+            // A closed pipe while printing help is nobody's problem.
+            let _ = error.print();
+            Err(match error.kind() {
+                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitStatus::Done,
+                _ => ExitStatus::Usage,
+            })
+        }
+    }
+}
+
+/// Prints the completion script of a shell, or the man page.
+fn generate(mut command: Command, kind: &str) -> ExitStatus {
+    let name = command.get_bin_name().unwrap_or_else(|| command.get_name()).to_owned();
+    let mut text = Vec::new();
+    match SHELLS.iter().find(|(shell, _)| *shell == kind) {
+        Some((_, shell)) => clap_complete::generate(*shell, &mut command, name, &mut text),
+        None => {
+            if clap_mangen::Man::new(command.name(name.leak() as &str)).render(&mut text).is_err() {
+                return ExitStatus::Failure;
+            }
+        }
+    }
+    match to_stdout(&text) {
+        Ok(()) => ExitStatus::Done,
+        Err(error) => {
+            say(render(&error));
+            ExitStatus::Failure
+        }
+    }
+}
+
+pub(crate) fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error>>) -> ExitCode {
+    match result {
+        Ok(status) | Err(Ok(status)) => status.into(),
+        Err(Err(error)) => {
+            say(render(&error));
+            status_of(&error).into()
+        }
+    }
+}
