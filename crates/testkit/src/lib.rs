@@ -1,6 +1,7 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
 mod benchmark;
+pub mod browser;
 pub mod bytes;
 pub mod fuzz;
 pub mod interval_cover;

@@ -1,8 +1,8 @@
 //! How quantities are distributed over the runs.
 
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, span};
-use crumple_phrases::PHRASES;
 use crumple_report::Quantity;
+use crumple_report::drawing::{Axis, Colour, Dash, Figure, Look, Panel, span};
+use crumple_report::phrases::PHRASES;
 
 use crate::tables::rows::Row;
 

@@ -1,6 +1,6 @@
 //! The page as a whole.
 
-use crumple_phrases::PHRASES;
+use crumple_report::phrases::PHRASES;
 use std::io::Write;
 use std::path::Path;
 

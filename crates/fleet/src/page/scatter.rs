@@ -1,9 +1,9 @@
 //! Quantities over each other, a point a run; outliers lead to their reports.
 
-use crumple_drawing::{Axis, Colour, Dash, Figure, Link, Look, Panel, Symbol, span};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
 use crumple_report::Quantity;
+use crumple_report::drawing::{Axis, Colour, Dash, Figure, Link, Look, Panel, Symbol, span};
+use crumple_report::phrases::PHRASES;
+use crumple_report::phrases::words;
 
 use crate::page::outliers::line_and_outliers;
 use crate::tables::rows::Row;

@@ -1,6 +1,6 @@
 //! One of the runs that are compared.
 
-use crumple_findings::{CandidateResult, Ranking, Run};
+use crate::findings::{CandidateResult, Ranking, Run};
 
 /// A run under the name that the comparison calls it.
 #[derive(Debug)]

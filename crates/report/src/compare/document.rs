@@ -1,16 +1,16 @@
 //! The comparison of several runs as a page and as Markdown.
 
-use crumple_phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::collections::BTreeSet;
 
-use crumple_drawing::escape::{address, html};
-use crumple_drawing::numbers::ABSENT;
-use crumple_findings::{
+use crate::drawing::escape::{address, html};
+use crate::drawing::numbers::ABSENT;
+use crate::findings::{
     conclusion,
     markdown::{HEAD, markdown},
 };
-use crumple_phrases::phrases::RunTexts;
-use crumple_phrases::words::fill;
+use crate::phrases::phrases::RunTexts;
+use crate::phrases::words::fill;
 
 use super::compared_run::ComparedRun;
 use super::figure::figure;

@@ -1,11 +1,11 @@
 //! The tests of several runs and their recommended models over each other.
 
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
-use crumple_findings::names::candidate_name;
-use crumple_phrases::PHRASES;
-use crumple_phrases::phrases::FigureTexts;
-use crumple_phrases::words::fill;
+use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
+use crate::findings::names::candidate_name;
+use crate::phrases::PHRASES;
+use crate::phrases::phrases::FigureTexts;
+use crate::phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;

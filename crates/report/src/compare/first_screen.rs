@@ -1,15 +1,15 @@
 //! What a report says first, as Markdown for a merge request.
 
-use crumple_artifact::records::ConcernV1;
-use crumple_drawing::numbers::{ABSENT, MILLI};
-use crumple_findings::{
+use crate::drawing::numbers::{ABSENT, MILLI};
+use crate::findings::{
     conclusion, distinct_curves, first_warnings,
     markdown::{HEAD, markdown},
     names::candidate_name,
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::ConcernV1;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;

@@ -1,17 +1,17 @@
 //! Key numbers and the recommended models of several runs, row by row, and where they differ from the first run.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::collections::BTreeSet;
 
-use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
-use crumple_drawing::numbers::{ABSENT, MILLI, digits_of_interval, unit};
-use crumple_findings::{
+use crate::drawing::numbers::{ABSENT, MILLI, digits_of_interval, unit};
+use crate::findings::{
     CandidateResult, KeyNumber, decimals, key_numbers,
     names::candidate_name,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::words::fill;
+use crate::phrases::words::fill;
+use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
 use serde::Serialize;
 
 use super::compared_run::ComparedRun;
@@ -110,7 +110,7 @@ fn parameter_names(model: &CandidateResult) -> Vec<&str> {
 fn fit_row(models: &[Option<&CandidateResult>]) -> Row {
     let fits: Vec<Option<f64>> = models.iter().map(|model| model.and_then(CandidateResult::fit_percent)).collect();
     let apart = |fit: Option<f64>| {
-        fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crumple_findings::ranking::AS_GOOD_PERCENT)
+        fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crate::findings::ranking::AS_GOOD_PERCENT)
     };
     let cell = |fit: &Option<f64>| Cell {
         text: fit.map_or_else(|| ABSENT.to_owned(), |fit| words::quantity(fit, 2, "%")),

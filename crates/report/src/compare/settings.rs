@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crumple_drawing::numbers::ABSENT;
-use crumple_phrases::PHRASES;
+use crate::drawing::numbers::ABSENT;
+use crate::phrases::PHRASES;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;

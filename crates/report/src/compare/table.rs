@@ -1,8 +1,8 @@
 //! A table of runs: a row a quantity, a column a run; as HTML and as Markdown.
 
-use crumple_drawing::escape::html;
-use crumple_findings::markdown::markdown;
-use crumple_phrases::PHRASES;
+use crate::drawing::escape::html;
+use crate::findings::markdown::markdown;
+use crate::phrases::PHRASES;
 
 /// What a run says of the quantity of a row.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! All figures, in the order of the page.
 
-use crumple_drawing::Figure;
-use crumple_findings::{Ranking, Run};
+use crate::drawing::Figure;
+use crate::findings::{Ranking, Run};
 
 use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
 use super::identification::{bode, poles, responses, singular_values, stabilisation};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crumple_findings::{
+use crate::findings::{
     CandidateResult, Ranking,
     ranking::{AS_GOOD_PERCENT, is_preferred},
 };

@@ -1,8 +1,8 @@
 //! The part of a record that a time axis shows first.
 
-use crumple_drawing::{Axis, Panel};
-use crumple_findings::Run;
-use crumple_phrases::PHRASES;
+use crate::drawing::{Axis, Panel};
+use crate::findings::Run;
+use crate::phrases::PHRASES;
 
 /// First view of a time axis, ms: from a little before time zero to three times the time of crush, within the record.
 ///

@@ -1,9 +1,9 @@
 //! What is around every page: head, style, script, and what the browser may load.
 
-use crumple_drawing::escape::{address, html, json_in_script};
-use crumple_drawing::page_rules;
-use crumple_phrases::PHRASES;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::{address, html, json_in_script};
+use crate::drawing::page_rules;
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
 use serde::Serialize;
 
 use crate::frame::page_files::{PageFiles, Script, compact, style_of_all};

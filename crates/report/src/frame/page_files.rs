@@ -1,7 +1,7 @@
 //! Style and scripts of pages: in each page, or in files that many pages share.
 
-use crumple_drawing::escape::address;
-use crumple_drawing::palette;
+use crate::drawing::escape::address;
+use crate::drawing::palette;
 
 const STYLE: &str = include_str!("../page/style.css");
 

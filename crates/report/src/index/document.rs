@@ -1,9 +1,9 @@
 //! The page as a whole.
 
-use crumple_drawing::escape::{address, html};
-use crumple_drawing::{Drawing, Entry, Figure, swatch};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::{address, html};
+use crate::drawing::{Drawing, Entry, Figure, swatch};
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
 
 use super::failures::failures;
 use super::indexed_run::IndexedRun;

@@ -1,10 +1,10 @@
 //! Runs without a result, by their reason.
 
-use crumple_phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::collections::BTreeMap;
 
-use crumple_drawing::escape::html;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::html;
+use crate::phrases::words::fill;
 
 use super::indexed_run::{IndexedRun, status};
 

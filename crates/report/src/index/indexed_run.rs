@@ -1,7 +1,7 @@
 //! A run as an index knows it.
 
-use crumple_drawing::escape::{address, html};
-use crumple_phrases::PHRASES;
+use crate::drawing::escape::{address, html};
+use crate::phrases::PHRASES;
 
 use super::run_summary::RunSummary;
 

@@ -1,6 +1,6 @@
 //! The pulse of a run as a small line.
 
-use crumple_drawing::sparkline;
+use crate::drawing::sparkline;
 use crumple_signal::Sampled;
 
 /// Time that is shown after time zero: the same for all runs, so that lines compare.

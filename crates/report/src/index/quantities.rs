@@ -1,8 +1,8 @@
 //! Numbers of a run that an index shows, in the units of people.
 
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_phrases::PHRASES;
-use crumple_phrases::phrases::RunTexts;
+use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::phrases::PHRASES;
+use crate::phrases::phrases::RunTexts;
 
 use super::run_summary::RunSummary;
 

@@ -1,11 +1,11 @@
 //! What an index and the tables of a fleet take from `summary.json` of a run.
 
-use crumple_phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::collections::BTreeMap;
 
+use crate::findings::Status;
+use crate::phrases::words::fill;
 use crumple_artifact::records::{EventsV1, PredictionV1, SimulationV1};
-use crumple_findings::Status;
-use crumple_phrases::words::fill;
 use serde::Deserialize;
 
 /// The summary of a run, as far as those need it who read it. Keys that it lacks are empty.

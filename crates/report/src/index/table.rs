@@ -1,11 +1,11 @@
 //! One row a run. The script makes buttons of the heads of its columns, which sort.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::fmt::Write as _;
 
-use crumple_drawing::escape::html;
-use crumple_findings::names::model_name;
+use crate::drawing::escape::html;
+use crate::findings::names::model_name;
 
 use super::failures::{line_of, shortened};
 use super::indexed_run::{IndexedRun, status};

@@ -1,11 +1,11 @@
 //! Which channel was taken and which others there are.
 
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::ABSENT;
-use crumple_findings::Run;
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::html;
+use crate::drawing::numbers::ABSENT;
+use crate::findings::Run;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_signal::{Channel, ChannelStatus};
 
 use crate::frame::heads::{Column, table};

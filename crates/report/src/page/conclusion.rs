@@ -1,10 +1,10 @@
 //! Status and verdict on top of the page, and the gravest warnings below them.
 
+use crate::drawing::escape::html;
+use crate::findings::{Conclusion, Ranking, Run, Standing, Status, first_warnings};
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
 use crumple_artifact::records::ConcernV1;
-use crumple_drawing::escape::html;
-use crumple_findings::{Conclusion, Ranking, Run, Standing, Status, first_warnings};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words::fill;
 use crumple_signal::About;
 
 /// The word of the status with its reason, beside the title.

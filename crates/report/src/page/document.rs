@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use crate::findings::{Ranking, Run, conclusion, summary};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_findings::{Ranking, Run, conclusion, summary};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 

@@ -1,10 +1,10 @@
 //! Where the energy of every model is at dynamic crush.
 
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{KILO, MILLI};
-use crumple_findings::{Ranking, Run, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{KILO, MILLI};
+use crate::findings::{Ranking, Run, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 
 use crate::frame::heads::{Column, table};
 

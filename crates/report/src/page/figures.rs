@@ -1,9 +1,9 @@
 //! Figures on the page: heading, legend, panels, caption. They are drawn without a script, which adds a cursor, a zoom
 //! and downloads.
 
-use crumple_drawing::escape::html;
-use crumple_drawing::{Drawing, Figure, swatch};
-use crumple_phrases::PHRASES;
+use crate::drawing::escape::html;
+use crate::drawing::{Drawing, Figure, swatch};
+use crate::phrases::PHRASES;
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
 pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {

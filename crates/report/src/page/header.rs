@@ -1,11 +1,11 @@
 //! Title, status and what was tested.
 
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
-use crumple_findings::{Conclusion, Run};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
+use crate::findings::{Conclusion, Run};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 
 use super::conclusion;
 

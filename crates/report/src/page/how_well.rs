@@ -1,15 +1,15 @@
 //! How well the recommended model and the closest follow the acceleration: rating in parts, residual, wall force.
 
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
-use crumple_findings::{
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
+use crate::findings::{
     CandidateResult, Ranking, Run,
     names::candidate_name,
     residual::{Residual, residual},
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 
 use crate::frame::heads::{Column, heads};
 

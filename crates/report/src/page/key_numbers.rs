@@ -1,11 +1,11 @@
 //! The first numbers of a run, with interval and spread of sensors.
 
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, unit};
-use crumple_findings::{KeyNumber, Run, decimals, key_numbers};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, MILLI, NBSP, unit};
+use crate::findings::{KeyNumber, Run, decimals, key_numbers};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_signal::ANOTHER_VEHICLE;
 
 pub(super) fn write(out: &mut String, run: &Run) {

@@ -1,15 +1,15 @@
 //! The table of identified models and their poles.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::f64::consts::TAU;
 
+use crate::drawing::Figure;
+use crate::drawing::escape::html;
+use crate::drawing::numbers::ABSENT;
+use crate::findings::{Model, PoleStability, Run, is_of_a_failed_method};
+use crate::phrases::words::fill;
 use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
-use crumple_drawing::Figure;
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::ABSENT;
-use crumple_findings::{Model, PoleStability, Run, is_of_a_failed_method};
-use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, table};
 use crate::page::figures;

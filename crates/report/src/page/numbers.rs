@@ -1,12 +1,12 @@
 //! Events and metrics with their definitions.
 
+use crate::drawing::escape::html;
+use crate::drawing::numbers::ABSENT;
+use crate::findings::Run;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_artifact::records::{EventsV1, MetricV1};
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::ABSENT;
-use crumple_findings::Run;
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
 
 use crate::frame::heads::{self, Column};
 

@@ -1,12 +1,12 @@
 //! Impacts that were not made, as the models of the test predict them; tests that were, as the others predict them.
 
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_artifact::records::{AnsweredByV1, PredictionV1};
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, table};
 

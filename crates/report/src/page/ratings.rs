@@ -1,13 +1,13 @@
 //! How alike the curves of model and test are, by the ratings of the trade.
 
+use crate::drawing::escape::html;
+use crate::drawing::numbers::ABSENT;
+use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::phrases::HowWellTexts;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_artifact::records::{RatingV1, SimulationV1};
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::ABSENT;
-use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::phrases::HowWellTexts;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
 
 use crate::frame::heads::{Column, heads};
 use crate::page::how_well::grade;

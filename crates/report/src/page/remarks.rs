@@ -1,14 +1,14 @@
 //! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
 
-use crumple_artifact::records::ConcernV1;
-use crumple_drawing::escape::html;
-use crumple_findings::{
+use crate::drawing::escape::html;
+use crate::findings::{
     CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, names::candidate_name, parameters::parameter,
     ranking::AS_GOOD_PERCENT,
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::ConcernV1;
 use crumple_signal::Severity;
 
 use crate::frame::heads::{Column, table};

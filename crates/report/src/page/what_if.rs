@@ -1,13 +1,13 @@
 //! Sliders on the recommended model: the structure as data, and the script that moves it.
 
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::findings::names::candidate_name;
+use crate::findings::{CandidateResult, Ranking, Run};
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
 use crumple_artifact::records::CandidateV1;
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_findings::names::candidate_name;
-use crumple_findings::{CandidateResult, Ranking, Run};
 use crumple_lumped::{Element, Extrapolation, ForceDeflection, Node, PiecewiseLinear, structure_of};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words::fill;
 use crumple_signal::Sampled;
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! What a person at the terminal reads of a run.
 
-use crumple_phrases::PHRASES;
+use crumple_report::phrases::PHRASES;
 use std::path::Path;
 
 use crumple_artifact::records::ConcernV1;

@@ -1,6 +1,6 @@
 //! Gathers a run from artifacts: by topic, not by position.
 
-use crumple_phrases::PHRASES;
+use crumple_report::phrases::PHRASES;
 use std::collections::BTreeMap;
 
 use crumple_artifact::Artifact;

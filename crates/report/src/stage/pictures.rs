@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow};
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_drawing::Figure;
+use crumple_report::drawing::Figure;
 use crumple_stage::Usage;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::fontdb::{Database, Family, Query};
@@ -76,7 +76,7 @@ pub fn write_figures(
 
 #[cfg(test)]
 mod tests {
-    use crumple_drawing::{Axis, Colour, Dash, Look, Panel};
+    use crumple_report::drawing::{Axis, Colour, Dash, Look, Panel};
 
     use super::*;
 

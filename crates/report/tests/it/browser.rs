@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::sample;
-use crumple_browser::{Browser, Page, Screen};
+use crumple_testkit::browser::{Browser, Page, Screen};
 use serde_json::{Value, json};
 
 fn make(folder: &Path, inputs: &[PathBuf]) -> PathBuf {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crumple_browser::{Browser, Screen};
+use crumple_testkit::browser::{Browser, Screen};
 use serde_json::{Value, json};
 
 /// A run of a fixture: its summary and its filtered pulse.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
 };
-use crumple_drawing::Figure;
+use crumple_report::drawing::Figure;
 use crumple_report::{CandidateResult, Model, Page, Ranking, Run, SensorMotion, all_figures, summary};
 use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::sample;
-use crumple_browser::{Browser, Screen};
+use crumple_testkit::browser::{Browser, Screen};
 
 fn make(page: &Path, inputs: &[PathBuf], more: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_crumple-report"));

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{CandidateV1, EventsV1, SimulationV1};
-use crumple_browser::{Browser, Page as Opened, Screen};
 use crumple_lumped::structure_of;
 use crumple_report::{CandidateResult, Page, Ranking, Run};
 use crumple_signal::Sampled;
+use crumple_testkit::browser::{Browser, Page as Opened, Screen};
 
 const SPEED: f64 = 15.0;
 

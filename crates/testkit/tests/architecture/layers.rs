@@ -5,10 +5,10 @@ use crate::paths::uses;
 
 /// Crates by layer, foundations first. A crate uses crates of lower layers; dev-dependencies are free.
 const LAYERS: [&str; 9] = [
-    "signal numerics memory source-digest browser",
-    "artifact drawing",
-    "metrics lumped phrases",
-    "sysid lumped-fit findings",
+    "signal numerics memory source-digest",
+    "artifact",
+    "metrics lumped",
+    "sysid lumped-fit",
     "stage",
     "diff",
     "ingest filter integrate identify parameter-solve simulate predict report artifact-cli run",

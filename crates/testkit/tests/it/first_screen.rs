@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crumple_browser::{Browser, Page, Screen};
+use crumple_testkit::browser::{Browser, Page, Screen};
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
 use crumple_testkit::pipeline::run;
 use crumple_testkit::truth::numbers;

@@ -1,12 +1,12 @@
 //! What a joint model says of the crush at every speed, with the tests it was fitted to.
 
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
+use crate::findings::{Ranking, Run, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_artifact::records::PredictionV1;
-use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
-use crumple_findings::{Ranking, Run, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
 
 /// The tests as points, the recommended model's predictions as a line with their interval; `None` of one test alone.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {

@@ -4,13 +4,13 @@
 use super::drawn_models::DrawnModels;
 use super::force;
 use super::same_place::Envelope;
+use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
 use crate::figures::time_view::{over_time_axis, time_view_ms};
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
-use crumple_findings::{CandidateResult, Ranking, Run};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::findings::{CandidateResult, Ranking, Run};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_signal::Sampled;
 
 /// A model may widen an axis beyond the test by this share of what the test spans.

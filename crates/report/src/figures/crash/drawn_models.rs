@@ -1,11 +1,11 @@
 //! Which candidates are drawn over the test, under which name, and how.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::collections::BTreeSet;
 
-use crumple_drawing::{Figure, Look};
-use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name, ranking::pairs_of_equals};
+use crate::drawing::{Figure, Look};
+use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name, ranking::pairs_of_equals};
 
 use crate::figures::shown_at_first::at_first;
 

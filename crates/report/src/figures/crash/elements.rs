@@ -1,10 +1,10 @@
 //! Springs and dampers of the best model at work: the force of each against how far it is compressed.
 
-use crumple_drawing::numbers::{KILO, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-use crumple_findings::{CandidateResult, Ranking, Run, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words::fill;
+use crate::drawing::numbers::{KILO, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
+use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {

@@ -1,11 +1,11 @@
 //! Force against crush: loading and unloading, the equal-energy line, the models, the barrier's load cells.
 
-use crumple_drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
-use crumple_findings::{CandidateResult, Run};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
+use crate::findings::{CandidateResult, Run};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::drawn_models::DrawnModels;

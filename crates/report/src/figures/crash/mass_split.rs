@@ -1,15 +1,15 @@
 //! Parameters of the double model over the division of the mass: which divisions a passive structure can have.
 
-use crumple_artifact::records::MatchingSweepV1;
-use crumple_drawing::numbers::KILO;
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
-use crumple_findings::{
+use crate::drawing::numbers::KILO;
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
+use crate::findings::{
     Ranking, Run,
     mass_divisions::{Divisions, ratio},
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::MatchingSweepV1;
 
 /// Name, panel and value of the four parameters, with their marks where all four are positive and where not.
 type Parameter = (&'static str, usize, fn(&MatchingSweepV1) -> f64, [Symbol; 2]);
@@ -70,8 +70,8 @@ fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::findings::CandidateResult;
     use crumple_artifact::records::{CandidateV1, MatchingSweepV1, MatchingV1};
-    use crumple_findings::CandidateResult;
 
     /// Divisions of 1000 kg of which the first has no positive parameters.
     fn matching() -> MatchingV1 {

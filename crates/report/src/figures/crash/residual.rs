@@ -1,9 +1,9 @@
 //! What the models leave of the test: test minus model.
 
-use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, over_time};
-use crumple_findings::{CandidateResult, Ranking, Run, model_band::model_band};
-use crumple_phrases::PHRASES;
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, over_time};
+use crate::findings::{CandidateResult, Ranking, Run, model_band::model_band};
+use crate::phrases::PHRASES;
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};

@@ -1,7 +1,7 @@
 //! What the sensors at the place of the pulse's say, together.
 
-use crumple_drawing::numbers::MILLI;
-use crumple_findings::Run;
+use crate::drawing::numbers::MILLI;
+use crate::findings::Run;
 use crumple_signal::Sampled;
 
 /// Lowest and highest of the sensors that the metrics take for one place, the pulse among them.
@@ -55,8 +55,8 @@ impl<'a> Envelope<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::findings::SensorMotion;
     use crumple_artifact::records::MetricV1;
-    use crumple_findings::SensorMotion;
 
     #[test]
     fn the_envelope_holds_the_sensors_that_share_a_range_with_the_pulse() {

@@ -1,12 +1,12 @@
 //! Other sensors on the vehicle, and the masses of the models over them.
 
-use crumple_phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::collections::BTreeSet;
 
-use crumple_drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
-use crumple_findings::{CandidateResult, Ranking, Run, SensorMotion, names::candidate_name};
-use crumple_phrases::words::fill;
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
+use crate::findings::{CandidateResult, Ranking, Run, SensorMotion, names::candidate_name};
+use crate::phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;

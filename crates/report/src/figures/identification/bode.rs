@@ -1,13 +1,13 @@
 //! Frequency response of the identified transfer functions.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::f64::consts::{PI, TAU};
 
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
+use crate::findings::{Model, Run, names::words_and_unit};
+use crate::phrases::words::fill;
 use crumple_artifact::records::TransferFunctionV1;
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-use crumple_findings::{Model, Run, names::words_and_unit};
-use crumple_phrases::words::fill;
 
 const POINTS: usize = 400;
 

@@ -1,12 +1,12 @@
 //! Poles in the s plane with lines of equal damping and circles of equal frequency.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::f64::consts::TAU;
 
-use crumple_drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
-use crumple_findings::{Model, PoleStability, Run};
-use crumple_phrases::words::fill;
+use crate::drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
+use crate::findings::{Model, PoleStability, Run};
+use crate::phrases::words::fill;
 
 /// Marks of the models, so that they differ without colour too.
 const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];

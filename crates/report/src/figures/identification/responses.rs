@@ -1,10 +1,10 @@
 //! Impulse and step response of the identified models.
 
-use crumple_drawing::numbers::LONG_S;
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
-use crumple_findings::{Model, Run, names::words_and_unit};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words::fill;
+use crate::drawing::numbers::LONG_S;
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
+use crate::findings::{Model, Run, names::words_and_unit};
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
 
 /// A model that grows this far beyond the others would hide them.
 const GROWN: f64 = 1e3;

@@ -1,10 +1,10 @@
 //! Singular values of the Hankel matrix: the evidence for the order of a model.
 
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
-use crumple_findings::Run;
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
+use crate::findings::Run;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;

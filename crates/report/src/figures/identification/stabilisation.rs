@@ -1,13 +1,13 @@
 //! Stabilisation diagram: poles over the order of the model.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::f64::consts::TAU;
 
-use crumple_drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
-use crumple_findings::Run;
-use crumple_phrases::phrases::IdentificationTexts;
-use crumple_phrases::words::fill;
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
+use crate::findings::Run;
+use crate::phrases::phrases::IdentificationTexts;
+use crate::phrases::words::fill;
 
 /// Marks in the order of the legend: word of the record, name, symbol, colour.
 const fn marks(texts: &IdentificationTexts) -> [(&'static str, &'static str, Symbol, Colour); 5] {

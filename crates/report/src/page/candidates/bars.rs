@@ -1,16 +1,16 @@
 //! Parameters of a candidate as bars: the interval about the value, on a logarithmic scale of two decades.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::Certainty;
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, digits_of_interval};
-use crumple_findings::{
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, digits_of_interval};
+use crate::findings::{
     CandidateResult,
     parameters::{parameter, parameter_order},
 };
+use crumple_artifact::records::Certainty;
 
 use crate::frame::heads::{Column, heads};
 

@@ -1,14 +1,14 @@
 //! The table of candidates: one row a distinct curve.
 
-use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
-use crumple_findings::{
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::findings::{
     CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, distinct_curves, names::candidate_name,
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 
 use crate::frame::heads::{Column, table};
 

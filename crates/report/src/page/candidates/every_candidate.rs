@@ -1,16 +1,16 @@
 //! Every candidate: parameters, what they answer with, which is best. Folded.
 
-use crumple_artifact::records::Certainty;
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
-use crumple_findings::{
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
+use crate::findings::{
     CandidateResult, Ranking, Run,
     names::candidate_name,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::Certainty;
 
 use crate::frame::heads::{Column, table};
 

@@ -1,7 +1,7 @@
 //! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
 
-use crumple_findings::{Ranking, Run};
-use crumple_phrases::PHRASES;
+use crate::findings::{Ranking, Run};
+use crate::phrases::PHRASES;
 
 mod bars;
 mod curves;

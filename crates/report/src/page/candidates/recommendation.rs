@@ -1,12 +1,12 @@
 //! Which candidate is for what, and what spoke for each.
 
+use crate::drawing::escape::html;
+use crate::drawing::numbers::ABSENT;
+use crate::findings::{CandidateResult, Run, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::ABSENT;
-use crumple_findings::{CandidateResult, Run, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
 
 use crate::frame::heads::{self, Column};
 

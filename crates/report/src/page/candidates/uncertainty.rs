@@ -1,14 +1,14 @@
 //! What profile likelihood, bootstrap and uncertain inputs say of a candidate's parameters, in words.
 
-use crumple_artifact::records::{ProfileV1, ReplicatesV1};
-use crumple_drawing::numbers::NBSP;
-use crumple_findings::{
+use crate::drawing::numbers::NBSP;
+use crate::findings::{
     CandidateResult,
     parameters::{parameter, parameter_order},
 };
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::{ProfileV1, ReplicatesV1};
 
 /// A sentence for each method that the candidate was put through.
 pub(super) fn remarks(candidate: &CandidateResult) -> Vec<String> {

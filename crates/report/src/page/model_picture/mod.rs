@@ -5,12 +5,12 @@ mod motion;
 mod parts;
 mod svg;
 
-use crumple_drawing::escape::html;
-use crumple_drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use crumple_findings::{CandidateResult, Ranking, Run, Status, level_percent, names::candidate_name};
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::html;
+use crate::drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use crate::findings::{CandidateResult, Ranking, Run, Status, level_percent, names::candidate_name};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};

@@ -1,7 +1,7 @@
 //! How far the masses of a picture move, for the cursor of the page.
 
-use crumple_drawing::numbers::MILLI;
-use crumple_findings::CandidateResult;
+use crate::drawing::numbers::MILLI;
+use crate::findings::CandidateResult;
 use crumple_signal::Sampled;
 
 use super::layout::Layout;

@@ -1,16 +1,16 @@
 //! The masses and elements of a candidate with the words that stand at them.
 
-use crumple_phrases::PHRASES;
-use crumple_phrases::words;
+use crate::phrases::PHRASES;
+use crate::phrases::words;
 use std::collections::BTreeMap;
 
+use crate::drawing::numbers::{KILO, digits_of_interval};
+use crate::findings::{CandidateResult, parameters::parameter};
+use crate::phrases::words::fill;
 use crumple_artifact::records::Certainty;
-use crumple_drawing::numbers::{KILO, digits_of_interval};
-use crumple_findings::{CandidateResult, parameters::parameter};
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
 };
-use crumple_phrases::words::fill;
 
 /// What a drawing of a model needs.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,10 @@
 //! The drawing as SVG, to be read by people and screen readers alike. Colours are those of the page.
 
-use crumple_phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::fmt::Write;
 
-use crumple_drawing::escape::html;
-use crumple_phrases::words::fill;
+use crate::drawing::escape::html;
+use crate::phrases::words::fill;
 
 use super::layout::{LINE, Lane, Layout, WIDTH};
 use super::motion::Motion;

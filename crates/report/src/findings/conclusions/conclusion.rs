@@ -1,0 +1,591 @@
+//! The result of a run in a word and a few sentences, made by rules from its records.
+
+use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
+use crumple_signal::About;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::findings::conclusions::concerns::concerns;
+use crate::findings::conclusions::key_numbers::{in_ms, sign_of};
+use crate::findings::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
+use crate::findings::conclusions::several_tests::{missed, several_tests};
+use crate::findings::conclusions::status::{
+    Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
+};
+use crate::findings::text::names::{as_sentence, candidate_name, model_name};
+use crate::findings::text::parameters::{DEFLECTION, deflection_of_knot, listed, symbols};
+use crate::findings::{CandidateResult, Ranking, Run};
+
+/// Whether what was asked for is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// A model is recommended, or the identified one is the result.
+    Model,
+    /// There are results, and no model is recommended.
+    NoneRecommended,
+    /// There is no acceptable result.
+    NoResult,
+}
+
+/// A number of the sentences and where `summary.json` has it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Number {
+    /// JSON pointer into the summary.
+    pub at: String,
+    /// The value there.
+    pub value: f64,
+    /// What is shown of it.
+    pub shown: String,
+}
+
+/// The verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Conclusion {
+    /// What kind of record it is about.
+    pub kind: Kind,
+    /// Whether there is what was asked for.
+    pub standing: Standing,
+    /// ISO 639-1 code of the language of the sentences: `en`.
+    pub language: &'static str,
+    /// Whether the results may be used.
+    pub status: Status,
+    /// Its one reason, typed.
+    pub status_reason: StatusReason,
+    /// The reason in words.
+    #[serde(skip)]
+    pub because: String,
+    /// Both in words: `usable with care: the crush at 40 km/h is known to ±16 %.`
+    pub status_sentence: String,
+    /// What happened; which model, what it gives, what it does not.
+    pub sentences: Vec<String>,
+    /// The numbers in them.
+    pub numbers: Vec<Number>,
+    /// Numbers of the recommended model that were asked of the record, and how many of them it determines.
+    pub parameters: Option<usize>,
+    /// How many of them it determines.
+    pub determined: Option<usize>,
+    /// How many of the others are known to an order of magnitude.
+    pub order_of_magnitude: Option<usize>,
+    /// How many may be anything.
+    pub open: Option<usize>,
+    /// Why there is no result.
+    pub reason: Option<String>,
+    /// What to do for one.
+    pub remedy: Option<String>,
+}
+
+/// The verdict on a run and its concerns.
+pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
+    let kind = kind_of(run);
+    let concerns = concerns(run, ranking, kind);
+    let mut text = Text { run, ranking, numbers: Vec::new() };
+    let reason = status_reason(run, ranking, kind, &concerns);
+    let because = text.because(&reason);
+    let sentences = text.sentences(kind, &reason, &concerns);
+    let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+    let best = text.best();
+    let standing = match kind {
+        Kind::NoModel => Standing::NoResult,
+        _ if best.is_some() || matches!(kind, Kind::InputOutput | Kind::LinearModel) => Standing::Model,
+        _ => Standing::NoneRecommended,
+    };
+    let verdict = Conclusion {
+        kind,
+        standing,
+        language: "en",
+        status: reason.status(),
+        status_sentence: reason.status().sentence(&because),
+        status_reason: reason,
+        because,
+        sentences,
+        numbers: text.numbers,
+        parameters: best.map(|best| best.certainties().parameters),
+        determined: best.map(|best| best.certainties().determined),
+        order_of_magnitude: best.map(|best| best.certainties().order_of_magnitude.len()),
+        open: best.map(|best| best.certainties().open.len()),
+        reason: diagnosis.map(|concern| concern.text.clone()),
+        remedy: diagnosis.and_then(|concern| concern.remedy.clone()),
+    };
+    (verdict, concerns)
+}
+
+/// Text on its way, with the numbers it has taken.
+struct Text<'a> {
+    run: &'a Run,
+    ranking: &'a Ranking,
+    numbers: Vec<Number>,
+}
+
+impl<'a> Text<'a> {
+    /// A number of the summary, shown by `factor`, so many decimals and the unit.
+    fn number(&mut self, at: &str, value: f64, (factor, places, unit): (f64, usize, &str)) -> String {
+        let shown = words::quantity(factor * value, places, unit);
+        self.numbers.push(Number { at: at.to_owned(), value, shown: shown.clone() });
+        shown
+    }
+
+    /// `the crush at 40 km/h is known to ±16 %`.
+    fn because(&mut self, reason: &StatusReason) -> String {
+        use StatusReason as Reason;
+        let phrases = &PHRASES.conclusion;
+        let (percent, mm) = ((1.0, 0, "%"), (MILLI, 0, "mm"));
+        let at = |name: &str| format!("/verdict/status_reason/{name}");
+        match reason {
+            Reason::GoodTo { good_to_percent, prediction } | Reason::Beyond { good_to_percent, prediction } => {
+                let good_to = self.number(&at("good_to_percent"), *good_to_percent, percent);
+                let scenario = self.scenario(*prediction);
+                let is_beyond = matches!(reason, Reason::Beyond { .. });
+                let template = if is_beyond { phrases.because_beyond } else { phrases.because_good_to };
+                fill(template, &[("good_to", &good_to), ("scenario", &scenario)])
+            }
+            Reason::SensorsDiffer { sensors, apart_m, half_width_m } => {
+                let texts = [
+                    ("apart", self.number(&at("apart_m"), *apart_m, mm)),
+                    ("half_width", self.number(&at("half_width_m"), *half_width_m, mm)),
+                    ("count", self.number(&at("sensors"), *sensors as f64, (1.0, 0, ""))),
+                ];
+                fill(phrases.because_sensors, &texts)
+            }
+            Reason::FewDetermined { determined, parameters, are_forces } => {
+                let template = if *are_forces { phrases.because_few_forces } else { phrases.because_few_parameters };
+                let texts = [
+                    ("determined", self.number(&at("determined"), *determined as f64, (1.0, 0, ""))),
+                    ("parameters", self.number(&at("parameters"), *parameters as f64, (1.0, 0, ""))),
+                ];
+                fill(template, &texts)
+            }
+            Reason::DecisiveWarning { number, about } => {
+                let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
+                let subject = match about.parse() {
+                    Ok(About::Pulse) => phrases.the_pulse,
+                    Ok(About::Mass) => phrases.the_mass,
+                    Ok(About::ImpactSpeed) => phrases.the_impact_speed,
+                    Ok(About::Time) => phrases.the_time_axis,
+                    Ok(About::Motion) => phrases.the_motion,
+                    Ok(About::Model(_)) => phrases.the_model,
+                    Ok(About::IdentifiedModels) => phrases.the_identified_models,
+                    _ => phrases.the_record,
+                };
+                fill(phrases.because_decisive, &[("subject", subject), ("number", &number)])
+            }
+            Reason::PoorFit { fit_percent, limit_percent } => {
+                let texts = [
+                    ("fit", self.number(&at("fit_percent"), *fit_percent, (1.0, 1, "%"))),
+                    ("limit", self.number(&at("limit_percent"), *limit_percent, percent)),
+                ];
+                fill(phrases.because_poor_fit, &texts)
+            }
+            Reason::MissesItsTest { events } => {
+                let names: Vec<String> = events.iter().map(|name| words::metric(name)).collect();
+                fill(phrases.because_misses_its_test, &[("events", listed(&names, phrases.and))])
+            }
+            Reason::Weak { candidate } => fill(phrases.because_weak, &[("model", candidate_name(candidate))]),
+            Reason::Contrary { candidate } => fill(phrases.because_contrary, &[("model", candidate_name(candidate))]),
+            Reason::OtherAxis { axis } => fill(phrases.because_other_axis, &[("axis", axis)]),
+            Reason::Unassessed => phrases.because_unassessed.to_owned(),
+            Reason::Dual => phrases.because_dual.to_owned(),
+            Reason::NoInterval => phrases.because_no_interval.to_owned(),
+            Reason::TestsDisagree => phrases.because_tests_disagree.to_owned(),
+            Reason::NoStop => phrases.because_no_stop.to_owned(),
+            Reason::TwoVehicles => phrases.because_two_vehicles.to_owned(),
+            Reason::Occupant => phrases.because_occupant.to_owned(),
+            Reason::Recorder => phrases.because_recorder.to_owned(),
+            Reason::Identified => phrases.because_identified.to_owned(),
+            Reason::NoMass => phrases.because_no_mass.to_owned(),
+            Reason::NoSpeed => phrases.because_no_speed.to_owned(),
+            Reason::NoMassNorSpeed => phrases.because_no_mass_nor_speed.to_owned(),
+            Reason::MeasuredOnly => phrases.because_measured_only.to_owned(),
+            Reason::NoneRecommended => phrases.because_none_recommended.to_owned(),
+            Reason::NoResult => phrases.because_no_result.to_owned(),
+            Reason::NotAdequate => phrases.because_not_adequate.to_owned(),
+        }
+    }
+
+    /// `at 40 km/h with 2000 kg against mpdb`: the mass where it is not that of the test.
+    fn scenario(&mut self, place: usize) -> String {
+        let phrases = &PHRASES.conclusion;
+        let Some(prediction) = self.run.predictions.get(place) else { return String::new() };
+        let PredictionV1 { impact_speed_m_per_s, mass_kg, partner, .. } = prediction;
+        let speed = self.speed(&format!("/predictions/{place}/impact_speed_m_per_s"), *impact_speed_m_per_s);
+        let mass = (!self.run.is_of_own_mass(prediction)).then(|| {
+            let mass = self.number(&format!("/predictions/{place}/mass_kg"), *mass_kg, (1.0, 0, "kg"));
+            fill(phrases.with_mass, &[("mass", mass)])
+        });
+        let partner = partner.as_ref().map(|partner| fill(phrases.against_partner, &[("partner", partner)]));
+        let texts = [("speed", speed), ("mass", mass.unwrap_or_default()), ("partner", partner.unwrap_or_default())];
+        fill(phrases.scenario, &texts)
+    }
+
+    /// A speed in km/h, with a decimal where it has one.
+    fn speed(&mut self, at: &str, speed_m_per_s: f64) -> String {
+        let km_per_h = KM_PER_H_PER_M_PER_S * speed_m_per_s;
+        let places = usize::from((km_per_h - km_per_h.round()).abs() >= 0.05);
+        self.number(at, speed_m_per_s, (KM_PER_H_PER_M_PER_S, places, "km/h"))
+    }
+
+    fn sentences(&mut self, kind: Kind, reason: &StatusReason, concerns: &[ConcernV1]) -> Vec<String> {
+        let phrases = &PHRASES.conclusion;
+        match kind {
+            Kind::NoModel => {
+                let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+                let reason = diagnosis.map_or("", |concern| concern.text.as_str());
+                let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
+                vec![fill(phrases.no_model, &[("reason", reason)]), fill(phrases.what_to_do, &[("remedy", remedy)])]
+            }
+            Kind::InputOutput => {
+                let is_bad = reason.status() == Status::DoNotUse && closest_identified(self.run).is_some();
+                let no_use = is_bad.then(|| phrases.identified_no_use.to_owned());
+                std::iter::once(self.identified()).chain(no_use).collect()
+            }
+            Kind::Occupant => vec![self.occupant(), self.occupant_use(concerns)],
+            Kind::Recorder => vec![self.recorded(), self.recorder_use()],
+            _ => {
+                let happened = match kind {
+                    // The way of a pulse along another axis is no crush.
+                    Kind::Barrier if self.run.other_axis().is_none() => self.crushed(),
+                    Kind::NoStop => self.no_stop(),
+                    Kind::TwoVehicles => self.two_vehicles(),
+                    Kind::SeveralTests => self.run.joint.as_ref().map_or_else(String::new, several_tests),
+                    _ => self.changed().unwrap_or_else(|| phrases.measured_only.to_owned()),
+                };
+                let mut sentences = vec![happened];
+                sentences.extend(self.what_to_use(kind, reason));
+                sentences
+            }
+        }
+    }
+
+    fn best(&self) -> Option<&'a CandidateResult> {
+        self.run.candidate(self.ranking.best.as_deref()?)
+    }
+
+    /// ` (739.8 to 759.1)` of an event; nothing without an interval.
+    fn interval_of_event(&mut self, name: &str, shown: (f64, usize)) -> String {
+        let mut intervals = self.run.events.iter().flat_map(|events| events.intervals.iter()).enumerate();
+        let Some((index, found)) = intervals.find(|(_, interval)| interval.name == name) else { return String::new() };
+        let EventIntervalV1 { low, high, .. } = found;
+        self.interval(&format!("/events/intervals/{index}"), *low, *high, shown)
+    }
+
+    /// ` (739.8 to 759.1)`.
+    fn interval(&mut self, at: &str, low: f64, high: f64, (factor, places): (f64, usize)) -> String {
+        let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
+        let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
+        fill(PHRASES.conclusion.interval, &[("low", low), ("high", high)])
+    }
+
+    fn crushed(&mut self) -> String {
+        let phrases = &PHRASES.conclusion;
+        let Some(events) = &self.run.events else { return String::new() };
+        let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
+            return phrases.measured_only.to_owned();
+        };
+        let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
+        let time = self.number("/events/time_of_dynamic_crush_s", time_s, in_ms(time_s));
+        let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
+            (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
+                let km_per_h = KM_PER_H_PER_M_PER_S * velocity_m_per_s.abs();
+                let shown = words::quantity(km_per_h, usize::from(km_per_h < 3.0), "km/h");
+                let at = "/events/rebound_velocity_m_per_s".to_owned();
+                self.numbers.push(Number { at, value: velocity_m_per_s, shown: shown.clone() });
+                let is_cut = self.run.is_rebound_cut();
+                fill(if is_cut { phrases.rebounded_at_least } else { phrases.rebounded }, &[("speed", shown)])
+            }
+            (Some(e), _) if e <= 0.0 => phrases.no_rebound.to_owned(),
+            _ => String::new(),
+        };
+        fill(phrases.crushed, &[("crush", crush), ("time", time), ("rebound", rebound)])
+    }
+
+    /// The change of velocity and its time.
+    fn change_of_velocity(&mut self) -> Option<(String, Option<String>)> {
+        let events = self.run.events.as_ref()?;
+        let change = self.number("/events/delta_v_m_per_s", events.delta_v_m_per_s?, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let times = [
+            ("/events/time_of_delta_v_s", events.time_of_delta_v_s),
+            ("/events/time_of_rebound_s", events.time_of_rebound_s),
+        ];
+        let time = times.into_iter().find_map(|(at, time)| Some((at, time?)));
+        Some((change, time.map(|(at, time_s)| self.number(at, time_s, (MILLI, 1, "ms")))))
+    }
+
+    fn no_stop(&mut self) -> String {
+        let phrases = &PHRASES.conclusion;
+        match self.change_of_velocity() {
+            Some((change, Some(time))) => fill(phrases.no_stop, &[("change", &change), ("time", &time)]),
+            _ => phrases.no_stop_no_end.to_owned(),
+        }
+    }
+
+    fn two_vehicles(&mut self) -> String {
+        let phrases = &PHRASES.conclusion;
+        match self.change_of_velocity() {
+            Some((change, time)) => {
+                let time = time.map_or_else(String::new, |time| fill(phrases.within, &[("time", time)]));
+                fill(phrases.two_vehicles, &[("change", &change), ("time", &time)])
+            }
+            None => phrases.no_stop_no_end.to_owned(),
+        }
+    }
+
+    /// The change of velocity, the peak and the OLC of a pulse without a crush; `None` without a change.
+    fn changed(&mut self) -> Option<String> {
+        let phrases = &PHRASES.conclusion;
+        let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
+        let (delta_v, peak, olc) = (metric("delta_v")?, metric("peak_acceleration"), metric("olc"));
+        let change = self.number("/metrics/delta_v/value", delta_v.1, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
+            let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
+            fill(phrases.within, &[("time", time)])
+        });
+        let mut in_g = |at: &str, found: Option<(&MetricV1, f64)>, template: &str, name: &str| {
+            let number = found.map(|(_, value)| self.number(at, value, (G_PER_M_PER_S2, 1, "g")));
+            number.map_or_else(String::new, |number| fill(template, &[(name, number)]))
+        };
+        let peak = in_g("/metrics/peak_acceleration/value", peak, phrases.and_peak, "peak");
+        let olc = in_g("/metrics/olc/value", olc, phrases.and_olc, "olc");
+        Some(fill(phrases.changed, &[("change", change), ("time", time), ("peak", peak), ("olc", olc)]))
+    }
+
+    fn occupant(&mut self) -> String {
+        let mut criteria = Vec::new();
+        for (name, label, unit) in [
+            ("hic15", "HIC15", (1.0, 0, "")),
+            ("hic36", "HIC36", (1.0, 0, "")),
+            ("clip_3ms_contiguous", PHRASES.numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
+        ] {
+            // The summary has a name once, as the run finds it.
+            let Some((value, metric)) = self.run.metric(name).and_then(|m| m.value.zip(Some(m))) else { continue };
+            let number = self.number(&format!("/metrics/{name}/value"), value, unit);
+            criteria.push(format!("{label} {}{number}", sign_of(self.run, metric)));
+        }
+        let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
+        let place = self.run.channel().map_or("", |channel| channel.location.as_str());
+        fill(PHRASES.conclusion.occupant, &[("place", place), ("criteria", &criteria)])
+    }
+
+    fn occupant_use(&self, concerns: &[ConcernV1]) -> String {
+        let phrases = &PHRASES.conclusion;
+        let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
+        fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })])
+    }
+
+    fn recorded(&mut self) -> String {
+        let recorded = self.run.metric(RECORDED).and_then(|metric| Some((metric.value?, metric.from_s)));
+        let Some((value, from_s)) = recorded else { return String::new() };
+        let at = format!("/metrics/{RECORDED}");
+        let change = self.number(&format!("{at}/value"), value, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let time = from_s.map_or_else(String::new, |time_s| {
+            let time = self.number(&format!("{at}/from_s"), time_s, (MILLI, 0, "ms"));
+            fill(PHRASES.conclusion.reached, &[("time", time)])
+        });
+        fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
+    }
+
+    fn recorder_use(&mut self) -> String {
+        let phrases = &PHRASES.conclusion;
+        let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
+            let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
+            let interval = self.interval_of_event("dynamic_crush_m", (MILLI, 0));
+            fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
+        });
+        let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
+        fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)])
+    }
+
+    /// The identified model that follows the record closest.
+    fn identified(&mut self) -> String {
+        let phrases = &PHRASES.conclusion;
+        let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.identified_none.to_owned() };
+        let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
+        let unseen = model.unseen_fit_percent().map_or_else(String::new, |unseen| {
+            let unseen = self.number(&format!("/models/{k}/unseen_fit_percent"), unseen, (1.0, 1, "%"));
+            fill(phrases.unseen, &[("fit", &unseen)])
+        });
+        if !model.holds() {
+            return fill(phrases.identified_fails, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen)]);
+        }
+        // What grows is unstable, and no mode of what was measured.
+        let decays = |mode: &ModeV1| mode.im_rad_per_s > 0.0 && mode.re_per_s < 0.0;
+        let modes = model.modes.iter().enumerate().filter(|(_, mode)| decays(mode));
+        let slowest =
+            modes.min_by(|(_, a), (_, b)| a.natural_frequency_rad_per_s.total_cmp(&b.natural_frequency_rad_per_s));
+        let mode = slowest.map_or_else(String::new, |(j, mode)| {
+            let at = format!("/models/{k}/modes/{j}");
+            let hz = (1.0 / std::f64::consts::TAU, 2, "Hz");
+            let w = self.number(&format!("{at}/natural_frequency_rad_per_s"), mode.natural_frequency_rad_per_s, hz);
+            let damping = mode.damping_ratio.map_or_else(String::new, |ratio| {
+                let ratio = self.number(&format!("{at}/damping_ratio"), ratio, (1.0, 3, ""));
+                fill(phrases.damping, &[("ratio", &ratio)])
+            });
+            fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
+        });
+        fill(phrases.identified, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen), ("mode", &mode)])
+    }
+
+    /// Which model to use, what it gives and what it does not; that none is recommended, and why.
+    fn what_to_use(&mut self, kind: Kind, reason: &StatusReason) -> Vec<String> {
+        let phrases = &PHRASES.conclusion;
+        use StatusReason::{Beyond, DecisiveWarning, GoodTo};
+        let is_of_the_answer = matches!(reason, DecisiveWarning { .. } | GoodTo { .. } | Beyond { .. });
+        if is_of_the_answer && reason.status() == Status::DoNotUse {
+            return self.asked_for().into_iter().collect();
+        }
+        let is_lacking = kind == Kind::LinearModel || lacks_mass_or_speed(self.run);
+        let mut sentences = Vec::new();
+        if let Some(best) = self.best() {
+            sentences.extend(self.one_spring(best));
+            sentences.push(self.use_model(best));
+            sentences.extend(self.caution(best, reason));
+        } else if !self.run.candidates.is_empty() {
+            sentences.push(self.none_recommended());
+            sentences.extend(self.closest());
+        } else if is_lacking && !self.run.models.is_empty() {
+            sentences.push(self.identified());
+        } else if !is_lacking {
+            sentences.push(phrases.no_models_here.to_owned());
+        }
+        if is_lacking && self.run.candidates.is_empty() {
+            sentences.push(not_stated(self.run).to_owned());
+        }
+        sentences
+    }
+
+    /// One stiffness for a curve on one mass: that of the spring with the energy and the crush of the test.
+    fn one_spring(&mut self, best: &CandidateResult) -> Option<String> {
+        let is_curve = best.record.parameters.keys().any(|name| name.starts_with("knot"));
+        let metric = self.run.metric("average_stiffness")?;
+        let value = metric.value.filter(|_| is_curve && best.record.parameters.contains_key("mass_kg"))?;
+        let at = "/metrics/average_stiffness";
+        let mut stiffness = self.number(&format!("{at}/value"), value, (KILO, 0, "kN/m"));
+        if let Some((low, high)) = metric.low.zip(metric.high) {
+            stiffness.push_str(&self.interval(at, low, high, (KILO, 0)));
+        }
+        Some(fill(PHRASES.conclusion.one_spring, &[("stiffness", stiffness)]))
+    }
+
+    /// The recommended model and what it gives for the impact that was asked for.
+    fn use_model(&mut self, best: &CandidateResult) -> String {
+        let phrases = &PHRASES.conclusion;
+        let predicts = self.given(best).map(|(prediction, texts)| {
+            fill(if prediction.extrapolates { phrases.predicts_beyond } else { phrases.predicts }, &texts)
+        });
+        let texts = [("model", self.named(best)), ("predicts", predicts.unwrap_or_default())];
+        fill(phrases.use_model, &texts)
+    }
+
+    /// What the recommended model gives for an impact that a person asked for, whatever speaks against its use.
+    fn asked_for(&mut self) -> Option<String> {
+        let best = self.best()?;
+        answer(self.run, best).filter(|(_, prediction)| prediction.asked)?;
+        let (_, [scenario, crush, interval]) = self.given(best)?;
+        let texts = [scenario, ("model", self.named(best)), crush, interval];
+        Some(fill(PHRASES.conclusion.asked_for, &texts))
+    }
+
+    fn named(&self, candidate: &CandidateResult) -> String {
+        let phrases = &PHRASES.conclusion;
+        match candidate.record.model.as_str() {
+            "force-deflection" => phrases.force_deflection_curve.to_owned(),
+            other => fill(phrases.named_model, &[("model", model_name(other))]),
+        }
+    }
+
+    /// The prediction that answers, and its impact, crush and interval in words.
+    fn given(&mut self, best: &CandidateResult) -> Option<(&'a PredictionV1, [(&'static str, String); 3])> {
+        let (place, prediction) = answer(self.run, best)?;
+        let crush_m = prediction.dynamic_crush_m?;
+        let (at, scenario) = (format!("/predictions/{place}"), self.scenario(place));
+        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, (MILLI, 0, "mm"));
+        let interval = interval_of_crush(prediction).map(|(j, &PredictedIntervalV1 { low, high, .. })| {
+            self.interval(&format!("{at}/intervals/{j}"), low, high, (MILLI, 0))
+        });
+        let texts = [("scenario", scenario), ("crush", crush), ("interval", interval.unwrap_or_default())];
+        Some((prediction, texts))
+    }
+
+    /// How closely a candidate follows the displacement.
+    fn follows(&mut self, candidate: &CandidateResult) -> Option<String> {
+        let place = self.run.candidates.iter().position(|other| other.id == candidate.id)?;
+        let simulation = candidate.simulation.as_ref()?;
+        let key = if simulation.fit_as_measured_percent.is_some() { "fit_as_measured_percent" } else { "fit_percent" };
+        let at = format!("/candidates/{place}/simulation/{key}");
+        Some(self.number(&at, candidate.fit_percent()?, (1.0, 1, "%")))
+    }
+
+    /// The one thing that the model does not give, before all others; what the status says is not said again.
+    fn caution(&mut self, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
+        let phrases = &PHRASES.conclusion;
+        if let Some(tests) = self.run.joint.as_ref().and_then(missed) {
+            return Some(fill(PHRASES.joint.tests_disagree, &[("tests", tests)]));
+        }
+        if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {
+            return Some(open);
+        }
+        if best.record.equivalent_to.is_some() && *reason != StatusReason::Dual {
+            return Some(phrases.dual.to_owned());
+        }
+        let is_said = matches!(reason, StatusReason::FewDetermined { .. });
+        let few = if is_said { None } else { self.few_determined(best) };
+        let other = beside(self.run).filter(|other| other != reason);
+        let other = other.map(|other| as_sentence(&self.because(&other)));
+        few.or(other).or_else(|| {
+            let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
+            let tested = self.run.test.impact_speed_m_per_s.filter(|_| beyond)?;
+            let speed = self.speed("/test/impact_speed_m_per_s", tested);
+            Some(fill(phrases.extrapolates, &[("speed", speed)]))
+        })
+    }
+
+    /// Says how many of the numbers of a model are determined, if not all.
+    fn few_determined(&mut self, best: &CandidateResult) -> Option<String> {
+        let known = best.certainties();
+        let phrases = &PHRASES.conclusion;
+        let template = if has_only_forces(best) { phrases.few_forces } else { phrases.few_parameters };
+        let mut count = |name: &str, count: usize| {
+            (name.to_owned(), self.number(&format!("/verdict/{name}"), count as f64, (1.0, 0, "")))
+        };
+        (known.determined < known.parameters).then(|| {
+            let texts = [count("determined", known.determined), count("parameters", known.parameters)];
+            fill(template, &texts.each_ref().map(|(name, text)| (name.as_str(), text)))
+        })
+    }
+
+    /// A template with the names of some parameters in it, and the numbers in these names taken; nothing without any.
+    fn with_names(&mut self, candidate: &CandidateResult, template: &str, names: &[&str]) -> Option<String> {
+        let place = self.run.candidates.iter().position(|other| other.id == candidate.id)?;
+        for (name, deflection_m) in names.iter().filter_map(|name| deflection_of_knot(&candidate.record, name)) {
+            self.number(&format!("/candidates/{place}/parameters/{name}"), deflection_m, DEFLECTION);
+        }
+        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(&candidate.record, names))]))
+    }
+
+    fn none_recommended(&mut self) -> String {
+        let (phrases, run) = (&PHRASES.conclusion, self.run);
+        let no_crush =
+            run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0));
+        let because = match run.other_axis() {
+            Some(axis) => fill(phrases.other_axis, &[("axis", &axis.to_string())]),
+            None if no_crush => phrases.no_crush.to_owned(),
+            None => self.ranking.because.clone(),
+        };
+        fill(phrases.none_recommended, &[("because", &because)])
+    }
+
+    /// The model closest to the record, and how close up to when.
+    fn closest(&mut self) -> Option<String> {
+        let run = self.run;
+        let id = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref())?;
+        let place = run.candidates.iter().position(|other| other.id == id)?;
+        let to_s = run.candidates[place].simulation.as_ref()?.to_s;
+        let fit = self.follows(&run.candidates[place])?;
+        let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, in_ms(to_s));
+        let texts = [("model", candidate_name(id)), ("fit", fit), ("time", time)];
+        Some(fill(PHRASES.conclusion.closest, &texts))
+    }
+}

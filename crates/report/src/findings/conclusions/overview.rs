@@ -1,0 +1,207 @@
+//! The numbers of a run in a few lines, as the console shows them below the verdict.
+
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::drawing::numbers::{KILO, MILLI, digits_of_interval, unit};
+use crate::phrases::words::fill;
+use crumple_artifact::records::{Certainty, ConcernV1};
+use crumple_signal::About;
+
+use crate::findings::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
+use crate::findings::conclusions::conclusion::Conclusion;
+use crate::findings::conclusions::key_numbers::{decimals, key_numbers, level_percent};
+use crate::findings::conclusions::kind::Kind;
+use crate::findings::conclusions::status::{Status, StatusReason};
+use crate::findings::text::names::candidate_name;
+use crate::findings::text::parameters::{parameter, parameter_order};
+use crate::findings::{CandidateResult, Ranking, Run};
+
+/// Level of the interval of a parameter, percent.
+const LEVEL_OF_PARAMETERS: u8 = 95;
+
+/// Parameters of a curve of many knots are not listed beyond so many.
+const MOST_PARAMETERS: usize = 8;
+
+/// One number or warning of the overview.
+pub struct OverviewLine {
+    /// What it is; empty where the line goes on with what the one before it is.
+    pub label: String,
+    /// The number, its interval and its unit, or the sentence.
+    pub text: String,
+    /// Whether the text may be cut where the line of the terminal ends: all of it is said by `just notes`.
+    pub may_be_cut: bool,
+}
+
+/// Warnings that the sentences of the verdict say already are left out. `folder`: that of the run, for commands that
+/// show more.
+pub fn overview(
+    run: &Run,
+    ranking: &Ranking,
+    verdict: &Conclusion,
+    concerns: &[ConcernV1],
+    folder: &Path,
+) -> Vec<OverviewLine> {
+    let phrases = &PHRASES.conclusion;
+    let mut lines: Vec<OverviewLine> = Vec::new();
+    let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
+    // Of an occupant's sensor these are no numbers of the vehicle.
+    let of_vehicle = verdict.kind != Kind::Occupant;
+    let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
+    for number in key_numbers(run).iter().filter(|_| of_vehicle) {
+        let label = match number.name {
+            "dynamic_crush" => crush,
+            "time_of_dynamic_crush" => phrases.time_label,
+            "delta_v" | "maximum_delta_v" => phrases.change_label,
+            "peak_acceleration" => phrases.peak_label,
+            "olc" => phrases.olc_label,
+            "coefficient_of_restitution" => phrases.restitution_label,
+            _ => continue,
+        };
+        let ((factor, unit), places) = (unit(number.unit), decimals(number.name));
+        let Some(value) = number.value else { continue };
+        let ends = number.low.zip(number.high);
+        let own = with_interval(run, value, ends, number.interval_by.as_deref(), (factor, places, unit));
+        let mut text = format!("{}{own}", number.sign());
+        if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
+            text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
+        }
+        if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
+            let [low, high] = [spread.low, spread.high].map(|end| words::quantity(factor * end, places, ""));
+            let texts = [("count", spread.sensors().to_string()), ("range", words::between(&low, &high))];
+            text.push_str(&fill(phrases.over_sensors, &texts));
+        }
+        lines.push(line(label, text));
+    }
+    if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
+        let label = if verdict.status == Status::DoNotUse { phrases.doubtful_label } else { phrases.model_label };
+        lines.push(line(label, parameters(run, best, folder)));
+    }
+    let decisive = decisive_warning(run, concerns).is_some();
+    // The verdict names a decisive warning by its number among all.
+    let said = if decisive { Vec::new() } else { said_already(ranking, verdict, concerns) };
+    let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c) && !is_of_a_failed_method(c);
+    let warnings: Vec<&ConcernV1> = concerns.iter().filter(is_new).collect();
+    let (first, others) = first_warnings(&warnings, run, ranking);
+    for (number, concern) in first.iter().enumerate() {
+        let label = if number == 0 { phrases.warnings_label } else { "" };
+        // What makes all doubtful is said whole.
+        let text = format!("{}. {}", number + 1, concern.text);
+        lines.push(OverviewLine { may_be_cut: number > 0 || !decisive, ..line(label, text) });
+    }
+    if others > 0 {
+        let count = match others {
+            1 => phrases.one_more.to_owned(),
+            n => fill(phrases.more, &[("count", &n.to_string())]),
+        };
+        let label = if first.is_empty() { phrases.warnings_label } else { "" };
+        lines.push(line(label, format!("{count}: just notes {}", folder.display())));
+    }
+    for (number, concern) in concerns.iter().filter(|c| is_of_a_failed_method(c)).enumerate() {
+        lines.push(line(if number == 0 { phrases.failed_label } else { "" }, concern.text.clone()));
+    }
+    // Of a run that is whole the verdict says why something is not there.
+    if matches!(verdict.kind, Kind::Barrier | Kind::NoStop | Kind::TwoVehicles | Kind::MeasuredOnly) {
+        lines.extend(run.missing.iter().map(|what| line(phrases.missing_label, what.clone())));
+    }
+    lines
+}
+
+/// Concerns of the report itself that status and sentences of the verdict say: sensors that differ, what is not known
+/// of the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
+fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [ConcernV1]) -> Vec<&'a ConcernV1> {
+    let about = |what: &About| {
+        let what = what.to_string();
+        concerns.iter().find(|concern| concern.stage == "report" && concern.about == what)
+    };
+    let of_two = verdict.kind == Kind::TwoVehicles;
+    let names_sensors = matches!(verdict.status_reason, StatusReason::SensorsDiffer { .. });
+    let mut said: Vec<&ConcernV1> = about(&About::Motion).filter(|_| of_two || names_sensors).into_iter().collect();
+    let best = ranking.best.as_deref().filter(|_| !of_two);
+    said.extend(best.and_then(|id| about(&About::Model(id.to_owned())).or_else(|| about(&About::Predictions))));
+    said
+}
+
+fn with_interval(
+    _run: &Run,
+    value: f64,
+    ends: Option<(f64, f64)>,
+    interval_by: Option<&str>,
+    (factor, places, unit): (f64, usize, &str),
+) -> String {
+    let number = words::quantity(factor * value, places, unit);
+    let Some((low, high)) = ends else { return number };
+    let [low, high] = [low, high].map(|end| words::quantity(factor * end, places, ""));
+    format!("{number} ({}{})", words::level(interval_by.and_then(level_percent)), words::between(&low, &high))
+}
+
+/// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
+fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
+    let curve = curve(run, candidate);
+    let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
+    // Beside a curve there is no room for its knots, nor for what was given.
+    let is_mass = |name: &str| parameter_order(&candidate.record.model, name).0 == 0;
+    let is_asked = |name: &str| is_mass(name) || candidate.record.certainty(name).is_some();
+    names.retain(|name| curve.is_none() || (!name.starts_with(KNOT) && is_asked(name)));
+    // What nobody asked the record for comes last, masses aside.
+    names.sort_by_key(|name| {
+        let order = parameter_order(&candidate.record.model, name);
+        (order.0 > 0 && candidate.record.certainty(name).is_none(), order)
+    });
+    let count = names.len();
+    names.truncate(MOST_PARAMETERS);
+    let mut texts: Vec<String> = names.into_iter().map(|name| named_value(run, candidate, name)).collect();
+    texts.extend(curve.map(|curve| format!("{curve}: just curve {}", folder.display())));
+    let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
+    format!("{}: {}{more}", candidate_name(&candidate.id), texts.join(", "))
+}
+
+/// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
+/// masses aside, is said to be given.
+fn named_value(run: &Run, candidate: &CandidateResult, name: &str) -> String {
+    let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
+    let value = words::significant(value, 4);
+    format!("{symbol} {value} {unit}{}", how_sure(run, candidate, name)).trim_end().to_owned()
+}
+
+/// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
+fn how_sure(_run: &Run, candidate: &CandidateResult, name: &str) -> String {
+    let known = candidate.record.uncertainty.as_ref();
+    let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
+    let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
+    let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
+    let interval = interval.map_or_else(String::new, |(low, high)| {
+        let digits = digits_of_interval(low, high, 3);
+        let [low, high] = [low, high].map(|si| words::significant(in_unit(si), digits));
+        let level = words::level(Some(LEVEL_OF_PARAMETERS));
+        format!(" ({level}{})", words::between(&low, &high))
+    });
+    let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
+    match candidate.record.certainty(name) {
+        Some(Certainty::Determined) => interval,
+        None if is_mass || !interval.is_empty() => interval,
+        None => format!(" ({})", PHRASES.conclusion.given),
+        Some(Certainty::OrderOfMagnitude | Certainty::Open) => format!("{interval}?"),
+    }
+}
+
+/// What the parameters of a knot of a force-deflection curve begin with.
+const KNOT: &str = "knot";
+
+/// `as one spring k 769 kN/m (750 to 790), curve of 4 knots to 750 mm`: of a candidate with deflections and forces. One
+/// stiffness for a curve on one mass is that of the spring with the energy and the crush of the test.
+fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
+    let parameters = &candidate.record.parameters;
+    let deflections_m = (1..).map_while(|number| parameters.get(&format!("{KNOT}{number}_m")));
+    let (count, last_m) = deflections_m.enumerate().last().map(|(index, last_m)| (index + 1, last_m))?;
+    let phrases = &PHRASES.conclusion;
+    let end = words::quantity(MILLI * last_m, 0, "mm");
+    let curve = fill(phrases.curve, &[("count", count.to_string()), ("end", end)]);
+    let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
+    let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };
+    let ends = metric.low.zip(metric.high);
+    let stiffness = with_interval(run, value, ends, metric.interval_by.as_deref(), (KILO, 0, "kN/m"));
+    Some(format!("{}, {curve}", fill(phrases.as_one_spring, &[("stiffness", stiffness)])))
+}

@@ -1,0 +1,314 @@
+//! Whether the results of a run may be used: one word and its one reason, both decided from records.
+
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
+use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1, StrengthV1};
+use crumple_lumped::{ParameterKind, parameter_kind};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::findings::conclusions::concerns::decisive_warning;
+use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
+use crate::findings::conclusions::kind::{Kind, lacks_mass_or_speed};
+use crate::findings::results::ranking::WORTH_NAMING_PERCENT;
+use crate::findings::{CandidateResult, Model, Ranking, Run};
+
+/// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
+const NARROW_PERCENT: f64 = 10.0;
+/// Half width of such an interval above which the prediction answers nothing, percent of the crush.
+const WIDE_PERCENT: f64 = 30.0;
+
+/// What of a percentage is rounding of the ends of its interval, and is not rounded up.
+const ROUNDING: f64 = 1e-9;
+
+/// One word on the results of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// Of an adequate model whose prediction is known to 10 %.
+    Usable,
+    /// For what the reason says.
+    UsableWithCare,
+    /// For nothing.
+    DoNotUse,
+}
+
+impl Status {
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        let phrases = &PHRASES.conclusion;
+        match self {
+            Self::Usable => phrases.usable,
+            Self::UsableWithCare => phrases.usable_with_care,
+            Self::DoNotUse => phrases.do_not_use,
+        }
+    }
+
+    /// Its word with the reason.
+    pub(crate) fn sentence(self, because: &str) -> String {
+        fill(PHRASES.conclusion.status, &[("status", self.word()), ("reason", because)])
+    }
+}
+
+/// The one reason of a status: what limits the results most. Numbers in SI; percentages of the value.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "fields are named after what they are")]
+pub enum StatusReason {
+    /// The half width of the interval of the crush that is predicted, in percent rounded up. `prediction`: place among
+    /// those of the summary, of what was asked for, else of the slowest impact inside the test.
+    GoodTo {
+        good_to_percent: f64,
+        prediction: usize,
+    },
+    /// The same of an impact beyond the test.
+    Beyond {
+        good_to_percent: f64,
+        prediction: usize,
+    },
+    /// Sensors of the compartment are further from the pulse's crush than its interval.
+    SensorsDiffer {
+        sensors: usize,
+        apart_m: f64,
+        half_width_m: f64,
+    },
+    /// The record does not determine all numbers of the recommended model.
+    FewDetermined {
+        determined: usize,
+        parameters: usize,
+        are_forces: bool,
+    },
+    /// The recommended model misses these events of its own test, so that it is not adequate: its crush alone is right.
+    MissesItsTest {
+        events: Vec<String>,
+    },
+    /// Another model fits nearly as well: its candidate.
+    Weak {
+        candidate: String,
+    },
+    /// Another model follows the pulse closer, but not the crush at lower speeds: its candidate.
+    Contrary {
+        candidate: String,
+    },
+    /// Nobody says how well the parameters of the recommended model are known.
+    Unassessed,
+    /// The recommended model has a dual.
+    Dual,
+    /// No prediction of the recommended model has an interval of its crush.
+    NoInterval,
+    /// A test lies outside of what the model of the others predicts for it.
+    TestsDisagree,
+    /// The vehicle did not stop within the record.
+    NoStop,
+    /// The pulse is not along x.
+    OtherAxis {
+        axis: String,
+    },
+    /// Two vehicles collided.
+    TwoVehicles,
+    /// The sensor sits in an occupant.
+    Occupant,
+    /// The table of an event data recorder.
+    Recorder,
+    /// A model of inputs and outputs.
+    Identified,
+    /// Mass, impact speed or both are not stated.
+    NoMass,
+    NoSpeed,
+    NoMassNorSpeed,
+    /// The stages of motion or models did not run.
+    MeasuredOnly,
+    /// There are adequate models, none of them for other speeds.
+    NoneRecommended,
+    /// There is no acceptable result.
+    NoResult,
+    /// The warning of this number, counted from 1, puts everything in doubt. `about`: as in `concerns`.
+    DecisiveWarning {
+        number: usize,
+        about: String,
+    },
+    /// No model describes the record.
+    NotAdequate,
+    /// The best model has a fit below the limit, percent.
+    PoorFit {
+        fit_percent: f64,
+        limit_percent: f64,
+    },
+}
+
+impl StatusReason {
+    /// The word that it is the reason of.
+    pub fn status(&self) -> Status {
+        match self {
+            Self::GoodTo { good_to_percent, .. } if *good_to_percent <= NARROW_PERCENT => Status::Usable,
+            Self::GoodTo { good_to_percent, .. } | Self::Beyond { good_to_percent, .. }
+                if *good_to_percent > WIDE_PERCENT =>
+            {
+                Status::DoNotUse
+            }
+            Self::NoResult | Self::DecisiveWarning { .. } | Self::NotAdequate | Self::PoorFit { .. } => {
+                Status::DoNotUse
+            }
+            _ => Status::UsableWithCare,
+        }
+    }
+}
+
+/// The reason of the status of a run.
+pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[ConcernV1]) -> StatusReason {
+    use StatusReason as Reason;
+    match kind {
+        Kind::NoModel => return Reason::NoResult,
+        // That it is no sensor of the vehicle is the decisive warning of such a record.
+        Kind::Occupant => return Reason::Occupant,
+        _ => {}
+    }
+    if let Some((number, about)) = decisive_warning(run, concerns) {
+        return Reason::DecisiveWarning { number, about: about.to_owned() };
+    }
+    match kind {
+        Kind::InputOutput => of_identified(run).unwrap_or(Reason::Identified),
+        Kind::Recorder => Reason::Recorder,
+        _ if kind == Kind::LinearModel || lacks_mass_or_speed(run) => {
+            match (run.test.mass_kg, run.test.impact_speed_m_per_s) {
+                (None, None) => Reason::NoMassNorSpeed,
+                (None, Some(_)) => Reason::NoMass,
+                _ => Reason::NoSpeed,
+            }
+        }
+        Kind::TwoVehicles => Reason::TwoVehicles,
+        Kind::NoStop => Reason::NoStop,
+        _ => of_models(run, ranking, kind),
+    }
+}
+
+/// Returns the reason when not even the closest identified model has a fit, follows half of the record, or holds on
+/// unseen samples.
+fn of_identified(run: &Run) -> Option<StatusReason> {
+    let Some((_, model, fit_percent)) = closest_identified(run) else { return Some(StatusReason::NotAdequate) };
+    if !model.holds() {
+        return Some(StatusReason::NotAdequate);
+    }
+    let limit_percent = WORTH_NAMING_PERCENT;
+    (fit_percent < limit_percent).then_some(StatusReason::PoorFit { fit_percent, limit_percent })
+}
+
+/// The identified model with the highest fit, one that holds on unseen samples before others, and by the fit of these
+/// where some were kept: its place, itself, the fit in percent.
+pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
+    let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, model.fit_percent()?)));
+    fitted.max_by(|(a, x, x_fit), (b, y, y_fit)| {
+        let unseen = |model: &Model, fit: f64| model.unseen_fit_percent().unwrap_or(fit);
+        let by_fit = unseen(x, *x_fit).total_cmp(&unseen(y, *y_fit));
+        x.holds().cmp(&y.holds()).then(by_fit).then(b.cmp(a))
+    })
+}
+
+/// The reason of the status of a crash whose models were asked for.
+fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
+    use StatusReason as Reason;
+    if run.candidates.is_empty() && run.joint.is_none() {
+        return Reason::MeasuredOnly;
+    }
+    let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else {
+        if let Some(axis) = run.other_axis().filter(|_| kind != Kind::SeveralTests) {
+            return Reason::OtherAxis { axis: axis.to_string() };
+        }
+        let is_adequate = run.recommendation.iter().flat_map(|choice| &choice.candidates).any(|rated| rated.adequate);
+        return if is_adequate { Reason::NoneRecommended } else { Reason::NotAdequate };
+    };
+    let answer = answer(run, best);
+    let good_to_percent = answer.and_then(|(_, prediction)| Some((half_width_percent(prediction)? - ROUNDING).ceil()));
+    let good_to =
+        answer.zip(good_to_percent).map(|((prediction, record), good_to_percent)| match record.extrapolates {
+            true => Reason::Beyond { good_to_percent, prediction },
+            false => Reason::GoodTo { good_to_percent, prediction },
+        });
+    let is_limit = |reason: &Reason| reason.status() != Status::Usable;
+    let asked = good_to.clone().filter(|_| answer.is_some_and(|(_, prediction)| prediction.asked));
+    let disagree = run.joint.as_ref().filter(|joint| !joint.missed().is_empty()).map(|_| Reason::TestsDisagree);
+    disagree
+        .or_else(|| asked.filter(is_limit))
+        .or_else(|| misses_its_test(run, best))
+        .or_else(|| sensors_differ(run))
+        .or_else(|| uncertain(best))
+        .or_else(|| beside(run))
+        .or(good_to)
+        .unwrap_or(Reason::NoInterval)
+}
+
+/// Returns the reason when the recommended model is right in its crush alone.
+fn misses_its_test(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
+    let mut rated = run.recommendation.iter().flat_map(|choice| &choice.candidates);
+    let events = rated.find(|rated| rated.id == best.id && !rated.adequate)?.missed_events.clone();
+    Some(StatusReason::MissesItsTest { events })
+}
+
+/// Returns the reason when the evidence is not decisive for the recommended model beside the best other one.
+pub(crate) fn beside(run: &Run) -> Option<StatusReason> {
+    let choice = run.recommendation.as_ref()?;
+    let candidate = choice.beside.clone()?;
+    match choice.strength? {
+        StrengthV1::Weak => Some(StatusReason::Weak { candidate }),
+        StrengthV1::Contrary => Some(StatusReason::Contrary { candidate }),
+        StrengthV1::Decisive => None,
+    }
+}
+
+/// Returns the reason when parameters of a model are not known.
+fn uncertain(best: &CandidateResult) -> Option<StatusReason> {
+    let known = best.certainties();
+    if known.determined < known.parameters {
+        let (determined, parameters) = (known.determined, known.parameters);
+        return Some(StatusReason::FewDetermined { determined, parameters, are_forces: has_only_forces(best) });
+    }
+    if best.record.uncertainty.is_none() && !best.is_chain() {
+        return Some(StatusReason::Unassessed);
+    }
+    best.record.equivalent_to.as_ref().map(|_| StatusReason::Dual)
+}
+
+/// Whether forces at deflections are all that was asked of the record.
+pub(crate) fn has_only_forces(candidate: &CandidateResult) -> bool {
+    candidate.record.asked().all(|name| {
+        name.starts_with("knot") && parameter_kind(&candidate.record.model, name) == Some(ParameterKind::Force)
+    })
+}
+
+/// Returns the reason when the interval of the crush misses another sensor of the place.
+fn sensors_differ(run: &Run) -> Option<StatusReason> {
+    let crush = key_numbers(run).into_iter().find(|number| number.name == "dynamic_crush")?;
+    let KeyNumber { value: Some(value), low: Some(low), high: Some(high), spread: Some(spread), .. } =
+        Some(crush).filter(KeyNumber::interval_misses_a_sensor)?
+    else {
+        return None;
+    };
+    Some(StatusReason::SensorsDiffer {
+        sensors: spread.sensors(),
+        apart_m: (value - spread.low).max(spread.high - value),
+        half_width_m: 0.5 * (high - low),
+    })
+}
+
+/// What a recommended model says of the impact that was asked for: with its place among the predictions. One that was
+/// asked for goes before others, one inside the test before one beyond it, the slowest before faster ones. `None`: it
+/// predicts no crush.
+pub(crate) fn answer<'a>(run: &'a Run, best: &CandidateResult) -> Option<(usize, &'a PredictionV1)> {
+    let order = |p: &PredictionV1| (!p.asked, p.extrapolates);
+    let of_best = run.predictions.iter().enumerate().filter(|(_, p)| p.candidate == best.id);
+    of_best.filter(|(_, p)| p.dynamic_crush_m.is_some()).min_by(|(_, a), (_, b)| {
+        order(a).cmp(&order(b)).then(a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s))
+    })
+}
+
+/// The interval of a predicted crush, with its place among the intervals.
+pub(crate) fn interval_of_crush(prediction: &PredictionV1) -> Option<(usize, &PredictedIntervalV1)> {
+    prediction.intervals.iter().enumerate().find(|(_, interval)| interval.name == "dynamic_crush_m")
+}
+
+/// Half of the width of the interval of a predicted crush, percent of it.
+fn half_width_percent(prediction: &PredictionV1) -> Option<f64> {
+    let crush_m = prediction.dynamic_crush_m.filter(|crush_m| *crush_m > 0.0)?;
+    let (_, interval) = interval_of_crush(prediction)?;
+    Some(50.0 * (interval.high - interval.low) / crush_m)
+}

@@ -1,0 +1,211 @@
+//! Parameter sets of the double model over the division of one total mass: as parameter-solve swept them, or with the
+//! poles of a fitted model.
+
+use std::borrow::Cow;
+
+use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
+use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
+
+use crate::findings::text::names::candidate_name;
+use crate::findings::{CandidateResult, Ranking, Run};
+
+/// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.
+const FRONT_SHARES: usize = 49;
+
+/// Real parameter sets over the division of the mass.
+pub struct Divisions<'a> {
+    /// The model whose poles they have, in words.
+    pub source: String,
+    /// Whether these poles are those of a model fitted to the record.
+    pub fitted: bool,
+    /// Mass of the chassis that was used, kg.
+    pub m1_kg: f64,
+    /// Mass of the compartment that was used, kg.
+    pub m2_kg: f64,
+    /// Bound of m2/m1 above which no set is physical; `None`: no division has one.
+    pub largest_mass_ratio: Option<f64>,
+    /// The sets.
+    pub sweep: Cow<'a, [MatchingSweepV1]>,
+}
+
+impl<'a> Divisions<'a> {
+    /// The sweep of the identified model whose solutions the simulation supports, else of the first that has one; where
+    /// coefficient matching did not run, of the best fitted double model.
+    pub fn of_run(run: &'a Run, ranking: &Ranking) -> Option<Self> {
+        Self::matched(run, ranking).or_else(|| Self::fitted(run, ranking))
+    }
+
+    fn matched(run: &'a Run, ranking: &Ranking) -> Option<Self> {
+        let supported = ranking.best_of_matching(run).map(|candidate| candidate.id.as_str());
+        let of_supported =
+            |matching: &MatchingV1| matching.solutions.iter().any(|s| s.candidate.as_deref() == supported);
+        let mut swept = run.matchings.iter().filter(|(_, matching)| !matching.sweep.is_empty());
+        let (id, matching) = match swept.clone().find(|(_, m)| supported.is_some() && of_supported(m)) {
+            Some(swept) => swept,
+            None => swept.next()?,
+        };
+        Some(Self {
+            source: id.clone(),
+            fitted: false,
+            m1_kg: matching.m1_kg,
+            m2_kg: matching.m2_kg,
+            largest_mass_ratio: matching.largest_mass_ratio,
+            sweep: Cow::Borrowed(&matching.sweep),
+        })
+    }
+
+    /// Of a model with a parameter on a bound of the search the poles are the bound's, not the record's: none.
+    fn fitted(run: &Run, ranking: &Ranking) -> Option<Self> {
+        let double = |candidate: &&CandidateResult| {
+            let at_a_bound = |name: &String| candidate.record.parameters.get(name).is_none_or(|value| *value != 0.0);
+            let inside = candidate.record.fit.as_ref().is_some_and(|fit| !fit.active_bounds.iter().any(at_a_bound));
+            candidate.record.model == ModelKind::DoubleSpringMassDamper.name() && inside
+        };
+        let best = ranking.order.iter().filter_map(|id| run.candidate(id)).find(double)?;
+        let model = Model::from_parameters(ModelKind::DoubleSpringMassDamper, &best.record.parameters).ok()?;
+        let Model::DoubleSpringMassDamper(model) = model else { return None };
+        let [_, t, u, v, w] = model.characteristic_polynomial();
+        let matching = CoefficientMatching::new([t, u, v, w], model.m1_kg, model.m2_kg, Reading::Binary).ok()?;
+        let shares: Vec<f64> = (1..=FRONT_SHARES).map(|k| k as f64 / (FRONT_SHARES + 1) as f64).collect();
+        let matches = matching.mass_split_sweep(&shares).ok()?;
+        let of_share = |(share, matched): (&f64, &crumple_lumped::CoefficientMatch)| {
+            let point = |s: &crumple_lumped::MatchedSolution| MatchingSweepV1 {
+                front_mass_fraction: *share,
+                k1_n_per_m: s.k1_n_per_m.re,
+                k2_n_per_m: s.k2_n_per_m.re,
+                c1_n_s_per_m: s.c1_n_s_per_m.re,
+                c2_n_s_per_m: s.c2_n_s_per_m.re,
+                physical: s.physical,
+            };
+            matched.solutions.iter().filter(|s| s.real).map(point).collect::<Vec<_>>()
+        };
+        Some(Self {
+            source: candidate_name(&best.id),
+            fitted: true,
+            m1_kg: model.m1_kg,
+            m2_kg: model.m2_kg,
+            largest_mass_ratio: matching.largest_mass_ratio(),
+            sweep: shares.iter().zip(&matches).flat_map(of_share).collect(),
+        })
+    }
+
+    /// Ranges of m2/m1 with a solution of positive parameters. Their ends lie half-way (in the logarithm) to the next
+    /// point of the sweep, or on the computed bound where that lies between the two.
+    pub fn feasible_ranges(&self) -> Vec<(f64, f64)> {
+        let mut points: Vec<(f64, bool)> = Vec::new();
+        for solution in self.sweep.iter() {
+            match points.iter_mut().find(|(at, _)| *at == ratio(solution)) {
+                Some((_, physical)) => *physical |= solution.physical,
+                None => points.push((ratio(solution), solution.physical)),
+            }
+        }
+        points.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let between = |low: f64, high: f64| {
+            let bound = self.largest_mass_ratio.filter(|bound| low <= *bound && *bound <= high);
+            bound.unwrap_or_else(|| (low * high).sqrt())
+        };
+        let mut ranges: Vec<(f64, f64)> = Vec::new();
+        for (k, &(at, physical)) in points.iter().enumerate() {
+            if !physical {
+                continue;
+            }
+            let end = points.get(k + 1).map_or(at, |&(next, also)| if also { next } else { between(at, next) });
+            let before = k.checked_sub(1).map(|before| points[before]);
+            match (before, ranges.last_mut()) {
+                (Some((_, true)), Some(range)) => range.1 = end,
+                (Some((previous, _)), _) => ranges.push((between(previous, at), end)),
+                (None, _) => ranges.push((at, end)),
+            }
+        }
+        ranges
+    }
+}
+
+/// m2/m1 of a point of the sweep.
+pub fn ratio(point: &MatchingSweepV1) -> f64 {
+    1.0 / point.front_mass_fraction - 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_artifact::records::CandidateV1;
+
+    fn matching(largest_mass_ratio: Option<f64>, physical: &[bool]) -> MatchingV1 {
+        let at = |k: usize| (k + 1) as f64 / (physical.len() + 1) as f64;
+        let point = |(k, &physical): (usize, &bool)| MatchingSweepV1 {
+            front_mass_fraction: at(k),
+            k1_n_per_m: 1e5,
+            k2_n_per_m: 2e5,
+            c1_n_s_per_m: if physical { 1e3 } else { -1e3 },
+            c2_n_s_per_m: 2e3,
+            physical,
+        };
+        MatchingV1 {
+            m1_kg: 200.0,
+            m2_kg: 800.0,
+            polynomial: vec![],
+            largest_mass_ratio,
+            roots: vec![],
+            solutions: vec![],
+            sweep: physical.iter().enumerate().map(point).collect(),
+            notes: vec![],
+            source: None,
+            zeta_of_the_start_per_s2: None,
+            coordinates: vec![],
+        }
+    }
+
+    fn run_of(matching: MatchingV1) -> Run {
+        Run { matchings: vec![("era-4".to_owned(), matching)], ..Run::default() }
+    }
+
+    #[test]
+    fn a_feasible_range_ends_on_the_bound_where_that_lies_between_two_points() {
+        // Fractions 0.25, 0.5, 0.75: ratios 3, 1, 1/3.
+        let feasible = |run: &Run| Divisions::of_run(run, &Ranking::default()).unwrap().feasible_ranges();
+        let ranges = feasible(&run_of(matching(Some(2.0), &[false, true, true])));
+        assert_eq!(ranges.len(), 1);
+        // 1/0.75 - 1 is 1/3 but for rounding.
+        assert!((ranges[0].0 - 1.0 / 3.0).abs() < 1e-15 && ranges[0].1 == 2.0);
+        let unknown = feasible(&run_of(matching(None, &[false, true, false])));
+        assert!((unknown[0].0 - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15 && (unknown[0].1 - 3.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(feasible(&run_of(matching(None, &[false; 3]))), []);
+    }
+
+    fn fitted_run(active_bounds: &str) -> (Run, Ranking) {
+        let record: CandidateV1 = serde_json::from_str(&format!(
+            r#"{{"model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null,
+                "notes": [],
+                "parameters": {{"m1_kg": 375, "m2_kg": 1125, "k1_n_per_m": 9e5, "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3,
+                "c2_n_s_per_m": 9e3}},
+                "fit": {{"channel": "a", "quantity": "displacement", "from_s": 0, "to_s": 0.07, "samples": 9, "rmse": 0,
+                "iterations": 1,
+                    "evaluations": 1, "stop_reason": "cost-converged", "active_bounds": [{active_bounds}]}},
+                    "uncertainty": null}}"#
+        ))
+        .unwrap();
+        let id = "double-spring-mass-damper/direct-fit/1".to_owned();
+        let ranking = Ranking { order: vec![id.clone()], ..Ranking::default() };
+        let candidate = CandidateResult { id, record, ..CandidateResult::default() };
+        (Run { candidates: vec![candidate], ..Run::default() }, ranking)
+    }
+
+    #[test]
+    fn a_fitted_double_model_is_among_the_divisions_with_its_poles() {
+        let (run, ranking) = fitted_run("");
+        let divisions = Divisions::of_run(&run, &ranking).unwrap();
+        assert!(divisions.fitted);
+        // The share fitted with, 0.25, lies between two of the sweep, so the set itself is not in it; its neighbours
+        // are physical.
+        let ratio_used = divisions.m2_kg / divisions.m1_kg;
+        assert!(divisions.feasible_ranges().iter().any(|(low, high)| (*low..=*high).contains(&ratio_used)));
+        assert!(divisions.largest_mass_ratio.unwrap() > ratio_used);
+    }
+
+    #[test]
+    fn a_fit_that_ends_on_a_bound_has_no_divisions() {
+        let (run, ranking) = fitted_run(r#""k2_n_per_m""#);
+        assert!(Divisions::of_run(&run, &ranking).is_none());
+    }
+}

@@ -1,0 +1,413 @@
+//! What a report is made from, wherever it was read.
+
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
+use crumple_artifact::records::{
+    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, EventsV1, EvidenceV1, IdentificationV1, MatchingV1, MetricV1,
+    ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1, StabilizationV1,
+    TransferFunctionV1,
+};
+use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::findings::results::joint::JointTests;
+use crate::findings::text::names::candidate_name;
+
+/// Everything that is known about a run. Parts whose stage has not run are empty.
+#[derive(Debug, Clone, Default)]
+pub struct Run {
+    /// Name of the pipeline, e.g. `default` or `papers/civic`, if it has one.
+    pub pipeline: Option<String>,
+    /// The test.
+    pub test: TestDescription,
+    /// The tests, where the models are of several.
+    pub joint: Option<JointTests>,
+    /// The waves of the channel the crash was read from.
+    pub measured: MeasuredWaves,
+    /// Other sensors whose motion is at hand, in the order of their ids.
+    pub other_sensors: Vec<SensorMotion>,
+    /// How that channel was filtered.
+    pub filter: Option<ChannelFilterV1>,
+    /// The events of the crash.
+    pub events: Option<EventsV1>,
+    /// Crash metrics, in the order of the artifact.
+    pub metrics: Vec<MetricV1>,
+    /// Identified models by id.
+    pub models: Vec<Model>,
+    /// Stabilisation diagrams, by method.
+    pub stabilizations: Vec<StabilizationV1>,
+    /// What coefficient matching found, by the id of the identified model.
+    pub matchings: Vec<(String, MatchingV1)>,
+    /// Which candidate to use, and why; `None`: an artifact of before, or of another program.
+    pub recommendation: Option<RecommendationV1>,
+    /// Impacts that were predicted, in their order.
+    pub predictions: Vec<PredictionV1>,
+    /// Candidates in id order: by model, method and the number at the end.
+    pub candidates: Vec<CandidateResult>,
+    /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
+    pub responses: Option<usize>,
+    /// What the stages remarked, in stage order, each text once.
+    pub notes: Vec<StageNote>,
+    /// Channels that may be clipped, as ingest found.
+    pub clipped: Vec<String>,
+    /// What speaks against the results, as the stages wrote it, in stage order.
+    pub concerns: Vec<ConcernV1>,
+    /// Where the artifacts came from, in stage order.
+    pub provenance: Vec<StageRecord>,
+    /// Why a stage has a result but not what later ones work on: nothing was to be simulated.
+    pub without: Option<String>,
+    /// What is not in the report, and which stage would supply it.
+    pub missing: Vec<String>,
+}
+
+/// Share by which speeds and masses differ that are one, as a person types them.
+const ROUNDED: f64 = 0.005;
+
+/// The waves of the pulse channel, SI, on the record's time axis.
+#[derive(Debug, Clone, Default)]
+pub struct MeasuredWaves {
+    /// Acceleration as read.
+    pub raw: Option<Sampled>,
+    /// Acceleration as filtered.
+    pub filtered: Option<Sampled>,
+    /// Velocity.
+    pub velocity: Option<Sampled>,
+    /// Displacement: the crush.
+    pub displacement: Option<Sampled>,
+    /// Force on the barrier, positive in compression: the test mass times the deceleration.
+    pub force: Option<Sampled>,
+    /// Force on the barrier as its load cells measured it, positive in compression.
+    pub barrier_force: Option<Sampled>,
+}
+
+/// The motion that another sensor on the vehicle saw.
+#[derive(Debug, Clone)]
+pub struct SensorMotion {
+    /// Its channel.
+    pub channel: String,
+    /// Velocity, where there is one.
+    pub velocity: Option<Sampled>,
+    /// Displacement.
+    pub displacement: Sampled,
+}
+
+/// One identified model.
+#[derive(Debug, Clone, Default)]
+pub struct Model {
+    /// Id, e.g. `era-4`.
+    pub id: String,
+    /// How it was identified.
+    pub identification: Option<IdentificationV1>,
+    /// Its continuous transfer function.
+    pub transfer_function: Option<TransferFunctionV1>,
+    /// Its modes.
+    pub modes: Vec<ModeV1>,
+    /// Its poles that are no modes.
+    pub other_poles: Vec<OtherPoleV1>,
+    /// Its responses in frequency and time.
+    pub response: Option<ResponseV1>,
+    /// What speaks for it, with the deviations of its modes where the method gives them.
+    pub evidence: Option<EvidenceV1>,
+}
+
+/// Where a pole lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PoleStability {
+    /// Its motion dies down.
+    Stable,
+    /// On the limit: its motion neither dies down nor grows within the record.
+    Marginal,
+    /// Its motion grows.
+    Unstable,
+}
+
+/// Growth or decay of a pole over the whole record below which it is rounding, as identify counts it.
+const MARGINAL: f64 = 1e-6;
+
+impl Model {
+    /// All its poles, the modes first: real part (1/s), imaginary part (rad/s), and where each lies.
+    pub fn poles(&self) -> impl Iterator<Item = ([f64; 2], PoleStability)> {
+        let modes = self.modes.iter().map(|mode| ([mode.re_per_s, mode.im_rad_per_s], false));
+        let others = self
+            .other_poles
+            .iter()
+            .map(|pole| ([pole.re_per_s, pole.im_rad_per_s], pole.kind == OtherPoleKindV1::Integrator));
+        let limit_per_s =
+            self.identification.as_ref().map_or(0.0, |i| MARGINAL / (i.to_s - i.from_s).max(f64::MIN_POSITIVE));
+        modes.chain(others).map(move |(pole, is_integrator)| {
+            let stability = match pole[0] {
+                _ if is_integrator => PoleStability::Marginal,
+                re if re > limit_per_s => PoleStability::Unstable,
+                re if re < -limit_per_s => PoleStability::Stable,
+                _ => PoleStability::Marginal,
+            };
+            (pole, stability)
+        })
+    }
+
+    /// Its fit of samples that it has not seen, percent, where such were kept.
+    pub fn unseen_fit_percent(&self) -> Option<f64> {
+        self.evidence.as_ref()?.validation_fit_percent
+    }
+
+    /// Fit of the samples it was identified from, percent.
+    pub fn fit_percent(&self) -> Option<f64> {
+        self.identification.as_ref()?.fit_percent
+    }
+
+    /// Whether it follows its own samples better than their mean does, and unseen ones as [`EvidenceV1`] asks.
+    pub fn holds(&self) -> bool {
+        let unseen = self.evidence.as_ref().and_then(|evidence| evidence.holds_on_unseen);
+        self.fit_percent().is_some_and(|fit| fit > 0.0) && unseen != Some(false)
+    }
+}
+
+/// One set of physical parameters and what it answers with.
+#[derive(Debug, Clone, Default)]
+pub struct CandidateResult {
+    /// `<model>/<method>/<index>`.
+    pub id: String,
+    /// The parameters.
+    pub record: CandidateV1,
+    /// The comparison with the test; `None`: it was not simulated.
+    pub simulation: Option<SimulationV1>,
+    /// Displacement of the compartment.
+    pub displacement: Option<Sampled>,
+    /// Velocity of the compartment.
+    pub velocity: Option<Sampled>,
+    /// Acceleration of the compartment.
+    pub acceleration: Option<Sampled>,
+    /// Its springs and dampers at work, from the barrier on.
+    pub elements: Vec<Element>,
+    /// Displacement and velocity of its masses but the compartment, from the barrier on.
+    pub masses: Vec<(Sampled, Option<Sampled>)>,
+}
+
+impl CandidateResult {
+    /// Whether it is a chain that a person stated.
+    pub fn is_chain(&self) -> bool {
+        self.record.model == "chain"
+    }
+
+    /// Displacement fit of its simulation, percent, as the record was measured; of the motion itself where that was not
+    /// computed.
+    pub fn fit_percent(&self) -> Option<f64> {
+        let simulation = self.simulation.as_ref()?;
+        simulation.fit_as_measured_percent.or(simulation.fit_percent)
+    }
+
+    /// Channels it was fitted to beside the pulse, with the mass that each sits on, from 1 at the barrier.
+    pub fn other_channels(&self) -> impl Iterator<Item = (&str, u32)> {
+        let fit = self.record.fit.as_ref();
+        let sensors = fit.map(|fit| fit.sensors.as_slice()).unwrap_or_default();
+        let pulse = fit.map(|fit| fit.channel.as_str());
+        sensors.iter().filter(move |s| Some(s.channel.as_str()) != pulse).map(|s| (s.channel.as_str(), s.mass))
+    }
+
+    /// Why the value of a parameter is in doubt, in words.
+    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+        let texts = &PHRASES.model;
+        self.record.doubt(name).map(|doubt| match doubt {
+            "on a bound" => texts.on_a_bound,
+            "not determined" => texts.not_determined,
+            other => other,
+        })
+    }
+
+    /// Its name, with that of the candidate that gives exactly the same record.
+    pub fn name_with_dual(&self) -> String {
+        let other = self.record.equivalent_to.as_deref();
+        let other = other.map_or_else(String::new, |other| format!(" or its dual {}", candidate_name(other)));
+        format!("{}{other}", candidate_name(&self.id))
+    }
+
+    /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division
+    /// follows from a formula and, with any noise, not from the record.
+    pub fn divides_by_formula(&self) -> bool {
+        let fit = self.record.fit.as_ref();
+        let sees_the_front = fit.is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.mass == 1));
+        let two = self.record.parameters.contains_key("m2_kg") && !self.record.parameters.contains_key("m3_kg");
+        let mut asked = self.record.asked();
+        self.is_chain()
+            && two
+            && !sees_the_front
+            && asked.any(|name| parameter_kind(&self.record.model, name) == Some(ParameterKind::Mass))
+    }
+
+    /// How many of its numbers the record determines: what conclusion, picture, tables, console and summary count.
+    pub fn certainties(&self) -> Certainties<'_> {
+        let [mut open, order_of_magnitude] =
+            [Certainty::Open, Certainty::OrderOfMagnitude].map(|certainty| self.record.parameters_of(certainty));
+        if self.divides_by_formula() {
+            open.push("the division of the mass");
+        }
+        let parameters = self.record.asked().count();
+        let determined = parameters.saturating_sub(open.len() + order_of_magnitude.len());
+        Certainties { parameters, determined, order_of_magnitude, open }
+    }
+
+    /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a
+    /// candidate of which nobody says how well it is known. A chain that a person stated was not asked of the record
+    /// and leaves none open.
+    pub fn left_open(&self) -> usize {
+        let stated = self.is_chain() && self.record.fit.is_none();
+        let open = || self.record.undetermined().len();
+        if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { open() }
+    }
+}
+
+/// How sure a record is of the numbers of a candidate that were asked of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct Certainties<'a> {
+    /// How many were asked of it.
+    pub parameters: usize,
+    /// How many of them it determines.
+    pub determined: usize,
+    /// Names of those known to an order of magnitude only.
+    pub order_of_magnitude: Vec<&'a str>,
+    /// What may be anything: names, and the division of the mass in words.
+    pub open: Vec<&'a str>,
+}
+
+impl Certainties<'_> {
+    /// `3 of 4`.
+    pub fn counts(&self) -> String {
+        let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
+        fill(PHRASES.candidates.of, &[("determined", determined), ("parameters", parameters)])
+    }
+
+    /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
+    /// magnitude`. `None`: nothing was asked of the record.
+    pub fn words(&self) -> Option<String> {
+        let phrases = &PHRASES.conclusion;
+        let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
+        let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
+        let others = [(&self.order_of_magnitude, phrases.order_of_magnitude), (&self.open, phrases.open)];
+        for (names, template) in others.into_iter().filter(|(names, _)| !names.is_empty()) {
+            text.push_str(&fill(template, &[("count", &names.len().to_string())]));
+        }
+        (self.parameters > 0).then_some(text)
+    }
+}
+
+/// A spring or damper at work.
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// `k`, `c`, `k2`, ...
+    pub name: String,
+    /// Its force, N, positive in compression.
+    pub force: Sampled,
+    /// How far the masses at its ends have come together, m.
+    pub deflection: Vec<f64>,
+}
+
+/// A remark and the stage that made it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StageNote {
+    /// The stage, e.g. `ingest`.
+    pub stage: String,
+    /// The remark.
+    pub note: Note,
+}
+
+/// One artifact's origin.
+#[derive(Debug, Clone, Default)]
+pub struct StageRecord {
+    /// The stage that wrote it.
+    pub stage: String,
+    /// The stage's version.
+    pub version: String,
+    /// Digest of the artifact's content.
+    pub digest: String,
+    /// Its settings as canonical JSON.
+    pub settings: String,
+    /// Kind and digest of each of its inputs.
+    pub inputs: Vec<(String, String)>,
+}
+
+impl Run {
+    /// Id of the channel the crash was read from: what the events name, else the test's pulse.
+    pub fn channel_id(&self) -> Option<&str> {
+        match &self.events {
+            Some(events) => Some(&events.channel),
+            None => self.test.pulse_channel().ok().map(|channel| channel.id.as_str()),
+        }
+    }
+
+    /// That channel's description.
+    pub fn channel(&self) -> Option<&Channel> {
+        self.test.channel(self.channel_id()?)
+    }
+
+    /// The acceleration the analysis worked on: filtered where there is such a wave, else as read.
+    pub fn acceleration(&self) -> Option<&Sampled> {
+        self.measured.filtered.as_ref().or(self.measured.raw.as_ref())
+    }
+
+    /// Time of dynamic crush, s, if the record shows it.
+    pub fn time_of_crush_s(&self) -> Option<f64> {
+        self.events.as_ref()?.time_of_dynamic_crush_s
+    }
+
+    /// The axis of the pulse, where it is another than that of the models, x.
+    pub fn other_axis(&self) -> Option<Axis> {
+        self.channel()?.axis.filter(|axis| *axis != Axis::X)
+    }
+
+    /// Whether the record ends before the rebound does: restitution and change of velocity are lower bounds.
+    pub fn is_rebound_cut(&self) -> bool {
+        self.events.as_ref().is_some_and(|events| events.still_separating)
+    }
+
+    /// The metric of this name; one of the pulse channel goes before one of another channel.
+    pub fn metric(&self, name: &str) -> Option<&MetricV1> {
+        let of_name = || self.metrics.iter().filter(|metric| metric.name == name);
+        of_name().find(|metric| Some(metric.channel.as_str()) == self.channel_id()).or_else(|| of_name().next())
+    }
+
+    /// Metrics of channels that the pulse has none of: criteria of occupants, the barrier, the tables of a recorder.
+    pub fn metrics_of_others(&self) -> impl Iterator<Item = &MetricV1> {
+        let pulse = self.channel_id();
+        self.metrics.iter().filter(move |metric| {
+            let of_pulse = |other: &MetricV1| Some(other.channel.as_str()) == pulse;
+            pulse.is_some()
+                && !metric.channel.is_empty()
+                && !of_pulse(metric)
+                && !self.metrics.iter().any(|other| of_pulse(other) && other.name == metric.name)
+        })
+    }
+
+    /// Whether the models are of inputs and outputs and nothing speaks of a crash.
+    pub fn is_generic(&self) -> bool {
+        self.channel_id().is_none() && self.candidates.is_empty() && !self.models.is_empty()
+    }
+
+    /// Whether a prediction is of the mass of the test; where none is stated it is of no other.
+    pub fn is_of_own_mass(&self, prediction: &PredictionV1) -> bool {
+        self.test.mass_kg.is_none_or(|own_kg| (prediction.mass_kg - own_kg).abs() <= ROUNDED * own_kg)
+    }
+
+    /// Whether a prediction is of the impact that the test was.
+    pub fn is_as_tested(&self, prediction: &PredictionV1) -> bool {
+        let speed = prediction.impact_speed_m_per_s;
+        let is_own_speed = self.test.impact_speed_m_per_s.is_some_and(|own| (speed - own).abs() <= ROUNDED * own);
+        is_own_speed && self.is_of_own_mass(prediction) && prediction.partner.is_none()
+    }
+
+    /// The candidate of this id.
+    pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
+        self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// Whether a stage has said that it has no acceptable result and no reason why that is one.
+    pub fn without_result(&self) -> bool {
+        self.without.is_none() && self.concerns.iter().any(|concern| concern.severity == ConcernV1::NO_RESULT)
+    }
+
+    /// Whether candidates were to be simulated and not one of them came through.
+    pub fn no_candidate_simulated(&self) -> bool {
+        self.responses == Some(0)
+    }
+}

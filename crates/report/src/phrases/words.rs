@@ -1,0 +1,119 @@
+//! Numbers with their units, names of metrics, and texts with their blanks filled in.
+
+use crate::drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
+pub use crate::drawing::numbers::{at_most, decimals, signed, significant};
+
+use crate::phrases::PHRASES;
+
+/// Name in a record, name where that is not the name of the record with blanks.
+const NAMES: [(&str, &str); 2] =
+    [("clip_3ms_contiguous", "3 ms clip, contiguous"), ("clip_3ms_cumulative", "3 ms clip, cumulative")];
+
+/// Name in a record, trade name, for instance "HIC15".
+const TRADE_NAMES: [(&str, &str); 17] = [
+    ("asi", "ASI"),
+    ("cora", "CORA"),
+    ("gsi", "GSI"),
+    ("hic", "HIC"),
+    ("hic15", "HIC15"),
+    ("hic36", "HIC36"),
+    ("hic_d", "HIC(d)"),
+    ("iso18571", "ISO/TS 18571"),
+    ("oiv_x", "OIV x"),
+    ("oiv_y", "OIV y"),
+    ("olc", "OLC"),
+    ("ora_x", "ORA x"),
+    ("ora_y", "ORA y"),
+    ("phd", "PHD"),
+    ("sm25", "SM25"),
+    ("thiv", "THIV"),
+    ("vpi", "VPI"),
+];
+
+/// A value in SI with four significant digits in the unit people use.
+pub fn value(value: f64, si: &str) -> String {
+    let (factor, unit) = numbers::unit(si);
+    with_unit(significant(factor * value, 4), unit)
+}
+
+/// A number with so many decimals and its unit: `749.9 mm`.
+pub fn quantity(value: f64, places: usize, unit: &str) -> String {
+    with_unit(decimals(value, places), unit)
+}
+
+/// A deviation with its sign and its unit.
+pub fn deviation(value: f64, places: usize, unit: &str) -> String {
+    with_unit(signed(value, places), unit)
+}
+
+/// Two values in SI in the unit people use: `741.2 to 759.3 mm`.
+pub fn range(low: f64, high: f64, si: &str) -> String {
+    let (factor, unit) = numbers::unit(si);
+    let digits = digits_of_interval(low, high, 4);
+    let [low, high] = [low, high].map(|end| significant(factor * end, digits));
+    with_unit(between(&low, &high), unit)
+}
+
+/// `0.0 to 120.0 ms`, or in s where that is the fitting unit.
+pub fn times(from_s: f64, to_s: f64) -> String {
+    let (factor, unit) = if to_s - from_s > LONG_S { (1.0, "s") } else { (MILLI, "ms") };
+    let [from, to] = [from_s, to_s].map(|time| decimals(factor * time, 1));
+    format!("{} {unit}", between(&from, &to))
+}
+
+/// `low to high`.
+pub fn between(low: &str, high: &str) -> String {
+    format!("{low} {} {high}", PHRASES.page.to)
+}
+
+/// `90 %: ` before an interval; nothing where it has no level.
+pub fn level(percent: Option<u8>) -> String {
+    percent.map_or_else(String::new, |percent| fill(PHRASES.conclusion.level, &[("percent", percent.to_string())]))
+}
+
+/// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration", `hic15` by its trade name
+/// "HIC15".
+pub fn metric(name: &str) -> String {
+    let word = TRADE_NAMES.iter().chain(&NAMES).find(|(known, _)| *known == name);
+    match word {
+        Some((_, word)) => (*word).to_owned(),
+        None => name.replace('_', " "),
+    }
+}
+
+fn with_unit(number: String, unit: &str) -> String {
+    if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
+}
+
+/// Puts texts in the place of `{name}`. A name without a text leaves nothing.
+pub fn fill<T: AsRef<str>>(template: &str, texts: &[(&str, T)]) -> String {
+    let mut out = String::with_capacity(2 * template.len());
+    let mut rest = template;
+    while let Some((before, behind)) = rest.split_once('{') {
+        let (name, behind) = behind.split_once('}').unwrap_or((behind, ""));
+        out.push_str(before);
+        out.push_str(texts.iter().find(|(other, _)| *other == name).map_or("", |(_, text)| text.as_ref()));
+        rest = behind;
+    }
+    out.push_str(rest);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_carry_their_unit() {
+        assert_eq!(quantity(749.93, 1, "mm"), "749.9\u{a0}mm");
+        assert_eq!(times(0.0, 0.0741), "0.0 to 74.1 ms");
+        assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
+        assert_eq!(range(0.75, 0.75, "1"), "0.7500 to 0.7500");
+        assert_eq!((metric("delta_v"), metric("hic15")), ("delta v".to_owned(), "HIC15".to_owned()));
+    }
+
+    #[test]
+    fn names_are_replaced_and_texts_are_not_read_again() {
+        assert_eq!(fill("a {x} b {y}{z}.", &[("x", "{y}"), ("y", "2")]), "a {y} b 2.");
+    }
+}
