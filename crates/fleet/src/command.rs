@@ -97,7 +97,7 @@ pub struct Batch {
     pub(crate) of: u64,
 }
 
-impl std::str::FromStr for Batch {
+impl FromStr for Batch {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {

@@ -281,7 +281,7 @@ pub(crate) fn digest_of_programs() -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(commands.join("\n").as_bytes());
     for path in files {
-        hasher.update_reader(fs::File::open(&path)?)?;
+        hasher.update_reader(File::open(&path)?)?;
     }
     Ok(hasher.finalize().to_hex().to_string())
 }

@@ -69,7 +69,7 @@ pub trait Stage {
     type Input;
 
     /// Flags that the program takes before it becomes a stage; they stand in its help like all others.
-    fn other_flags() -> Vec<clap::Arg> {
+    fn other_flags() -> Vec<Arg> {
         Vec::new()
     }
     /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline

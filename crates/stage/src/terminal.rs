@@ -25,8 +25,7 @@ const NARROWEST: usize = 40;
 
 /// Columns for text on stderr.
 pub fn columns() -> usize {
-    terminal_size_of(std::io::stderr())
-        .map_or(USUAL, |(Width(columns), _)| usize::from(columns).clamp(NARROWEST, WIDEST))
+    terminal_size_of(io::stderr()).map_or(USUAL, |(Width(columns), _)| usize::from(columns).clamp(NARROWEST, WIDEST))
 }
 
 /// Words in lines of at most `width` characters; a longer word has a line for itself. Blanks that do not break stay.

@@ -9,7 +9,7 @@ use crate::findings::{
     conclusion,
     markdown::{HEAD, markdown},
 };
-use crate::phrases::phrases::RunTexts;
+use crate::phrases::RunTexts;
 use crate::phrases::words::fill;
 
 use super::compared_run::ComparedRun;

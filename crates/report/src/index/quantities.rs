@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
-use crate::phrases::phrases::RunTexts;
+use crate::phrases::RunTexts;
 
 use super::run_summary::RunSummary;
 

@@ -3,8 +3,8 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crate::phrases::HowWellTexts;
 use crate::phrases::PHRASES;
-use crate::phrases::phrases::HowWellTexts;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{RatingV1, SimulationV1};

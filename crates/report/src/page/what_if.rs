@@ -48,7 +48,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, files: &Page
 }
 
 /// What the script needs: structure, start, and what it must find again.
-fn data(run: &Run, candidate: &CandidateResult) -> Option<serde_json::Value> {
+fn data(run: &Run, candidate: &CandidateResult) -> Option<Value> {
     let simulation = candidate.simulation.as_ref().filter(|simulation| simulation.drive.is_none())?;
     let (crush, time) = (simulation.dynamic_crush_m?, simulation.time_of_dynamic_crush_s?);
     let speed = run.test.impact_speed_m_per_s?;

@@ -3,10 +3,10 @@
 //! The browser is driven over its DevTools protocol by the crate `headless_chrome`. What fails here fails the test that
 //! asked, so functions panic with what the browser said.
 
-mod browser;
 mod page;
+mod running;
 mod screen;
 
-pub use browser::Browser;
 pub use page::Page;
+pub use running::Browser;
 pub use screen::Screen;

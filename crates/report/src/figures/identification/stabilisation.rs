@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
 use crate::findings::Run;
-use crate::phrases::phrases::IdentificationTexts;
+use crate::phrases::IdentificationTexts;
 use crate::phrases::words::fill;
 
 /// Marks in the order of the legend: word of the record, name, symbol, colour.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crumple_report::phrases::phrases::named;
+use crumple_report::phrases::named;
 
 use super::remarks::REMARKS;
 use super::rule::{Rule, Spot, holds, numbers_of_records, says};
