@@ -1,8 +1,9 @@
 //! Runs the stages of a pipeline one after another into one folder: the program behind `just run`.
 //!
 //! The stages know nothing of each other and this program knows nothing of what they compute. It knows the chain
-//! (`pipelines/chain`) and the commands of its stages, and it keeps the promises of a run folder: one run at a time, no results of two records side by side at
-//! any moment, nothing lost by a run that fails, and a plain word where a program breaks the contract of a stage.
+//! (`pipelines/chain`) and the commands of its stages, and it keeps the promises of a run folder: one run at a time, no
+//! results of two records side by side, nothing lost by a run that fails, and a plain word where a program breaks the
+//! contract of a stage.
 //!
 //! [`together`] fits one model to several tests after their runs.
 

@@ -273,8 +273,8 @@ pub struct VectorArx {
 /// Fits an ARX model to any number of outputs and inputs by least squares. What is said of [`arx`](crate::arx()) holds
 /// here, for every output.
 ///
-/// Errors: too few samples, condition above [`CONDITION_LIMIT`](crumple_numerics::linalg::CONDITION_LIMIT) (collinear outputs,
-/// noise-free data of lower order).
+/// Errors: too few samples, condition above [`CONDITION_LIMIT`](crumple_numerics::linalg::CONDITION_LIMIT) (collinear
+/// outputs, noise-free data of lower order).
 pub fn vector_arx(data: &IoData, order: ArxOrder) -> Result<VectorArx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
     let (m, q) = (data.inputs().len(), data.outputs().len());

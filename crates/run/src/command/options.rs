@@ -12,8 +12,8 @@ use crate::command::words::{Words, request_for_information};
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
 ///
 /// The recipe `run` of the justfile calls it. Which stage reads and writes what stands in `pipelines/chain`; each is
-/// started as `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. The environment
-/// variable CRUMPLE_FILTER holds the command of the stage filter, where it is not the program of the project, and so on.
+/// started as `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. CRUMPLE_FILTER in
+/// the environment is the command of the stage filter where it is not the program of the project, and so on.
 /// A stage whose result is up to date leaves it alone; all that was made from an old result is removed before a new one
 /// appears.
 #[derive(Debug, clap::Parser)]

@@ -60,7 +60,7 @@ pub fn own_program(stage: &str) -> PathBuf {
     env::current_exe().unwrap_or_default().with_file_name(format!("crumple-{stage}"))
 }
 
-/// The command of a stage as it was typed: `CRUMPLE_PARAMETER_SOLVE` in the environment, else the program of the project.
+/// The command of a stage as typed: `CRUMPLE_PARAMETER_SOLVE` in the environment, else the program of the project.
 fn typed_command(stage: &str) -> String {
     let variable = format!("CRUMPLE_{}", stage.to_ascii_uppercase().replace('-', "_"));
     env::var_os(variable).map_or_else(|| format!("crumple-{stage}"), |typed| typed.to_string_lossy().into_owned())

@@ -18,7 +18,7 @@ pub(crate) fn say_which_stage_failed(stage: &str, program: &Program, failure: Ex
     say(format_args!("note: the stage {stage} ended with exit code {code} ({meaning}): {}", program.typed));
 }
 
-/// Says which stage, of this name and these outputs, broke the contract, by which command, what happened and what to do.
+/// Says which stage, of this name and these outputs, broke the contract, by which command, what happened, what to do.
 /// `inputs` is where its inputs are, if it reads any from the run folder.
 pub(crate) fn say_what_failed(
     (name, outputs): (&str, &[&str]),

@@ -1,4 +1,5 @@
-//! Numbers that look random and are the same in every run, by their place. Rows of them: `crumple_numerics::estimation::random`.
+//! Numbers that look random and are the same in every run, by their place.
+//! Rows of them: `crumple_numerics::estimation::random`.
 
 mod white_noise;
 

@@ -1,5 +1,5 @@
-//! Prediction: impacts, partners, occupants, extraction and the rules of practice. One file a kind; a new kind is a line
-//! of [`KINDS`].
+//! Prediction: impacts, partners, occupants, extraction and the rules of practice. One file a kind; a new kind is a
+//! line of [`KINDS`].
 
 mod compare;
 mod element_path;
