@@ -79,7 +79,7 @@ mod tests {
         let true_change = 1.15 * v0;
         assert_eq!(question(true_change, v0), None);
         for (stated_km_per_h, words) in
-            [(35.0, "rebound at 64 % of it"), (80.0, "not stop, it would still move at 22 km/h")]
+            [(35.0, "rebound at 64 % of it"), (80.0, "not stop, it would still move at 23 km/h")]
         {
             let question = question(true_change, stated_km_per_h / 3.6).unwrap();
             assert!(question.contains(words) && question.contains("50 km/h would fit"), "{question}");

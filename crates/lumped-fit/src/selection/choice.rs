@@ -305,12 +305,12 @@ impl ComparedCandidates<'_> {
     }
 
     /// How the evidence for a recommended candidate stands to that for the best of another model that may be
-    /// recommended; where none is for prediction, to the lowest of all.
+    /// recommended; where none is for prediction, of all others.
     fn strength(&self, best: usize) -> Option<(Strength, usize)> {
         let qualified = self.qualified();
         let are_for_prediction = qualified.iter().any(|k| self.not_for_prediction(*k).is_none());
-        let all = qualified.into_iter().chain(self.lowest().filter(|_| !are_for_prediction));
-        let of_others = all.filter(|k| self.candidates[*k].model != self.candidates[best].model);
+        let all = if are_for_prediction { qualified } else { self.compared().collect() };
+        let of_others = all.into_iter().filter(|k| self.candidates[*k].model != self.candidates[best].model);
         let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)))?;
         let strength = match self.total(next) - self.total(best) {
             gap if gap > DECISIVE => Strength::Decisive,

@@ -13,7 +13,8 @@ const MIB: u64 = 1 << 20;
 /// Runs the ignored test `name` in a process of its own.
 fn run(name: &str) -> Output {
     let exe = std::env::current_exe().expect("this test is a file");
-    let arguments = [name, "--exact", "--ignored", "--nocapture"];
+    let name = format!("budget::{name}");
+    let arguments = [name.as_str(), "--exact", "--ignored", "--nocapture"];
     Command::new(exe).args(arguments).output().expect("it starts")
 }
 
