@@ -81,7 +81,6 @@ pub const LABELS: &[&str] = &[
 /// Texts of a subject of runs that no run can print, each with its reason.
 pub const NOT_OF_A_RUN: &[(&str, &str)] = &[
     ("conclusion.because_tests_disagree", "one model of several tests: said by just together"),
-    ("conclusion.fit_too_low", "a recommendation that another program made: the own choice takes none of such a fit"),
     (
         "conclusion.because_other_axis",
         "a record that another program wrote: ingest doubts such a pulse, which goes first",

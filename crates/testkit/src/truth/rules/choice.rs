@@ -1,8 +1,7 @@
 //! The reasons of the choice of a model.
 
 use super::models::{counts, fit_is_right};
-use super::rule::says;
-use super::rule::{Rule, Spot, holds, misses_its_own_test, numbers_of_records, shows};
+use super::rule::{Rule, Spot, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, says, shows};
 use crate::truth::template::Place::{Number, Rest};
 use crate::truth::template::Said;
 
@@ -130,6 +129,10 @@ fn closest(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 }
 
 /// Nothing that a reader could use is called inadequate: no physical candidate with all of its own test right.
+/// No model is recommended, or one for its crush alone, which misses its own test.
 fn none_adequate(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())
+    let best = spot.made.recommended();
+    holds(best.is_none_or(|best| misses_time_or_rebound(spot.made, best).is_some()), || {
+        "an adequate model is recommended".to_owned()
+    })
 }

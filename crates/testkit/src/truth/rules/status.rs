@@ -1,6 +1,8 @@
 //! The status word and its one reason, the question that was asked, and what the model answers.
 
-use super::rule::{Rule, Spot, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, rule, shows};
+use super::rule::{
+    Rule, Spot, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, rule, says, shows,
+};
 use crate::truth::known::Subject;
 use crate::truth::run::Made;
 use crate::truth::template::Place::{At, Number, Said as Inner, Words};
@@ -53,6 +55,7 @@ const SUBJECTS: &[&str] = &[
     "conclusion.the_motion",
     "conclusion.the_model",
     "conclusion.the_record",
+    "conclusion.the_identified_models",
 ];
 
 const SCENARIO: &[&str] = &["conclusion.scenario"];
@@ -85,12 +88,21 @@ pub const RULES: &[Rule] = &[
     rule("conclusion.sensors_differ", &[("low", Number), ("high", Number), ("count", Number)], sensors_of_one_place),
     rule("conclusion.because_dual", &[], super::models::one_sensor_and_several_masses),
     rule("conclusion.because_misses_its_test", &[("events", Words)], misses_its_test),
-    rule("conclusion.because_weak", &[("model", Words)], |said, spot| {
-        holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
-    }),
-    rule("conclusion.because_contrary", &[("model", Words)], |said, spot| {
-        holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
-    }),
+    rule("conclusion.because_weak", &[("model", Words)], names_a_candidate),
+    rule("conclusion.because_contrary", &[("model", Words)], names_a_candidate),
+    // The same as sentences of the verdict.
+    says(
+        "conclusion.weak",
+        "The evidence is weak: {model} fits nearly as well.",
+        &[("model", Words)],
+        names_a_candidate,
+    ),
+    says(
+        "conclusion.contrary",
+        "Chosen for its crush at lower speeds: {model} follows the pulse closer.",
+        &[("model", Words)],
+        names_a_candidate,
+    ),
     rule("conclusion.because_no_interval", &[], |_, spot| {
         let has = answer(spot.made).is_some_and(|prediction| half_width_percent(prediction).is_some());
         holds(!has, || "its prediction has an interval".to_owned())
@@ -331,6 +343,10 @@ fn is_doubted(spot: &Spot<'_>, about: &str) -> Result<(), String> {
     let grave = spot.made.list("/concerns").iter().filter(|concern| concern["weight"].as_u64().is_some_and(|w| w >= 6));
     let mut abouts = grave.filter_map(|concern| concern["about"].as_str());
     holds(abouts.any(|own| own.starts_with(about)), || format!("no grave warning is about {about}"))
+}
+
+fn names_a_candidate(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    holds(spot.made.candidate_named(said.text("model")).is_some(), || "there is no such candidate".to_owned())
 }
 
 fn few_determined(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
