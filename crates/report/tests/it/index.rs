@@ -57,7 +57,9 @@ fn a_row_has_the_numbers_the_model_how_sure_it_is_and_the_first_warning() {
     for cell in ["<td>50.0<td>1500<td>684<td>76.1<td>93.0<td>", "<td>0.861<td>", "<td>4 of 4 determined<td>"] {
         assert!(row.contains(cell), "{cell}: {row}");
     }
-    assert!(row.contains("<td>Double spring-mass-damper<td>") && row.contains("<svg class=s "), "{row}");
+    // The status stands where the model is named, and names it where it may be used.
+    assert!(row.contains(">do not use<td>") && row.contains("<svg class=s "), "{row}");
+    assert!(page.contains(">usable: "), "{page}");
     assert!(row.contains("<td>check the impact speed (50.0 km/h)"), "{row}");
     // In the order of the names, whatever the order of the command line.
     let before = page.find("a%20b/default").unwrap();
