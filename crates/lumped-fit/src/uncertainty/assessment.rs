@@ -2,8 +2,8 @@
 //!
 //! The covariance is the sandwich `(J'J)^-1 J' L J (J'J)^-1` with the autocovariance `L` of the residuals, see
 //! [`covariance`](crumple_numerics::estimation::statistics::covariance); coordinates are logarithms, or near zero
-//! shares of a scale. Its intervals are valid while the model is true and the response straight over the interval. The profile
-//! drops the second condition, the bootstrap makes no use of a formula; neither drops the first.
+//! shares of a scale. Its intervals are valid while the model is true and the response straight over the interval. The
+//! profile drops the second condition, the bootstrap makes no use of a formula; neither drops the first.
 
 use std::collections::BTreeMap;
 
