@@ -1,5 +1,5 @@
 //! What every method starts from: inputs and outputs sampled together, Markov parameters, parts and thinned copies of
-//! them. May use error.
+//! them.
 
 use std::f64::consts::PI;
 

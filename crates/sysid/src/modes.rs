@@ -1,5 +1,5 @@
 //! Modes of an identified model: how much the data support each, how alike their shapes are, how sure their
-//! frequencies. Uses no other room.
+//! frequencies.
 
 use std::f64::consts::PI;
 
