@@ -94,7 +94,7 @@ pub use selection::evidence::slow_misfit;
 pub use selection::inadequacy::{Inadequacy, TestEvent};
 pub use selection::lower_speeds::crush_error_at_lower_speeds;
 pub use selection::prior::{Prior, SelectionRules};
-pub use selection::rating::{ComparedRecord, Rated};
+pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
 pub use selection::time_zero::{least_without_shift, without_shift};
 pub use solvers::crush_curves::assumptions::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::settings::SolveSettings;

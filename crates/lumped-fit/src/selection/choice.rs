@@ -245,7 +245,7 @@ impl ComparedCandidates<'_> {
         );
         let noise = if self.is_noise_known { ", known noise" } else { "" };
         if let Some(missed) = self.rated[best].why_inadequate() {
-            because.push_str(&format!("; use its crush, not its rebound or time: it {missed}"));
+            because.push_str(&format!("; use its crush, not its rebound, time or other masses: it {missed}"));
         }
         because.push_str(&format!(" (evidence as measured with priors, {samples:.0} independent samples{noise})"));
         let passed_over = self

@@ -125,6 +125,8 @@ pub struct ComparedCandidate {
     pub slow_misfit: Option<Vec<f64>>,
     /// Displacement fit as measured, percent.
     pub fit_percent: Option<f64>,
+    /// Of sensors on other masses the one that it follows worst: channel and displacement fit, percent.
+    pub worst_sensor: Option<(String, f64)>,
     /// Coefficient of restitution of the model in the test; `None`: it does not come back.
     pub restitution: Option<f64>,
     /// Misfit of the wall's force, percent of its root mean square; `None`: the record has no such force.

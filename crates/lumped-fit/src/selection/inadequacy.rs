@@ -56,11 +56,34 @@ pub enum Inadequacy {
         /// The largest error that is adequate.
         limit: f64,
     },
+    /// It does not follow a sensor on another mass, which an adequate candidate follows.
+    MissesSensor {
+        /// Channel of the sensor.
+        channel: String,
+        /// Displacement fit there, percent.
+        percent: f64,
+        /// The least fit that is adequate.
+        limit: f64,
+    },
 }
 
 impl Inadequacy {
-    /// Every reason against a candidate; none: it is adequate.
-    pub fn of(candidate: &ComparedCandidate, rules: &SelectionRules) -> Vec<Self> {
+    /// Every reason against each candidate; none: it is adequate. A sensor on another mass speaks against those that do
+    /// not follow it where another candidate does: it decides among models of more masses and of fewer.
+    pub fn of_all(candidates: &[ComparedCandidate], rules: &SelectionRules) -> Vec<Vec<Self>> {
+        let mut all: Vec<Vec<Self>> = candidates.iter().map(|candidate| Self::of(candidate, rules)).collect();
+        let limit = rules.adequate_fit_percent;
+        let misses = |candidate: &ComparedCandidate| {
+            let (channel, percent) = candidate.worst_sensor.clone().filter(|(_, percent)| *percent < limit)?;
+            Some(Self::MissesSensor { channel, percent, limit })
+        };
+        if all.iter().zip(candidates).any(|(reasons, candidate)| reasons.is_empty() && misses(candidate).is_none()) {
+            all.iter_mut().zip(candidates).for_each(|(reasons, candidate)| reasons.extend(misses(candidate)));
+        }
+        all
+    }
+
+    fn of(candidate: &ComparedCandidate, rules: &SelectionRules) -> Vec<Self> {
         let mut reasons = Vec::new();
         if !candidate.physical {
             reasons.push(Self::NotPassive);
@@ -92,9 +115,10 @@ impl Inadequacy {
     }
 
     /// Whether the dynamic crush of a candidate with this reason may be used nevertheless: it misses nothing but the
-    /// time of the crush, or the rebound.
+    /// time of the crush, the rebound, or the motion of another mass.
     pub fn leaves_the_crush(&self) -> bool {
-        matches!(self, Self::Misses { event: TestEvent::Time | TestEvent::Restitution, .. })
+        let is_event = matches!(self, Self::Misses { event: TestEvent::Time | TestEvent::Restitution, .. });
+        is_event || matches!(self, Self::MissesSensor { .. })
     }
 }
 
@@ -109,6 +133,9 @@ impl fmt::Display for Inadequacy {
             }
             Self::NoResponse => write!(f, "no response to compare"),
             Self::NeverStops => write!(f, "the model never stops"),
+            Self::MissesSensor { channel, percent, limit } => {
+                write!(f, "follows the displacement of {channel} to {percent:.1} %, limit {limit} %")
+            }
             Self::Misses { event: TestEvent::Restitution, error, limit } => {
                 write!(f, "misses the restitution of its own test by {error:+.2}, limit {limit}")
             }

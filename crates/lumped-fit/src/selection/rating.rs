@@ -12,17 +12,44 @@ use crate::selection::prior::SelectionRules;
 /// smooth.
 const COMPARABLE: f64 = 1.1;
 
-/// What all candidates are compared with.
+/// One wave of the compared record.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComparedWave {
+    /// Its samples: misfits of all waves stand one behind the other.
+    pub samples: usize,
+    /// Independent samples that its filter lets through at most; infinite where it is not known.
+    pub most_independent: f64,
+}
+
+/// What all candidates are compared with.
+#[derive(Debug, Clone, PartialEq)]
 pub struct ComparedRecord {
     /// Root mean square of the record over the window, unit of the misfits.
     pub rms: f64,
-    /// Independent samples that its filter lets through at most; infinite where it is not known.
-    pub most_samples: f64,
+    /// Its waves: every sensor of every test.
+    pub waves: Vec<ComparedWave>,
     /// Standard deviation of the record's noise, as it was before the event; `None`: not known.
     pub noise: Option<f64>,
     /// Restitution that the test shows.
     pub restitution: Option<f64>,
+}
+
+impl ComparedRecord {
+    /// Independent samples that its filters let through at most.
+    fn most_samples(&self) -> f64 {
+        self.waves.iter().map(|wave| wave.most_independent).sum()
+    }
+
+    /// Independent samples in a misfit: those of its waves, for what two sensors miss are two things.
+    fn independent_samples(&self, misfit: &[f64]) -> f64 {
+        let mut rest = misfit;
+        let each = self.waves.iter().map(|wave| {
+            let (of_wave, others) = rest.split_at(wave.samples.min(rest.len()));
+            rest = others;
+            independent_samples(of_wave, self.rms, wave.most_independent)
+        });
+        each.sum()
+    }
 }
 
 /// One candidate with what was counted.
@@ -76,10 +103,9 @@ pub(super) fn rate_all(
     rules: &SelectionRules,
     takes_part: fn(&[Inadequacy]) -> bool,
 ) -> (Vec<Rated>, Option<f64>, bool) {
-    let inadequate = candidates.iter().map(|candidate| Inadequacy::of(candidate, rules));
     let mut rated: Vec<Rated> = candidates
         .iter()
-        .zip(inadequate)
+        .zip(Inadequacy::of_all(candidates, rules))
         .map(|(candidate, inadequate)| Rated {
             is_compared: takes_part(&inadequate),
             inadequate,
@@ -94,9 +120,9 @@ pub(super) fn rate_all(
     // Noise that explains the best misfit is a level that nobody has to estimate from misfits.
     let noise = record.noise.map(|noise| noise.hypot(visible_misfit(&[0.0], record.rms)));
     let noise = noise.filter(|noise| least.is_some_and(|least| least * least <= EXPLAINED * noise * noise));
-    let noise = noise.filter(|_| record.most_samples.is_finite());
+    let noise = noise.filter(|_| record.most_samples().is_finite());
     let shared = || shared_samples(candidates, &rated, record, least?);
-    let samples = if noise.is_some() { Some(record.most_samples) } else { shared() };
+    let samples = if noise.is_some() { Some(record.most_samples()) } else { shared() };
     if let Some(samples) = samples {
         rate(candidates, &mut rated, record, (samples, noise));
     }
@@ -130,7 +156,7 @@ fn shared_samples(
     misfits
         .iter()
         .filter(|misfit| visible_misfit(misfit, record.rms) <= COMPARABLE * least)
-        .map(|misfit| independent_samples(misfit, record.rms, record.most_samples))
+        .map(|misfit| record.independent_samples(misfit))
         .reduce(f64::min)
         .map(|samples| samples.max(fewest_samples(fewest)))
 }
