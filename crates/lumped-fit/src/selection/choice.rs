@@ -274,7 +274,8 @@ impl ComparedCandidates<'_> {
     /// own crush at lower speeds; else of those that have it, or come nearest to it, the one with the fewest numbers.
     ///
     /// The criterion charges knots of a curve as if they were to be told from noise. But the curve of a plastic
-    /// structure is an integral of the record, known to what the sensor is.
+    /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no reason
+    /// against it.
     fn right_at_lower_speeds(&self, by_evidence: usize) -> usize {
         let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
         let limit = self.rules.lower_speed_limit_percent / 100.0;
@@ -282,7 +283,7 @@ impl ComparedCandidates<'_> {
             return by_evidence;
         }
         let plastic: Vec<usize> =
-            self.compared().filter(|k| self.is_plastic(*k) && self.predicts_wrongly(*k).is_none()).collect();
+            self.compared().filter(|k| self.is_plastic(*k) && self.misses_the_force(*k).is_none()).collect();
         let least = plastic.iter().map(|k| error(*k)).fold(f64::INFINITY, f64::min);
         // One that misses nearly as much is no reason to leave the evidence.
         if least > limit && least > 0.5 * error(by_evidence) {
