@@ -16,8 +16,8 @@ use crate::selection::rating::{ComparedRecord, Rated, rate_all};
 const EQUAL: f64 = 2.0;
 /// Criteria that differ by more decide.
 const DECISIVE: f64 = 10.0;
-/// Fits that differ by less, percentage points, are the same: rounding does not decide.
-const FIT_STEP: f64 = 1e-6;
+/// Fits that differ by less, percentage points, are the same, as they are said: no sensor decides between them.
+const FIT_STEP: f64 = 0.01;
 /// Misfits of the wall's force by models of as many masses that differ by less are alike: half of the force that one
 /// mass misses is that of the masses in front, whatever its curve.
 const FORCE_RATIO: f64 = 1.4;

@@ -143,13 +143,13 @@ impl ComparedCandidate {
         if self.is_assessed { self.parameters.saturating_sub(self.open.len() + self.order_of_magnitude) } else { 0 }
     }
 
-    /// `3 of 4 numbers determined, 1 to an order of magnitude`, as the report says it.
+    /// `3 of 4 numbers determined, 1 with a wide interval`, as the report says it.
     pub fn determined_in_words(&self) -> String {
         if !self.is_assessed {
             return format!("{} numbers, not known how well", self.parameters);
         }
         let mut text = format!("{} of {} numbers determined", self.determined(), self.parameters);
-        for (count, what) in [(self.order_of_magnitude, "to an order of magnitude"), (self.open.len(), "open")] {
+        for (count, what) in [(self.order_of_magnitude, "with a wide interval"), (self.open.len(), "open")] {
             if count > 0 {
                 text.push_str(&format!(", {count} {what}"));
             }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crumple_predict::{MadeTest, Prediction, Quantity};
+use crumple_predict::{HALF_WIDTH, MadeTest, Prediction, Quantity};
 use crumple_signal::{Sampled, TestDescription};
 use crumple_stage::records::{AgainstTestV1, EventsV1, MetricsV2};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts};
@@ -65,7 +65,12 @@ pub fn measured(
 /// The events of a test; of a record that ends during the rebound, restitution and delta-v are lower bounds and none.
 fn of_events(events: &EventsV1) -> MadeTest {
     let is_whole = !events.still_separating;
+    let deviation = |quantity: &Quantity| {
+        let interval = events.intervals.iter().find(|interval| interval.name == quantity.field())?;
+        Some((*quantity, (interval.high - interval.low) / (2.0 * HALF_WIDTH)))
+    };
     MadeTest {
+        deviations: Quantity::ALL.iter().filter_map(deviation).collect(),
         delta_v_m_per_s: events.delta_v_m_per_s.filter(|_| is_whole),
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
