@@ -83,7 +83,7 @@ pub use papers::maxwell_from_sum;
 pub use papers::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
 pub use papers::{front_from_amplitudes, rear_from_amplitudes};
 pub use record::fit_quantity::FitQuantity;
-pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
+pub use record::measurement::MeasureModel;
 pub use record::observation::{Impact, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
@@ -111,3 +111,5 @@ pub use uncertainty::mass_division::mixture::widen_by_mass_split;
 pub use uncertainty::propagation::{
     InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, repeat, repetition,
 };
+
+pub use crumple_signal::{IntegrationRule, Measurement, TwoPassFilter};

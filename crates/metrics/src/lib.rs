@@ -57,6 +57,5 @@ pub use pulse::recorder::maximum_delta_v;
 pub use pulse::square_wave::{average_square_wave, equivalent_square_wave};
 pub use pulse::vpi::{VpiOptions, vpi};
 pub use roadside::asi::{AsiLimits, AsiMethod, asi};
-pub use roadside::butterworth::through_class;
 pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
 pub use sums::sliding_mean;
