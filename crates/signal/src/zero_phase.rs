@@ -40,28 +40,59 @@ impl<const N: usize> Recursion<N> {
     /// compiled for the vectors of the caller.
     #[inline(always)]
     pub(crate) fn run<const BACKWARD: bool>(&mut self, samples: &mut [[f64; N]]) {
-        let [a0, a1, a2, b1, b2] = self.coefficients;
-        let Self { mut x1, mut x2, mut y1, mut y2, .. } = *self;
         let count = samples.len();
         let held = self.held.min(count);
+        self.held -= held;
         for k in 0..held {
             let sample = &mut samples[if BACKWARD { count - 1 - k } else { k }];
-            (x2, x1) = (x1, std::mem::replace(sample, y1));
+            (self.x2, self.x1) = (self.x1, std::mem::replace(sample, self.y1));
         }
-        for k in held..count {
-            let sample = &mut samples[if BACKWARD { count - 1 - k } else { k }];
-            // Number by number: arrays of one that are moved whole go through registers of integers.
+        let samples = if BACKWARD { &mut samples[..count - held] } else { &mut samples[held..] };
+        let [a0, a1, a2, b1, b2] = self.coefficients;
+        if N == 1 {
+            let mut state = [self.x1[0], self.x2[0], self.y1[0], self.y2[0]];
+            run_one::<BACKWARD>(samples.as_flattened_mut(), a0, a1, a2, b1, b2, &mut state);
+            (self.x1[0], self.x2[0], self.y1[0], self.y2[0]) = (state[0], state[1], state[2], state[3]);
+            return;
+        }
+        let Self { mut x1, mut x2, mut y1, mut y2, .. } = *self;
+        for k in 0..samples.len() {
+            let sample = &mut samples[if BACKWARD { count - held - 1 - k } else { k }];
+            let x = *sample;
             for lane in 0..N {
-                let x = sample[lane];
                 // Summed in the order of the standard's equation: another order gives other last digits.
-                let y = a0 * x + a1 * x1[lane] + a2 * x2[lane] + b1 * y1[lane] + b2 * y2[lane];
-                sample[lane] = y;
-                (x2[lane], x1[lane]) = (x1[lane], x);
-                (y2[lane], y1[lane]) = (y1[lane], y);
+                sample[lane] = a0 * x[lane] + a1 * x1[lane] + a2 * x2[lane] + b1 * y1[lane] + b2 * y2[lane];
             }
+            (x2, x1) = (x1, x);
+            (y2, y1) = (y1, *sample);
         }
-        *self = Self { coefficients: self.coefficients, x1, x2, y1, y2, held: self.held - held };
+        *self = Self { x1, x2, y1, y2, ..*self };
     }
+}
+
+/// The same of one record, with every number by itself: arrays of one, and coefficients side by side in memory, would be
+/// packed into vectors whose parts wait for each other, at twice the time.
+#[inline(never)]
+fn run_one<const BACKWARD: bool>(
+    samples: &mut [f64],
+    a0: f64,
+    a1: f64,
+    a2: f64,
+    b1: f64,
+    b2: f64,
+    state: &mut [f64; 4],
+) {
+    let [mut x1, mut x2, mut y1, mut y2] = *state;
+    let count = samples.len();
+    for k in 0..count {
+        let sample = &mut samples[if BACKWARD { count - 1 - k } else { k }];
+        let x = *sample;
+        let y = a0 * x + a1 * x1 + a2 * x2 + b1 * y1 + b2 * y2;
+        *sample = y;
+        (x2, x1) = (x1, x);
+        (y2, y1) = (y1, y);
+    }
+    *state = [x1, x2, y1, y2];
 }
 
 /// Magnitude of the larger root of `z² - b1·z - b2`: how much of it a recursion keeps from one sample to the next.
