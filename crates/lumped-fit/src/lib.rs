@@ -97,7 +97,7 @@ pub use selection::prior::{Prior, SelectionRules};
 pub use selection::rating::{ComparedRecord, Rated};
 pub use selection::time_zero::{least_without_shift, without_shift};
 pub use solvers::crush_curves::assumptions::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
-pub use solvers::settings::SolveSettings;
+pub use solvers::settings::{FRONT_MASS_FRACTION, SolveSettings};
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};
 pub use solvers::task::Needs;

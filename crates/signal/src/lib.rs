@@ -38,6 +38,7 @@ mod butterworth;
 mod cfc;
 mod channels;
 mod description;
+mod error;
 mod filter;
 pub mod iso13499;
 mod measurement;
@@ -55,11 +56,12 @@ pub use channels::{Axis, Channel, ChannelStatus};
 pub use description::{
     ANOTHER_VEHICLE, BodyPart, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
 };
-pub use filter::{Applied, FilterError, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
+pub use error::{FilterError, IntegrateError};
+pub use filter::{Applied, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
 pub use measurement::{ABREAST, BeforeEvent, Measurement};
 pub use motion::{
-    Drift, DriftShape, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord, Motion,
-    UsedStart, integrate, integrate_from, integrate_reporting, integrate_without_drift, without_drift,
+    Drift, DriftShape, EndCondition, IntegrationSettings, IntegrationStart, LateRecord, Motion, UsedStart, integrate,
+    integrate_from, integrate_reporting, integrate_without_drift, without_drift,
 };
 pub use notes::{About, Bearing, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};

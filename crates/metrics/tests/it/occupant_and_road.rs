@@ -1,8 +1,7 @@
 //! Head, chest and roadside criteria: known pulses, another implementation, and what counts at the edges.
 
 use crumple_metrics::{
-    AsiLimits, AsiMethod, FlailSpace, asi, clip_contiguous, clip_cumulative, gadd_severity_index, hic, hic_all_pairs,
-    oiv_ora, thiv_phd,
+    AsiLimits, AsiMethod, FlailSpace, asi, clip_contiguous, clip_cumulative, hic, hic_all_pairs, oiv_ora, thiv_phd,
 };
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Signal};
 
@@ -25,15 +24,6 @@ fn the_criterion_of_a_constant_is_its_longest_window_and_named_by_it() {
     for window_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert_eq!(hic(&a, window_s).definition, "absent: the window is not a positive time");
     }
-}
-
-#[test]
-fn the_severity_index_is_a_trapezoid_over_the_whole_record() {
-    let two = gadd_severity_index(&signal(0.0, 0.5, [4.0 * G, 9.0 * G])).value.unwrap();
-    assert!((two - 0.5 * (32.0 + 243.0) / 2.0).abs() < 1e-11, "{two}");
-    let three = gadd_severity_index(&signal(0.0, 0.5, [4.0 * G, -G, 9.0 * G])).value.unwrap();
-    assert!((three - two).abs() < 1e-11, "the ends count half, a negative sample nothing");
-    assert_eq!(gadd_severity_index(&signal(0.0, 0.5, [G])).value, None);
 }
 
 #[test]
