@@ -55,8 +55,8 @@ pub struct Design {
     pub asked: Butterworth,
     /// Sampling interval, s.
     pub dt_s: f64,
-    /// The sections of one pass, run in this order: n/2 rounded up for order n, the least damped first and that of first
-    /// order last.
+    /// The sections of one pass, run in this order: n/2 rounded up for order n, the least damped first and that of
+    /// first order last.
     pub sections: Vec<Section>,
 }
 
@@ -67,9 +67,9 @@ impl Butterworth {
     /// `(√2 - 1)^(-1/(2n))`, so that two passes together have -3.01 dB at the cut-off; for n = 2 that is the factor of
     /// SAE J211-1. Oppenheim & Schafer, *Discrete-Time Signal Processing*, 7.2 and 7.3.
     ///
-    /// Gain as run, with `u = tan(π·f·T)/tan(π·fc·T)`: `1/√(1 + u^(2n))` for one pass, `1/(1 + (√2 - 1)·u^(2n))` for both
-    /// ways. Sections, not one polynomial, because the coefficients of a polynomial of order 12 lose their digits at low
-    /// cut-offs. The gain at the cut-off is exact to 1e-9 for cut-offs from 0.2 % of the rate on.
+    /// Gain as run, with `u = tan(π·f·T)/tan(π·fc·T)`: `1/√(1 + u^(2n))` for one pass, `1/(1 + (√2 - 1)·u^(2n))` for
+    /// both ways. Sections, not one polynomial, because the coefficients of a polynomial of order 12 lose their digits
+    /// at low cut-offs. The gain at the cut-off is exact to 1e-9 for cut-offs from 0.2 % of the rate on.
     ///
     /// # Errors
     /// An order outside 1 to 12; a cut-off below 1e-5 of the sampling rate, from half of it on, or no number.

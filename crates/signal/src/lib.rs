@@ -5,14 +5,14 @@
 //! ([`value::Mass`], [`value::Speed`], ...); an array carries its quantity in its type
 //! ([`Signal<Acceleration>`](Signal)).
 //!
-//! The chain: [`filter`] removes the zero level, checks the sampling rate, runs a filter ([`Coefficients`] of a class,
-//! [`TwoPassFilter`], [`Butterworth`]) and says in notes what a reader should know; [`keep_every`] and [`resample`] change
-//! the rate; [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known velocity. A
-//! [`Measurement`] does the same to the acceleration of a model. Axes and signs are those of SAE J211-1: x points
-//! forward, a frontal pulse is a negative acceleration, the impact speed v0 is positive, and the displacement is crush
-//! while the vehicle is in contact: `x'' = a`, `x'(0) = v0`, `x(0) = 0`. The impact speed comes from the test; an
-//! accelerometer does not measure it. Every signal of a motion has the grid of the record; time zero is an offset on its
-//! axis.
+//! The chain: [`filter()`] removes the zero level, checks the sampling rate, runs a filter ([`Coefficients`] of a
+//! class, [`TwoPassFilter`], [`Butterworth`]) and says in notes what a reader should know; [`keep_every`] and
+//! [`resample`] change the rate; [`integrate`] makes the motion, [`integrate_without_drift`] one that meets a known
+//! velocity. A [`Measurement`] does the same to the acceleration of a model. Axes and signs are those of SAE J211-1: x
+//! points forward, a frontal pulse is a negative acceleration, the impact speed v0 is positive, and the displacement is
+//! crush while the vehicle is in contact: `x'' = a`, `x'(0) = v0`, `x(0) = 0`. The impact speed comes from the test; an
+//! accelerometer does not measure it. Every signal of a motion has the grid of the record; time zero is an offset on
+//! its axis.
 //!
 //! Filters are linear and return as many samples as they are given: sample `k` before and after belong to the same
 //! instant `t0 + k·dt`. Every recursive filter is a chain of second-order difference equations whose coefficients are

@@ -58,8 +58,8 @@ pub struct Measurement {
     pub filter: Option<TwoPassFilter>,
     /// Whether the integration starts at contact (else at the first sample), with the impact speed.
     pub from_contact: bool,
-    /// Its rule. `None`: no sum and no filter, the motion itself, as an exact instrument shows it. Stands for steps that
-    /// are not known, or not made.
+    /// Its rule. `None`: no sum and no filter, the motion itself, as an exact instrument shows it. Stands for steps
+    /// that are not known, or not made.
     pub rule: Option<IntegrationRule>,
     /// What the filtered acceleration shows before the event, m/s²; `None`: not known.
     pub before_event: Option<BeforeEvent>,
@@ -121,8 +121,8 @@ impl Measurement {
     /// the first sample of the record to sample `last`.
     ///
     /// The acceleration is what the filter makes of it, the velocity its first sum. Before the start of an integration
-    /// from contact the displacement is zero and the velocity the impact speed. Between the instants the acceleration is
-    /// taken as linear, which matters only where contact lies between two samples: an error of `dt² max|a''|/8`.
+    /// from contact the displacement is zero and the velocity the impact speed. Between the instants the acceleration
+    /// is taken as linear, which matters only where contact lies between two samples: an error of `dt² max|a''|/8`.
     pub fn record(&self, acceleration: &[f64], quantity: QuantityKind, v0_m_per_s: f64, last: usize) -> Vec<f64> {
         let [seen] = self.record_together([acceleration], quantity, v0_m_per_s, last);
         seen

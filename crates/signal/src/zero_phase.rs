@@ -70,8 +70,8 @@ impl<const N: usize> Recursion<N> {
     }
 }
 
-/// The same of one record, with every number by itself: arrays of one, and coefficients side by side in memory, would be
-/// packed into vectors whose parts wait for each other, at twice the time.
+/// The same of one record, with every number by itself: arrays of one, and coefficients side by side in memory, would
+/// be packed into vectors whose parts wait for each other, at twice the time.
 #[inline(never)]
 fn run_one<const BACKWARD: bool>(
     samples: &mut [f64],

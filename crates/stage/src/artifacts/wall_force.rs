@@ -10,8 +10,8 @@ impl Inputs {
     /// The sum of the load cells that integrate wrote, N, positive in compression, with the filter of its cells; `None`
     /// without one.
     ///
-    /// The measurement is known where all cells with data went through one filter at their own rate, else exact. Errors:
-    /// a record that cannot be read.
+    /// The measurement is known where all cells with data went through one filter at their own rate, else exact.
+    /// Errors: a record that cannot be read.
     pub fn wall_force(&self, events: &EventsV1) -> anyhow::Result<Option<(Sampled, Measurement)>> {
         let Some(wave) = self.wave_if("barrier/force") else { return Ok(None) };
         let force = wave.sampled.clone();
