@@ -1,6 +1,6 @@
 //! Times of the double integration on one thread, beside a plain memory pass over the same record.
 
-use crumple_integrate::{Rule, integrate_twice, integrate_twice_into};
+use crumple_signal::{IntegrationRule, integrate_twice, integrate_twice_into};
 use crumple_testkit::stopwatch::{best_ms, memory_pass_ms, print_line};
 
 fn main() {
@@ -10,7 +10,7 @@ fn main() {
         // What two results cost that are written without any computation: the system has to find and clear their pages.
         let ms = best_ms(|| [vec![1.0; samples.len()], vec![1.0; samples.len()]]);
         print_line(&format!("two fresh results filled with ones, {n} samples"), ms, pass_ms);
-        for rule in Rule::ALL {
+        for rule in IntegrationRule::ALL {
             let (mut v, mut x) = (Vec::new(), Vec::new());
             let ms = best_ms(|| {
                 integrate_twice_into(&samples, 1e-5, rule, [14.0, 0.0], (&mut v, &mut x), |_| ());

@@ -1,8 +1,6 @@
 //! Force on the barrier, from load cells and from the mass.
 
-use crumple_signal::{Acceleration, Force, Sampled, Signal};
-
-use crate::IntegrateError;
+use crumple_signal::{Acceleration, Force, IntegrateError, Sampled, Signal};
 
 // The force on a barrier as the sum of its load cells, and its impulse.
 

@@ -4,13 +4,12 @@ use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events, definitions, pulse_metrics,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
-use crumple_signal::{Acceleration, Distribution, Signal};
+use crumple_signal::{
+    Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord,
+    Motion, Signal, UsedStart, integrate_from, without_drift,
+};
 use rayon::prelude::*;
 use serde::Serialize;
-
-use crate::motion::drift;
-use crate::motion::integration::{Late, integrate_from};
-use crate::{EndCondition, IntegrateError, Motion, Settings, Start, UsedStart};
 
 // What the uncertainty of the inputs makes of the results: the integration repeated with perturbed inputs.
 //
@@ -108,11 +107,11 @@ impl Uncertainty {
 /// As of the integration, and where an end condition does not lie in the perturbed motion.
 pub fn perturbed(
     acceleration: &Signal<Acceleration>,
-    settings: &Settings,
+    settings: &IntegrationSettings,
     end: Option<EndCondition>,
     by: &Perturbation,
 ) -> Result<Motion, IntegrateError> {
-    let settings = Settings {
+    let settings = IntegrationSettings {
         impact_speed_m_per_s: settings.impact_speed_m_per_s + by.impact_speed_m_per_s,
         time_zero_s: settings.time_zero_s + by.time_zero_s,
         ..*settings
@@ -125,10 +124,10 @@ pub fn perturbed(
         changed = acceleration.with_samples(acceleration.samples().iter().map(|a| gain * a - zero_level).collect())?;
         &changed
     };
-    let integrate = |a: &Signal<Acceleration>| integrate_from(a, &settings, Late::Held, |_| ());
+    let integrate = |a: &Signal<Acceleration>| integrate_from(a, &settings, LateRecord::Held, |_| ());
     match end {
         None => integrate(acceleration),
-        Some(end) => drift::without_drift(acceleration, &settings, end, integrate).map(|(motion, _)| motion),
+        Some(end) => without_drift(acceleration, &settings, end, integrate).map(|(motion, _)| motion),
     }
 }
 
@@ -185,17 +184,17 @@ pub fn event_values(events: &CrashEvents, v0: f64) -> [Option<f64>; EVENT_NAMES.
 pub fn propagate(
     acceleration: &Signal<Acceleration>,
     motion: &Motion,
-    settings: &Settings,
+    settings: &IntegrationSettings,
     end: Option<EndCondition>,
     mass_kg: Option<f64>,
     uncertainty: &Uncertainty,
     mut report: impl FnMut(u64),
 ) -> Intervals {
     let start = match motion.start {
-        UsedStart::TimeZero => Start::TimeZero,
-        UsedStart::RecordStart => Start::RecordStart,
+        UsedStart::TimeZero => IntegrationStart::TimeZero,
+        UsedStart::RecordStart => IntegrationStart::RecordStart,
     };
-    let settings = Settings { start, ..*settings };
+    let settings = IntegrationSettings { start, ..*settings };
     let replicate = |index: usize| -> Option<Vec<Option<f64>>> {
         let by = uncertainty.perturbation(index);
         let motion = perturbed(acceleration, &settings, end, &by).ok()?;

@@ -83,7 +83,7 @@ pub use papers::maxwell_from_sum;
 pub use papers::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
 pub use papers::{front_from_amplitudes, rear_from_amplitudes};
 pub use record::fit_quantity::FitQuantity;
-pub use record::measurement::{IntegrationRule, Measurement, TwoPassFilter};
+pub use record::measurement::MeasureModel;
 pub use record::observation::{Impact, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 pub use record::test_data::TestData;
@@ -97,7 +97,7 @@ pub use selection::prior::{Prior, SelectionRules};
 pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
 pub use selection::time_zero::{least_without_shift, without_shift};
 pub use solvers::crush_curves::assumptions::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
-pub use solvers::settings::SolveSettings;
+pub use solvers::settings::{FRONT_MASS_FRACTION, SolveSettings};
 pub use solvers::solve::solve;
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};
 pub use solvers::task::Needs;
@@ -111,3 +111,5 @@ pub use uncertainty::mass_division::mixture::widen_by_mass_split;
 pub use uncertainty::propagation::{
     InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, repeat, repetition,
 };
+
+pub use crumple_signal::{IntegrationRule, Measurement, TwoPassFilter};

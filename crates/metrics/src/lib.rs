@@ -7,7 +7,7 @@
 //!
 //! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a recorder
 //!   [`maximum_delta_v`]
-//! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`gadd_severity_index`], [`ride_down`]
+//! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
@@ -45,7 +45,7 @@ pub use events::unstopped::{EventEnd, Unstopped, unstopped};
 pub use metric::definitions::{self, Definition, Mark};
 pub use metric::value::{Interval, IntervalBy, Metric, Window};
 pub use occupant::clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
-pub use occupant::hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, gadd_severity_index, hic, hic_all_pairs, hic_d, hic_d_of};
+pub use occupant::hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, hic, hic_all_pairs, hic_d, hic_d_of};
 pub use occupant::resultant::resultant;
 pub use occupant::ride_down::{RideDown, ride_down};
 pub use pulse::centroid::{centroid_time_by_moment, centroid_time_from_crush};
@@ -57,6 +57,5 @@ pub use pulse::recorder::maximum_delta_v;
 pub use pulse::square_wave::{average_square_wave, equivalent_square_wave};
 pub use pulse::vpi::{VpiOptions, vpi};
 pub use roadside::asi::{AsiLimits, AsiMethod, asi};
-pub use roadside::butterworth::through_class;
 pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
 pub use sums::sliding_mean;

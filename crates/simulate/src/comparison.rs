@@ -3,19 +3,17 @@
 use crumple_lumped::{CrushEvents, Dynamics, Model, ModelKind, Motion, Parameter, ParameterKind};
 use crumple_lumped_fit::Measurement;
 use crumple_metrics::definitions::{CATALOGUE, ISO};
-use crumple_metrics::{
-    CoraOptions, Iso18571Options, Metric, cora, fit_percent, iso18571, residuals, rmse, through_class,
-};
+use crumple_metrics::{CoraOptions, Iso18571Options, Metric, cora, fit_percent, iso18571, residuals, rmse};
 use crumple_numerics::estimation::statistics::InformationCriteria;
-use crumple_signal::{Channel, Sampled};
+use crumple_signal::{Cfc, Channel, Sampled, through_class};
 
 // The peak of a model's deceleration as a laboratory reads it.
 
 /// Zero acceleration before contact, as a laboratory records it: the filter looks ahead.
 const BEFORE_CONTACT_S: f64 = 0.04;
 
-/// Channel frequency class of vehicle structures, Hz.
-const CLASS_HZ: f64 = 60.0;
+/// Channel frequency class of vehicle structures.
+const CLASS: Cfc = Cfc::Cfc60;
 
 /// Largest deceleration through CFC 60, m/s², negative, of an acceleration from contact on. `None` where the interval
 /// is too coarse for the class, or nothing slows down.
@@ -23,7 +21,7 @@ pub fn deceleration_peak(acceleration_m_per_s2: &[f64], dt_s: f64) -> Option<f64
     let before = (BEFORE_CONTACT_S / dt_s).round().min(1e6) as usize;
     let mut samples = vec![0.0; before];
     samples.extend_from_slice(acceleration_m_per_s2);
-    let filtered = through_class(&samples, dt_s, CLASS_HZ)?;
+    let filtered = through_class(&samples, dt_s, CLASS)?;
     filtered.into_iter().skip(before).reduce(f64::min).filter(|peak| *peak < 0.0)
 }
 

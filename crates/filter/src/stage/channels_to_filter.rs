@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use crumple_filter::{
-    Cfc, Class, SelectionError, Settings, ZeroLevel, class_of_body, is_barrier_force, occupants_left, select,
+use crumple_signal::{
+    Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel, part_of,
 };
-use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
 use crumple_stage::records::QualityV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
 use crate::stage::options::StageSettings;
 use crate::stage::remarks::{Remarks, first_of};
+use crate::stage::selection::{SelectionError, class_of_body, is_barrier_force, occupants_left, select};
 
 /// A channel on its way in.
 pub struct ChannelToFilter<'a> {
@@ -18,9 +18,7 @@ pub struct ChannelToFilter<'a> {
     pub wave: &'a Wave,
     /// The class it carries.
     pub cfc: Option<u16>,
-    pub settings: Settings,
-    /// Here for the criteria of an occupant, not to be held against the vehicle.
-    pub for_criteria: bool,
+    pub settings: FilterSettings,
 }
 
 /// The channels that are filtered, each with its class: those named, or those of the vehicle, of occupants and of the
@@ -61,8 +59,8 @@ pub fn channels_to_filter<'a>(
         let for_criteria = for_criteria(settings, channel, pulse);
         if let Some(class) = class_of_body(channel)
             && let Class::Cfc(asked) = channel_settings.class
-            && (asked != class || channel_settings.instead.is_some())
-            && (channel_settings.instead.is_none() || for_criteria)
+            && (asked != class || channel_settings.butterworth.is_some())
+            && (channel_settings.butterworth.is_none() || for_criteria)
         {
             if settings.class_for_all && !for_criteria {
                 remarks.warning(
@@ -74,7 +72,7 @@ pub fn channels_to_filter<'a>(
                 );
             } else {
                 channel_settings.class = Class::Cfc(class);
-                channel_settings.instead = None;
+                channel_settings.butterworth = None;
                 if channel.cfc.is_none() {
                     remarks.info(
                         &channel.id,
@@ -90,7 +88,6 @@ pub fn channels_to_filter<'a>(
             wave: input.wave(&channel.id)?,
             cfc: channel.cfc,
             settings: channel_settings,
-            for_criteria,
         });
     }
     Ok(channels)

@@ -1,7 +1,9 @@
 //! The pulse of a record without acceleration: derived from a velocity, or the velocity change of a recorder.
 
-use crumple_filter::{Class, Settings, ZeroLevel, acceleration_of_velocity_change, derivative_note, filter};
-use crumple_signal::{Channel, ChannelStatus, QuantityKind, TestDescription};
+use crumple_signal::{
+    Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel,
+    acceleration_of_velocity_change, derivative_note, filter,
+};
 use crumple_stage::{Inputs, RefuseExt};
 
 use crate::stage::filtered_channel::{Extra, FilteredChannel};
@@ -11,7 +13,7 @@ use crate::stage::remarks::Remarks;
 /// any other. What a recorder kept is not filtered to a class: the recorder has filtered, nobody says how. A velocity
 /// is where it is sampled fast enough for the class.
 pub fn derived(
-    settings: &Settings,
+    settings: &FilterSettings,
     input: &Inputs,
     test: &mut TestDescription,
     remarks: &mut Remarks,
@@ -28,7 +30,7 @@ pub fn derived(
         Class::Cfc(cfc) if !is_recorder && wave.rate_hz() >= 10.0 * f64::from(cfc.number()) => settings.class,
         _ => Class::None,
     };
-    let of_derived = Settings { class, zero_level: ZeroLevel::None, ..*settings };
+    let of_derived = FilterSettings { class, zero_level: ZeroLevel::None, ..*settings };
     let mut filtered = filter(&acceleration, None, &of_derived).refuse_with_hint("leave the filter out")?;
     if is_recorder {
         derivative_note(wave, &of.id, &mut filtered.notes);
@@ -62,11 +64,5 @@ pub fn derived(
         sensor: of.sensor,
         ..Channel::new(id.clone(), QuantityKind::Acceleration)
     });
-    Ok(Some(FilteredChannel {
-        id,
-        quantity: QuantityKind::Acceleration,
-        filtered,
-        extra: Extra::default(),
-        for_criteria: false,
-    }))
+    Ok(Some(FilteredChannel { id, quantity: QuantityKind::Acceleration, filtered, extra: Extra::default() }))
 }

@@ -2,8 +2,7 @@
 
 use std::sync::Mutex;
 
-use crumple_filter::{FilterError, Filtered, filter_reporting};
-use crumple_signal::Note;
+use crumple_signal::{FilterError, Filtered, Note, filter_reporting};
 use crumple_stage::{Output, Refused};
 use rayon::prelude::*;
 
@@ -32,7 +31,6 @@ pub fn filter_channels(
                     quantity: channel.wave.quantity,
                     filtered,
                     extra: Extra::default(),
-                    for_criteria: channel.for_criteria,
                 });
             }
             // A channel nobody asked for does not stop the others.
@@ -71,8 +69,6 @@ fn hint(error: &FilterError) -> &'static str {
     match error {
         FilterError::Order { .. } => "--order 4 is usual",
         FilterError::Cutoff { .. } => "--cutoff takes the -3 dB frequency with its unit, e.g. --cutoff 100Hz",
-        FilterError::Band { .. } => "--cutoff is the lower end of a band, --cutoff-high the upper one",
-        FilterError::Width { .. } => "--moving-average takes a time such as 3ms",
         FilterError::Window { .. } => "--zero-level-from comes before --zero-level-to",
         _ => "--cfc none leaves the signal as it is, --channels names the channels to filter",
     }

@@ -1,6 +1,5 @@
 //! The program: reads the raw channels, filters them, writes them with the record of how.
 
-mod align;
 mod channels_to_filter;
 mod derived;
 mod filtered_channel;
@@ -8,24 +7,25 @@ mod filtering;
 mod options;
 mod record;
 mod remarks;
+mod selection;
 
 use std::path::PathBuf;
 
-use crumple_filter::{
-    Applied, Coefficients, Pass, Resampling, keep_every, kept, resample, resolve_id, resolve_ids, samples_added,
+use crumple_signal::{
+    Applied, Channel, Coefficients, QuantityKind, Resampling, TestDescription, keep_every, kept, resample,
+    samples_added,
 };
-use crumple_signal::{Channel, QuantityKind, TestDescription};
 use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
 
-use crate::stage::align::align;
 use crate::stage::channels_to_filter::channels_to_filter;
 use crate::stage::derived::derived;
 use crate::stage::filtered_channel::FilteredChannel;
 use crate::stage::filtering::filter_channels;
-use crate::stage::options::{Align, KeptRate, Options, StageSettings};
+use crate::stage::options::{KeptRate, Options, StageSettings};
 use crate::stage::record::{pulse_line, record};
 use crate::stage::remarks::{Remarks, first_of};
+use crate::stage::selection::resolve_ids;
 
 /// The stage.
 pub struct Filter;
@@ -54,8 +54,8 @@ impl Stage for Filter {
     fn run(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let mut test = input.test()?;
         let mut pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
-        const HINT: &str = "crumple-artifact show lists the channels of an artifact";
-        let mut pass = resolve_ids(&test, &settings.pass).refuse_with_hint(HINT)?;
+        let mut pass = resolve_ids(&test, &settings.pass)
+            .refuse_with_hint("crumple-artifact show lists the channels of an artifact")?;
         let mut remarks = Remarks::default();
         // A list of channels means those alone.
         let by_default = settings.channels.is_empty();
@@ -78,10 +78,6 @@ impl Stage for Filter {
         channels.extend(derived);
         test = with_derived;
         pulse = test.pulse.clone().or(pulse);
-        if let Some(asked) = &settings.align {
-            let to = resolve_id(&test, &asked.to).refuse_with_hint(HINT)?;
-            align(&mut channels, &Align { to, ..*asked }, &mut remarks)?;
-        }
         match settings.resample {
             Some(to) => resample_all(&mut channels, to, &mut remarks)?,
             None => keep_what_is_needed(&mut channels, settings.rate, &mut remarks)?,
@@ -160,13 +156,9 @@ fn write_channel(
 ) -> anyhow::Result<()> {
     let channel = test.channels.iter_mut().find(|channel| channel.id == id);
     let cfc = channel.and_then(|channel| {
-        match filtered.applied.as_ref() {
-            Some(Applied::Class { cfc, .. }) => channel.cfc = Some(cfc.number()),
-            // A channel without its low frequencies is of no class; one smoothed further keeps its own.
-            Some(Applied::Butterworth { design, .. }) if !matches!(design.asked.pass, Pass::Low(_)) => {
-                channel.cfc = None;
-            }
-            _ => {}
+        // A channel smoothed further by another filter keeps its class.
+        if let Some(Applied::Class { cfc, .. }) = &filtered.applied {
+            channel.cfc = Some(cfc.number());
         }
         channel.cfc
     });

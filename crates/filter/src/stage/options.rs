@@ -1,8 +1,9 @@
 //! Flags and pipeline keys of the stage, and the settings they come to.
 
-use crumple_filter::{Butterworth, Class, Instead, Interpolation, Mode, Pass, Phase, Resampling, Settings, ZeroLevel};
-use crumple_signal::PreEventWindow;
 use crumple_signal::value::{Frequency, Time};
+use crumple_signal::{
+    Butterworth, CfcMode, Class, FilterSettings, Interpolation, Phase, PreEventWindow, Resampling, ZeroLevel,
+};
 use crumple_stage::Usage;
 use serde::{Deserialize, Serialize};
 
@@ -25,33 +26,19 @@ pub struct Options {
 
     /// Standard whose filter is used [default: iso6487]
     #[arg(long, value_enum)]
-    pub mode: Option<Mode>,
+    pub mode: Option<CfcMode>,
 
-    /// Butterworth filter instead of the class: what passes
-    ///
-    /// Needs --order and --cutoff, a band --cutoff-high too.
-    #[arg(long, value_enum, value_name = "PASS")]
-    pub butterworth: Option<PassKind>,
-
-    /// Order of the Butterworth filter, 1 to 12: poles of one pass (a band has twice as many)
+    /// Butterworth low-pass filter instead of the class: its order, 1 to 12, which is the number of poles of one pass
     #[arg(long, value_name = "N")]
     pub order: Option<usize>,
 
-    /// Frequency at which the Butterworth filter as run leaves -3 dB, e.g. 100Hz; of a band the lower one
+    /// Frequency at which the Butterworth filter as run leaves -3 dB, e.g. 100Hz
     #[arg(long, value_name = "FREQUENCY")]
     pub cutoff: Option<Frequency>,
-
-    /// Upper -3 dB frequency of a band
-    #[arg(long, value_name = "FREQUENCY")]
-    pub cutoff_high: Option<Frequency>,
 
     /// How the Butterworth filter is run [default: zero]
     #[arg(long, value_enum)]
     pub phase: Option<Phase>,
-
-    /// Centred moving average of this width instead of the class, e.g. 3ms
-    #[arg(long, value_name = "TIME")]
-    pub moving_average: Option<Time>,
 
     /// Zero level to remove before filtering: the mean before the event, or none [default: pre-event]
     #[arg(long, value_enum, value_name = "RULE")]
@@ -74,14 +61,6 @@ pub struct Options {
     /// Channels to hand on as they are, by id, code or pattern, e.g. a contact switch
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub pass: Vec<String>,
-
-    /// Channel to align the other accelerations with: each is shifted in time by its delay, which is printed
-    #[arg(long, value_name = "ID")]
-    pub align_to: Option<String>,
-
-    /// Longest delay that is looked for [default: 5 ms]
-    #[arg(long, value_name = "TIME")]
-    pub align_within: Option<Time>,
 
     /// Rate to keep of channels that were filtered to a class: auto, full, or the lowest to keep, e.g. 50kHz [default:
     /// auto]
@@ -164,18 +143,6 @@ impl From<KeptRate> for String {
     }
 }
 
-/// What a Butterworth filter lets pass.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum PassKind {
-    /// Below the cut-off.
-    Low,
-    /// Above the cut-off.
-    High,
-    /// Between the cut-offs.
-    Band,
-}
-
 /// Where the zero level is read.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -190,7 +157,7 @@ pub enum ZeroLevelRule {
 #[derive(Debug, Serialize)]
 pub struct StageSettings {
     #[serde(flatten)]
-    pub filter: Settings,
+    pub filter: FilterSettings,
     /// The class holds for a dummy's head and chest too.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub class_for_all: bool,
@@ -200,35 +167,16 @@ pub struct StageSettings {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pass: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub align: Option<Align>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub resample: Option<Resampling>,
     #[serde(skip_serializing_if = "KeptRate::is_auto")]
     pub rate: KeptRate,
 }
 
-/// Which channel the others are aligned with.
-#[derive(Debug, Serialize)]
-pub struct Align {
-    /// Its id.
-    pub to: String,
-    /// Longest delay looked for, s.
-    pub within_s: f64,
-}
-
-/// Longest delay looked for unless stated, s.
-const ALIGN_WITHIN_S: f64 = 5e-3;
-
 impl TryFrom<Options> for StageSettings {
     type Error = Usage;
 
     fn try_from(options: Options) -> Result<Self, Usage> {
-        let default = Settings::default();
-        let align = match (&options.align_to, options.align_within) {
-            (None, Some(_)) => return Err(together("align-within", "align-to")),
-            (None, None) => None,
-            (Some(to), within) => Some(Align { to: to.clone(), within_s: within.map_or(ALIGN_WITHIN_S, Time::si) }),
-        };
+        let default = FilterSettings::default();
         if options.resample.is_some() && options.rate.is_some() {
             return Err(Usage::new("both a rate to keep and a rate to resample to are given").hint("leave out either"));
         }
@@ -238,16 +186,15 @@ impl TryFrom<Options> for StageSettings {
             (Some(rate), how) => Some(Resampling { rate_hz: rate.si(), interpolation: how.unwrap_or_default() }),
         };
         Ok(Self {
-            filter: Settings {
+            filter: FilterSettings {
                 class: options.cfc.unwrap_or(default.class),
                 mode: options.mode.unwrap_or(default.mode),
                 zero_level: zero_level(&options)?,
-                instead: instead(&options)?,
+                butterworth: butterworth(&options)?,
             },
             class_for_all: options.class_for_all,
             channels: options.channels,
             pass: options.pass,
-            align,
             resample,
             rate: options.rate.unwrap_or_default(),
         })
@@ -268,32 +215,16 @@ fn zero_level(options: &Options) -> Result<ZeroLevel, Usage> {
     }
 }
 
-fn instead(options: &Options) -> Result<Option<Instead>, Usage> {
-    let Some(kind) = options.butterworth else {
-        let given = [
-            ("order", options.order.is_some()),
-            ("cutoff", options.cutoff.is_some()),
-            ("cutoff-high", options.cutoff_high.is_some()),
-            ("phase", options.phase.is_some()),
-        ];
-        if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
-            return Err(together(name, "butterworth"));
+fn butterworth(options: &Options) -> Result<Option<Butterworth>, Usage> {
+    match (options.order, options.cutoff, options.phase) {
+        (None, None, None) => Ok(None),
+        (Some(order), Some(cutoff), phase) => {
+            Ok(Some(Butterworth { cutoff_hz: cutoff.si(), order, phase: phase.unwrap_or_default() }))
         }
-        return Ok(options.moving_average.map(|width| Instead::MovingAverage(width.si())));
-    };
-    if options.moving_average.is_some() {
-        return Err(Usage::new("both butterworth and moving-average are asked for").hint("leave out either"));
+        (Some(_), None, _) => Err(together("order", "cutoff")),
+        (None, Some(_), _) => Err(together("cutoff", "order")),
+        (None, None, Some(_)) => Err(together("phase", "order")),
     }
-    let order = options.order.ok_or_else(|| together("butterworth", "order"))?;
-    let cutoff_hz = options.cutoff.ok_or_else(|| together("butterworth", "cutoff"))?.si();
-    let pass = match (kind, options.cutoff_high) {
-        (PassKind::Low, None) => Pass::Low(cutoff_hz),
-        (PassKind::High, None) => Pass::High(cutoff_hz),
-        (PassKind::Band, Some(high)) => Pass::Band(cutoff_hz, high.si()),
-        (PassKind::Band, None) => return Err(together("a butterworth band", "cutoff-high")),
-        (_, Some(_)) => return Err(Usage::new("cutoff-high belongs to a butterworth band").hint("leave it out")),
-    };
-    Ok(Some(Instead::Butterworth(Butterworth { pass, order, phase: options.phase.unwrap_or_default() })))
 }
 
 fn together(given: &str, needed: &str) -> Usage {

@@ -1,6 +1,6 @@
 //! What is written and said of a filtered channel.
 
-use crumple_filter::{Applied, CorridorPoint, Filtered, corridor};
+use crumple_signal::{Applied, CorridorPoint, Filtered, corridor};
 use crumple_stage::records::{ChannelFilterV1, CorridorPointV1};
 
 use crate::stage::filtered_channel::Extra;
@@ -30,7 +30,7 @@ pub fn record(filtered: &Filtered, extra: &Extra) -> ChannelFilterV1 {
         phase: applied.map(|applied| applied.phase().name().to_owned()),
         width_s: None,
         resampled_to_hz: extra.resampled_to_hz,
-        shift_s: extra.shift_s,
+        shift_s: None,
     };
     match applied {
         Some(Applied::Class { cfc, coefficients, .. }) => {
@@ -44,9 +44,8 @@ pub fn record(filtered: &Filtered, extra: &Extra) -> ChannelFilterV1 {
         }
         Some(Applied::Butterworth { design, .. }) => {
             record.coefficients = design.sections.concat();
-            record.cutoff_hz = design.asked.pass.frequencies_hz();
+            record.cutoff_hz = vec![design.asked.cutoff_hz];
         }
-        Some(Applied::MovingAverage { width_s, .. }) => record.width_s = Some(*width_s),
         None => {}
     }
     // What the kept samples show is this filter at their rate.

@@ -1,8 +1,7 @@
 //! A real frontal barrier test, NHTSA 10146, channel by channel: bias on the raw record, filter the whole record,
 //! then from time zero.
 
-use crumple_filter::{Cfc, Class, Mode, Settings, ZeroLevel, filter};
-use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled};
+use crumple_signal::{Cfc, CfcMode, Class, FilterSettings, STANDARD_GRAVITY_M_PER_S2, Sampled, ZeroLevel, filter};
 use crumple_testkit::reference_signals::{Reference, number, text, two_columns};
 
 /// Time of the first zero of velocity and displacement there, by the trapezoid from time zero.
@@ -31,7 +30,7 @@ fn peak_and_crush_are_those_of_an_independent_calculation() {
         for (class, key) in
             [(Class::None, "raw"), (Class::Cfc(Cfc::Cfc60), "cfc60"), (Class::Cfc(Cfc::Cfc180), "cfc180")]
         {
-            let settings = Settings { class, mode: Mode::Iso6487, ..Settings::default() };
+            let settings = FilterSettings { class, mode: CfcMode::Iso6487, ..FilterSettings::default() };
             assert!(matches!(settings.zero_level, ZeroLevel::PreEvent(_)));
             let filtered = filter(&record, None, &settings).unwrap();
             let close = |what: &str, found: f64, expected: f64, limit: f64| {
@@ -64,7 +63,7 @@ fn cfc_60_and_cfc_180_give_the_same_crush_on_all_four_rear_seat_channels() {
         };
         let record = two_columns(&path, '\t');
         let [(_, low), (_, high)] = [Cfc::Cfc60, Cfc::Cfc180].map(|cfc| {
-            let settings = Settings { class: Class::Cfc(cfc), ..Settings::default() };
+            let settings = FilterSettings { class: Class::Cfc(cfc), ..FilterSettings::default() };
             crush(&filter(&record, None, &settings).unwrap().samples, 57.09 / 3.6)
         });
         // Low-pass filtering keeps the integral up to its ends; 0.2 mm is what these four records show, 1 mm is a

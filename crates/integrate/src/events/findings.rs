@@ -1,9 +1,9 @@
 //! What a motion shows and what does not fit together, as notes.
 
 use crumple_metrics::{CrashEvents, EventEnd, centroid_time_by_moment, centroid_time_from_crush};
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::{About, Motion, Notes, UsedStart, Weight};
 
-use crate::{Motion, UsedStart, WRONG_SIGN, wrong_sign};
+use crate::{WRONG_SIGN, wrong_sign};
 
 /// Relative gap of the two centroid times above which something does not fit: by parts they are equal, so 0.1 % is the
 /// error of the sampling or of the rule of summation.
@@ -139,14 +139,14 @@ fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Rule, Settings, Start, integrate};
     use crumple_metrics::crash_events;
     use crumple_signal::Signal;
+    use crumple_signal::{IntegrationRule, IntegrationSettings, IntegrationStart, integrate};
 
     fn notes_of(a: Vec<f64>) -> Vec<String> {
-        let settings = Settings {
-            rule: Rule::Trapezoid,
-            start: Start::Auto,
+        let settings = IntegrationSettings {
+            rule: IntegrationRule::Trapezoid,
+            start: IntegrationStart::Auto,
             time_zero_s: 0.0,
             impact_speed_m_per_s: 4.0,
             low_pass_filtered: false,

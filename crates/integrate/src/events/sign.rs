@@ -1,9 +1,7 @@
 //! Whether a pulse has the wrong sign, and the events of one that has not.
 
 use crumple_metrics::{CrashEvents, MetricsError, crash_events};
-use crumple_signal::{Signal, Velocity};
-
-use crate::Motion;
+use crumple_signal::{Motion, Signal, Velocity};
 
 /// What is said of a pulse of the wrong sign.
 pub const WRONG_SIGN: &str =

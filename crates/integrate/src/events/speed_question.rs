@@ -1,8 +1,7 @@
 //! Whether the stated impact speed and the pulse can belong together.
 
 use crumple_metrics::{CrashEvents, EventEnd, largest_restitution};
-
-use crate::Motion;
+use crumple_signal::Motion;
 
 /// Restitution that is usual at 50 km/h and above, and the lowest that is.
 const USUAL: [f64; 2] = [0.15, 0.05];
@@ -53,17 +52,18 @@ pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Rule, Settings, Start, events_of, integrate};
+    use crate::events_of;
     use crumple_signal::Signal;
+    use crumple_signal::{IntegrationRule, IntegrationSettings, IntegrationStart, integrate};
 
     /// A half-sine of 90 ms that takes `change` off the speed.
     fn question(change_m_per_s: f64, v0: f64) -> Option<String> {
         let peak = change_m_per_s * std::f64::consts::PI / (2.0 * 0.09);
         let at = |t: f64| if t < 0.09 { -peak * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 };
         let a = Signal::new(0.0, 1e-4, (0..2000).map(|k| at(f64::from(k) * 1e-4)).collect()).unwrap();
-        let settings = Settings {
-            rule: Rule::Trapezoid,
-            start: Start::Auto,
+        let settings = IntegrationSettings {
+            rule: IntegrationRule::Trapezoid,
+            start: IntegrationStart::Auto,
             time_zero_s: 0.0,
             impact_speed_m_per_s: v0,
             low_pass_filtered: false,

@@ -3,10 +3,13 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_integrate::{DriftShape, EndCondition, Rule, Spread, Start, Uncertainty, UsedStart};
+use crumple_integrate::{Spread, Uncertainty};
 use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
 use crumple_signal::value::{Length, Level, Share, Speed, Time};
-use crumple_signal::{Distribution, STANDARD_GRAVITY_M_PER_S2, Uncertain};
+use crumple_signal::{
+    Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Uncertain,
+    UsedStart,
+};
 use crumple_stage::Usage;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -18,11 +21,11 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 pub struct Options {
     /// How samples are summed [default: trapezoid]
     #[arg(long, value_enum)]
-    pub rule: Option<Rule>,
+    pub rule: Option<IntegrationRule>,
 
     /// Where the integration starts [default: auto]
     #[arg(long, value_enum)]
-    pub start: Option<Start>,
+    pub start: Option<IntegrationStart>,
 
     /// Channel to take as the crash pulse, by id, code or a pattern that means one [default: the pulse of the test]
     #[arg(long, value_name = "ID")]
@@ -222,8 +225,8 @@ as_text!(ZeroRule, EndVelocity);
 /// Options with the defaults filled in that do not depend on the record.
 #[derive(Debug, Serialize)]
 pub struct StageSettings {
-    pub rule: Rule,
-    pub start: Start,
+    pub rule: IntegrationRule,
+    pub start: IntegrationStart,
     /// `None`: the pulse of the test.
     pub channel: Option<String>,
     /// Further channels.

@@ -1,8 +1,9 @@
 //! Records made from known models: crush and its time come back.
 
-use crumple_integrate::{Motion, Rule, Settings, Start, UsedStart, integrate};
 use crumple_metrics::{CrashEvents, DynamicCrush, crash_events};
-use crumple_signal::{Acceleration, Signal};
+use crumple_signal::{
+    Acceleration, IntegrationRule, IntegrationSettings, IntegrationStart, Motion, Signal, UsedStart, integrate,
+};
 use crumple_testkit::reference_signals::{number, two_columns};
 use serde_json::Value;
 
@@ -26,9 +27,14 @@ fn record(id: &str) -> Option<(Signal<Acceleration>, Value)> {
     Some((two_columns(&folder.join("accel.csv"), ',').into(), truth))
 }
 
-fn motion(a: &Signal<Acceleration>, v0: f64, rule: Rule, start: Start) -> (Motion, CrashEvents) {
-    let settings =
-        Settings { rule, start, time_zero_s: 0.0, impact_speed_m_per_s: v0, low_pass_filtered: start == Start::Auto };
+fn motion(a: &Signal<Acceleration>, v0: f64, rule: IntegrationRule, start: IntegrationStart) -> (Motion, CrashEvents) {
+    let settings = IntegrationSettings {
+        rule,
+        start,
+        time_zero_s: 0.0,
+        impact_speed_m_per_s: v0,
+        low_pass_filtered: start == IntegrationStart::Auto,
+    };
     let motion = integrate(a, &settings).unwrap();
     let events = crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap();
     (motion, events)
@@ -42,8 +48,9 @@ fn assert_near(what: &str, found: f64, expected: f64, limit: f64) {
 fn both_rules_make_of_every_record_what_is_known_of_it() {
     for id in RECORDS {
         let Some((a, truth)) = record(id) else { return };
-        for (rule, key) in [(Rule::Trapezoid, "trapezoid"), (Rule::ForwardEuler, "forward_euler")] {
-            let (motion, events) = motion(&a, number(&truth["v0_m_s"]), rule, Start::TimeZero);
+        for (rule, key) in [(IntegrationRule::Trapezoid, "trapezoid"), (IntegrationRule::ForwardEuler, "forward_euler")]
+        {
+            let (motion, events) = motion(&a, number(&truth["v0_m_s"]), rule, IntegrationStart::TimeZero);
             let known = &truth["integration_of_the_csv"][key];
             let (v, x) = (motion.velocity.samples(), motion.displacement.samples());
             // The same sums in another order of operations, 2500 roundings of numbers near 1: below 1e-12.
@@ -64,7 +71,7 @@ fn both_rules_make_of_every_record_what_is_known_of_it() {
 fn the_trapezoid_on_an_unfiltered_record_meets_the_true_crush_within_two_micrometres() {
     for id in RECORDS {
         let Some((a, truth)) = record(id) else { return };
-        let (_, events) = motion(&a, number(&truth["v0_m_s"]), Rule::Trapezoid, Start::TimeZero);
+        let (_, events) = motion(&a, number(&truth["v0_m_s"]), IntegrationRule::Trapezoid, IntegrationStart::TimeZero);
         let DynamicCrush { time_s, displacement_m, .. } = events.crush.unwrap();
         // Error of the rule at 10 kHz: up to 1.3e-6 m on these records. A microsecond is a hundredth of a sample.
         assert_near(&format!("{id} C"), displacement_m, number(&truth["expected"]["C"]), 2e-6);
@@ -127,7 +134,7 @@ fn through_cfc_60_and_from_the_record_s_start_a_kelvin_model_is_recovered() {
     assert_near("k of exact events", k_exact / k, 1.0, 1e-9);
     assert_near("c of exact events", c_exact / c, 1.0, 1e-9);
 
-    let (motion_found, events) = motion(&filtered, v0, Rule::Trapezoid, Start::Auto);
+    let (motion_found, events) = motion(&filtered, v0, IntegrationRule::Trapezoid, IntegrationStart::Auto);
     assert_eq!(motion_found.start, UsedStart::RecordStart);
     let found = events.crush.unwrap();
     let (k_found, c_found) = kelvin(found, v0, mass_kg);
@@ -145,7 +152,7 @@ fn through_cfc_60_and_from_the_record_s_start_a_kelvin_model_is_recovered() {
     assert_near("c", c_found / c, 1.0, 3e-2);
 
     // Starting at time zero instead loses what the filter put before it, and shows in the damping.
-    let (_, events) = motion(&filtered, v0, Rule::Trapezoid, Start::TimeZero);
+    let (_, events) = motion(&filtered, v0, IntegrationRule::Trapezoid, IntegrationStart::TimeZero);
     let late = events.crush.unwrap();
     let (k_late, c_late) = kelvin(late, v0, mass_kg);
     println!("time-zero: k {:+.3} %, c {:+.3} %", 1e2 * (k_late / k - 1.0), 1e2 * (c_late / c - 1.0));

@@ -1,20 +1,20 @@
 //! Integration and differentiation undo each other.
 
-use crumple_integrate::{Rule, integrate_twice};
+use crumple_signal::{IntegrationRule, integrate_twice};
 use proptest::prelude::*;
 
 const DT_S: f64 = 1e-4;
 
-fn any_rule() -> impl Strategy<Value = Rule> {
-    prop::sample::select(vec![Rule::Trapezoid, Rule::ForwardEuler])
+fn any_rule() -> impl Strategy<Value = IntegrationRule> {
+    prop::sample::select(vec![IntegrationRule::Trapezoid, IntegrationRule::ForwardEuler])
 }
 
 /// What a rule takes for the mean of a quantity over each interval.
-fn means(values: &[f64], rule: Rule) -> Vec<f64> {
+fn means(values: &[f64], rule: IntegrationRule) -> Vec<f64> {
     match rule {
-        Rule::Trapezoid => values.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect(),
-        Rule::ForwardEuler => values[..values.len() - 1].to_vec(),
-        Rule::Simpson => panic!("the mean over an interval comes from three samples"),
+        IntegrationRule::Trapezoid => values.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect(),
+        IntegrationRule::ForwardEuler => values[..values.len() - 1].to_vec(),
+        IntegrationRule::Simpson => panic!("the mean over an interval comes from three samples"),
     }
 }
 
@@ -46,7 +46,7 @@ proptest! {
         // The derivative by which forward Euler steps; the last one leads nowhere.
         let mut a: Vec<f64> = v.windows(2).map(|pair| (pair[1] - pair[0]) / DT_S).collect();
         a.push(0.0);
-        let (found, _) = integrate_twice(&a, DT_S, Rule::ForwardEuler, v0, 0.0);
+        let (found, _) = integrate_twice(&a, DT_S, IntegrationRule::ForwardEuler, v0, 0.0);
         // 500 roundings of numbers up to 80.
         for (found, v) in found.iter().zip(&v) {
             prop_assert!((found - v).abs() < 1e-10, "{found} {v}");
@@ -59,7 +59,7 @@ proptest! {
     ) {
         let at = |k: i32| omega * f64::from(k) * DT_S + phase;
         let a: Vec<f64> = (0..n).map(|k| amplitude * omega * at(k).cos()).collect();
-        let (v, x) = integrate_twice(&a, DT_S, Rule::Simpson, amplitude * phase.sin(), 0.0);
+        let (v, x) = integrate_twice(&a, DT_S, IntegrationRule::Simpson, amplitude * phase.sin(), 0.0);
         for k in 0..n {
             let (i, t) = (k as usize, f64::from(k) * DT_S);
             // T^4 times the third derivative of a over 24, 10*60^4*1e-16/24, and 3000 roundings of numbers up to 10.
@@ -74,7 +74,7 @@ proptest! {
         level in -500.0..500.0_f64, slope in -5000.0..5000.0_f64, v0 in 1.0..30.0_f64, n in 2..2000_i32
     ) {
         let a: Vec<f64> = (0..n).map(|k| level + slope * f64::from(k) * DT_S).collect();
-        let (v, _) = integrate_twice(&a, DT_S, Rule::Trapezoid, v0, 0.0);
+        let (v, _) = integrate_twice(&a, DT_S, IntegrationRule::Trapezoid, v0, 0.0);
         let t = f64::from(n - 1) * DT_S;
         // 2000 roundings of numbers up to 250.
         prop_assert!((v[v.len() - 1] - (v0 + level * t + slope * t * t / 2.0)).abs() < 1e-9);

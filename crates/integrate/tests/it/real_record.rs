@@ -1,8 +1,7 @@
 //! The four rear-seat crossmember channels of a real frontal barrier test, NHTSA 10146.
 
-use crumple_integrate::{Rule, Settings, Start, integrate};
 use crumple_metrics::crash_events;
-use crumple_signal::Signal;
+use crumple_signal::{IntegrationRule, IntegrationSettings, IntegrationStart, Signal, integrate};
 use crumple_testkit::reference_signals::two_columns;
 
 const V0_M_PER_S: f64 = 57.09 / 3.6;
@@ -26,9 +25,9 @@ fn crush_and_rebound_are_those_published_with_the_record() {
         let before = record.index_at_or_after(-0.005);
         let zero = record.samples()[..before].iter().sum::<f64>() / before as f64;
         let a = Signal::new(record.t0_s(), record.dt_s(), record.samples().iter().map(|a| a - zero).collect()).unwrap();
-        let settings = Settings {
-            rule: Rule::Trapezoid,
-            start: Start::Auto,
+        let settings = IntegrationSettings {
+            rule: IntegrationRule::Trapezoid,
+            start: IntegrationStart::Auto,
             time_zero_s: 0.0,
             impact_speed_m_per_s: V0_M_PER_S,
             low_pass_filtered: false,
@@ -48,7 +47,7 @@ fn crush_and_rebound_are_those_published_with_the_record() {
         near("delta-v, km/h", 3.6 * events.delta_v_m_per_s(V0_M_PER_S).unwrap(), 57.09 - v_min_km_per_h, 0.01);
 
         // The same from the record's start: the zero level acts 50 ms longer, nothing else changes.
-        let early = integrate(&a, &Settings { start: Start::RecordStart, ..settings }).unwrap();
+        let early = integrate(&a, &IntegrationSettings { start: IntegrationStart::RecordStart, ..settings }).unwrap();
         let crush_early = crash_events(&early.velocity, &early.displacement, 0.0).unwrap().crush.unwrap();
         println!(
             "{channel}: {:+.3} mm from the record's start",

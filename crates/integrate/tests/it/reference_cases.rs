@@ -1,14 +1,16 @@
 //! Crash events and pulse metrics against the reference cases.
 
-use crumple_integrate::{Motion, Rule, Settings, Start, edr_start, integrate, threshold_crossing};
+use crumple_integrate::{edr_start, threshold_crossing};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, peak, pulse_metrics};
-use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Signal};
+use crumple_signal::{
+    IntegrationRule, IntegrationSettings, IntegrationStart, Motion, STANDARD_GRAVITY_M_PER_S2, Signal, integrate,
+};
 use crumple_testkit::reference_signals::{Case, Reference, assert_close, number, text};
 
 fn motion(case: &Case, a: Vec<f64>, t0_s: f64, dt_s: f64) -> (Motion, CrashEvents) {
-    let settings = Settings {
-        rule: Rule::Trapezoid,
-        start: Start::TimeZero,
+    let settings = IntegrationSettings {
+        rule: IntegrationRule::Trapezoid,
+        start: IntegrationStart::TimeZero,
         time_zero_s: 0.0,
         impact_speed_m_per_s: number(&case["params"]["v0_ms"]),
         low_pass_filtered: false,

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use crumple_integrate::{
-    Distribution, DriftShape, EVENT_NAMES, EndCondition, Intervals, Perturbation, Rule, Settings, Spread, Start,
-    Uncertainty, integrate, perturbed, propagate,
-};
+use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Spread, Uncertainty, perturbed, propagate};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
-use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
+use crumple_signal::{
+    Acceleration, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationSettings, IntegrationStart,
+    STANDARD_GRAVITY_M_PER_S2, Signal, integrate,
+};
 
 const V0: f64 = 14.0;
 /// Replicates where nothing else is said.
@@ -26,17 +26,23 @@ fn half_sine() -> Signal<Acceleration> {
     pulse(|t| if (0.0..=DURATION_S).contains(&t) { -PEAK * (PI * t / DURATION_S).sin() } else { 0.0 })
 }
 
-fn settings(start: Start) -> Settings {
-    Settings { rule: Rule::Trapezoid, start, time_zero_s: 0.0, impact_speed_m_per_s: V0, low_pass_filtered: true }
+fn settings(start: IntegrationStart) -> IntegrationSettings {
+    IntegrationSettings {
+        rule: IntegrationRule::Trapezoid,
+        start,
+        time_zero_s: 0.0,
+        impact_speed_m_per_s: V0,
+        low_pass_filtered: true,
+    }
 }
 
-fn events(a: &Signal<Acceleration>, start: Start, by: Perturbation) -> CrashEvents {
+fn events(a: &Signal<Acceleration>, start: IntegrationStart, by: Perturbation) -> CrashEvents {
     let motion = perturbed(a, &settings(start), None, &by).unwrap();
     crash_events(&motion.velocity, &motion.displacement, by.time_zero_s).unwrap()
 }
 
 /// Crush, its time and delta-v with an error less those without.
-fn moved(a: &Signal<Acceleration>, start: Start, by: Perturbation) -> [f64; 3] {
+fn moved(a: &Signal<Acceleration>, start: IntegrationStart, by: Perturbation) -> [f64; 3] {
     let of = |by: Perturbation| {
         let events = events(a, start, by);
         let crush = events.crush.unwrap();
@@ -54,13 +60,13 @@ fn close(found: f64, expected: f64, within: f64, what: &str) {
 #[test]
 fn an_error_of_speed_moves_the_crush_by_the_time_of_crush_times_it() {
     let a = half_sine();
-    let crush = events(&a, Start::RecordStart, Perturbation::default()).crush.unwrap();
+    let crush = events(&a, IntegrationStart::RecordStart, Perturbation::default()).crush.unwrap();
     // Closed form: v = v0 - (A·D/π)(1 - cos(πt/D)), so cos(π·t_m/D) = 1 - π·v0/(A·D); the trapezoid errs by O(T²).
     let t_m = DURATION_S / PI * (1.0 - PI * V0 / (PEAK * DURATION_S)).acos();
     close(crush.time_s, t_m, 1e-6, "t_m");
     let at_crush = PEAK * (PI * t_m / DURATION_S).sin();
     let dv = 0.1 / 3.6;
-    for start in [Start::RecordStart, Start::TimeZero] {
+    for start in [IntegrationStart::RecordStart, IntegrationStart::TimeZero] {
         let by = Perturbation { impact_speed_m_per_s: dv, ..Perturbation::default() };
         let [crush, time, delta_v] = moved(&a, start, by);
         // x = ∫v dt: from the start of the record x counts from time zero all the same. Second order: δv²/(2a) =
@@ -76,22 +82,22 @@ fn an_error_of_speed_moves_the_crush_by_the_time_of_crush_times_it() {
 #[test]
 fn an_error_of_the_zero_level_acts_from_where_the_integration_starts() {
     let a = half_sine();
-    let t_m = events(&a, Start::RecordStart, Perturbation::default()).crush.unwrap().time_s;
+    let t_m = events(&a, IntegrationStart::RecordStart, Perturbation::default()).crush.unwrap().time_s;
     let db = 0.05 * STANDARD_GRAVITY_M_PER_S2;
     let by = Perturbation { zero_level_m_per_s2: db, ..Perturbation::default() };
     // δx = -δb·t²/2 from time zero. Second order (δb·t_m)²/(2a) = 5e-6 m.
-    let [crush, ..] = moved(&a, Start::TimeZero, by);
+    let [crush, ..] = moved(&a, IntegrationStart::TimeZero, by);
     close(crush, -db * t_m * t_m / 2.0, 8e-6, "from time zero");
     // From the record's start δv = -δb·(t + 20 ms), and the displacement counts from time zero:
     // δx = -δb·(t²/2 + 20 ms·t). Second order (δb·(t_m + 20 ms))²/(2a) = 8e-6 m.
-    let [crush, ..] = moved(&a, Start::RecordStart, by);
+    let [crush, ..] = moved(&a, IntegrationStart::RecordStart, by);
     close(crush, -db * (t_m * t_m / 2.0 + BEFORE_S * t_m), 1.2e-5, "from the record's start");
 }
 
 #[test]
 fn an_error_of_the_gain_moves_the_crush_by_its_share_of_what_the_pulse_took() {
     let by = Perturbation { gain: 0.01, ..Perturbation::default() };
-    for start in [Start::TimeZero, Start::RecordStart] {
+    for start in [IntegrationStart::TimeZero, IntegrationStart::RecordStart] {
         let a = half_sine();
         let without = events(&a, start, Perturbation::default()).crush.unwrap();
         let [crush, _, delta_v] = moved(&a, start, by);
@@ -104,7 +110,7 @@ fn an_error_of_the_gain_moves_the_crush_by_its_share_of_what_the_pulse_took() {
     // A constant pulse has closed forms beyond the first order: C = v0²/(2a), t_m = v0/a, over a grid that has time
     // zero.
     let constant = Signal::new(0.0, 1e-4, vec![-200.0; 1501]).unwrap();
-    let [crush, time, _] = moved(&constant, Start::TimeZero, by);
+    let [crush, time, _] = moved(&constant, IntegrationStart::TimeZero, by);
     // A velocity that is linear is summed without error: rounding only.
     close(crush, V0 * V0 / 400.0 * (1.0 / 1.01 - 1.0), 1e-9, "crush of a constant pulse");
     close(time, V0 / 200.0 * (1.0 / 1.01 - 1.0), 1e-9, "time of a constant pulse");
@@ -118,31 +124,31 @@ fn an_error_of_time_zero_moves_what_its_place_in_the_record_moves() {
     // Integrated from the record's start the velocity does not know time zero: only the label moves. The crush counts
     // from the label. Before contact, at rest, exactly; after it but for what the pulse took in 0.5 ms: A·π/D·δ³/6 =
     // 2e-7 m.
-    let [crush, time, delta_v] = moved(&a, Start::RecordStart, by(-dt));
+    let [crush, time, delta_v] = moved(&a, IntegrationStart::RecordStart, by(-dt));
     close(crush, V0 * dt, 1e-12, "early label");
     close(time, dt, 1e-12, "early label");
     close(delta_v, 0.0, 1e-12, "early label");
-    let [crush, time, delta_v] = moved(&a, Start::RecordStart, by(dt));
+    let [crush, time, delta_v] = moved(&a, IntegrationStart::RecordStart, by(dt));
     close(crush, -V0 * dt, 2e-7, "late label");
     close(time, -dt, 1e-12, "late label");
     close(delta_v, 0.0, 1e-12, "late label");
     // Integrated from time zero, a late one cuts the record: v0·δ of crush, and the area A·π·δ²/(2D) = 9.6e-4 m/s of
     // the half-sine, which acts up to t_m: 8e-5 m. Counted on a grid of T: T²·A·π/(8D) per sample more.
-    let [crush, _, delta_v] = moved(&a, Start::TimeZero, by(dt));
+    let [crush, _, delta_v] = moved(&a, IntegrationStart::TimeZero, by(dt));
     let area = PEAK * PI * dt * dt / (2.0 * DURATION_S);
     close(crush, -V0 * dt + area * 0.0792, 2e-6, "cut late");
     close(delta_v, -area, 1e-5 * area + 1e-7, "cut late");
     // An early one adds rest.
-    let [crush, _, delta_v] = moved(&a, Start::TimeZero, by(-dt));
+    let [crush, _, delta_v] = moved(&a, IntegrationStart::TimeZero, by(-dt));
     close(crush, V0 * dt, 1e-12, "cut early");
     close(delta_v, 0.0, 1e-12, "cut early");
     // A pulse that jumps at contact loses velocity to first order: a·δ.
     let constant = Signal::new(0.0, 1e-4, vec![-200.0; 1501]).unwrap();
-    let [crush, time, _] = moved(&constant, Start::TimeZero, by(dt));
+    let [crush, time, _] = moved(&constant, IntegrationStart::TimeZero, by(dt));
     close(crush, 0.0, 1e-9, "a constant pulse looks the same later");
     close(time, 0.0, 1e-9, "a constant pulse looks the same later");
     // Contact before the record: the speed is held until the first sample.
-    let [crush, time, _] = moved(&constant, Start::TimeZero, by(-dt));
+    let [crush, time, _] = moved(&constant, IntegrationStart::TimeZero, by(-dt));
     close(crush, V0 * dt, 1e-9, "before the record");
     close(time, dt, 1e-9, "before the record");
 }
@@ -160,7 +166,7 @@ fn uncertainty(distribution: Distribution) -> Uncertainty {
 }
 
 fn intervals(uncertainty: &Uncertainty, end: Option<EndCondition>) -> Intervals {
-    let (a, settings) = (half_sine(), settings(Start::RecordStart));
+    let (a, settings) = (half_sine(), settings(IntegrationStart::RecordStart));
     let motion = integrate(&a, &settings).unwrap();
     propagate(&a, &motion, &settings, end, Some(1000.0), uncertainty, |_| ())
 }
@@ -173,7 +179,7 @@ fn of_crush(uncertainty: &Uncertainty) -> [[f64; 2]; 2] {
 
 #[test]
 fn one_uncertain_input_gives_its_own_quantiles() {
-    let crush = events(&half_sine(), Start::RecordStart, Perturbation::default()).crush.unwrap();
+    let crush = events(&half_sine(), IntegrationStart::RecordStart, Perturbation::default()).crush.unwrap();
     for (distribution, quantile, density) in [
         // 95 % of a uniform distribution over ±1 lie below 0.9, where its density is 1/2; of a normal one below 1.6449,
         // where it is 0.1031.
@@ -211,7 +217,7 @@ fn one_uncertain_input_gives_its_own_quantiles() {
 
 #[test]
 fn the_intervals_of_several_inputs_add_as_independent_errors() {
-    let crush = events(&half_sine(), Start::RecordStart, Perturbation::default()).crush.unwrap();
+    let crush = events(&half_sine(), IntegrationStart::RecordStart, Perturbation::default()).crush.unwrap();
     let t = crush.time_s;
     let effects = [
         t * 0.1 / 3.6,
@@ -233,7 +239,7 @@ fn every_event_and_metric_has_an_interval_but_what_replicates_lack_and_a_check_o
     let found = intervals(&Uncertainty { replicates: 400, ..uncertainty(Distribution::Uniform) }, None);
     assert_eq!(found.events.len(), EVENT_NAMES.len());
     assert!(found.events.iter().all(Option::is_some), "{found:?}");
-    let (a, settings) = (half_sine(), settings(Start::RecordStart));
+    let (a, settings) = (half_sine(), settings(IntegrationStart::RecordStart));
     let motion = integrate(&a, &settings).unwrap();
     let metrics = pulse_metrics(&Pulse {
         acceleration: &motion.acceleration,
@@ -297,7 +303,7 @@ fn the_number_of_threads_and_of_replicates_changes_no_replicate() {
 fn a_value_that_some_replicates_do_not_have_has_no_interval() {
     // The pulse takes 15.6 m/s: at 15.5 ± 0.3 m/s some replicates do not stop.
     let a = half_sine();
-    let settings = Settings { impact_speed_m_per_s: 15.5, ..settings(Start::RecordStart) };
+    let settings = IntegrationSettings { impact_speed_m_per_s: 15.5, ..settings(IntegrationStart::RecordStart) };
     let motion = integrate(&a, &settings).unwrap();
     let stated = Uncertainty {
         impact_speed_m_per_s: Some(Spread { size: 0.3, distribution: Distribution::Uniform }),

@@ -190,7 +190,7 @@ mod tests {
 
     use super::*;
     use crate::free::free_parameter::free_masses;
-    use crate::{IntegrationRule, Measurement, TwoPassFilter, free_parameters};
+    use crate::{IntegrationRule, MeasureModel, Measurement, TwoPassFilter, free_parameters};
     use crumple_numerics::estimation::minimise::levenberg_marquardt::Response;
     use nalgebra::DVector;
 
@@ -253,7 +253,7 @@ mod tests {
                 samples: 1200,
                 filter: Some(FILTER),
                 from_contact,
-                rule: IntegrationRule::Trapezoid,
+                rule: Some(IntegrationRule::Trapezoid),
                 before_event: None,
             };
             let x = measurement.displacement(model, 13.0, 1199).unwrap();

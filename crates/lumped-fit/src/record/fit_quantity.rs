@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crumple_lumped::{Motion, Waves};
+use crumple_signal::QuantityKind;
 
 /// What of a motion is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -40,6 +41,16 @@ impl FitQuantity {
             Self::Velocity => "m/s",
             Self::Acceleration => "m/s^2",
             Self::Force => "N",
+        }
+    }
+
+    /// The quantity as a channel has it.
+    pub const fn kind(self) -> QuantityKind {
+        match self {
+            Self::Displacement => QuantityKind::Displacement,
+            Self::Velocity => QuantityKind::Velocity,
+            Self::Acceleration => QuantityKind::Acceleration,
+            Self::Force => QuantityKind::Force,
         }
     }
 

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_signal::{Displacement, Sampled, Signal};
 
+use crate::record::measurement::{MeasureModel, derivatives};
 use crate::record::wall_response::{motion_of, response_of};
 use crate::{FitQuantity, Measurement, SolveError};
 
@@ -239,7 +240,7 @@ impl ObservedWave {
             let response = response_of(self.quantity, structure, v0_m_per_s, &self.instants(), places)?;
             return Ok(response.derivatives.iter().map(|motions| self.of_motions(motions)).collect());
         }
-        let all = self.measurement.derivatives(what, v0_m_per_s, self.last(), (structure, places))?;
+        let all = derivatives(&self.measurement, what, v0_m_per_s, self.last(), (structure, places))?;
         Ok(all.iter().map(|derivative| self.picked(derivative)).collect())
     }
 

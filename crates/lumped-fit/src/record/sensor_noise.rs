@@ -4,10 +4,10 @@
 //! Such an error cannot be estimated from what a fit leaves of it, for there is hardly more than one of it in a record.
 //! At its source it is short, and there are many of it.
 
+use crumple_signal::TwoPassFilter;
 use nalgebra::{DMatrix, DVector};
 
 use crate::FitQuantity;
-use crate::record::measurement::TwoPassFilter;
 use crate::record::observation::ObservedWave;
 
 /// Directions of the sensitivities below this share of the strongest are rounding.
@@ -123,10 +123,9 @@ impl SensorNoise {
     fn filtered(&self, filter: &Option<TwoPassFilter>, samples: &[f64]) -> Vec<f64> {
         let Some(filter) = filter else { return samples.to_vec() };
         let pad = self.lags.len() + 2;
-        let mut padded = vec![[0.0]; samples.len() + 2 * pad];
-        padded[pad..pad + samples.len()].iter_mut().zip(samples).for_each(|(to, from)| to[0] = *from);
-        filter.run(&mut padded, 0);
-        padded.into_iter().map(|[w]| w).collect()
+        let mut padded = vec![0.0; samples.len() + 2 * pad];
+        padded[pad..pad + samples.len()].copy_from_slice(samples);
+        filter.from_rest().filtered(&padded)
     }
 
     /// `U' Λ U` for the rows `U` of the compared samples of the wave and the covariance `Λ` that the noise and the zero
@@ -145,7 +144,7 @@ impl SensorNoise {
             let mut white = self.filtered(&wave.measurement.filter, &back);
             let start = (white.len() - back.len()) / 2;
             if let Some(filter) = wave.measurement.filter {
-                filter.fold_back(&mut white, start);
+                fold_back(&filter, &mut white, start);
             }
             let first = start + self.first.min(back.len());
             white[first..].iter_mut().take(self.samples).for_each(|w| *w -= total / self.samples as f64);
@@ -200,35 +199,15 @@ fn summed_back(wave: &ObservedWave, u: impl Iterator<Item = f64>) -> Vec<f64> {
     back
 }
 
-impl TwoPassFilter {
-    /// What weighs on the extension before the sample at `start`, `2 w[0] - w[i]` at `-i`, weighs on the record.
-    fn fold_back(&self, weights: &mut [f64], start: usize) {
-        let added = self.samples_added.min(start).min(weights.len() - start - 1);
-        for i in 1..=added {
-            let weight = weights[start - i];
-            weights[start] += 2.0 * weight;
-            weights[start + i] -= weight;
-        }
-        weights[..start].fill(0.0);
+/// What weighs on the extension before the sample at `start`, `2 w[0] - w[i]` at `-i`, weighs on the record.
+fn fold_back(filter: &TwoPassFilter, weights: &mut [f64], start: usize) {
+    let added = filter.samples_added.min(start).min(weights.len() - start - 1);
+    for i in 1..=added {
+        let weight = weights[start - i];
+        weights[start] += 2.0 * weight;
+        weights[start + i] -= weight;
     }
-
-    /// Autocorrelation of white noise after both passes by lag in samples, from 1 at lag 0, and the sum of squares of
-    /// the response to an impulse. `None` for a filter that does not forget.
-    fn noise_autocorrelation(&self) -> Option<(Vec<f64>, f64)> {
-        let memory = self.memory_samples();
-        if memory == usize::MAX {
-            return None;
-        }
-        let middle = 2 * memory + 2;
-        let mut response = vec![[0.0]; 2 * middle + 1];
-        response[middle] = [1.0];
-        self.run(&mut response, 0);
-        let energy: f64 = response.iter().map(|h| h[0] * h[0]).sum();
-        // Both passes together are symmetric in time: once more through them is the autocorrelation.
-        self.run(&mut response, 0);
-        let lags: Vec<f64> = response[middle..=middle + memory].iter().map(|r| r[0] / energy).collect();
-        lags.iter().all(|r| r.is_finite()).then_some((lags, energy))
-    }
+    weights[..start].fill(0.0);
 }
 
 #[cfg(test)]
@@ -236,10 +215,10 @@ pub(crate) mod tests {
     use std::f64::consts::SQRT_2;
 
     use crumple_numerics::estimation::random::RandomNumbers;
-    use crumple_signal::{BeforeEvent, Sampled};
+    use crumple_signal::{BeforeEvent, IntegrationRule, Sampled, integrate_twice};
 
     use super::*;
-    use crate::{IntegrationRule, Measurement};
+    use crate::Measurement;
 
     const DT_S: f64 = 2e-4;
     /// Samples from 50 ms before contact to 80 ms after it.
@@ -259,21 +238,12 @@ pub(crate) mod tests {
     /// first sample and shifted to zero at contact. The displacement from the first sample on, and how it was measured.
     pub(crate) fn recorded_noise(seed: u64) -> (Vec<f64>, Measurement) {
         let mut random = RandomNumbers::seeded(seed);
-        let mut noise: Vec<[f64; 1]> = (0..SAMPLES).map(|_| [random.normal()]).collect();
-        let zero_level = noise[..=200].iter().map(|a| a[0]).sum::<f64>() / 201.0;
-        noise.iter_mut().for_each(|a| a[0] -= zero_level);
+        let mut noise: Vec<f64> = (0..SAMPLES).map(|_| random.normal()).collect();
+        let zero_level = noise[..=200].iter().sum::<f64>() / 201.0;
+        noise.iter_mut().for_each(|a| *a -= zero_level);
         let filter = cfc_60();
-        noise.splice(0..0, vec![[0.0]; filter.samples_added]);
-        filter.run(&mut noise, filter.samples_added);
-        let filtered: Vec<f64> = noise[filter.samples_added..][..SAMPLES].iter().map(|a| a[0]).collect();
-        let (mut v, mut x) = (0.0, 0.0);
-        let mut displacement = vec![0.0];
-        for a in filtered.windows(2) {
-            let next = v + 0.5 * DT_S * (a[0] + a[1]);
-            x += 0.5 * DT_S * (v + next);
-            v = next;
-            displacement.push(x);
-        }
+        let filtered = filter.filtered(&noise);
+        let mut displacement = integrate_twice(&filtered, DT_S, IntegrationRule::Trapezoid, 0.0, 0.0).1;
         let at_contact = displacement[CONTACT];
         displacement.iter_mut().for_each(|x| *x -= at_contact);
         let record = Sampled::new(-0.05, DT_S, filtered).unwrap();
@@ -283,7 +253,7 @@ pub(crate) mod tests {
             samples: SAMPLES,
             filter: Some(filter),
             from_contact: false,
-            rule: IntegrationRule::Trapezoid,
+            rule: Some(IntegrationRule::Trapezoid),
             before_event: BeforeEvent::of(&record, 0.0, 0.01),
         };
         (displacement, measurement)

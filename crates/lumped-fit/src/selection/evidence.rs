@@ -1,10 +1,9 @@
 //! How much a record says for one model over another: the corrected Akaike criterion of misfits as measured.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 
 use crumple_numerics::estimation::statistics::InformationCriteria;
 
-use crate::record::measurement::TwoPassFilter;
 use crate::record::observation::Observation;
 
 /// Autocorrelation at which its sum ends: below it, noise of the estimate.
@@ -35,19 +34,6 @@ pub fn independent_samples(misfit: &[f64], record_rms: f64, most: f64) -> f64 {
     let at_lag = |lag: usize| misfit[lag..].iter().zip(misfit).map(|(a, b)| a * b).sum::<f64>() / power;
     let sum: f64 = (1..misfit.len()).map(at_lag).take_while(|rho| *rho >= UNCORRELATED).sum();
     (misfit.len() as f64 / (1.0 + 2.0 * sum)).min(most)
-}
-
-impl TwoPassFilter {
-    /// Noise bandwidth of both passes, Hz: `3 pi sqrt(2)/16` of the frequency that each was designed for, `tan(pi f T)
-    /// = w` with `a0/b1 = w²/(2 - 2 w²)`; 104.1 Hz for CFC 60 after ISO 6487.
-    ///
-    /// Of two Butterworth passes of second order: the integral of `1/(1 + (f/f0)^4)²` over the frequency.
-    pub fn noise_bandwidth_hz(&self, dt_s: f64) -> f64 {
-        let [a0, _, _, b1, _] = self.coefficients;
-        let ratio = a0 / b1;
-        let w = (2.0 * ratio / (1.0 + 2.0 * ratio)).sqrt();
-        3.0 * PI * SQRT_2 / 16.0 * w.atan() / (PI * dt_s)
-    }
 }
 
 /// Fastest vibration that counts as a motion of the vehicle where the noise is known, Hz: models of a vehicle vibrate
@@ -131,16 +117,6 @@ mod tests {
         // All terms are the misfit itself.
         let all = slow_part(&[1.0, -2.0, 0.5], 1.0);
         assert!(all.iter().zip([1.0, -2.0, 0.5]).all(|(a, b)| (a - b).abs() < 1e-12));
-    }
-
-    #[test]
-    fn the_bandwidth_is_that_of_the_class() {
-        // CFC 60 at 10 kHz by ISO 6487: designed for 60 Hz times 25/12 = 125 Hz; a0 is given to six digits, which is
-        // 1e-4 Hz in the frequency.
-        let coefficients = [0.001_460_32, 0.002_920_64, 0.001_460_32, 1.889_033, -0.894_874];
-        let filter = TwoPassFilter { coefficients, samples_added: 0 };
-        let expected = 3.0 * PI * SQRT_2 / 16.0 * 125.0;
-        assert!((filter.noise_bandwidth_hz(1e-4) - expected).abs() < 0.02, "{}", filter.noise_bandwidth_hz(1e-4));
     }
 
     #[test]

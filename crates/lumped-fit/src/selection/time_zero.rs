@@ -110,8 +110,8 @@ mod tests {
 
     use super::*;
     use crate::FitQuantity;
-    use crate::record::measurement::Measurement;
     use crate::record::observation::ObservedWave;
+    use crumple_signal::Measurement;
 
     const KELVIN: Kelvin = Kelvin { mass_kg: 1000.0, stiffness_n_per_m: 4e5, damping_n_s_per_m: 8e3 };
     const SPEED: f64 = 15.0;

@@ -9,6 +9,7 @@ use crumple_signal::Notes;
 
 use crate::solvers::crush_curves::assumptions::ONE_MASS_RATE_S_PER_M;
 use crate::solvers::crush_curves::one_mass;
+use crate::solvers::settings::FRONT_MASS_FRACTION;
 use crate::solvers::task::{Needs, Task};
 use crate::solvers::{closed_forms, sensors, single_mass};
 use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
@@ -102,7 +103,7 @@ impl Default for SolveSettings {
         Self {
             models: DEFAULT_MODELS.clone(),
             methods: Vec::new(),
-            split: MassSplit::FrontFraction(0.25),
+            split: MassSplit::FrontFraction(FRONT_MASS_FRACTION),
             triple: None,
             mass_fit: MassFit::Known,
             quantity: FitQuantity::Displacement,

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use crumple_lumped::{Chain, Drive, Kelvin, Model, PiecewiseLinear};
 use crumple_lumped_fit::{
     AssessmentOptions, ChainAssessment, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity,
-    InputUncertainty, IntegrationRule, Measurement, Observation, ObservedWave, Stated, StatedChain, StatedElement,
-    StatedMass, TwoPassFilter, assess_chain, fit_chain,
+    InputUncertainty, IntegrationRule, MeasureModel, Measurement, Observation, ObservedWave, Stated, StatedChain,
+    StatedElement, StatedMass, TwoPassFilter, assess_chain, fit_chain,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Sampled;
@@ -39,7 +39,7 @@ fn observed(error: impl Fn(usize, usize) -> f64) -> Observation {
         samples: SAMPLES,
         filter: None,
         from_contact: true,
-        rule: IntegrationRule::Exact,
+        rule: None,
         before_event: None,
     };
     let wave = |(mass, x): (usize, Vec<f64>)| {
@@ -271,7 +271,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         samples: 1100,
         filter: Some(filter),
         from_contact: false,
-        rule: IntegrationRule::Trapezoid,
+        rule: Some(IntegrationRule::Trapezoid),
         before_event: None,
     };
     // What a Kelvin model gives, taken for a spring that could have softened and did not.

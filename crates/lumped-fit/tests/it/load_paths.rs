@@ -2,8 +2,8 @@
 
 use crumple_lumped::{CrushedLoadPaths, LoadPath, Model, ModelKind};
 use crumple_lumped_fit::{
-    Candidate, FitQuantity, IntegrationRule, MassFit, MassSplit, Measurement, Method, RATE_PRIOR_S_PER_M, Sensor,
-    SensorPlace, SolveSettings, TestData, TwoPassFilter, WallForce, solve,
+    Candidate, FitQuantity, IntegrationRule, MassFit, MassSplit, MeasureModel, Measurement, Method, RATE_PRIOR_S_PER_M,
+    Sensor, SensorPlace, SolveSettings, TestData, TwoPassFilter, WallForce, solve,
 };
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 
@@ -32,7 +32,7 @@ const MEASUREMENT: Measurement = Measurement {
     samples: SAMPLES,
     filter: Some(FILTER),
     from_contact: false,
-    rule: IntegrationRule::Trapezoid,
+    rule: Some(IntegrationRule::Trapezoid),
     before_event: None,
 };
 

@@ -63,7 +63,7 @@ fn displacement(a: &[f64], late_s: f64, from_contact: bool) -> (Signal<Displacem
         samples: a.len(),
         filter: None,
         from_contact,
-        rule: IntegrationRule::Trapezoid,
+        rule: Some(IntegrationRule::Trapezoid),
         before_event: None,
     };
     (Signal::new(-contact, DT_S, x).unwrap(), measurement)
@@ -118,7 +118,7 @@ fn a_record_that_begins_after_contact_takes_another_speed_from_contact_and_a_zer
             samples: 1000,
             filter: None,
             from_contact,
-            rule: IntegrationRule::Trapezoid,
+            rule: Some(IntegrationRule::Trapezoid),
             before_event: None,
         };
         Observation::new(&Signal::new(first_s, DT_S, x).unwrap(), 0.0, measurement, speed, (0.001, 0.08), 10_000)

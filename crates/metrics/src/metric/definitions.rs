@@ -192,8 +192,6 @@ catalogue! {
         "highest level that one peak exceeds for 3 ms without a break" "SAE J1727";
     CLIP_CUMULATIVE = "clip3-cumulative" "clip_3ms_cumulative" "m/s^2" FromMemory
         "highest level that is exceeded for 3 ms in total" "FMVSS 208; UN R94; Euro NCAP";
-    GSI = "gsi" "gsi" "1" FromMemory
-        "Gadd severity index: integral of (a in g)^2.5, trapezoid, over the record" "Gadd (1966); SAE J885";
     ISO_CORRIDOR = "iso18571-corridor" "iso18571_corridor" "1" Checked
         "corridor score Z, 5 % and 50 % of the largest |T|, quadratic between" "ISO/TS 18571:2014";
     ISO_PHASE = "iso18571-phase" "iso18571_phase" "1" Checked

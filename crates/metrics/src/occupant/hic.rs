@@ -2,7 +2,7 @@
 
 use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
 
-use crate::metric::definitions::{GSI, HIC, HIC15, HIC36, HICD};
+use crate::metric::definitions::{HIC, HIC15, HIC36, HICD};
 use crate::sums::in_samples;
 use crate::{Definition, Metric};
 
@@ -76,17 +76,6 @@ pub fn hic_d(resultant: &Signal<Acceleration>) -> Metric {
 /// HIC(d) of a known HIC36.
 pub fn hic_d_of(hic36: f64) -> f64 {
     0.75446 * hic36 + 166.4
-}
-
-/// Gadd severity index: `∫ (a in g)^2.5 dt` over the whole record by the trapezoid, a negative sample counting as 0.
-pub fn gadd_severity_index(resultant: &Signal<Acceleration>) -> Metric {
-    let power = |a: f64| (a.max(0.0) / STANDARD_GRAVITY_M_PER_S2).powf(2.5);
-    let a = resultant.samples();
-    if a.len() < 2 {
-        return Metric::absent(&GSI, "the record has fewer than two samples");
-    }
-    let sum: f64 = a.iter().map(|&a| power(a)).sum::<f64>() - (power(a[0]) + power(a[a.len() - 1])) / 2.0;
-    Metric::with_value(&GSI, sum * resultant.dt_s()).over(resultant.t0_s(), resultant.end_s())
 }
 
 // The pair of samples with the largest `d^2.5/n^1.5`, d the change of V (in sampling intervals) over n intervals.
@@ -357,14 +346,6 @@ mod tests {
         assert_eq!(hic(&Signal::new(0.0, 1e-4, vec![-1.0; 9]).unwrap(), 0.015).value, Some(0.0));
         // Overflow is no number.
         assert!(hic(&Signal::new(0.0, 1e-4, vec![1e300; 9]).unwrap(), 0.015).value.is_none());
-    }
-
-    #[test]
-    fn the_severity_index_of_a_square_is_its_area() {
-        let gsi = gadd_severity_index(&square(60.0)).value.unwrap();
-        // Two flanks of one interval each, half a sample each by the trapezoid: 201 intervals.
-        // A sum of 201 equal terms: half a rounding each.
-        assert!((gsi / (60.0_f64.powf(2.5) * 0.0201) - 1.0).abs() < 201.0 * f64::EPSILON / 2.0);
     }
 
     #[test]

@@ -2,11 +2,10 @@
 
 use std::f64::consts::SQRT_2;
 
-use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal};
+use crumple_signal::{Acceleration, STANDARD_GRAVITY_M_PER_S2, Signal, phaseless_low_pass};
 
 use crate::metric::definitions::{ASI_1998, ASI_2010, ASI_2010_TWO_PASS};
 use crate::metric::grid::same_grid;
-use crate::roadside::butterworth::two_pass;
 use crate::sums::window_end;
 use crate::sums::{cumulative, in_samples};
 use crate::{Metric, MetricsError};
@@ -62,7 +61,7 @@ pub fn asi(
         // Both passes leave 1/(1 + r⁴) of a frequency r times the design frequency: 1/√2 at r = (√2 - 1)^(1/4).
         AsiMethod::ButterworthBothPasses => (&ASI_2010_TWO_PASS, CUTOFF_HZ / (SQRT_2 - 1.0).powf(0.25)),
     };
-    let smooth = |signal: &Signal<Acceleration>| two_pass(signal.samples(), dt, frequency_hz);
+    let smooth = |signal: &Signal<Acceleration>| phaseless_low_pass(signal.samples(), dt, frequency_hz);
     let (Some(x_smooth), Some(y_smooth), Some(z_smooth)) = (smooth(x), smooth(y), smooth(z)) else {
         return Ok(Metric::absent(definition, "the record is too short or its rate too low for a 13 Hz filter"));
     };

@@ -1,5 +1,4 @@
 //! Criteria of roadside hardware: ASI, THIV, PHD, OIV, ORA.
 
 pub mod asi;
-pub mod butterworth;
 pub mod flail_space;

@@ -1,19 +1,20 @@
 //! The four rear-seat channels of a real barrier test, NHTSA 10146: the spread that a single channel hides.
 
-use crumple_filter::{Cfc, Coefficients, Mode, filter_both_ways, pre_event};
-use crumple_integrate::{Rule, integrate_twice};
 use crumple_metrics::{Metric, Pulse, crash_events, over_channels, pulse_metrics};
-use crumple_signal::{PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal};
+use crumple_signal::{
+    Cfc, CfcMode, Coefficients, IntegrationRule, PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal,
+    filter_both_ways, integrate_twice, pre_event,
+};
 use crumple_testkit::reference_signals::two_columns;
 
 fn metrics(record: &Sampled) -> Vec<Metric> {
-    let bias = pre_event(record, PreEventWindow::default()).unwrap().unwrap().zero_level;
-    let coefficients = Coefficients::new(Cfc::Cfc60, Mode::Iso6487, record.dt_s());
+    let bias = pre_event(record, PreEventWindow::default()).unwrap().zero_level;
+    let coefficients = Coefficients::new(Cfc::Cfc60, CfcMode::Iso6487, record.dt_s());
     let filtered = filter_both_ways(record.samples(), bias, &coefficients).unwrap();
     let zero = record.index_at_or_after(0.0);
     let a = Signal::new(0.0, record.dt_s(), filtered[zero..].to_vec()).unwrap();
     let v0 = 57.09 / 3.6;
-    let (v, x) = integrate_twice(a.samples(), a.dt_s(), Rule::Trapezoid, v0, 0.0);
+    let (v, x) = integrate_twice(a.samples(), a.dt_s(), IntegrationRule::Trapezoid, v0, 0.0);
     let (v, x) = (Signal::new(0.0, a.dt_s(), v).unwrap(), Signal::new(0.0, a.dt_s(), x).unwrap());
     let events = crash_events(&v, &x, 0.0).unwrap();
     pulse_metrics(&Pulse {

@@ -11,7 +11,7 @@ mod model;
 mod responses;
 
 pub use conversion::continuous::{Continuous, InputHold, to_continuous};
-pub use conversion::first_order_hold::{FirstOrderHold, discretize_first_order_hold, undo_first_order_hold};
+pub use conversion::first_order_hold::{FirstOrderHold, discretize_first_order_hold};
 pub use conversion::to_transfer_function::to_transfer_function;
 pub use conversion::zero_order_hold::{discretize_zero_order_hold, undo_zero_order_hold};
 pub use error::LtiError;

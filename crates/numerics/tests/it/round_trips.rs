@@ -2,7 +2,7 @@
 
 use crumple_numerics::lti::{
     InputHold, LtiError, StateSpace, discretize_first_order_hold, discretize_zero_order_hold, to_continuous,
-    undo_first_order_hold, undo_zero_order_hold,
+    undo_zero_order_hold,
 };
 use nalgebra::{DMatrix, dmatrix};
 use proptest::prelude::*;
@@ -17,9 +17,13 @@ fn first_order(model: &StateSpace, dt_s: f64) -> Result<StateSpace, LtiError> {
     discretize_first_order_hold(model, dt_s)?.state_space()
 }
 
+fn undo_first_order(model: &StateSpace) -> Result<StateSpace, LtiError> {
+    to_continuous(model, InputHold::First).map(|continuous| continuous.model)
+}
+
 const RULES: [Rule; 2] = [
     ("zero-order hold", discretize_zero_order_hold, undo_zero_order_hold),
-    ("first-order hold", first_order, undo_first_order_hold),
+    ("first-order hold", first_order, undo_first_order),
 ];
 
 /// Largest difference of any matrix, relative to its norm.

@@ -192,11 +192,11 @@ pub fn sensor_wave(
                 .hint("leave wall out of sensors")
                 .into());
         };
-        return Ok(SensorWave { place, channel, record, measurement: steps.into(), quantity: FitQuantity::Force });
+        return Ok(SensorWave { place, channel, record, measurement: steps, quantity: FitQuantity::Force });
     }
     let quantity = settings.solve.quantity;
     let record = motion(input, &channel, quantity, mass_kg)?;
-    let measurement = input.recording_steps(events, &channel, &record)?.into();
+    let measurement = input.recording_steps(events, &channel, &record)?;
     Ok(SensorWave { place, channel, record, measurement, quantity })
 }
 
@@ -299,7 +299,7 @@ impl Record {
             .map(Wave::signal::<Displacement>)
             .transpose()
             .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?
-            .map(|x| input.recording_steps(events, &events.channel, &x).map(|steps| (x, steps.into())))
+            .map(|x| input.recording_steps(events, &events.channel, &x).map(|steps| (x, steps)))
             .transpose()?;
         let sensors = sensor_waves(settings, input, events, mass_kg)?;
         Ok(Self { mass_kg, impact_speed_m_per_s, displacement, sensors })

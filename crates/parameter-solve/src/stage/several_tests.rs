@@ -115,7 +115,7 @@ fn read<'a>(
     let record = Record::read(settings, input, &described, &events, out).map_err(of_test)?;
     let acceleration = motion(input, &events.channel, FitQuantity::Acceleration, record.mass_kg).ok();
     let acceleration = acceleration
-        .map(|wave| input.recording_steps(&events, &events.channel, &wave).map(|steps| (wave, steps.into())))
+        .map(|wave| input.recording_steps(&events, &events.channel, &wave).map(|steps| (wave, steps)))
         .transpose()
         .map_err(of_test)?;
     Ok(OneTest { name, input, described, events, record, acceleration })

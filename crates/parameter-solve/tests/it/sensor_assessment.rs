@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
-use crumple_lumped_fit::{FitQuantity, IntegrationRule, Measurement, TwoPassFilter};
+use crumple_lumped_fit::{FitQuantity, IntegrationRule, MeasureModel, Measurement, TwoPassFilter};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
 const V0: f64 = 15.0;
@@ -57,7 +57,7 @@ fn write_record_with(path: &Path, gain_in_front: f64, restitution: f64) {
         samples: BEFORE + 1501,
         filter: Some(filter),
         from_contact: false,
-        rule: IntegrationRule::Trapezoid,
+        rule: Some(IntegrationRule::Trapezoid),
         before_event: None,
     };
     let mut builder = ArtifactBuilder::new();

@@ -1,8 +1,8 @@
 //! What comes out of an impact: crush, its time, change of velocity, restitution, peak, occupant load criterion.
 
 use crumple_lumped::{HORIZON_S, Instants, Motion, Structure};
-use crumple_metrics::{OlcOptions, olc, through_class};
-use crumple_signal::Signal;
+use crumple_metrics::{OlcOptions, olc};
+use crumple_signal::{Cfc, Signal, through_class};
 
 use crate::error::PredictError;
 
@@ -13,7 +13,7 @@ pub(crate) const WITHOUT_REBOUND_S: f64 = 0.25;
 /// Zero acceleration before contact, as a laboratory records it: the filter looks ahead.
 const BEFORE_CONTACT_S: f64 = 0.04;
 /// Channel frequency class of vehicle structures.
-const CLASS_HZ: f64 = 60.0;
+const CLASS: Cfc = Cfc::Cfc60;
 
 /// The numbers of an outcome, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -259,7 +259,7 @@ pub(crate) fn through_cfc_60(acceleration: &[f64], dt_s: f64) -> Option<Vec<f64>
     let before = (BEFORE_CONTACT_S / dt_s).round() as usize;
     let mut samples = vec![0.0; before];
     samples.extend_from_slice(acceleration);
-    let mut filtered = through_class(&samples, dt_s, CLASS_HZ)?;
+    let mut filtered = through_class(&samples, dt_s, CLASS)?;
     Some(filtered.split_off(before))
 }
 

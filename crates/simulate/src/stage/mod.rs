@@ -72,7 +72,7 @@ impl Stage for Simulate {
             time_zero_s: events.time_zero_s,
             impact_speed_m_per_s,
             displacement: &displacement,
-            measurement: input.recording_steps(&events, channel, &displacement)?.into(),
+            measurement: input.recording_steps(&events, channel, &displacement)?,
             velocity: velocity.as_deref(),
             acceleration: acceleration.as_deref(),
             dynamic_crush_m: events.dynamic_crush_m,
@@ -210,9 +210,9 @@ fn write_stated(
 
 /// The force on the wall from contact to separation; without separation to the end of the record.
 fn wall_force(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<WallForce>> {
-    let Some((force, steps)) = input.wall_force(events)? else { return Ok(None) };
+    let Some((force, measurement)) = input.wall_force(events)? else { return Ok(None) };
     let to_s = events.end_of_contact_s(force.end_s());
-    Ok(WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok())
+    Ok(WallForce::new(&force, events.time_zero_s, measurement, to_s).ok())
 }
 
 /// What every simulation of a test is compared with.

@@ -1,16 +1,17 @@
 //! What the artifacts say of how the motion of a channel came about.
 
 use crumple_artifact::records::{ChannelFilterV1, EventsV1, TestV1};
-use crumple_signal::{Acceleration, BeforeEvent, RecordingSteps, Sampled};
+use crumple_signal::{Acceleration, BeforeEvent, IntegrationRule, Measurement, Sampled, TwoPassFilter};
 
 use crate::artifacts::inputs::Inputs;
 use crate::error::RefuseExt;
 
 /// The coefficients of a channel class filter and the samples mirrored before it; `None` of any other.
-pub(crate) fn class_filter(record: &ChannelFilterV1) -> Option<([f64; 5], usize)> {
+pub(crate) fn class_filter(record: &ChannelFilterV1) -> Option<TwoPassFilter> {
     let is_class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
     let coefficients: [f64; 5] = record.coefficients.clone().try_into().ok()?;
-    (is_class && record.cfc.is_some()).then_some((coefficients, record.samples_added as usize))
+    (is_class && record.cfc.is_some())
+        .then_some(TwoPassFilter { coefficients, samples_added: record.samples_added as usize })
 }
 
 /// Whether both have one interval, and samples at the same instants where they overlap.
@@ -24,13 +25,8 @@ impl Inputs {
     /// events: all channels are integrated alike.
     ///
     /// Known are CFC filters with their coefficients, no filter, the trapezoidal rule and forward Euler, at the rate of
-    /// the record. Errors: a record that cannot be read.
-    pub fn recording_steps(
-        &self,
-        events: &EventsV1,
-        channel: &str,
-        motion: &Sampled,
-    ) -> anyhow::Result<RecordingSteps> {
+    /// the record; else the measurement is exact. Errors: a record that cannot be read.
+    pub fn recording_steps(&self, events: &EventsV1, channel: &str, motion: &Sampled) -> anyhow::Result<Measurement> {
         let record: Option<ChannelFilterV1> = self.record_if(&format!("/filter/{channel}"))?;
         let acceleration = self
             .wave_if(channel)
@@ -48,22 +44,23 @@ impl Inputs {
         let recorded = test.iter().flat_map(|test| &test.channels).find(|recorded| recorded.id == channel);
         let unfiltered = untouched && recorded.and_then(|recorded| recorded.cfc).is_none();
         let as_sampled = record.as_ref().is_some_and(|r| r.resampled_to_hz.is_none());
-        let rule = events.rule.as_deref();
-        let known = acceleration.is_some()
-            && as_sampled
-            && (filter.is_some() || unfiltered)
-            && matches!(rule, None | Some("trapezoid" | "forward-euler"));
-        let end_s = filter.map_or(0.0, |(_, added)| added as f64 * dt_s);
+        let rule = match events.rule.as_deref() {
+            None | Some("trapezoid") => Some(IntegrationRule::Trapezoid),
+            Some("forward-euler") => Some(IntegrationRule::ForwardEuler),
+            Some(_) => None,
+        };
+        let known = acceleration.is_some() && as_sampled && (filter.is_some() || unfiltered);
+        let end_s = filter.map_or(0.0, |filter| filter.samples_added as f64 * dt_s);
         let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, events.time_zero_s, end_s));
-        Ok(RecordingSteps {
+        let measurement = Measurement {
             dt_s,
             first_s: t0_s - events.time_zero_s,
             samples,
-            two_pass_filter: filter.filter(|_| known),
+            filter,
             from_contact: events.start.as_deref() != Some("record-start"),
-            forward_euler: rule == Some("forward-euler"),
+            rule,
             before_event,
-            known,
-        })
+        };
+        Ok(if known && rule.is_some() { measurement } else { measurement.exact() })
     }
 }

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance, put_json};
-use crumple_signal::{QuantityKind, RecordingSteps, Sampled};
+use crumple_signal::{IntegrationRule, Measurement, QuantityKind, Sampled, TwoPassFilter};
 use crumple_stage::records::{ChannelFilterV1, EventsV1, TestV1};
 use crumple_stage::{Inputs, Record, Tests, artifacts_of_a_run, load_artifacts, load_tests};
 use serde_json::{Value, json};
 
 const DT_S: f64 = 1e-3;
 const COEFFICIENTS: [f64; 5] = [0.1, 0.2, 0.1, 0.5, -0.2];
+const FILTER: TwoPassFilter = TwoPassFilter { coefficients: COEFFICIENTS, samples_added: 10 };
 
 /// A filter of CFC 60 on a channel.
 fn class_filter() -> Value {
@@ -70,20 +71,20 @@ fn events(rule: Option<&str>, start: &str) -> EventsV1 {
     }
 }
 
-fn steps(filter: Option<Value>, dt_s: f64, events: &EventsV1) -> RecordingSteps {
+fn steps(filter: Option<Value>, dt_s: f64, events: &EventsV1) -> Measurement {
     inputs(filter, dt_s).recording_steps(events, "1", &wave(DT_S)).unwrap()
 }
 
 #[test]
 fn a_class_filter_with_its_coefficients_is_known() {
     let found = steps(Some(class_filter()), DT_S, &events(Some("trapezoid"), "contact"));
-    assert_eq!(found.two_pass_filter, Some((COEFFICIENTS, 10)));
-    assert!(found.known && found.from_contact && !found.forward_euler, "{found:?}");
+    assert_eq!(found.filter, Some(FILTER));
+    assert!(found.rule == Some(IntegrationRule::Trapezoid) && found.from_contact, "{found:?}");
     assert_eq!((found.dt_s, found.samples), (DT_S, 120));
     // The first sample is 50 ms before zero of the axis, contact 5 ms before it.
     assert!((found.first_s + 0.045).abs() < 1e-12, "{}", found.first_s);
     let euler = steps(Some(class_filter()), DT_S, &events(Some("forward-euler"), "record-start"));
-    assert!(euler.known && euler.forward_euler && !euler.from_contact, "{euler:?}");
+    assert!(euler.rule == Some(IntegrationRule::ForwardEuler) && !euler.from_contact, "{euler:?}");
     // What a filter mirrors at the first sample is left out of the noise before the event.
     let before = |filter: Value| steps(Some(filter), DT_S, &events(None, "contact")).before_event;
     let (filtered, raw) = (before(class_filter()).unwrap(), before(no_filter()).unwrap());
@@ -94,7 +95,7 @@ fn a_class_filter_with_its_coefficients_is_known() {
 fn no_filter_is_known_too_and_a_foreign_one_or_another_rate_or_rule_is_not() {
     let trapezoid = events(Some("trapezoid"), "contact");
     let untouched = steps(Some(no_filter()), DT_S, &trapezoid);
-    assert!(untouched.known && untouched.two_pass_filter.is_none(), "{untouched:?}");
+    assert!(!untouched.is_exact() && untouched.filter.is_none(), "{untouched:?}");
     let mut foreign = class_filter();
     foreign["mode"] = json!("butterworth");
     let mut of_no_class = class_filter();
@@ -105,12 +106,12 @@ fn no_filter_is_known_too_and_a_foreign_one_or_another_rate_or_rule_is_not() {
     resampled["resampled_to_hz"] = json!(1000.0);
     for filter in [Some(foreign), Some(of_no_class), Some(moving), Some(resampled), None] {
         let found = steps(filter.clone(), DT_S, &trapezoid);
-        assert!(!found.known && found.two_pass_filter.is_none(), "{filter:?}");
+        assert!(found.is_exact() && found.filter.is_none(), "{filter:?}");
     }
-    assert!(!steps(Some(class_filter()), DT_S, &events(Some("simpson"), "contact")).known);
+    assert!(steps(Some(class_filter()), DT_S, &events(Some("simpson"), "contact")).is_exact());
     // The acceleration at half the rate of the motion is not what the motion was made from.
     let other = steps(Some(class_filter()), 2.0 * DT_S, &trapezoid);
-    assert!(!other.known && other.before_event.is_none() && other.dt_s == DT_S, "{other:?}");
+    assert!(other.is_exact() && other.before_event.is_none() && other.dt_s == DT_S, "{other:?}");
 }
 
 #[test]
@@ -123,11 +124,11 @@ fn a_channel_filtered_before_it_was_recorded_is_not_unfiltered() {
         [("/test", TestV1::SCHEMA, test("blake3:aa", &[sensor])), ("/filter/1", ChannelFilterV1::SCHEMA, no_filter())];
     write(&path, "filter", &records, &[("1", QuantityKind::Acceleration, DT_S)]);
     let inputs = load_artifacts(&[path]).unwrap().input;
-    assert!(!inputs.recording_steps(&events(None, "contact"), "1", &wave(DT_S)).unwrap().known);
+    assert!(inputs.recording_steps(&events(None, "contact"), "1", &wave(DT_S)).unwrap().is_exact());
 }
 
 /// The force on the wall of two cells and a belt, each with its filter.
-fn wall(filters: [Option<Value>; 2], of_the_belt: Option<Value>) -> Option<(Sampled, RecordingSteps)> {
+fn wall(filters: [Option<Value>; 2], of_the_belt: Option<Value>) -> Option<(Sampled, Measurement)> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("3-integrate.mcap");
     let channels = [
@@ -155,14 +156,14 @@ fn the_force_on_the_wall_is_known_where_all_cells_went_through_one_filter() {
     let mut resampled = class_filter();
     resampled["resampled_to_hz"] = json!(1000.0);
     let (force, steps) = wall([Some(class_filter()), Some(class_filter())], Some(other.clone())).unwrap();
-    assert_eq!((force.len(), steps.samples, steps.two_pass_filter), (120, 120, Some((COEFFICIENTS, 10))));
-    assert!(steps.known && !steps.from_contact && (steps.first_s + 0.045).abs() < 1e-12, "{steps:?}");
-    assert!(wall([Some(class_filter()), None], None).unwrap().1.known, "a cell without data has no filter");
+    assert_eq!((force.len(), steps.samples, steps.filter), (120, 120, Some(FILTER)));
+    assert!(!steps.is_exact() && !steps.from_contact && (steps.first_s + 0.045).abs() < 1e-12, "{steps:?}");
+    assert!(!wall([Some(class_filter()), None], None).unwrap().1.is_exact(), "a cell without data has no filter");
     for second in [other, resampled, no_filter()] {
         let steps = wall([Some(class_filter()), Some(second.clone())], None).unwrap().1;
-        assert!(!steps.known && steps.two_pass_filter.is_none(), "{second}");
+        assert!(steps.is_exact() && steps.filter.is_none(), "{second}");
     }
-    assert!(!wall([None, None], None).unwrap().1.known);
+    assert!(wall([None, None], None).unwrap().1.is_exact());
     assert!(inputs(None, DT_S).wall_force(&events(None, "contact")).unwrap().is_none(), "no load cells");
 }
 

@@ -16,15 +16,12 @@ pub const FILTER: &[(&str, &str)] = &[
     ("sae", "--mode=sae_reflect --cfc=1000"),
     ("none", "--cfc=none --zero-level=none"),
     ("window", "--zero-level-from=-40ms --zero-level-to=-20ms"),
-    ("low", "--butterworth=low --order=2 --cutoff=100Hz"),
-    ("high", "--butterworth=high --order=3 --cutoff=20Hz --phase=causal"),
-    ("band", "--butterworth=band --order=3 --cutoff=20Hz --cutoff-high=200Hz"),
-    ("moving-average", "--moving-average=3ms"),
+    ("low", "--order=2 --cutoff=100Hz"),
+    ("causal", "--order=3 --cutoff=100Hz --phase=causal"),
     ("resampled", "--resample=8kHz"),
     ("resampled-lines", "--resample=5kHz --interpolation=linear"),
-    ("aligned", "--align-to=10SECMLERE00ACXP --align-within=2ms"),
     ("passed", "--channels=1?SECM*X? --pass=10ENGN000000ACXP"),
-    ("refused-order", "--butterworth=low --order=13 --cutoff=100Hz"),
+    ("refused-order", "--order=13 --cutoff=100Hz"),
     ("usage-class", "--cfc=61"),
 ];
 

@@ -1,12 +1,12 @@
 //! The force on a load-cell barrier, and its impulse against the change of momentum.
 
-use crumple_integrate::{CellSum, Motion, impulse_n_s, sum_of_cells};
+use crumple_integrate::{CellSum, impulse_n_s, sum_of_cells};
 use crumple_metrics::definitions::{
     BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MOMENTUM_RATIO,
     WALL_INITIAL_STIFFNESS,
 };
 use crumple_metrics::{KW400_TO_M, Metric, wall_stiffness};
-use crumple_signal::{About, Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription, Weight};
+use crumple_signal::{About, Axis, Channel, ChannelStatus, Motion, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::records::{ChannelFilterV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 

@@ -1,7 +1,7 @@
 //! The motion of one channel and everything read off it.
 
-use crumple_integrate::{Drift, Motion};
 use crumple_metrics::{CrashEvents, Interval, Metric};
+use crumple_signal::{Drift, Motion};
 
 /// A channel that was integrated.
 pub struct Integrated {

@@ -2,13 +2,11 @@
 
 use std::cell::RefCell;
 
-use crumple_integrate::{
-    Drift, IntegrateError, Intervals, MOST_SAMPLES, Motion, Settings, barrier_force, events_of, integrate_reporting,
-    integrate_without_drift, propagate,
-};
+use crumple_integrate::{Intervals, MOST_SAMPLES, barrier_force, events_of, propagate};
 use crumple_metrics::{Pulse, pulse_metrics};
 use crumple_signal::{
-    About, Acceleration, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight,
+    About, Acceleration, Channel, Drift, IntegrateError, IntegrationSettings, Motion, Notes, QuantityKind,
+    STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight, integrate_reporting, integrate_without_drift,
 };
 use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{Inputs, Output, RefuseExt};
@@ -38,7 +36,7 @@ impl ChannelIntegration<'_> {
         out: &mut Output,
     ) -> anyhow::Result<Integrated> {
         let impact_speed_m_per_s = self.impact_speed_m_per_s.unwrap_or(0.0);
-        let settings = Settings {
+        let settings = IntegrationSettings {
             rule: self.settings.rule,
             start: self.settings.start,
             time_zero_s: self.time_zero_s,
@@ -93,7 +91,7 @@ impl ChannelIntegration<'_> {
         &self,
         acceleration: &Signal<Acceleration>,
         motion: &Motion,
-        settings: &Settings,
+        settings: &IntegrationSettings,
         out: &mut Output,
     ) -> Option<Intervals> {
         // An interval of a change of velocity from an unknown speed would have no speed to vary.

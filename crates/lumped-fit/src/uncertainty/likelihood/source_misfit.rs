@@ -418,7 +418,7 @@ pub(crate) mod tests {
 
     use crate::fit::as_measured::fit_as_measured;
     use crate::record::sensor_noise::tests::recorded_noise;
-    use crate::{AssessmentOptions, Intervals, Observation, assess, free_parameters};
+    use crate::{AssessmentOptions, Intervals, MeasureModel, Observation, assess, free_parameters};
 
     pub(crate) const IMPACT_SPEED_M_PER_S: f64 = 13.4;
     pub(crate) const CRUSH_M: f64 = 0.6;

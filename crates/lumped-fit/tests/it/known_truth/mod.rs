@@ -8,7 +8,7 @@ use std::path::Path;
 use crumple_lumped::{Elastoplastic, Kelvin, Maxwell, Model};
 use crumple_lumped_fit::{
     Assessment, AssessmentOptions, Candidate, FollowedEvents, InputUncertainty, IntegrationRule, MassSplit,
-    Measurement, Minimum, Observation, SolveSettings, TestData, TwoPassFilter, assess, fit_as_measured,
+    MeasureModel, Measurement, Minimum, Observation, SolveSettings, TestData, TwoPassFilter, assess, fit_as_measured,
     free_parameters, perturbed, propagate, repeat, solve,
 };
 use crumple_signal::{Displacement, Notes, Signal};
@@ -148,7 +148,7 @@ fn measurement(truth: &Truth) -> Measurement {
         samples: truth.before + truth.samples,
         filter: Some(cfc_60(truth.dt_s)),
         from_contact: false,
-        rule: IntegrationRule::Trapezoid,
+        rule: Some(IntegrationRule::Trapezoid),
         before_event: None,
     }
 }

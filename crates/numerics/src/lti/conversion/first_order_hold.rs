@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::lti::model::check_sample_time;
-use crate::lti::{InputHold, LtiError, StateSpace, matrix_exponential, to_continuous};
+use crate::lti::{LtiError, StateSpace, matrix_exponential};
 
 /// A sampled model driven by this sample of the input and the next:
 /// `x[k+1] = a x[k] + b_now u[k] + b_next u[k+1]`, `y[k] = c x[k] + d u[k]`.
@@ -50,16 +50,6 @@ pub fn discretize_first_order_hold(model: &StateSpace, dt_s: f64) -> Result<Firs
         d: model.d.clone(),
         sample_time_s: dt_s,
     })
-}
-
-/// The continuous model of which a sampled one (in the form of [`FirstOrderHold::state_space`]) is the first-order-hold
-/// discretisation. Errors: a real pole `z <= 0` ([`LtiError::NegativeRealEigenvalue`]).
-pub fn undo_first_order_hold(model: &StateSpace) -> Result<StateSpace, LtiError> {
-    let continuous = to_continuous(model, InputHold::First)?;
-    match continuous.conjugated.first() {
-        Some(&re) => Err(LtiError::NegativeRealEigenvalue { re }),
-        None => Ok(continuous.model),
-    }
 }
 
 impl FirstOrderHold {

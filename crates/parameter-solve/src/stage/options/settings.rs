@@ -2,8 +2,8 @@
 
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
-    DEFAULT_MODELS, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS, MassFit, MassSplit,
-    Method, ONE_MASS_RATE_S_PER_M, REPETITIONS, SelectionRules, SensorPlace, SolveSettings,
+    DEFAULT_MODELS, FRONT_MASS_FRACTION, FireflyOptions, FireflyUnits, FitQuantity, LShadeOptions, METHODS, MODELS,
+    MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M, REPETITIONS, SelectionRules, SensorPlace, SolveSettings,
 };
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, nearest};
@@ -12,11 +12,6 @@ use crate::stage::options::assessment::AssessmentSettings;
 use crate::stage::options::chain_table::FittedChain;
 use crate::stage::options::flags::Options;
 
-/// Samples fitted at most, and starts of a fit: enough for four parameters, see the fit's documentation.
-const FIT_SAMPLES: usize = 250;
-const FIT_STARTS: usize = 24;
-/// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
-const FRONT_MASS_FRACTION: f64 = 0.25;
 /// Between 15 and 35 % in front, transverse engines and long fronts alike.
 const FRONT_MASS_UNCERTAINTY: f64 = 0.1;
 
@@ -113,9 +108,8 @@ impl TryFrom<Options> for StageSettings {
             split,
             fit_from_s: options.fit_from.map_or(0.0, Time::si),
             fit_to_s: options.fit_to.map(Time::si),
-            fit_samples: FIT_SAMPLES,
-            fit_starts: FIT_STARTS,
             firefly,
+            ..SolveSettings::default()
         };
         let assessment = assessment_settings(&options)?;
         let selection = selection_rules(&options)?;

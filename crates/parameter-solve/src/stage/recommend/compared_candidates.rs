@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{HORIZON_S, ParameterKind, Structure, parameter_kind, structure_of};
 use crumple_lumped_fit::{
-    ComparedCandidate, ComparedRecord, ComparedWave, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement,
-    Observation, ObservedWave, OwnTestErrors, SensorPlace, WallForce, crush_error_at_lower_speeds, least_without_shift,
-    slow_misfit, without_shift,
+    ComparedCandidate, ComparedRecord, ComparedWave, EnergyClass, FitQuantity, Impact, LeastMisfit, Observation,
+    ObservedWave, OwnTestErrors, SensorPlace, WallForce, crush_error_at_lower_speeds, least_without_shift, slow_misfit,
+    without_shift,
 };
 use crumple_signal::{Displacement, Notes, Sampled};
 use crumple_stage::records::{CandidateV1, Certainty, EventsV1};
@@ -100,7 +100,7 @@ impl Comparison {
         let acceleration_of = |channel: &str| motion(input, channel, FitQuantity::Acceleration, mass_kg).ok();
         let Some(acceleration) = acceleration_of(channel) else { return Ok(None) };
         let observe = |channel: &str, wave: &Sampled, quantity: FitQuantity| -> anyhow::Result<Option<Observation>> {
-            let measurement: Measurement = input.recording_steps(events, channel, wave)?.into();
+            let measurement = input.recording_steps(events, channel, wave)?;
             let (window, what) = ((settings.solve.fit_from_s, to_s), (None, quantity));
             let wave = ObservedWave::new(wave, what, events.time_zero_s, measurement, window, usize::MAX).ok();
             Ok(wave.map(|wave| Observation { impact_speed_m_per_s, waves: vec![wave] }))
@@ -129,7 +129,7 @@ impl Comparison {
         }
         let wall = input.wall_force(events)?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
-            WallForce::new(&force, events.time_zero_s, steps.into(), to_s).ok()
+            WallForce::new(&force, events.time_zero_s, steps, to_s).ok()
         });
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
             tests: vec![ComparedTest {

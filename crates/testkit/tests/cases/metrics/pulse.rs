@@ -1,11 +1,12 @@
 //! Motion and indices of one pulse.
 
-use crumple_integrate::{Rule, integrate_twice};
 use crumple_metrics::{
     CrashEvents, CrushStiffness, Metric, OlcOptions, Pulse, VpiOptions, crash_events, energy_equivalent_speed,
     pulse_metrics,
 };
-use crumple_signal::{Acceleration, Displacement, STANDARD_GRAVITY_M_PER_S2, Signal, Velocity};
+use crumple_signal::{
+    Acceleration, Displacement, IntegrationRule, STANDARD_GRAVITY_M_PER_S2, Signal, Velocity, integrate_twice,
+};
 use crumple_testkit::reference_signals::{list, number};
 
 use crate::metrics::check::Check;
@@ -22,7 +23,7 @@ pub struct Motion {
 impl Motion {
     pub fn new(acceleration: Signal<Acceleration>, v0: f64) -> Self {
         let (t0, dt) = (acceleration.t0_s(), acceleration.dt_s());
-        let (v, x) = integrate_twice(acceleration.samples(), dt, Rule::Trapezoid, v0, 0.0);
+        let (v, x) = integrate_twice(acceleration.samples(), dt, IntegrationRule::Trapezoid, v0, 0.0);
         let velocity = Signal::new(t0, dt, v).unwrap();
         let displacement = Signal::new(t0, dt, x).unwrap();
         let events = crash_events(&velocity, &displacement, 0.0).unwrap();

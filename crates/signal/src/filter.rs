@@ -1,46 +1,58 @@
 //! Filters one channel: zero level, sampling rate, filter, and what a reader should know.
 
-use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, Weight};
 use serde::Serialize;
 
 use crate::butterworth::sections_extension;
-use crate::cfc::corridor::corridor;
-use crate::cfc::zero_phase::Report;
-use crate::samples::moving_average::{moving_average, samples_of_width};
+use crate::zero_phase::Report;
 use crate::{
-    Butterworth, Cfc, Class, Coefficients, Design, FilterError, Mode, Phase, ZeroLevel, filter_both_ways_into,
-    pre_event, run_sections, samples_added,
+    About, Butterworth, Cfc, CfcMode, Class, Coefficients, Design, FilterError, Notes, Phase, PreEventWindow,
+    STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, corridor, filter_both_ways_into, pre_event, run_sections,
+    samples_added,
 };
+
+/// What is done about the zero level of a channel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ZeroLevel {
+    /// The samples stay as they are.
+    None,
+    /// The mean of the pre-event samples is subtracted.
+    PreEvent(PreEventWindow),
+    /// Of an acceleration in free fall before the event its level at rest, which is subtracted
+    /// ([`free_fall`](crate::free_fall)).
+    AtRest(f64),
+}
+
+impl Default for ZeroLevel {
+    fn default() -> Self {
+        Self::PreEvent(PreEventWindow::default())
+    }
+}
 
 /// How channels are filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Settings {
+pub struct FilterSettings {
     /// Class to filter to; default CFC 60.
     #[serde(rename = "cfc")]
     pub class: Class,
     /// Standard; default ISO 6487.
-    pub mode: Mode,
+    pub mode: CfcMode,
     /// Zero level; default: the mean before the event is removed.
     pub zero_level: ZeroLevel,
     /// A filter in the place of the class; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub instead: Option<Instead>,
+    pub butterworth: Option<Butterworth>,
 }
 
-impl Default for Settings {
+impl Default for FilterSettings {
     fn default() -> Self {
-        Self { class: Class::Cfc(Cfc::Cfc60), mode: Mode::default(), zero_level: ZeroLevel::default(), instead: None }
+        Self {
+            class: Class::Cfc(Cfc::Cfc60),
+            mode: CfcMode::default(),
+            zero_level: ZeroLevel::default(),
+            butterworth: None,
+        }
     }
-}
-
-/// A filter that takes the place of a class.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Instead {
-    /// A Butterworth filter.
-    Butterworth(Butterworth),
-    /// A centred moving average of a width, s.
-    MovingAverage(f64),
 }
 
 /// The filter that was run.
@@ -62,13 +74,6 @@ pub enum Applied {
         /// Samples mirrored at each end.
         samples_added: usize,
     },
-    /// A moving average.
-    MovingAverage {
-        /// Samples it goes over.
-        samples: usize,
-        /// The same, s.
-        width_s: f64,
-    },
 }
 
 impl Applied {
@@ -84,7 +89,6 @@ impl Applied {
     pub fn samples_added(&self) -> usize {
         match self {
             Self::Class { samples_added, .. } | Self::Butterworth { samples_added, .. } => *samples_added,
-            Self::MovingAverage { .. } => 0,
         }
     }
 
@@ -92,8 +96,7 @@ impl Applied {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Class { coefficients, .. } => coefficients.mode().name(),
-            Self::Butterworth { design, .. } => design.asked.pass.name(),
-            Self::MovingAverage { .. } => "moving-average",
+            Self::Butterworth { .. } => "butterworth-low",
         }
     }
 
@@ -101,7 +104,7 @@ impl Applied {
     pub fn phase(&self) -> Phase {
         match self {
             Self::Butterworth { design, .. } => design.asked.phase,
-            Self::Class { .. } | Self::MovingAverage { .. } => Phase::Zero,
+            Self::Class { .. } => Phase::Zero,
         }
     }
 }
@@ -127,17 +130,18 @@ pub struct Filtered {
 /// `already_cfc` is the class the channel carries. One at or below the class asked for passes through with a note:
 /// filtering again would lower its cut-off, and nothing brings lost frequencies back. Without 10 ms of pre-event data
 /// the zero level is left alone, with a warning. Refuses a sampling rate below ten times the class (SAE J211-1),
-/// notes one below twenty times, warns of a response outside the limits of the class. With [`Settings::instead`] the
-/// class is not looked at: neither the one asked for nor the one the channel carries.
+/// notes one below twenty times, warns of a response outside the limits of the class. With
+/// [`FilterSettings::butterworth`] the class is not looked at: neither the one asked for nor the one the channel
+/// carries.
 ///
 /// The area of the record is kept but for its ends: the crush from CFC 60 and from CFC 180 agrees within 0.2 mm on
 /// four real channels. Rounding is about 1e-13 of the largest sample.
 ///
 /// # Errors
 /// A zero-level window that ends before it starts; a rate below ten times the class; fewer than four samples; a
-/// Butterworth filter that cannot be designed ([`Butterworth::design`]); a moving average wider than the record;
-/// samples so large that the result is not finite.
-pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) -> Result<Filtered, FilterError> {
+/// Butterworth filter that cannot be designed ([`Butterworth::design`]); samples so large that the result is not
+/// finite.
+pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &FilterSettings) -> Result<Filtered, FilterError> {
     filter_reporting(samples, already_cfc, settings, &|_| ())
 }
 
@@ -146,16 +150,26 @@ pub fn filter(samples: &Sampled, already_cfc: Option<u16>, settings: &Settings) 
 pub fn filter_reporting(
     samples: &Sampled,
     already_cfc: Option<u16>,
-    settings: &Settings,
+    settings: &FilterSettings,
     report: Report<'_>,
 ) -> Result<Filtered, FilterError> {
     let mut notes = Notes::new();
     let zero_level_removed = zero_level(samples, settings.zero_level, &mut notes)?;
-    if let Some(instead) = settings.instead {
-        let (values, applied) = run_instead(samples, zero_level_removed, instead, &mut notes)?;
+    let results = |values| Sampled::new(samples.t0_s(), samples.dt_s(), values).map_err(FilterError::Result);
+    if let Some(asked) = settings.butterworth {
+        let design = asked.design(samples.dt_s())?;
+        if asked.phase == Phase::Causal {
+            notes.concern(
+                About::Motion,
+                Weight::Marked,
+                "the filter is causal: events come late, times and crush are not those of the vehicle",
+            );
+        }
+        let filtered = results(run_sections(samples.samples(), zero_level_removed, &design))?;
         report(2 * samples.len() as u64);
-        let samples = Sampled::new(samples.t0_s(), samples.dt_s(), values).map_err(FilterError::Result)?;
-        return Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes });
+        let samples_added = sections_extension(samples.len(), &design);
+        let applied = Some(Applied::Butterworth { design, samples_added });
+        return Ok(Filtered { samples: filtered, applied, zero_level_removed, notes });
     }
 
     let cfc = match (settings.class, already_cfc) {
@@ -170,8 +184,7 @@ pub fn filter_reporting(
         report(2 * samples.len() as u64);
         let samples = match zero_level_removed {
             0.0 => samples.clone(),
-            zero => Sampled::new(samples.t0_s(), samples.dt_s(), samples.samples().iter().map(|x| x - zero).collect())
-                .map_err(FilterError::Result)?,
+            zero => results(samples.samples().iter().map(|x| x - zero).collect())?,
         };
         return Ok(Filtered { samples, applied: None, zero_level_removed, notes });
     };
@@ -190,44 +203,7 @@ pub fn filter_reporting(
     let mut output = Vec::new();
     filter_both_ways_into(samples.samples(), zero_level_removed, &coefficients, &mut output, report)?;
     let applied = Applied::Class { cfc, coefficients, samples_added: samples_added(samples.len(), &coefficients) };
-    let samples = Sampled::new(samples.t0_s(), samples.dt_s(), output).map_err(FilterError::Result)?;
-    Ok(Filtered { samples, applied: Some(applied), zero_level_removed, notes })
-}
-
-/// Runs the filter that takes the place of a class over the samples less `level`, and says which one it was: a
-/// causal filter is warned of, a moving average is noted with the width it has after rounding to an odd number of
-/// samples.
-fn run_instead(
-    samples: &Sampled,
-    level: f64,
-    instead: Instead,
-    notes: &mut Notes,
-) -> Result<(Vec<f64>, Applied), FilterError> {
-    match instead {
-        Instead::Butterworth(asked) => {
-            let design = asked.design(samples.dt_s())?;
-            let values = run_sections(samples.samples(), level, &design);
-            if asked.phase == Phase::Causal {
-                notes.concern(
-                    About::Motion,
-                    Weight::Marked,
-                    "the filter is causal: events come late, times and crush are not those of the vehicle",
-                );
-            }
-            let samples_added = sections_extension(samples.len(), &design);
-            Ok((values, Applied::Butterworth { design, samples_added }))
-        }
-        Instead::MovingAverage(width_s) => {
-            let width = samples_of_width(width_s, samples.dt_s());
-            if !(width_s.is_finite() && width_s > 0.0) || width > samples.len() {
-                return Err(FilterError::Width { width_s, record_s: samples.end_s() - samples.t0_s() });
-            }
-            let width_s = width as f64 * samples.dt_s();
-            notes.info(format!("moving average over {width} samples ({:.3} ms)", 1e3 * width_s));
-            let values = moving_average(samples.samples(), level, width);
-            Ok((values, Applied::MovingAverage { samples: width, width_s }))
-        }
-    }
+    Ok(Filtered { samples: results(output)?, applied: Some(applied), zero_level_removed, notes })
 }
 
 /// The level to subtract, unit of the samples. 0 with a warning where the record covers less than 10 ms of the window,
@@ -242,9 +218,12 @@ fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f
             ));
             return Ok(rest_level);
         }
+        ZeroLevel::PreEvent(PreEventWindow { from_s, to_s }) if to_s < from_s => {
+            return Err(FilterError::Window { from_s, to_s });
+        }
         ZeroLevel::PreEvent(window) => window,
     };
-    match pre_event(samples, window)? {
+    match pre_event(samples, window) {
         Some(pre_event) => {
             if pre_event.muted > 0 {
                 notes.info(format!(
@@ -293,7 +272,14 @@ fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Pass;
+
+    #[test]
+    fn refuses_a_window_that_ends_before_it_starts() {
+        let zero_level = ZeroLevel::PreEvent(PreEventWindow { from_s: -0.01, to_s: -0.05 });
+        let settings = FilterSettings { zero_level, ..FilterSettings::default() };
+        let error = filter(&record(10_000.0, 2000), None, &settings).unwrap_err();
+        assert_eq!(error.to_string(), "the zero level window ends at -0.05 s, before it starts at -0.01 s");
+    }
 
     fn record(rate_hz: f64, n: usize) -> Sampled {
         let dt_s = 1.0 / rate_hz;
@@ -302,7 +288,7 @@ mod tests {
 
     #[test]
     fn refuses_400_hz_for_cfc_60_with_the_rate_it_needs() {
-        let error = filter(&record(400.0, 200), None, &Settings::default()).unwrap_err();
+        let error = filter(&record(400.0, 200), None, &FilterSettings::default()).unwrap_err();
         assert_eq!(
             error.to_string(),
             "sampling rate 400 Hz is too low for cfc 60: at least 600 Hz (10 times the class) is needed"
@@ -311,18 +297,18 @@ mod tests {
 
     #[test]
     fn takes_exactly_ten_times_the_class_and_notes_it() {
-        let notes = filter(&record(600.0, 200), None, &Settings::default()).unwrap().notes.to_texts();
+        let notes = filter(&record(600.0, 200), None, &FilterSettings::default()).unwrap().notes.to_texts();
         assert_eq!(
             notes,
             ["sampling rate 600 Hz is only 10.0 times cfc 60: the -3 dB point lies at 105.4 Hz instead of 100.0 Hz"]
         );
-        assert!(filter(&record(1200.0, 200), None, &Settings::default()).unwrap().notes.is_empty());
+        assert!(filter(&record(1200.0, 200), None, &FilterSettings::default()).unwrap().notes.is_empty());
     }
 
     #[test]
     fn a_channel_of_the_class_or_below_passes_through_and_one_above_is_filtered() {
         let raw = record(10_000.0, 2000);
-        let untouched = Settings { zero_level: ZeroLevel::None, ..Settings::default() };
+        let untouched = FilterSettings { zero_level: ZeroLevel::None, ..FilterSettings::default() };
         for already in [30, 60] {
             let result = filter(&raw, Some(already), &untouched).unwrap();
             assert_eq!(result.samples, raw);
@@ -334,25 +320,19 @@ mod tests {
     }
 
     #[test]
-    fn a_butterworth_filter_or_a_moving_average_takes_the_place_of_the_class() {
-        let raw = record(10_000.0, 2000);
-        let asked = Butterworth { pass: Pass::Low(100.0), order: 4, phase: Phase::Causal };
-        let run = |instead| filter(&raw, Some(60), &Settings { instead: Some(instead), ..Settings::default() });
-        let result = run(Instead::Butterworth(asked)).unwrap();
+    fn a_butterworth_filter_takes_the_place_of_the_class() {
+        let asked = Butterworth { cutoff_hz: 100.0, order: 4, phase: Phase::Causal };
+        let settings = FilterSettings { butterworth: Some(asked), ..FilterSettings::default() };
+        let result = filter(&record(10_000.0, 2000), Some(60), &settings).unwrap();
         let applied = result.applied.unwrap();
         assert_eq!((applied.name(), applied.phase(), applied.samples_added()), ("butterworth-low", Phase::Causal, 0));
         assert!(result.notes.to_texts()[0].starts_with("warning: the filter is causal"));
-        let result = run(Instead::MovingAverage(2e-3)).unwrap();
-        assert_eq!(result.notes.to_texts(), ["moving average over 21 samples (2.100 ms)"]);
-        for width_s in [0.0, -1.0, f64::NAN, 1.0] {
-            assert!(matches!(run(Instead::MovingAverage(width_s)), Err(FilterError::Width { .. })));
-        }
     }
 
     #[test]
     fn no_class_only_removes_the_zero_level() {
         let raw = Sampled::new(-0.05, 1e-3, vec![2.5; 100]).unwrap();
-        let result = filter(&raw, None, &Settings { class: Class::None, ..Settings::default() }).unwrap();
+        let result = filter(&raw, None, &FilterSettings { class: Class::None, ..FilterSettings::default() }).unwrap();
         assert_eq!((result.zero_level_removed, result.applied), (2.5, None));
         assert!(result.samples.samples().iter().all(|x| *x == 0.0));
     }
@@ -360,7 +340,7 @@ mod tests {
     #[test]
     fn a_record_without_pre_event_data_keeps_its_zero_level_with_a_warning() {
         let raw = Sampled::new(0.0, 1e-4, vec![2.5; 100]).unwrap();
-        let result = filter(&raw, None, &Settings::default()).unwrap();
+        let result = filter(&raw, None, &FilterSettings::default()).unwrap();
         assert_eq!(result.zero_level_removed, 0.0);
         assert_eq!(
             result.notes.to_texts(),
@@ -373,9 +353,9 @@ mod tests {
         let g = STANDARD_GRAVITY_M_PER_S2;
         let level = |k: i32| if k < 500 { -g } else { 0.0 };
         let record = Sampled::new(-0.5, 1e-3, (0..1000).map(level).collect()).unwrap();
-        let window = crumple_signal::PreEventWindow::default();
+        let window = PreEventWindow::default();
         let removed = |zero_level| {
-            let settings = Settings { class: Class::None, zero_level, ..Settings::default() };
+            let settings = FilterSettings { class: Class::None, zero_level, ..FilterSettings::default() };
             let filtered = filter(&record, None, &settings).unwrap();
             (filtered.zero_level_removed, filtered.notes.to_texts())
         };
@@ -391,7 +371,7 @@ mod tests {
     fn a_muted_start_is_left_out_of_the_zero_level_and_said() {
         let at = |k: usize| if k < 200 { 0.0 } else { 2.5 };
         let raw = Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap();
-        let result = filter(&raw, None, &Settings { class: Class::None, ..Settings::default() }).unwrap();
+        let result = filter(&raw, None, &FilterSettings { class: Class::None, ..FilterSettings::default() }).unwrap();
         assert_eq!(result.zero_level_removed, 2.5);
         assert_eq!(
             result.notes.to_texts(),
@@ -402,6 +382,6 @@ mod tests {
     #[test]
     fn samples_near_the_largest_number_are_an_error_and_no_infinity() {
         let raw = Sampled::new(0.0, 1e-4, vec![f64::MAX, -f64::MAX, f64::MAX, -f64::MAX, f64::MAX]).unwrap();
-        assert!(matches!(filter(&raw, None, &Settings::default()), Err(FilterError::Result(_))));
+        assert!(matches!(filter(&raw, None, &FilterSettings::default()), Err(FilterError::Result(_))));
     }
 }

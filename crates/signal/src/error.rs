@@ -1,11 +1,9 @@
-//! Why a channel cannot be filtered.
-
-use crumple_signal::SignalError;
+//! Why a channel cannot be filtered, and why an acceleration cannot be integrated.
 
 use crate::butterworth::HIGHEST_ORDER;
-use crate::cfc::class::Cfc;
+use crate::{Cfc, SignalError};
 
-/// Why a channel cannot be filtered, resampled or aligned. In each case the result would be wrong or does not exist, so
+/// Why a channel cannot be filtered or resampled. In each case the result would be wrong or does not exist, so
 /// no option lets it pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FilterError {
@@ -55,22 +53,6 @@ pub enum FilterError {
         /// What the record has.
         rate_hz: f64,
     },
-    /// A band whose ends are exchanged.
-    #[error("the band from {low_hz} Hz to {high_hz} Hz is empty: its lower end must lie below its upper end")]
-    Band {
-        /// Lower end.
-        low_hz: f64,
-        /// Upper end.
-        high_hz: f64,
-    },
-    /// A moving average whose width is not a positive number, or that is longer than the record.
-    #[error("a moving average over {width_s} s does not fit a record of {record_s:.4} s")]
-    Width {
-        /// What was asked for.
-        width_s: f64,
-        /// Length of the record.
-        record_s: f64,
-    },
     /// A new sampling rate that is not a positive number, or more than 1000 times that of the record; the bound
     /// keeps the length of the result in proportion to the record.
     #[error("cannot resample from {} Hz to {to_hz} Hz: a positive rate up to 1000 times the record's is \
@@ -87,21 +69,6 @@ pub enum FilterError {
         /// How many there are.
         samples: usize,
     },
-    /// Two channels of different rates.
-    #[error(
-        "the channel is sampled at {} Hz, the one to align it to at {} Hz: one rate is needed",
-        short(*channel_hz), short(*reference_hz)
-    )]
-    Rates {
-        /// Rate of the channel.
-        channel_hz: f64,
-        /// Rate of the other.
-        reference_hz: f64,
-    },
-    /// One of two channels to align is zero throughout, or the sum of its squares overflows: the correlation
-    /// coefficient has no denominator then.
-    #[error("a channel to align has no signal: its samples are all zero or too large")]
-    NothingToAlign,
     /// The result is not a signal: the samples are so large that the filter overflows.
     #[error("the filtered channel is not a finite signal")]
     Result(#[source] SignalError),
@@ -110,4 +77,44 @@ pub enum FilterError {
 /// A rate in Hz, rounded to 0.001 Hz, as a person writes it: 1/0.0025 is 400, not 399.99999999999994.
 fn short(rate_hz: f64) -> f64 {
     (rate_hz * 1e3).round() / 1e3
+}
+
+/// Why an acceleration cannot be integrated. Each variant holds what was stated and what the record has, in SI units
+/// on the record's own time axis.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum IntegrateError {
+    /// The impact speed, m/s, is negative, infinite or no number; 0 is a motion from rest and allowed.
+    #[error("impact speed {0} m/s is negative or no number")]
+    ImpactSpeed(f64),
+    /// The mass, kg, is not a positive number, so that `F = -m·a` has no meaning.
+    #[error("mass {0} kg is not a positive number")]
+    Mass(f64),
+    /// The record does not cover time zero and what follows it: it needs two samples at or after time zero, and its
+    /// first sample may come no more than one interval late, because the speed there is known only at time zero.
+    #[error(
+        "time zero {time_zero_s} s needs two samples after it and a record that starts no later, \
+         the record runs from {first_s:.6} s to {last_s:.6} s"
+    )]
+    TimeZero {
+        /// Time zero on the record's axis.
+        time_zero_s: f64,
+        /// First sample.
+        first_s: f64,
+        /// Last sample.
+        last_s: f64,
+    },
+    /// The time of a known velocity is not in the motion, or is its first sample, where the velocity is given already
+    /// and a drift has done nothing yet.
+    #[error("the known velocity is stated at {time_s} s, the motion runs from {first_s:.6} s to {last_s:.6} s")]
+    EndCondition {
+        /// When it is stated, on the record's axis.
+        time_s: f64,
+        /// IntegrationStart of the motion.
+        first_s: f64,
+        /// Its end.
+        last_s: f64,
+    },
+    /// The result is not a signal: the samples are so large that the sum overflows.
+    #[error("the integrated channel is not a finite signal")]
+    Result(#[from] SignalError),
 }

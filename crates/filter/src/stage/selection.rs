@@ -1,10 +1,6 @@
 //! Which channels of a test are filtered, and to which class.
 
-use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
-
-use crate::Cfc;
-
-// Which channels of a test are filtered, and to which class a dummy or the barrier is.
+use crumple_signal::{Axis, Cfc, Channel, ChannelStatus, QuantityKind, TestDescription, part_of};
 
 /// Why a list of channels cannot be filtered.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -24,14 +20,6 @@ pub enum SelectionError {
         id: String,
         /// Why there is none.
         status: ChannelStatus,
-    },
-    /// One channel is needed, and the name means several.
-    #[error("{wanted:?} means several channels: {meant}")]
-    Several {
-        /// What was asked for.
-        wanted: String,
-        /// Those it means.
-        meant: String,
     },
     /// Nothing to filter.
     #[error("the test has no acceleration channel on the vehicle structure with data that is not marked failed")]
@@ -58,16 +46,6 @@ pub fn resolve_ids(test: &TestDescription, asked: &[String]) -> Result<Vec<Strin
         }
     }
     Ok(ids)
-}
-
-/// The one id that a name, a code or a pattern means; several are an error that names them, because the channel
-/// that others are aligned to is one.
-pub fn resolve_id(test: &TestDescription, wanted: &str) -> Result<String, SelectionError> {
-    let mut ids = resolve_ids(test, &[wanted.to_owned()])?;
-    match ids.as_slice() {
-        [_] => Ok(ids.swap_remove(0)),
-        several => Err(SelectionError::Several { wanted: wanted.to_owned(), meant: several.join(", ") }),
-    }
 }
 
 /// The channels to filter, in the order of the test.
@@ -145,7 +123,6 @@ fn known(test: &TestDescription) -> String {
 
 #[cfg(test)]
 mod tests {
-
     use super::*;
 
     fn test_with(channels: &[(&str, &str, QuantityKind, ChannelStatus)]) -> TestDescription {
@@ -237,10 +214,6 @@ mod tests {
         assert_eq!(error("045"), "channel \"045\" has no data: not installed");
         assert_eq!(resolve_ids(&camry(), &["09?".to_owned(), "093".to_owned()]).unwrap(), ["093", "095", "096"]);
         assert_eq!(resolve_ids(&camry(), &["0*5".to_owned()]).unwrap(), ["095"], "045 has no data");
-        assert_eq!(
-            resolve_id(&camry(), "09?").unwrap_err().to_string(),
-            "\"09?\" means several channels: 093, 095, 096"
-        );
         assert_eq!(select(&test_with(&[]), &[]), Err(SelectionError::None));
     }
 }

@@ -1,0 +1,200 @@
+//! How an acceleration becomes a wave of an artifact: sampling, channel filter, integration; the same done to the
+//! acceleration of a model.
+//!
+//! All steps are linear, so the derivative of a measured motion by a parameter is the measurement of the derivative
+//! of the acceleration, with no impact speed. Eight waves go through side by side: filter and sums are recursions
+//! that wait for themselves. Where the steps are not known, the motion itself is compared.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::motion::{ContactGrid, ON_GRID};
+use crate::{IntegrationRule, PreEventWindow, QuantityKind, Sampled, TwoPassFilter, UsedStart, pre_event};
+
+/// The stretch before the event from which the zero level of an acceleration was read, and the noise there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeforeEvent {
+    /// First sample of the zero level, s after contact.
+    pub from_s: f64,
+    /// Samples that the zero level is the mean of.
+    pub samples: usize,
+    /// Standard deviation of the filtered acceleration, unit of the samples.
+    pub noise: f64,
+    /// Samples that it is of: those that the ends of the record do not reach through the filter.
+    pub noise_samples: usize,
+}
+
+impl BeforeEvent {
+    /// In the usual window ([`PreEventWindow`]) of a filtered acceleration, contact at `time_zero_s` of its axis.
+    ///
+    /// `end_s`: what is left out of the noise at the first sample, because a filter that mirrors the record there
+    /// passes more of it. `None` where less than 10 ms are left.
+    pub fn of(filtered: &Sampled, time_zero_s: f64, end_s: f64) -> Option<Self> {
+        let window = PreEventWindow::default();
+        let whole = pre_event(filtered, window)?;
+        let inner =
+            pre_event(filtered, PreEventWindow { from_s: window.from_s.max(filtered.t0_s() + end_s), ..window })?;
+        Some(Self {
+            from_s: whole.from_s - time_zero_s,
+            samples: whole.samples,
+            noise: inner.noise_floor,
+            noise_samples: inner.samples,
+        })
+    }
+}
+
+/// Everything between the motion of the vehicle and a wave that a fit sees, as the records of a run state it.
+///
+/// A model that goes through the same steps differs from the record by what it does not describe, and not by what a
+/// filter does to the jump of acceleration at contact (some 1e-5 m at CFC 60) or a sum to an integral (1e-6 m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measurement {
+    /// Sampling interval, s.
+    pub dt_s: f64,
+    /// First sample of the acceleration, s after contact; negative before it.
+    pub first_s: f64,
+    /// Samples of the acceleration.
+    pub samples: usize,
+    /// The channel filter; `None`: not filtered.
+    pub filter: Option<TwoPassFilter>,
+    /// Whether the integration starts at contact (else at the first sample), with the impact speed.
+    pub from_contact: bool,
+    /// Its rule. `None`: no sum and no filter, the motion itself, as an exact instrument shows it. Stands for steps
+    /// that are not known, or not made.
+    pub rule: Option<IntegrationRule>,
+    /// What the filtered acceleration shows before the event, m/s²; `None`: not known.
+    pub before_event: Option<BeforeEvent>,
+}
+
+/// Waves that go through a measurement side by side.
+pub const ABREAST: usize = 8;
+
+impl Measurement {
+    /// Index of the first sample at or after contact.
+    pub fn contact_index(&self) -> usize {
+        (-self.first_s / self.dt_s - ON_GRID).ceil().max(0.0) as usize
+    }
+
+    /// Time of a sample after contact, s.
+    pub fn time_s(&self, index: usize) -> f64 {
+        let t = self.first_s + index as f64 * self.dt_s;
+        if t.abs() < ON_GRID * self.dt_s { 0.0 } else { t }
+    }
+
+    /// The same record of which the steps are not known: the motion itself is compared.
+    #[must_use]
+    pub fn exact(self) -> Self {
+        Self { filter: None, rule: None, ..self }
+    }
+
+    /// Samples of a motion itself, contact at `time_zero_s` of its axis.
+    pub fn of_samples(record: &Sampled, time_zero_s: f64) -> Self {
+        Self {
+            dt_s: record.dt_s(),
+            first_s: record.t0_s() - time_zero_s,
+            samples: record.len(),
+            filter: None,
+            from_contact: true,
+            rule: None,
+            before_event: None,
+        }
+    }
+
+    /// Whether the motion itself is compared.
+    pub fn is_exact(&self) -> bool {
+        self.rule.is_none()
+    }
+
+    /// Number of samples of the acceleration that sample `last` of the record depends on: the backward pass of a
+    /// filter looks ahead.
+    fn reach(&self, last: usize) -> usize {
+        let memory = self.filter.as_ref().map_or(0, TwoPassFilter::memory_samples);
+        last.min(self.samples.saturating_sub(1)).saturating_add(memory).saturating_add(1).min(self.samples)
+    }
+
+    /// Instants of a model, contact and whole intervals after it, that the samples up to `last` lie between; `None` if
+    /// all of them are before contact.
+    pub fn instants(&self, last: usize) -> Option<usize> {
+        self.reach(last).checked_sub(self.contact_index()).filter(|n| *n > 0).map(|n| n + 1)
+    }
+
+    /// What is recorded of an acceleration, m/s², given at contact and at whole intervals after it: the quantity from
+    /// the first sample of the record to sample `last`.
+    ///
+    /// The acceleration is what the filter makes of it, the velocity its first sum. Before the start of an integration
+    /// from contact the displacement is zero and the velocity the impact speed. Between the instants the acceleration
+    /// is taken as linear, which matters only where contact lies between two samples: an error of `dt² max|a''|/8`.
+    pub fn record(&self, acceleration: &[f64], quantity: QuantityKind, v0_m_per_s: f64, last: usize) -> Vec<f64> {
+        let [seen] = self.record_together([acceleration], quantity, v0_m_per_s, last);
+        seen
+    }
+
+    /// The same of many of equal length without an impact speed, several at a time: filter and integration wait for
+    /// themselves, not for the processor.
+    pub fn record_all(&self, accelerations: &[&[f64]], quantity: QuantityKind, last: usize) -> Vec<Vec<f64>> {
+        let arch = Arch::new();
+        let mut seen = Vec::with_capacity(accelerations.len());
+        for chunk in accelerations.chunks(ABREAST) {
+            // Places of a last chunk that nothing fills repeat its first.
+            let accelerations = std::array::from_fn(|lane| *chunk.get(lane).unwrap_or(&chunk[0]));
+            let lanes = arch.dispatch(Together { measurement: self, accelerations, quantity, last });
+            seen.extend(lanes.into_iter().take(chunk.len()));
+        }
+        seen
+    }
+
+    #[inline(always)]
+    fn record_together<const N: usize>(
+        &self,
+        accelerations: [&[f64]; N],
+        quantity: QuantityKind,
+        v0: f64,
+        last: usize,
+    ) -> [Vec<f64>; N] {
+        let (zero, count) = (self.contact_index(), self.reach(last));
+        let gap_s = self.time_s(zero).max(0.0);
+        let gap = gap_s / self.dt_s;
+        let instants = accelerations.iter().map(|a| a.len()).min().unwrap_or(0);
+        let before = zero.min(count);
+        let samples = before + instants.saturating_sub(1);
+        let mut waves = vec![[0.0; N]; samples];
+        // The record has the value after a jump at contact.
+        for (lane, a) in accelerations.iter().enumerate() {
+            for (wave, pair) in waves[before..].iter_mut().zip(a[..instants].windows(2)) {
+                wave[lane] = pair[0] + gap * (pair[1] - pair[0]);
+            }
+        }
+        if let Some(filter) = &self.filter {
+            filter.run(&mut waves, &|_| ());
+        }
+        waves.truncate(last.min(self.samples.saturating_sub(1)) + 1);
+        if matches!(quantity, QuantityKind::Velocity | QuantityKind::Displacement) {
+            let start = if self.from_contact { UsedStart::TimeZero } else { UsedStart::RecordStart };
+            let rule = self.rule.unwrap_or_default();
+            let (mut velocity, mut displacement) = (vec![[v0; N]; waves.len()], vec![[0.0; N]; waves.len()]);
+            let from = if self.from_contact { zero.min(waves.len()) } else { 0 };
+            let outputs = (&mut velocity[from..], &mut displacement[from..]);
+            let grid = ContactGrid { dt_s: self.dt_s, zero, gap_s };
+            grid.integrate(&waves, (rule, start), v0, outputs, |_| ());
+            waves = if quantity == QuantityKind::Velocity { velocity } else { displacement };
+        }
+        std::array::from_fn(|lane| waves.iter().map(|values| values[lane]).collect())
+    }
+}
+
+/// Several waves through one measurement, compiled for each width of the processor's vectors. Each lane is computed
+/// by itself, in the same order: the result is the same to the last bit on every machine.
+struct Together<'a> {
+    measurement: &'a Measurement,
+    accelerations: [&'a [f64]; ABREAST],
+    quantity: QuantityKind,
+    last: usize,
+}
+
+impl WithSimd for Together<'_> {
+    type Output = [Vec<f64>; ABREAST];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.measurement.record_together(self.accelerations, self.quantity, 0.0, self.last)
+    }
+}
