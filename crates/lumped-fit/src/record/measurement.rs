@@ -11,7 +11,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::FitQuantity;
-use crate::record::wall_response::{motion_of, response_of};
+use crate::record::sensor::{motion_of, response_of};
 
 /// A filter of second order that is run forward and backward over the record, as the filter stage records it (ISO
 /// 6487, SAE J211).
