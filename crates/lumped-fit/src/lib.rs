@@ -81,12 +81,12 @@ pub use record::sensor::{
     FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce, errors_in_words, note_of_errors,
 };
 pub use selection::choice::{CandidateSelection, Choice, Strength, choose};
+pub use selection::compared::{
+    ComparedCandidate, EnergyClass, Inadequacy, OwnTestErrors, Prior, SelectionRules, TestEvent, depends_on_rate,
+};
 pub use selection::evidence::{least_without_shift, slow_misfit, without_shift};
 pub use selection::other_speeds::{affects_predictions, crush_error_at_lower_speeds};
-pub use selection::rating::{
-    ComparedCandidate, ComparedRecord, EnergyClass, Inadequacy, OwnTestErrors, Prior, Rated, SelectionRules, TestEvent,
-    depends_on_rate,
-};
+pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
 pub use solvers::crush_curves::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{DEFAULT_MODELS, MODELS, Needs, SolveSettings, Solver, solve, solvers_of};
 pub use uncertainty::assessment::{AssessmentOptions, assess, undetermined};

@@ -7,9 +7,8 @@
 
 use std::cmp::Ordering;
 
-use crate::selection::rating::{
-    ComparedCandidate, ComparedRecord, EnergyClass, Inadequacy, Prior, Rated, SelectionRules, rate_all,
-};
+use crate::selection::compared::{ComparedCandidate, EnergyClass, Inadequacy, Prior, SelectionRules};
+use crate::selection::rating::{ComparedRecord, Rated, rate_all};
 
 /// Criteria that differ by less are equal: among them the fewest parameters.
 const EQUAL: f64 = 2.0;
@@ -244,7 +243,7 @@ impl ComparedCandidates<'_> {
         );
         let noise = if self.is_noise_known { ", known noise" } else { "" };
         if let Some(missed) = self.rated[best].why_inadequate() {
-            because.push_str(&format!("; use its crush, not its rebound or time: it {missed}"));
+            because.push_str(&format!("; use its crush, not its rebound, time or other masses: it {missed}"));
         }
         because.push_str(&format!(" (evidence as measured with priors, {samples:.0} independent samples{noise})"));
         let passed_over = self

@@ -1,9 +1,9 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record does not identify.
 
-use crumple_lumped::{HORIZON_S, Model, ModelKind, ParameterKind};
+use crumple_lumped::{HORIZON_S, Model, ModelKind, ParameterKind, Structure};
 use crumple_lumped_fit::{
-    ComparedCandidate, ComparedRecord, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement, Observation,
-    ObservedWave, OwnTestErrors, SensorPlace, WallForce, affects_predictions, crush_error_at_lower_speeds,
+    ComparedCandidate, ComparedRecord, ComparedWave, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement,
+    Observation, ObservedWave, OwnTestErrors, SensorPlace, WallForce, affects_predictions, crush_error_at_lower_speeds,
     least_without_shift, slow_misfit, without_shift,
 };
 use crumple_signal::{Notes, Sampled};
@@ -11,7 +11,7 @@ use crumple_stage::Inputs;
 use crumple_stage::records::{Certainty, EventsV1};
 use rayon::prelude::*;
 
-use crate::stage::inputs::{Displaced, motion};
+use crate::stage::inputs::{Displaced, displacement_of, motion};
 use crate::stage::options::PlacedSensor;
 use crate::stage::records::AssessedCandidate;
 use crate::stage::settings::StageSettings;
@@ -44,8 +44,10 @@ struct ComparedTest {
     /// Accelerations of the pulse and of the sensors on other masses, as shares of their sizes: what the evidence is
     /// of.
     acceleration: Observation,
-    /// Channel of the pulse, and channels and places of those sensors.
-    channels: (String, Vec<(String, SensorPlace)>),
+    /// Channel of the pulse.
+    channel: String,
+    /// Those sensors, in the order of their waves.
+    others: Vec<OtherSensor>,
     /// Displacement of the pulse: what closest means.
     displacement: Observation,
     /// Its dynamic crush, m, and the time of it, s.
@@ -57,6 +59,13 @@ struct ComparedTest {
     mass_kg: f64,
     /// Force on the wall up to separation.
     wall: Option<WallForce>,
+}
+
+/// A sensor on another mass than that of the pulse.
+struct OtherSensor {
+    channel: String,
+    place: SensorPlace,
+    displacement: Option<Observation>,
 }
 
 impl Comparison {
@@ -99,7 +108,9 @@ impl Comparison {
             }
             other.waves[0].weight = sizes;
             observed.waves.append(&mut other.waves);
-            others.push((channel.clone(), *place));
+            let displacement = displacement_of(input, events, channel)?
+                .and_then(|(wave, measurement)| as_measured(&wave, measurement, FitQuantity::Displacement));
+            others.push(OtherSensor { channel: channel.clone(), place: *place, displacement });
         }
         let wall = input.wall_force(events)?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
@@ -108,7 +119,8 @@ impl Comparison {
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
             tests: vec![ComparedTest {
                 acceleration,
-                channels: (channel.clone(), others),
+                channel: channel.clone(),
+                others,
                 displacement,
                 dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
                 tested_restitution: events.coefficient_of_restitution,
@@ -140,8 +152,8 @@ impl Comparison {
     /// Channels whose records are compared.
     pub fn channels(&self) -> Vec<String> {
         let of_test = |test: &ComparedTest| {
-            let (pulse, others) = &test.channels;
-            std::iter::once(pulse.clone()).chain(others.iter().map(|(channel, _)| channel.clone())).collect::<Vec<_>>()
+            let others = test.others.iter().map(|other| other.channel.clone());
+            std::iter::once(test.channel.clone()).chain(others).collect::<Vec<_>>()
         };
         self.tests.iter().flat_map(of_test).collect()
     }
@@ -166,7 +178,7 @@ impl Comparison {
     pub fn record(&self) -> ComparedRecord {
         ComparedRecord {
             rms: if self.tests.len() == 1 { self.tests[0].wave().size() } else { 1.0 },
-            most_samples: self.tests.iter().map(ComparedTest::most_samples).sum(),
+            waves: self.tests.iter().flat_map(ComparedTest::compared_waves).collect(),
             noise: match &self.tests[..] {
                 [test] => test.noise(),
                 _ => None,
@@ -214,6 +226,7 @@ impl Comparison {
         let of_events: Vec<OwnTestErrors> = each.iter().map(|in_test| in_test.own_test).collect();
         let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
         let force_misfits: Vec<f64> = each.iter().filter_map(|in_test| in_test.force_misfit_percent).collect();
+        let worst_sensors = each.iter().filter_map(|in_test| in_test.worst_sensor.clone());
         let speeds: Vec<f64> = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).collect();
         // Forces at knots, springs and dampers end at zero, which a search in logarithms only comes near to.
         let size = |name: &str| model.value(name).map(f64::abs);
@@ -260,6 +273,7 @@ impl Comparison {
             slow_misfit: in_units(|in_test| &in_test.slow_misfit),
             // The worst of several: a model is to follow all.
             fit_percent: fits.and_then(|fits| fits.into_iter().reduce(f64::min)),
+            worst_sensor: worst_sensors.min_by(|(_, a), (_, b)| a.total_cmp(b)),
             restitution: restitutions.and_then(|each| match each[..] {
                 [one] => Some(one),
                 _ => geometric_mean(each.into_iter()),
@@ -294,6 +308,7 @@ struct InTest {
     inside: Vec<String>,
     force_misfit_percent: Option<f64>,
     fit_percent: Option<f64>,
+    worst_sensor: Option<(String, f64)>,
     restitution: Option<f64>,
     own_test: OwnTestErrors,
     crush_error_at_lower_speeds: Option<f64>,
@@ -327,10 +342,21 @@ impl ComparedTest {
     /// its compartment, as in a rigid body.
     fn observed_by(&self, masses: usize) -> Observation {
         let mut observed = self.acceleration.clone();
-        for (wave, (_, place)) in observed.waves.iter_mut().skip(1).zip(&self.channels.1) {
-            wave.mass = place.mass(masses);
+        for (wave, other) in observed.waves.iter_mut().skip(1).zip(&self.others) {
+            wave.mass = other.place.mass(masses);
         }
         observed
+    }
+
+    /// Of the sensors on other masses the one that a structure follows worst, and its displacement fit, percent.
+    fn worst_sensor(&self, structure: &Structure) -> Option<(String, f64)> {
+        let fits = self.others.iter().filter_map(|other| {
+            let mut observed = other.displacement.clone()?;
+            observed.waves[0].mass = other.place.mass(structure.masses_kg().len());
+            let fit = observed.fit_percent(&observed.misfit_of(structure)?)?;
+            Some((other.channel.clone(), fit))
+        });
+        fits.min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
     /// The restitution that a prior may be held against: neither a lower bound nor none at all.
@@ -338,14 +364,14 @@ impl ComparedTest {
         self.tested_restitution.filter(|e| *e > 0.0 && !self.rebound_is_cut)
     }
 
-    /// Independent samples that the filters let through at most.
-    fn most_samples(&self) -> f64 {
+    /// Samples of each acceleration, and how many independent ones its filter lets through.
+    fn compared_waves(&self) -> impl Iterator<Item = ComparedWave> {
         let (from_s, to_s) = self.window_s();
-        let of_wave = |wave: &ObservedWave| {
-            let bandwidth_hz = wave.measurement.filter?.noise_bandwidth_hz(wave.measurement.dt_s);
-            Some(2.0 * bandwidth_hz * (to_s - from_s))
-        };
-        self.acceleration.waves.iter().map(|wave| of_wave(wave).unwrap_or(f64::INFINITY)).sum()
+        self.acceleration.waves.iter().map(move |wave| {
+            let filter = wave.measurement.filter.as_ref();
+            let most = filter.map(|filter| 2.0 * filter.noise_bandwidth_hz(wave.measurement.dt_s) * (to_s - from_s));
+            ComparedWave { samples: wave.samples.len(), most_independent: most.unwrap_or(f64::INFINITY) }
+        })
     }
 
     fn candidate(&self, assessed: &AssessedCandidate<'_>, class: EnergyClass, near: f64) -> InTest {
@@ -368,6 +394,7 @@ impl ComparedTest {
             misfit,
             inside,
             fit_percent: of_displacement.as_ref().and_then(|misfit| self.displacement.fit_percent(misfit)),
+            worst_sensor: structure.as_ref().and_then(|structure| self.worst_sensor(structure)),
             restitution: rebound.map(|rebound| -rebound / speed),
             own_test: self.own_test(crush, rebound.map_or(0.0, |rebound| -rebound / speed)),
             force_misfit_percent: self

@@ -132,12 +132,16 @@ fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<S
 /// A displacement, and how it was measured.
 pub type Displaced = (Signal<Displacement>, Measurement);
 
-/// The displacement of the pulse; `None` where no input holds it. The one place where it is read.
+/// The displacement of the pulse; `None` where no input holds it.
 pub fn pulse_displacement(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<Displaced>> {
-    let Some(wave) = input.wave_if(&format!("{}/displacement", events.channel)) else { return Ok(None) };
-    let hint = "crumple-integrate writes the displacement of the pulse";
-    let displacement = wave.signal::<Displacement>().refuse_with_hint(hint)?;
-    let steps = input.recording_steps(events, &events.channel, &displacement)?;
+    displacement_of(input, events, &events.channel)
+}
+
+/// The displacement of a channel; `None` where no input holds it. The one place where it is read.
+pub fn displacement_of(input: &Inputs, events: &EventsV1, channel: &str) -> anyhow::Result<Option<Displaced>> {
+    let Some(wave) = input.wave_if(&format!("{channel}/displacement")) else { return Ok(None) };
+    let displacement = wave.signal::<Displacement>().refuse_with_hint("crumple-integrate writes displacements")?;
+    let steps = input.recording_steps(events, channel, &displacement)?;
     Ok(Some((displacement, steps.into())))
 }
 

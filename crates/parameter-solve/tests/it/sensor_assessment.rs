@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Output;
 
 use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_lumped_fit::{FitQuantity, IntegrationRule, Measurement, TwoPassFilter};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
@@ -247,16 +247,9 @@ fn a_flag_without_effect_is_named() {
     let mut builder = ArtifactBuilder::new();
     builder.put("/test", &artifact.record::<TestV1>("/test").unwrap().unwrap()).unwrap();
     builder.put("/events", &artifact.record::<EventsV1>("/events").unwrap().unwrap()).unwrap();
-    let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
-    builder.write(&folder.path().join("events.mcap"), &provenance, Compression::None).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
-        .arg(folder.path().join("events.mcap"))
-        .arg("-o")
-        .arg(folder.path().join("5.mcap"))
-        .args(["--models", "kelvin", "--method", "closed-form", "--profile", "--mass-uncertainty", "14kg"])
-        .output()
-        .unwrap();
-    let stderr = said(&output);
+    write(&builder, &whole);
+    let flags = ["--models", "kelvin", "--method", "closed-form", "--profile", "--mass-uncertainty", "14kg"];
+    let stderr = said(&run(folder.path(), &flags));
     assert!(stderr.contains("--profile, --mass-uncertainty without effect on kelvin/closed-form/1"), "{stderr}");
 }
 

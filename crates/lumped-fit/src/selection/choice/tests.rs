@@ -1,7 +1,8 @@
 //! The choice among made candidates.
 
 use super::*;
-use crate::selection::rating::{OwnTestErrors, TestEvent};
+use crate::selection::compared::{OwnTestErrors, TestEvent};
+use crate::selection::rating::ComparedWave;
 
 /// A misfit of noise of this size that is told apart from sample to sample.
 fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> ComparedCandidate {
@@ -21,6 +22,7 @@ fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> Co
         physical: true,
         slow_misfit: Some(misfit.clone()),
         fit_percent: Some(99.0 - misfit[0]),
+        worst_sensor: None,
         misfit: Some(misfit),
         restitution: Some(0.15),
         force_misfit_percent: None,
@@ -29,10 +31,14 @@ fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> Co
     }
 }
 
-const RECORD: ComparedRecord = ComparedRecord { rms: 100.0, most_samples: 20.0, noise: None, restitution: Some(0.15) };
+/// One wave of 20 independent samples.
+fn record() -> ComparedRecord {
+    let waves = vec![ComparedWave { samples: usize::MAX, most_independent: 20.0 }];
+    ComparedRecord { rms: 100.0, waves, noise: None, restitution: Some(0.15) }
+}
 
 fn ids(candidates: &[ComparedCandidate], rules: &SelectionRules) -> [Option<String>; 3] {
-    let selection = choose(candidates, &RECORD, rules);
+    let selection = choose(candidates, &record(), rules);
     [selection.recommended, selection.simplest, selection.closest]
         .map(|choice| choice.candidate.map(|k| candidates[k].id.clone()))
 }
@@ -45,8 +51,10 @@ fn some(names: [&str; 3]) -> [Option<String>; 3] {
 fn noise_that_is_known_gives_many_numbers_a_criterion() {
     let plastic = candidate("plastic", EnergyClass::Plastic, 2, 2.0);
     let many = candidate("many", EnergyClass::Damped, 12, 0.9);
-    let record = |noise: Option<f64>| ComparedRecord { noise, ..RECORD };
-    let choice = |noise| choose(&[plastic.clone(), many.clone()], &record(noise), &SelectionRules::default());
+    let choice = |noise| {
+        let record = ComparedRecord { noise, ..record() };
+        choose(&[plastic.clone(), many.clone()], &record, &SelectionRules::default())
+    };
     // By misfits alone 12 numbers and their level are charged 87 for 20 samples, and gain 32.
     assert_eq!(choice(None).recommended.candidate, Some(0));
     // Of noise 1: 20 (4 - 0.81) = 64 are gained for 20 more, beyond the prior of 10; noise 0.4 does not explain it.
@@ -69,7 +77,7 @@ fn a_damped_model_must_win_by_more_than_the_prior() {
     assert_eq!(ids(&[plastic.clone(), near], &without), some(["damped", "plastic", "damped"]));
     // 20 ln 16 = 55.
     let far = candidate("damped", EnergyClass::Damped, 3, 0.5);
-    let strength = |all: &[ComparedCandidate]| choose(all, &RECORD, &rules).strength;
+    let strength = |all: &[ComparedCandidate]| choose(all, &record(), &rules).strength;
     assert_eq!(strength(&[plastic.clone(), far.clone()]), Some((Strength::Decisive, 0)));
     let same = candidate("same", EnergyClass::Plastic, 2, 2.0);
     assert_eq!(strength(&[plastic.clone(), same]), Some((Strength::Weak, 1)));
@@ -83,7 +91,7 @@ fn weak_evidence_prefers_the_simpler_of_models_that_are_not_plastic() {
     let two = candidate("two", EnergyClass::Damped, 2, 1.0);
     let four = candidate("four", EnergyClass::Damped, 4, 0.72);
     let rules = SelectionRules::default();
-    let selection = choose(&[two.clone(), four.clone()], &RECORD, &rules);
+    let selection = choose(&[two.clone(), four.clone()], &record(), &rules);
     assert_eq!((selection.recommended.candidate, selection.strength), (Some(0), Some((Strength::Weak, 1))));
     assert!(selection.recommended.because.contains("fewer numbers than four, whose criterion is"));
     let decisive = candidate("four", EnergyClass::Damped, 4, 0.5);
@@ -113,7 +121,7 @@ fn what_the_record_leaves_open_is_not_for_prediction() {
     open.affects_other_speeds.clone_from(&open.unidentified);
     let both = [open.clone(), determined];
     assert_eq!(ids(&both, &rules), some(["determined", "determined", "open"]));
-    let selection = choose(&both, &RECORD, &rules);
+    let selection = choose(&both, &record(), &rules);
     assert!(selection.recommended.because.contains("but 1 of its 3 numbers are not determined and felt"));
     // Alone, a curve with an open number is recommended and says so; a damped model is not.
     let [recommended, simplest, closest] = ids(&[open.clone()], &rules);
@@ -134,7 +142,7 @@ fn a_decisive_record_is_for_a_model_with_open_numbers_unless_most_of_them_are() 
     };
     let half = [open(&["c2", "c3"]), determined.clone()];
     assert_eq!(ids(&half, &rules), some(["open", "determined", "open"]));
-    let because = choose(&half, &RECORD, &rules).recommended.because;
+    let because = choose(&half, &record(), &rules).recommended.because;
     assert!(because.starts_with("damped, 2 of 4 numbers determined, 2 open (2 felt at other speeds)"), "{because}");
     let most = [open(&["c1", "c2", "c3"]), determined.clone()];
     assert_eq!(ids(&most, &rules), some(["determined", "determined", "open"]));
@@ -156,7 +164,7 @@ fn a_misfit_that_is_all_zero_level_leaves_a_choice_among_the_fewest_numbers() {
     let three = level(candidate("three", EnergyClass::Plastic, 3, 0.9), 0.9);
     let all = [worse, three, two];
     assert_eq!(ids(&all, &SelectionRules::default())[0].as_deref(), Some("two"));
-    assert_eq!(choose(&all, &RECORD, &SelectionRules::default()).samples, Some(5.0));
+    assert_eq!(choose(&all, &record(), &SelectionRules::default()).samples, Some(5.0));
 }
 
 #[test]
@@ -170,7 +178,7 @@ fn what_is_not_adequate_has_no_say() {
     poor.fit_percent = Some(60.0);
     let all = [good, bound, active, poor];
     assert_eq!(ids(&all, &SelectionRules::default()), some(["good", "good", "bound"]));
-    let selection = choose(&all, &RECORD, &SelectionRules::default());
+    let selection = choose(&all, &record(), &SelectionRules::default());
     let why: Vec<Option<String>> = selection.rated.iter().map(Rated::why_inadequate).collect();
     let expected = [
         None,
@@ -179,9 +187,9 @@ fn what_is_not_adequate_has_no_say() {
         Some("displacement fit of 60.0 % below 90 %"),
     ];
     assert_eq!(why, expected.map(|why| why.map(str::to_owned)));
-    let none = choose(&all[3..], &RECORD, &SelectionRules::default());
+    let none = choose(&all[3..], &record(), &SelectionRules::default());
     assert_eq!((none.recommended.candidate, none.samples), (None, None));
-    assert!(choose(&[], &RECORD, &SelectionRules::default()).closest.candidate.is_none());
+    assert!(choose(&[], &record(), &SelectionRules::default()).closest.candidate.is_none());
 }
 
 #[test]
@@ -218,7 +226,7 @@ fn an_adequate_model_repeats_its_own_test() {
     let own = near.own_test;
     let off = |own_test: OwnTestErrors| ComparedCandidate { own_test, ..candidate("off", EnergyClass::Damped, 2, 0.1) };
     let first_reason = |off: &ComparedCandidate| {
-        let selection = choose(&[near.clone(), off.clone()], &RECORD, &SelectionRules::default());
+        let selection = choose(&[near.clone(), off.clone()], &record(), &SelectionRules::default());
         assert_eq!(selection.recommended.candidate, Some(0));
         selection.rated[1].inadequate[0].clone()
     };
@@ -247,7 +255,7 @@ fn where_none_is_adequate_one_that_misses_the_rebound_alone_is_good_for_its_crus
     let rebound = off("rebound", OwnTestErrors { restitution: Some(0.3), ..own });
     let all = [crush, rebound];
     assert_eq!(ids(&all, &SelectionRules::default())[0].as_deref(), Some("rebound"));
-    let selection = choose(&all, &RECORD, &SelectionRules::default());
+    let selection = choose(&all, &record(), &SelectionRules::default());
     assert_eq!(selection.rated[1].missed_events(), ["coefficient_of_restitution"]);
     assert!(!selection.rated[1].is_adequate());
     // No adequate one is named where there is none.
@@ -287,7 +295,7 @@ fn an_open_knot_does_not_hand_the_choice_to_a_damped_model() {
     assert_eq!(ids(&[undecided.clone(), three.clone()], &rules)[0], None);
     // 20 ln(1/0.9^2) = 4.2 less the prior of 10 and the charge of a number more.
     let near = ComparedCandidate { misfit: candidate("", EnergyClass::Damped, 2, 0.9).misfit, ..undecided };
-    let weak = choose(&[near, three], &RECORD, &rules);
+    let weak = choose(&[near, three], &record(), &rules);
     assert_eq!((weak.recommended.candidate, weak.strength), (Some(1), Some((Strength::Weak, 0))));
 }
 
@@ -303,13 +311,13 @@ fn of_plastic_models_the_record_has_the_last_word_on_lower_speeds() {
     let rules = SelectionRules::default();
     let all = [line.clone(), coarse.clone(), curve, fine.clone()];
     assert_eq!(ids(&all, &rules)[0].as_deref(), Some("curve"));
-    let because = choose(&all, &RECORD, &rules).recommended.because;
+    let because = choose(&all, &record(), &rules).recommended.because;
     assert!(
         because.contains("within 0.8 %") && because.contains("which line, lower by its criterion, misses by 6.0 %")
     );
     // 20 ln 9 = 44: the line follows the pulse closer.
     let rough = ComparedCandidate { misfit: candidate("", EnergyClass::Plastic, 5, 3.0).misfit, ..all[2].clone() };
-    assert_eq!(choose(&[line.clone(), rough], &RECORD, &rules).strength, Some((Strength::Contrary, 0)));
+    assert_eq!(choose(&[line.clone(), rough], &record(), &rules).strength, Some((Strength::Contrary, 0)));
     assert_eq!(ids(&[line.clone(), fine], &rules)[0].as_deref(), Some("fine"));
     assert_eq!(ids(&[line.clone(), coarse], &rules)[0].as_deref(), Some("coarse"));
     assert_eq!(ids(&[line.clone(), error("hardly", 4, 1.0, 0.04)], &rules)[0].as_deref(), Some("line"));
@@ -325,11 +333,40 @@ fn a_restitution_unlike_that_of_the_test_costs() {
     let mut bouncy = candidate("bouncy", EnergyClass::Plastic, 2, 1.0);
     bouncy.restitution = Some(0.6);
     let plain = candidate("plain", EnergyClass::Plastic, 2, 1.0);
-    let selection = choose(&[bouncy, plain], &RECORD, &SelectionRules::default());
+    let selection = choose(&[bouncy, plain], &record(), &SelectionRules::default());
     // (ln 4/0.35)^2.
     assert!((selection.rated[0].terms[1].1 - (4.0_f64.ln() / 0.35).powi(2)).abs() < 1e-12);
     assert_eq!(selection.recommended.candidate, Some(1));
     let wide = SelectionRules { restitution_deviation: 0.0, plastic_prior: 0.0, ..SelectionRules::default() };
     assert!(wide.terms(&candidate("a", EnergyClass::Elastic, 1, 1.0), None).is_empty());
     assert!(wide.priors(None).is_empty());
+}
+
+#[test]
+fn what_two_sensors_miss_is_worth_the_samples_of_both() {
+    // Signs that change at once are worth as many samples as the filter lets through, in each wave.
+    let waves = |count: usize| vec![ComparedWave { samples: 40 / count, most_independent: 9.0 }; count];
+    let samples = |waves: Vec<ComparedWave>| {
+        let level = candidate("level", EnergyClass::Plastic, 1, 1.0);
+        let record = ComparedRecord { waves, ..record() };
+        choose(std::slice::from_ref(&level), &record, &SelectionRules::default()).samples
+    };
+    assert_eq!((samples(waves(1)), samples(waves(2))), (Some(9.0), Some(18.0)));
+}
+
+#[test]
+fn a_sensor_that_one_model_follows_speaks_against_those_that_do_not() {
+    let follows = |candidate: ComparedCandidate, percent| ComparedCandidate {
+        worst_sensor: Some(("engine".to_owned(), percent)),
+        ..candidate
+    };
+    let one_mass = follows(candidate("one mass", EnergyClass::Plastic, 2, 0.5), 40.0);
+    let two = candidate("two masses", EnergyClass::Damped, 4, 2.0);
+    let rules = SelectionRules::default();
+    let both = [one_mass.clone(), follows(two.clone(), 95.0)];
+    assert_eq!(ids(&both, &rules), some(["two masses", "two masses", "one mass"]));
+    let why = choose(&both, &record(), &rules).rated[0].why_inadequate();
+    assert_eq!(why.as_deref(), Some("follows the displacement of engine to 40.0 %, limit 90 %"));
+    // A sensor that nobody follows decides nothing.
+    assert_eq!(ids(&[one_mass, follows(two, 80.0)], &rules)[0].as_deref(), Some("one mass"));
 }

@@ -241,7 +241,7 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
 fn misses_its_test(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
     let mut rated = run.recommendation.iter().flat_map(|choice| &choice.candidates);
     let events = rated.find(|rated| rated.id == best.id && !rated.adequate)?.missed_events.clone();
-    Some(StatusReason::MissesItsTest { events })
+    (!events.is_empty()).then_some(StatusReason::MissesItsTest { events })
 }
 
 /// Returns the reason when the evidence is not decisive for the recommended model beside the best other one.
