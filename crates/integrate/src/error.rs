@@ -16,7 +16,7 @@ pub enum IntegrateError {
     /// first sample may come no more than one interval late, because the speed there is known only at time zero.
     #[error(
         "time zero {time_zero_s} s needs two samples after it and a record that starts no later, \
-         the record runs from {first_s} s to {last_s} s"
+         the record runs from {first_s:.6} s to {last_s:.6} s"
     )]
     TimeZero {
         /// Time zero on the record's axis.
@@ -28,7 +28,7 @@ pub enum IntegrateError {
     },
     /// The time of a known velocity is not in the motion, or is its first sample, where the velocity is given already
     /// and a drift has done nothing yet.
-    #[error("the known velocity is stated at {time_s} s, the motion runs from {first_s} s to {last_s} s")]
+    #[error("the known velocity is stated at {time_s} s, the motion runs from {first_s:.6} s to {last_s:.6} s")]
     EndCondition {
         /// When it is stated, on the record's axis.
         time_s: f64,

@@ -23,7 +23,7 @@ pub enum SolveError {
         ratio: f64,
     },
     /// The window holds too little.
-    #[error("{samples} samples between {from_s} s and {to_s} s, a fit needs at least {needed}")]
+    #[error("{samples} samples between {from_s:.6} s and {to_s:.6} s, a fit needs at least {needed}")]
     TooFewSamples {
         /// Samples found.
         samples: usize,
@@ -36,8 +36,8 @@ pub enum SolveError {
     },
     /// The window leaves the record.
     #[error(
-        "the fit window {from_s} s to {to_s} s is not inside the displacement record, {first_s} s to {last_s} s after \
-         time zero"
+        "the fit window {from_s:.6} s to {to_s:.6} s is not inside the displacement record, {first_s:.6} s to \
+         {last_s:.6} s after time zero"
     )]
     Window {
         /// Start asked for.

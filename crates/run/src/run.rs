@@ -15,7 +15,7 @@ use crate::command::stages::{Stage, chain_of, dependents, stages_of};
 use crate::command::words::Words;
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::folder::ours::refuse_files_of_others;
-use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before};
+use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before, written};
 use crate::folder::state::state_of;
 use crate::folder::sweep::{folder_of_new_results, sweep};
 use crate::messages::changed_options::say_what_changed;
@@ -74,6 +74,12 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     let end_before = before.as_ref().and_then(crumple_stage::Pipeline::end).filter(|_| given.is_unchanged());
     remove_left_out(folder.path(), &left_out, &stages)?;
 
+    let before_it = before.as_ref();
+    let has_failed =
+        |(_, code): (&str, u8)| ![ExitStatus::Done, ExitStatus::NoAcceptableResult].map(|s| s as u8).contains(&code);
+    if options.again.is_some() && before_it.and_then(crumple_stage::Pipeline::end).is_some_and(has_failed) {
+        say(format_args!("note: the last run into {} failed: these are results of the one before", path.display()));
+    }
     let mut status = ExitStatus::Done;
     for (number, stage) in stages.iter().enumerate() {
         let before = File::open(run.folder.path().join(stage.output())).ok().filter(|_| number == 0);
@@ -88,11 +94,11 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
                     say_which_stage_failed(stage.name, &stage.program, failure);
                 }
                 run.say_whose_flags(number, failure);
-                return Ok(run.failed(failure));
+                return run.failed(failure, before_it);
             }
             Ending::Unforeseen(failure) => {
                 say_what_failed((stage.name, &stage.outputs), &stage.program, failure, Some(run.folder.path()));
-                return Ok(run.failed(ExitStatus::Failure));
+                return run.failed(ExitStatus::Failure, before_it);
             }
         }
         // What the first stage left alone, all others made their results from.
@@ -320,12 +326,16 @@ impl Run<'_> {
         arguments(stage, self.folder, &self.options.record, self.pipeline.as_os_str(), output.into())
     }
 
-    /// The exit status of a run that failed; a report from before is named as that.
-    fn failed(&self, status: ExitStatus) -> ExitStatus {
+    /// The exit status of a run that failed; a report from before is named as that, here and by who predicts with it.
+    fn failed(&self, status: ExitStatus, before: Option<&crumple_stage::Pipeline>) -> anyhow::Result<ExitStatus> {
+        if let Some(mut before) = before.filter(|_| self.options.again.is_none()).cloned() {
+            before.note_end("failed", status as u8);
+            written(self.folder.path(), &before)?.persist(self.folder.path().join(PIPELINE_OF_A_RUN))?;
+        }
         let report = self.stages.last().map(|stage| self.folder.path().join(stage.output()));
         if report.is_some_and(|report| report.exists()) {
             say(format_args!("note: the report in {} is that of an earlier run", self.folder.path().display()));
         }
-        status
+        Ok(status)
     }
 }

@@ -12,7 +12,9 @@ pub enum SimulateError {
     #[error("impact speed is {0} m/s, expected a positive number")]
     Speed(f64),
     /// There is no record after time zero, or the window ends before its first samples.
-    #[error("the displacement record ends {end_s} s after time zero and the window at {to_s} s: nothing to compare")]
+    #[error(
+        "the displacement record ends {end_s:.6} s after time zero and the window at {to_s:.6} s: nothing to compare"
+    )]
     Empty {
         /// End of the record after time zero.
         end_s: f64,

@@ -68,8 +68,10 @@ fn line(name: &str, a: &str, b: &str) -> String {
 fn best(summary: &Value) -> String {
     let Some(id) = summary["best"].as_str() else { return "none".to_owned() };
     let candidates = summary["candidates"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let fit =
-        candidates.iter().find(|candidate| candidate["id"] == id).and_then(|c| c["simulation"]["fit_percent"].as_f64());
+    let simulation = candidates.iter().find(|candidate| candidate["id"] == id).map(|best| &best["simulation"]);
+    // The fit that page and ranking show.
+    let fit = |key: &str| simulation?[key].as_f64();
+    let fit = fit("fit_as_measured_percent").or_else(|| fit("fit_percent"));
     fit.map_or_else(|| id.to_owned(), |fit| format!("{id} (fit {fit:.2} %)"))
 }
 
@@ -96,7 +98,8 @@ mod tests {
 
     #[test]
     fn both_sides_stand_in_people_s_units() {
-        let candidate = |id: &str, fit: f64| json!([{"id": id, "simulation": {"fit_percent": fit}}]);
+        let simulation = |fit: f64| json!({"fit_percent": 9.0, "fit_as_measured_percent": fit});
+        let candidate = |id: &str, fit: f64| json!([{"id": id, "simulation": simulation(fit)}]);
         let a = json!({"events": {"dynamic_crush_m": 0.75, "delta_v_m_per_s": 18.0}, "best": "kelvin/closed-form/1",
                        "candidates": candidate("kelvin/closed-form/1", 99.0)});
         let b = json!({"events": {"dynamic_crush_m": null, "delta_v_m_per_s": 18.0}, "best": null, "candidates": []});

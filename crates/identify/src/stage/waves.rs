@@ -424,7 +424,7 @@ pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
     let window = record.slice(first, end);
     if window.is_empty() {
         return Err(Refused::new(format!(
-            "the window from {} s holds no sample: the record runs from {} s to {} s",
+            "the window from {} s holds no sample: the record runs from {:.6} s to {:.6} s",
             settings.from_s,
             record.t0_s(),
             record.end_s()

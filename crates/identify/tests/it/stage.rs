@@ -130,7 +130,7 @@ fn what_cannot_be_done_has_its_own_exit_code_and_reason() {
     assert!(text.contains("2500 Markov parameters, but a 2000x2000 Hankel pair needs 4000"), "{text}");
     let (status, text) = code(&["--from", "3s"]);
     assert_eq!(status, Some(3), "{text}");
-    assert!(text.contains("the record runs from -0.02 s to 0.25 s"), "{text}");
+    assert!(text.contains("the record runs from -0.020000 s to 0.250000 s"), "{text}");
     let (status, text) = code(&["--samples", "5"]);
     assert_eq!(status, Some(3), "{text}");
     assert!(text.contains("order 4 needs at least 4 rows and columns"), "{text}");

@@ -14,8 +14,8 @@ use crate::selection::rating::{ComparedRecord, Rated, rate_all};
 const EQUAL: f64 = 2.0;
 /// Criteria that differ by more decide.
 const DECISIVE: f64 = 10.0;
-/// Fits that differ by less, percentage points, are the same: rounding does not decide.
-const FIT_STEP: f64 = 1e-6;
+/// Fits that differ by less, percentage points, are the same, as they are said: no sensor decides between them.
+const FIT_STEP: f64 = 0.01;
 /// Misfits of the wall's force by models of as many masses that differ by less are alike: half of the force that one
 /// mass misses is that of the masses in front, whatever its curve.
 const FORCE_RATIO: f64 = 1.4;
@@ -272,7 +272,8 @@ impl ComparedCandidates<'_> {
     /// own crush at lower speeds; else of those that have it, or come nearest to it, the one with the fewest numbers.
     ///
     /// The criterion charges knots of a curve as if they were to be told from noise. But the curve of a plastic
-    /// structure is an integral of the record, known to what the sensor is.
+    /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no reason
+    /// against it.
     fn right_at_lower_speeds(&self, by_evidence: usize) -> usize {
         let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
         let limit = self.rules.lower_speed_limit_percent / 100.0;
@@ -280,7 +281,7 @@ impl ComparedCandidates<'_> {
             return by_evidence;
         }
         let plastic: Vec<usize> =
-            self.compared().filter(|k| self.is_plastic(*k) && self.predicts_wrongly(*k).is_none()).collect();
+            self.compared().filter(|k| self.is_plastic(*k) && self.misses_the_force(*k).is_none()).collect();
         let least = plastic.iter().map(|k| error(*k)).fold(f64::INFINITY, f64::min);
         // One that misses nearly as much is no reason to leave the evidence.
         if least > limit && least > 0.5 * error(by_evidence) {

@@ -124,14 +124,13 @@ impl ComparedCandidate {
         }
     }
 
-    /// `3 of 4 numbers determined, 1 to an order of magnitude`, as the report says it.
+    /// `3 of 4 numbers determined, 1 with a wide interval`, as the report says it.
     pub fn determined_in_words(&self) -> String {
         if !self.is_assessed {
             return format!("{} numbers, not known how well", self.parameters);
         }
         let mut text = format!("{} of {} numbers determined", self.determined(), self.parameters);
-        for (count, what) in [(self.order_of_magnitude, "to an order of magnitude"), (self.unidentified.len(), "open")]
-        {
+        for (count, what) in [(self.order_of_magnitude, "with a wide interval"), (self.unidentified.len(), "open")] {
             if count > 0 {
                 text.push_str(&format!(", {count} {what}"));
             }

@@ -99,6 +99,8 @@ pub struct MadeTest {
     pub delta_v_m_per_s: Option<f64>,
     /// Coefficient of restitution; `None` likewise.
     pub coefficient_of_restitution: Option<f64>,
+    /// Standard deviations of these by its inputs, where they are known.
+    pub deviations: Vec<(Quantity, f64)>,
     /// Largest deceleration, m/s².
     pub peak_m_per_s2: Option<f64>,
     /// Acceleration of the compartment as filtered, counted from time zero.
@@ -118,6 +120,15 @@ impl MadeTest {
             Quantity::Peak => self.peak_m_per_s2,
             _ => None,
         }
+    }
+
+    /// The standard deviation that a number has that is known as well as the one measured, in proportion to it.
+    pub(crate) fn deviation_of(&self, quantity: Quantity, value: f64) -> f64 {
+        let known = self.deviations.iter().find(|(other, _)| *other == quantity).zip(self.get(quantity));
+        known.map_or(0.0, |((_, deviation), measured)| match measured == 0.0 {
+            true => *deviation,
+            false => deviation * (value / measured).abs(),
+        })
     }
 
     /// The test with what it felt over the energy it had taken, from its velocity, counted from time zero; `filtered`:

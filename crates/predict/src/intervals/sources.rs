@@ -70,21 +70,35 @@ pub(crate) const SOURCES: [&str; 10] = [
     "misfit of the test",
 ];
 
+/// Place of what the record measured no better among them.
+const INPUTS_OF_TEST: usize = 7;
+
 /// Variances of one number in the order of [`SOURCES`].
 pub(crate) type Variances = [f64; 10];
 
-/// The interval about a value, symmetric and not below zero; `None` beyond the range of numbers.
+/// The interval about a value, symmetric within what is possible; `None` beyond the range of numbers.
+///
+/// `measured_deviation`: no number is surer than the record that it is from measured it.
 ///
 /// Where tests that were left out were missed by more than their intervals say, `left_out` above 1, it is wider by that
 /// ratio: R. T. Birge, *The Calculation of Errors by the Method of Least Squares*, Phys. Rev. 40, 1932.
-pub(crate) fn interval(value: f64, variances: &Variances, left_out: f64) -> Option<Interval> {
+pub(crate) fn interval(
+    value: f64,
+    variances: &Variances,
+    measured_deviation: f64,
+    (least, most): (f64, f64),
+    left_out: f64,
+) -> Option<Interval> {
+    let mut variances = *variances;
+    let of_model: f64 = variances.iter().sum();
+    variances[INPUTS_OF_TEST] += (measured_deviation * measured_deviation - of_model).max(0.0);
     let total: f64 = variances.iter().sum();
     if !(value.is_finite() && total.is_finite()) {
         return None;
     }
     let wider = left_out.max(1.0);
     let half = wider * HALF_WIDTH * total.sqrt();
-    let shares = SOURCES.iter().zip(variances).filter(|(_, variance)| **variance >= NAMED * total && total > 0.0);
+    let shares = SOURCES.iter().zip(&variances).filter(|(_, variance)| **variance >= NAMED * total && total > 0.0);
     let shares: Vec<String> =
         shares.map(|(name, variance)| format!("{name} {:.0} %", 100.0 * variance / total)).collect();
     let mut by = match shares.len() {
@@ -94,7 +108,7 @@ pub(crate) fn interval(value: f64, variances: &Variances, left_out: f64) -> Opti
     if wider > 1.0 {
         let _infallible = write!(by, "; wider by {wider:.2}, as tests that were left out were missed");
     }
-    Some(Interval { low: (value - half).max(0.0), high: value + half, by })
+    Some(Interval { low: (value - half).max(least), high: (value + half).min(most), by })
 }
 
 /// Relative standard deviation of the crush by a rate effect that the model lacks, `sqrt(r² + s²) 2/3 |v - v_test|`,
@@ -138,15 +152,22 @@ mod tests {
 
     #[test]
     fn an_interval_is_as_wide_as_the_root_of_its_variances() {
-        let interval = interval(0.5, &[9e-4, 0.0, 0.0, 16e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0).unwrap();
+        let within = (0.0, f64::INFINITY);
+        let variances = [9e-4, 0.0, 0.0, 16e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let interval = interval(0.5, &variances, 0.03, within, 0.0).unwrap();
         // 5 % of standard deviation.
         assert!(
             (interval.high - 0.5 - HALF_WIDTH * 0.05).abs() < 1e-12
                 && (interval.low + interval.high - 1.0).abs() < 1e-12
         );
         assert_eq!(interval.by, "parameters 36 %, models 64 % of the variance");
-        assert_eq!(super::interval(0.01, &[1.0; 10], 0.0).unwrap().low, 0.0);
-        assert_eq!(super::interval(f64::NAN, &[0.0; 10], 0.0), None);
+        // The record measured it no better than to 0.1.
+        let measured = super::interval(0.5, &variances, 0.1, within, 0.0).unwrap();
+        assert!((measured.high - 0.5 - HALF_WIDTH * 0.1).abs() < 1e-12, "{measured:?}");
+        assert_eq!(measured.by, "parameters 9 %, models 16 %, inputs of the test 75 % of the variance");
+        let ends = super::interval(0.9, &[1.0; 10], 0.0, (0.0, 1.0), 0.0).map(|interval| (interval.low, interval.high));
+        assert_eq!(ends, Some((0.0, 1.0)));
+        assert_eq!(super::interval(f64::NAN, &[0.0; 10], 0.0, within, 0.0), None);
     }
 
     #[test]

@@ -179,7 +179,12 @@ pub fn measured(
 /// The events of a test; of a record that ends during the rebound, restitution and delta-v are lower bounds and none.
 fn of_events(events: &EventsV1) -> MadeTest {
     let is_whole = !events.still_separating;
+    let deviation = |quantity: &Quantity| {
+        let interval = events.intervals.iter().find(|interval| interval.name == quantity.field())?;
+        Some((*quantity, (interval.high - interval.low) / (2.0 * HALF_WIDTH)))
+    };
     MadeTest {
+        deviations: Quantity::ALL.iter().filter_map(deviation).collect(),
         delta_v_m_per_s: events.delta_v_m_per_s.filter(|_| is_whole),
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,

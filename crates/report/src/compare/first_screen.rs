@@ -9,7 +9,6 @@ use crate::findings::{
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_artifact::records::ConcernV1;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
@@ -31,10 +30,9 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     for sentence in &said.sentences {
         text.push_str(&format!("{}\n", markdown(sentence)));
     }
-    let warnings: Vec<_> = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT).collect();
-    if !warnings.is_empty() {
+    let (first, others) = first_warnings(&concerns, |_| false, &run.run, &run.ranking);
+    if !first.is_empty() || others > 0 {
         text.push_str(&format!("\n### {}\n\n", phrases.conclusion.before_use));
-        let (first, others) = first_warnings(&warnings, &run.run, &run.ranking);
         for (number, concern) in first.iter().enumerate() {
             text.push_str(&format!("{}. {}\n", number + 1, markdown(&concern.text)));
         }

@@ -8,7 +8,7 @@ mod conclusions;
 mod results;
 mod text;
 
-pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate};
+pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings};
 pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
 pub use conclusions::key_numbers::{KeyNumber, decimals, key_numbers, level_percent};

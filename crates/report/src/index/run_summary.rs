@@ -207,7 +207,7 @@ impl RunSummary {
         self.recommended.as_deref().filter(|_| self.conclusion.status != Some(Status::DoNotUse))
     }
 
-    /// How many of its numbers are determined, to an order of magnitude, open: `3 of 5 determined, 2 open`.
+    /// How many of its numbers are determined, with a wide interval, open: `3 of 5 determined, 2 open`.
     pub(crate) fn certainty(&self) -> Option<String> {
         let texts = &PHRASES.runs;
         let of = &self.conclusion;
@@ -248,7 +248,7 @@ mod tests {
             RunSummary::from_json(json.as_bytes()).unwrap().certainty()
         };
         let all = r#"{"parameters": 5, "determined": 3, "order_of_magnitude": 1, "open": 1}"#;
-        assert_eq!(words(all).as_deref(), Some("3 of 5 determined, 1 to an order of magnitude, 1 open"));
+        assert_eq!(words(all).as_deref(), Some("3 of 5 determined, 1 with a wide interval, 1 open"));
         assert_eq!(words(r#"{"parameters": 4, "determined": 4}"#).as_deref(), Some("4 of 4 determined"));
         assert_eq!(words(r#"{"kind": "occupant", "parameters": null}"#), None);
     }

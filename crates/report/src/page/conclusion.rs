@@ -44,10 +44,7 @@ pub(super) fn write_before_use(
     concerns: &[ConcernV1],
 ) {
     let phrases = &PHRASES.conclusion;
-    // The verdict has said why there is no result.
-    let said = |concern: &&ConcernV1| verdict.standing != Standing::Model && concern.severity == ConcernV1::NO_RESULT;
-    let warnings: Vec<&ConcernV1> = concerns.iter().filter(|concern| !said(concern)).collect();
-    let (first, others) = first_warnings(&warnings, run, ranking);
+    let (first, others) = first_warnings(concerns, |_| false, run, ranking);
     let items: String = first.iter().map(|concern| item(concern)).collect();
     let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
     let is_of_the_record = |concern: &ConcernV1| about(concern) == phrases.about_record;

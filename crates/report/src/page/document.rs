@@ -78,9 +78,9 @@ impl Page {
             models::write(&mut body, run, &concerns, &identification);
         }
         what_if::write(&mut body, run, ranking, &files);
-        candidates::write(&mut body, run, ranking);
+        candidates::write(&mut body, run, ranking, said.status);
         how_well::write(&mut body, run, ranking);
-        predictions::write(&mut body, run);
+        predictions::write(&mut body, run, said.status);
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);
         if !run.is_generic() {

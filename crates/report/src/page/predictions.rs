@@ -41,7 +41,10 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     } else {
         String::new()
     };
-    out.push_str(&format!("</tbody>\n</table></div>\n{more}</section>\n"));
+    let is_by_record = |prediction: &&&PredictionV1| prediction.peak_by == Some(AnsweredByV1::Record);
+    let by_record = shown.iter().take(SHOWN_FIRST).find(is_by_record);
+    let caption = by_record.map_or_else(String::new, |_| format!("<p class=\"caption\">{}</p>\n", texts.peak_caption));
+    out.push_str(&format!("</tbody>\n</table></div>\n{caption}{more}</section>\n"));
 }
 
 fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
@@ -81,7 +84,7 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     ));
 }
 
-pub(super) fn write(out: &mut String, run: &Run) {
+pub(super) fn write(out: &mut String, run: &Run, status: Status) {
     if run.predictions.is_empty() {
         return;
     }
@@ -100,12 +103,12 @@ pub(super) fn write(out: &mut String, run: &Run) {
     ];
     out.push_str(&format!("<section id=\"predictions\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
     for prediction in &run.predictions {
-        row(out, prediction);
+        row(out, prediction, status);
     }
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, prediction: &PredictionV1) {
+fn row(out: &mut String, prediction: &PredictionV1, status: Status) {
     let texts = &PHRASES.predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
@@ -120,6 +123,7 @@ fn row(out: &mut String, prediction: &PredictionV1) {
     let partner = partner(prediction);
     let roles = &PHRASES.candidates;
     let role = |name: &String| match name.as_str() {
+        "recommended" if status == Status::DoNotUse => PHRASES.model.in_doubt.to_lowercase(),
         "recommended" => roles.badge_recommended.to_owned(),
         "simplest" => roles.badge_simplest.to_owned(),
         "closest" => roles.badge_closest.to_owned(),

@@ -3,7 +3,7 @@
 use crate::drawing::escape::html;
 use crate::findings::{
     CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, names::candidate_name, parameters::parameter,
-    ranking::AS_GOOD_PERCENT,
+    ranking::AS_GOOD_PERCENT, warnings,
 };
 use crate::phrases::PHRASES;
 use crate::phrases::words;
@@ -42,13 +42,17 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
             let items: String = concerns.iter().map(|concern| conclusion::item(concern)).collect();
             format!("<ul class=\"notes warnings\">\n{items}</ul>\n")
         };
-        let count = match concerns.len() {
-            1 => texts.one_warning.to_owned(),
-            n => fill(texts.warnings, &[("count", n.to_string())]),
-        };
+        let diagnoses: Vec<&ConcernV1> = concerns.iter().filter(|c| c.severity == ConcernV1::NO_RESULT).collect();
         let (others, first): (Vec<&ConcernV1>, Vec<&ConcernV1>) =
-            concerns.iter().partition(|concern| is_of_another_candidate(concern, run, ranking));
-        out.push_str(&format!("<h3>{count}</h3>\n{}", list(&first)));
+            warnings(concerns).partition(|concern| is_of_another_candidate(concern, run, ranking));
+        let count = match others.len() + first.len() {
+            0 => String::new(),
+            1 => format!("<h3>{}</h3>\n", texts.one_warning),
+            n => format!("<h3>{}</h3>\n", fill(texts.warnings, &[("count", n.to_string())])),
+        };
+        for (head, concerns) in [("", diagnoses), (&count, first)].into_iter().filter(|(_, all)| !all.is_empty()) {
+            out.push_str(&format!("{head}{}", list(&concerns)));
+        }
         if !others.is_empty() {
             let of_others = fill(texts.of_other_candidates, &[("count", others.len().to_string())]);
             out.push_str(&format!("<details><summary>{of_others}</summary>\n{}</details>\n", list(&others)));

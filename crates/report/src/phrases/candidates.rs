@@ -31,12 +31,13 @@ texts! { CandidateTexts
         "100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window.";
     distinct_curves:
         "{candidates} candidates, {curves} distinct curves: those in one row differ over the compared window by no \
-         more than {share} of the largest displacement and velocity (root mean square), and in restitution by no more \
-         than {restitution}. ";
+         more than {share} of the largest displacement and velocity (root mean square), in restitution by no more than \
+         {restitution}, and the evidence does not tell their misfits apart. ";
     bars_caption:
-        "Highlighted is the model recommended for predictions. A bar is a 95 % interval between a tenth and ten times \
+        "Highlighted is the chosen model. A bar is a 95 % interval between a tenth and ten times \
          the value; it fades where it goes on or is open.";
     parameters_of_row: "parameters";
+    in_doubt: "In doubt, not recommended";
     badge_recommended: "recommended";
     badge_simplest: "simplest";
     badge_closest: "closest";
@@ -47,7 +48,7 @@ texts! { CandidateTexts
     value: "Value";
     interval: "95&nbsp;%";
     scale_value: "value";
-    order_of_magnitude: "to an order of magnitude";
+    order_of_magnitude: "wide interval";
     limit_of_physical: "limit of what is physical";
     the_limit_of_physical: " (the limit of what is physical)";
     given: "given";
@@ -91,7 +92,7 @@ texts! { CandidateTexts
     it_is_not_passive: "; it is not a passive structure";
     ranked_recommended:
         "Ranked by the fit of the displacement, the model measured as the record was; AICc stands beside it, over the \
-         same window, for information. Highlighted is the model recommended for predictions, which need not be the one \
+         same window, for information. Highlighted is the chosen model, which need not be the one \
          that follows this record closest: the list above says why. A dual gives exactly the same record on this \
          sensor and so the same figures.";
     ranked_best:
@@ -115,7 +116,7 @@ texts! { CandidateTexts
     on_bounds: "On a bound of the search: {names}.";
     one_remark: "{count} remark";
     remarks: "{count} remarks";
-    star: "recommended for predictions";
+    star: "chosen";
     directions:
         "Independent directions in the parameters that the waves respond to: {rank} of {order}; how well each \
          parameter is known, its interval says.";

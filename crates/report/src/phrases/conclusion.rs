@@ -133,7 +133,7 @@ texts! { ConclusionTexts
     predicts_beyond:
         ": {scenario}, beyond the test, it gives {crush}{interval}";
     determined: "{determined} of {parameters} numbers determined";
-    order_of_magnitude: ", {count} to an order of magnitude";
+    order_of_magnitude: ", {count} with a wide interval";
     open: ", {count} open";
     none_recommended: "No model is recommended: {because}.";
     no_crush:
@@ -151,21 +151,21 @@ texts! { ConclusionTexts
     few_parameters:
         "Use its crush, not its parameters: the record determines only {determined} of {parameters}.";
     extrapolates:
-        "Above {speed}, the speed of the test, it extrapolates.";
+        "Beyond {crush}, the crush of the test, it extrapolates.";
     and: "and";
     force_at: "the force at {deflection}";
     forces_at: "the forces at {deflection}";
     sensors_differ:
         "{count} sensors of the compartment give a crush of {low} to {high}: quote the range";
     warn_open:
-        "{model}, recommended: not identifiable from this record: {names}";
+        "{model}: not identifiable from this record: {names}";
     warn_hardly:
-        "{model}, recommended: known to an order of magnitude only: {names}";
+        "{model}: wide intervals of {names}";
     warn_dual:
         "a mirrored (dual) model fits as well as {model}: a second sensor, on the front or the engine, decides between \
          them";
     warn_extrapolates:
-        "predictions above {speed} go beyond the test";
+        "predictions beyond {crush}, the crush of the test, extrapolate";
     warn_two_vehicles:
         "a collision of two vehicles: the displacement over ground is not the crush of either, and the models take \
          the other vehicle for a rigid wall";

@@ -14,12 +14,14 @@ texts! { ModelTexts
     no_structure:
         "No structure of masses and elements belongs to this model.";
     off_the_test:
-        "In its own test: crush {crush}, t<sub>m</sub> {time}{restitution}; displacement fit {fit}.";
-    and_restitution: ", restitution {restitution}";
+        "It misses its own test by {crush} of crush, {time} of t<sub>m</sub>{restitution}; displacement fit {fit}.";
+    and_restitution: ", {restitution} of restitution";
     follows: "Displacement fit {fit}.";
     one_spring:
         "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
     by_noise_alone: "; intervals: 95\u{a0}%, by the noise alone";
+    held_by_intervals: ", longer where the value lies outside";
+    at_most: "at most {end}";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.";
     decided_by:
         "Chosen by sensors {sensors}.";

@@ -14,7 +14,7 @@ texts! { NumberTexts
     peak_cfc: "Peak, CFC\u{a0}{cfc}";
     peak_filtered: "Peak, filtered at {frequency}";
     no_interval:
-        "no interval: the uncertainty of the inputs is not stated";
+        "no interval: it needs mass, impact speed and the uncertainty of the inputs";
     sensors: "{count} sensors: {interval}";
     inputs: "inputs, 90\u{a0}%";
     resolution: "resolution";

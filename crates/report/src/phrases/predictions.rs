@@ -10,7 +10,9 @@ texts! { PredictionTexts
     inside: "inside";
     as_tested: "as tested";
     beyond: "beyond";
-    by_the_record: "{peak} by the record";
+    by_the_record: "{peak}*";
+    peak_caption:
+        "* By the record: what it shows of the peak at this energy, not what the model makes of it.";
     all_predictions: "all predictions";
     speed: "Speed, km/h";
     mass: "Mass, kg";
@@ -25,7 +27,7 @@ texts! { PredictionTexts
         "The models of this test at other speeds and masses, against the same wall where nothing else is said. In \
          brackets the 90 % interval: of the parameters as measured, of the inputs, of what adequate models differ by, \
          of a rate effect that one test hardly shows, and of the force beyond the tested crush. Not in it: a part that \
-         was not reached, another failure mode, another overlap. Highlighted is the recommended model.";
+         was not reached, another failure mode, another overlap. Highlighted is the chosen model.";
     asked: "asked for";
     interval: "[{low} to {high}]";
     extrapolates: "extrapolates";

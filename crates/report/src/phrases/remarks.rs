@@ -24,6 +24,9 @@ texts! { RemarkTexts
         "identified models (crumple-identify writes them)";
     no_parameters:
         "physical parameters (crumple-parameter-solve writes them)";
+    none_found: "{what}: none found, {reason}";
+    parameters: "physical parameters";
+    models: "identified models";
     no_responses:
         "ranking: the candidates were not simulated (run crumple-simulate)";
     without_parameters:

@@ -85,7 +85,7 @@ texts! { RunTexts
     pipeline_head: "Pipeline";
     none: "none";
     determined: "{determined} of {parameters} determined";
-    order_of_magnitude: ", {count} to an order of magnitude";
+    order_of_magnitude: ", {count} with a wide interval";
     open: ", {count} open";
     mass_name: "test mass";
     mass: "mass";

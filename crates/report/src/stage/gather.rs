@@ -333,8 +333,21 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
         if run.test.impact_speed_m_per_s.is_none() { texts.no_motion_without_speed } else { texts.no_motion };
     add(run.events.is_none() && !run.metrics.is_empty(), no_motion);
     add(run.events.is_some() && run.measured.displacement.is_none(), texts.no_displacement);
-    add(run.models.is_empty(), texts.no_models);
-    add(run.candidates.is_empty(), texts.no_parameters);
+    // A stage that ran has found none, and says why.
+    let why_none = |stage: &str, what: &str| {
+        let ran = run.provenance.iter().any(|record| record.stage == stage);
+        let reason = run.without.as_deref().or_else(|| {
+            let diagnosed = run.concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+            diagnosed.map(|concern| concern.text.as_str())
+        });
+        reason.filter(|_| ran).map(|reason| fill(texts.none_found, &[("what", what), ("reason", reason)]))
+    };
+    let [models, parameters] = [
+        why_none("identify", texts.models).unwrap_or_else(|| texts.no_models.to_owned()),
+        why_none("parameter-solve", texts.parameters).unwrap_or_else(|| texts.no_parameters.to_owned()),
+    ];
+    add(run.models.is_empty(), &models);
+    add(run.candidates.is_empty(), &parameters);
     add(run.responses.is_none() && !run.candidates.is_empty(), texts.no_responses);
     if without_parameters > 0 {
         missing.push(fill(texts.without_parameters, &[("count", without_parameters.to_string())]));

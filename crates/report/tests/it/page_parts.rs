@@ -342,7 +342,7 @@ fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
 }
 
 #[test]
-fn an_interval_over_more_than_a_decade_is_an_order_of_magnitude_in_every_place_alike() {
+fn an_interval_over_more_than_a_decade_is_wide_in_every_place_alike() {
     let mut run = crash();
     let mut best = candidate("maxwell/direct-fit/1", &[("c_n_s_per_m", 54e3), ("k_n_per_m", 3e5)], 99.0);
     let ends = |c: f64, k: f64| [("c_n_s_per_m".to_owned(), Some(c)), ("k_n_per_m".to_owned(), Some(k))].into();
@@ -358,18 +358,15 @@ fn an_interval_over_more_than_a_decade_is_an_order_of_magnitude_in_every_place_a
     assert_eq!((certainties.open, best.left_open()), (Vec::<&str>::new(), 0));
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
-    assert_eq!(
-        also_open.certainties().words().unwrap(),
-        "0 of 2 numbers determined, 1 to an order of magnitude, 1 open"
-    );
+    assert_eq!(also_open.certainties().words().unwrap(), "0 of 2 numbers determined, 1 with a wide interval, 1 open");
     run.candidates.push(best);
     let page = page(&run);
-    let words = "1 of 2 numbers determined, 1 to an order of magnitude";
+    let words = "1 of 2 numbers determined, 1 with a wide interval";
     assert!(page.contains(&format!("<figcaption>{words};")), "the picture: {page}");
     assert!(
         page.contains(&format!("<span title=\"{words}\">1 of 2</span>").replace("<span ", "<span tabindex=\"0\" "))
     );
-    assert!(page.contains("<span class=\"no\">to an order of magnitude</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
+    assert!(page.contains("<span class=\"no\">wide interval</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
     let text = summary(&run, &Ranking::of_candidates(&run.candidates)).to_json().unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["best_undetermined"], serde_json::json!([]));

@@ -47,8 +47,10 @@ impl Program {
                 .hint(format!("leave {}= out for the program of the project", stage.replace('-', "_"))));
         };
         let file = find(first).ok_or_else(|| {
-            refused(format!("{first}: no such program"))
-                .hint(format!("it is the command of the stage {stage}; for what only a shell can do: sh -c '...'"))
+            refused(format!("{first}: no such program")).hint(match first.starts_with(".venv/") {
+                true => "scripts/setup.sh test makes the Python environment .venv".to_owned(),
+                false => format!("it is the command of the stage {stage}; for what only a shell can do: sh -c '...'"),
+            })
         })?;
         let is_own = matches!((file.canonicalize(), own_program(stage).canonicalize()), (Ok(a), Ok(b)) if a == b);
         Ok(Self { flags: flags.to_vec(), file, is_own, typed })

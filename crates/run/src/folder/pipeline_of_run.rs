@@ -54,7 +54,8 @@ impl PipelineOfRun {
     }
 }
 
-fn written(folder: &Path, pipeline: &Pipeline) -> anyhow::Result<NamedTempFile> {
+/// The file of a pipeline, not yet under its name.
+pub(crate) fn written(folder: &Path, pipeline: &Pipeline) -> anyhow::Result<NamedTempFile> {
     let write = || {
         let mut new = tempfile::Builder::new()
             .prefix(&format!(".{PIPELINE_OF_A_RUN}."))

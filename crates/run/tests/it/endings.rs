@@ -69,6 +69,9 @@ fn a_failed_stage_costs_nothing_of_the_same_record() {
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("is that of an earlier run"), "{}", said(&output));
     chain.assert_whole("a");
+    // Who predicts with it is told.
+    let again = chain.again(&chain.folder(), &[]).output().unwrap();
+    assert!(said(&again).contains("failed: these are results of the one before"), "{}", said(&again));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What speaks against a run, ranked by what it does to what is shown.
 
-use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::numbers::MILLI;
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -28,9 +28,8 @@ pub fn decisive_warning<'a>(run: &Run, concerns: &'a [ConcernV1]) -> Option<(usi
         Ok(About::ImpactSpeed) => run.test.impact_speed_m_per_s.is_none(),
         _ => false,
     };
-    let warnings = concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT);
     let is_decisive = |c: &ConcernV1| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(&c.about);
-    warnings.zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
+    warnings(concerns).zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
 }
 
 /// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`, gravest first: the diagnosis of a stage without a
@@ -99,16 +98,27 @@ fn concern(
     }
 }
 
-/// Of warnings in their order those for the first screen: at most `SHOWN_FIRST`, none of a candidate that nobody
-/// recommends while there is any other, no failed method; and how many are left.
-pub fn first_warnings<'a>(warnings: &[&'a ConcernV1], run: &Run, ranking: &Ranking) -> (Vec<&'a ConcernV1>, usize) {
+/// The warnings of a run, which every surface counts alike: the diagnosis of a stage without a result is none.
+pub fn warnings(concerns: &[ConcernV1]) -> impl Iterator<Item = &ConcernV1> {
+    concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT)
+}
+
+/// Of the warnings in their order those for the first screen: at most `SHOWN_FIRST`, none that is said elsewhere, none
+/// of a candidate that nobody recommends while there is any other, no failed method; and how many are left of all.
+pub fn first_warnings<'a>(
+    concerns: &'a [ConcernV1],
+    is_said: impl Fn(&ConcernV1) -> bool,
+    run: &Run,
+    ranking: &Ranking,
+) -> (Vec<&'a ConcernV1>, usize) {
     let is_prominent =
-        |concern: &&&ConcernV1| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
-    let mut first: Vec<&ConcernV1> = warnings.iter().filter(is_prominent).take(SHOWN_FIRST).copied().collect();
+        |concern: &&ConcernV1| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
+    let own = || warnings(concerns).filter(|concern| !is_said(concern));
+    let mut first: Vec<&ConcernV1> = own().filter(is_prominent).take(SHOWN_FIRST).collect();
     if first.is_empty() && !run.is_generic() {
-        first.extend(warnings.iter().take(1));
+        first.extend(own().take(1));
     }
-    let others = warnings.len() - first.len();
+    let others = warnings(concerns).count() - first.len();
     (first, others)
 }
 
@@ -204,9 +214,8 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         }
     }
     let beyond = run.predictions.iter().any(|p| p.recommended && p.extrapolates);
-    if let Some(speed) = run.test.impact_speed_m_per_s.filter(|_| beyond) {
-        let speed = words::quantity(KM_PER_H_PER_M_PER_S * speed, 1, "km/h");
-        let text = fill(phrases.warn_extrapolates, &[("speed", &speed)]);
+    if let Some(crush_m) = run.tested_crush_m().filter(|_| beyond) {
+        let text = fill(phrases.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
         found.push((About::Predictions, Weight::Slight, text));
     }
     found

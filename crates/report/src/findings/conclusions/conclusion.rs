@@ -536,9 +536,12 @@ impl<'a> Text<'a> {
         let other = other.map(|other| as_sentence(&self.because(&other)));
         few.or(other).or_else(|| {
             let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
-            let tested = self.run.test.impact_speed_m_per_s.filter(|_| beyond)?;
-            let speed = self.speed("/test/impact_speed_m_per_s", tested);
-            Some(fill(phrases.extrapolates, &[("speed", speed)]))
+            let (tested_m, shown) = (self.run.tested_crush_m().filter(|_| beyond)?, (MILLI, 0, "mm"));
+            let crush = match self.run.joint {
+                None => self.number("/events/dynamic_crush_m", tested_m, shown),
+                Some(_) => words::quantity(MILLI * tested_m, shown.1, shown.2),
+            };
+            Some(fill(phrases.extrapolates, &[("crush", crush)]))
         })
     }
 

@@ -15,6 +15,9 @@ pub const SAME_CURVE: f64 = 1e-3;
 /// Restitutions of the same curve differ by no more than this: what a model does after the window tells it apart too.
 pub const SAME_RESTITUTION: f64 = 0.01;
 
+/// Criteria of the choice, without what they charge for parameters, that differ by more tell two misfits apart.
+const TOLD_APART: f64 = 10.0;
+
 /// A curve and the candidates that have it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DistinctCurve {
@@ -28,18 +31,24 @@ pub struct DistinctCurve {
 /// them, then by rank. A candidate without a response stands alone.
 pub fn distinct_curves(run: &Run, ranking: &Ranking) -> Vec<DistinctCurve> {
     let stands_for = pairs_of_equals(&run.candidates);
+    let rated = run.recommendation.as_ref().map(|choice| choice.candidates.as_slice()).unwrap_or_default();
+    let misfit = |index: usize| {
+        let rated = rated.iter().find(|rated| rated.id == run.candidates[index].id)?;
+        Some(rated.aicc? - 2.0 * f64::from(rated.parameters))
+    };
+    let told_apart = |a: usize, b: usize| misfit(a).zip(misfit(b)).is_some_and(|(a, b)| (a - b).abs() > TOLD_APART);
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, candidate) in run.candidates.iter().enumerate() {
         let same = |group: &Vec<usize>| {
             let first = group[0];
-            stands_for[index] == stands_for[first] || same_curve(&run.candidates[first], candidate)
+            stands_for[index] == stands_for[first]
+                || same_curve(&run.candidates[first], candidate) && !told_apart(first, index)
         };
         match groups.iter_mut().find(|group| same(group)) {
             Some(group) => group.push(index),
             None => groups.push(vec![index]),
         }
     }
-    let rated = run.recommendation.as_ref().map(|choice| choice.candidates.as_slice()).unwrap_or_default();
     let place = |index: usize| {
         let id = &run.candidates[index].id;
         let place = rated.iter().position(|rated| rated.id == *id).unwrap_or(usize::MAX);

@@ -19,9 +19,6 @@ use crate::findings::text::names::candidate_name;
 use crate::findings::text::parameters::{parameter, parameter_order};
 use crate::findings::{CandidateResult, Ranking, Run};
 
-/// Level of the interval of a parameter, percent.
-const LEVEL_OF_PARAMETERS: u8 = 95;
-
 /// Parameters of a curve of many knots are not listed beyond so many.
 const MOST_PARAMETERS: usize = 8;
 
@@ -82,9 +79,11 @@ pub fn overview(
     let decisive = decisive_warning(run, concerns).is_some();
     // The verdict names a decisive warning by its number among all.
     let said = if decisive { Vec::new() } else { said_already(ranking, verdict, concerns) };
-    let is_new = |c: &&ConcernV1| c.severity != ConcernV1::NO_RESULT && !said.contains(c) && !is_of_a_failed_method(c);
-    let warnings: Vec<&ConcernV1> = concerns.iter().filter(is_new).collect();
-    let (first, others) = first_warnings(&warnings, run, ranking);
+    let failed: Vec<&ConcernV1> = concerns.iter().filter(|concern| is_of_a_failed_method(concern)).collect();
+    let is_said = |concern: &ConcernV1| said.contains(&concern) || failed.contains(&concern);
+    let (first, others) = first_warnings(concerns, is_said, run, ranking);
+    // Methods that failed have lines of their own.
+    let others = others - failed.len();
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
         // What makes all doubtful is said whole.
@@ -99,7 +98,7 @@ pub fn overview(
         let label = if first.is_empty() { phrases.warnings_label } else { "" };
         lines.push(line(label, format!("{count}: just notes {}", folder.display())));
     }
-    for (number, concern) in concerns.iter().filter(|c| is_of_a_failed_method(c)).enumerate() {
+    for (number, concern) in failed.into_iter().enumerate() {
         lines.push(line(if number == 0 { phrases.failed_label } else { "" }, concern.text.clone()));
     }
     // Of a run that is whole the verdict says why something is not there.
@@ -155,7 +154,7 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(run, candidate, name)).collect();
     texts.extend(curve.map(|curve| format!("{curve}: just curve {}", folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
-    format!("{}: {}{more}", candidate_name(&candidate.id), texts.join(", "))
+    format!("{}: {}{more}{}", candidate_name(&candidate.id), texts.join(", "), candidate.about_intervals())
 }
 
 /// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
@@ -175,8 +174,10 @@ fn how_sure(_run: &Run, candidate: &CandidateResult, name: &str) -> String {
     let interval = interval.map_or_else(String::new, |(low, high)| {
         let digits = digits_of_interval(low, high, 3);
         let [low, high] = [low, high].map(|si| words::significant(in_unit(si), digits));
-        let level = words::level(Some(LEVEL_OF_PARAMETERS));
-        format!(" ({level}{})", words::between(&low, &high))
+        match candidate.record.parameters.get(name) {
+            Some(0.0) => format!(" ({})", fill(PHRASES.model.at_most, &[("end", high)])),
+            _ => format!(" ({})", words::between(&low, &high)),
+        }
     });
     let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
     match candidate.record.certainty(name) {

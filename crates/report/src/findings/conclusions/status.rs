@@ -18,8 +18,11 @@ const NARROW_PERCENT: f64 = 10.0;
 /// Half width of such an interval above which the prediction answers nothing, percent of the crush.
 const WIDE_PERCENT: f64 = 30.0;
 
-/// What of a percentage is rounding of the ends of its interval, and is not rounded up.
-const ROUNDING: f64 = 1e-9;
+/// A half width in percent as it is said: rounded, but never to a limit that it is beyond.
+fn said_percent(half_width: f64) -> f64 {
+    let nearest = half_width.round();
+    if [0.0, NARROW_PERCENT, WIDE_PERCENT].contains(&nearest) { half_width.ceil() } else { nearest }
+}
 
 /// One word on the results of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -55,7 +58,7 @@ impl Status {
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub enum StatusReason {
-    /// The half width of the interval of the crush that is predicted, in percent rounded up. `prediction`: place among
+    /// The half width of the interval of the crush that is predicted, in percent as said. `prediction`: place among
     /// those of the summary, of what was asked for, else of the slowest impact inside the test.
     GoodTo {
         good_to_percent: f64,
@@ -218,7 +221,7 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
         return if is_adequate { Reason::NoneRecommended } else { Reason::NotAdequate };
     };
     let answer = answer(run, best);
-    let good_to_percent = answer.and_then(|(_, prediction)| Some((half_width_percent(prediction)? - ROUNDING).ceil()));
+    let good_to_percent = answer.and_then(|(_, prediction)| Some(said_percent(half_width_percent(prediction)?)));
     let good_to =
         answer.zip(good_to_percent).map(|((prediction, record), good_to_percent)| match record.extrapolates {
             true => Reason::Beyond { good_to_percent, prediction },

@@ -216,6 +216,21 @@ impl CandidateResult {
         })
     }
 
+    /// What its intervals hold; nothing without any.
+    pub fn about_intervals(&self) -> String {
+        let texts = &PHRASES.model;
+        let Some(known) = self.record.uncertainty.as_ref().filter(|known| !known.interval_low.is_empty()) else {
+            return String::new();
+        };
+        // Intervals are those of the best fit, made longer where a value lies outside of them.
+        let is_end = |(name, value): (&String, &f64)| {
+            let ends = [&known.interval_low, &known.interval_high];
+            *value != 0.0 && ends.iter().any(|ends| ends.get(name) == Some(&Some(*value)))
+        };
+        let widened = if self.record.parameters.iter().any(is_end) { texts.held_by_intervals } else { "" };
+        format!("{}{widened}", texts.by_noise_alone)
+    }
+
     /// Its name, with that of the candidate that gives exactly the same record.
     pub fn name_with_dual(&self) -> String {
         let other = self.record.equivalent_to.as_deref();
@@ -349,6 +364,12 @@ impl Run {
     /// Time of dynamic crush, s, if the record shows it.
     pub fn time_of_crush_s(&self) -> Option<f64> {
         self.events.as_ref()?.time_of_dynamic_crush_s
+    }
+
+    /// Dynamic crush of the test, of several the deepest, m: a prediction of more extrapolates.
+    pub fn tested_crush_m(&self) -> Option<f64> {
+        let of_joint = self.joint.iter().flat_map(|joint| &joint.tests).filter_map(|of| of.test.dynamic_crush_m);
+        self.events.as_ref().and_then(|events| events.dynamic_crush_m).into_iter().chain(of_joint).reduce(f64::max)
     }
 
     /// The axis of the pulse, where it is another than that of the models, x.

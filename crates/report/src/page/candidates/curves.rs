@@ -120,14 +120,17 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
 /// Name, why it is not adequate, and the candidates with the same curve.
 fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: Option<&RatedCandidateV1>) -> String {
     let texts = &PHRASES.candidates;
-    let mut about = format!("<strong>{}</strong>", html(&candidate_name(&candidate.id)));
-    let roles = run.recommendation.iter().flat_map(|choice| {
-        [(texts.badge_simplest, &choice.simplest), (texts.badge_closest, &choice.closest)]
-            .into_iter()
-            .filter(|(_, id)| id.as_ref().is_some_and(|id| *id == curve.id || curve.same_curve.contains(id)))
-            .map(|(name, _)| name)
-    });
-    about.extend(roles.map(|role| format!(" <span class=\"badge\">{role}</span>")));
+    let choice = run.recommendation.as_ref();
+    let roles = [
+        (texts.badge_simplest, choice.and_then(|choice| choice.simplest.as_ref())),
+        (texts.badge_closest, choice.and_then(|choice| choice.closest.as_ref())),
+    ];
+    // A badge stands beside the candidate that the choice names, also where that shares its row.
+    let badges = |id: &String| -> String {
+        let own = roles.iter().filter(|(_, named)| *named == Some(id));
+        own.map(|(role, _)| format!(" <span class=\"badge\">{role}</span>")).collect()
+    };
+    let mut about = format!("<strong>{}</strong>{}", html(&candidate_name(&candidate.id)), badges(&candidate.id));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
         let why = fill(texts.not_adequate, &[("why", html(why))]);
         about.push_str(&format!("<br><span class=\"dual\">{why}</span>"));
@@ -136,8 +139,8 @@ fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: O
         about.push_str(&format!("<br><span class=\"no\">{}</span>", texts.not_passive));
     }
     if !curve.same_curve.is_empty() {
-        let names: String =
-            curve.same_curve.iter().map(|id| format!("<li>{}</li>", html(&candidate_name(id)))).collect();
+        let name = |id: &String| format!("<li>{}{}</li>", html(&candidate_name(id)), badges(id));
+        let names: String = curve.same_curve.iter().map(name).collect();
         let count = fill(texts.same_curve, &[("count", curve.same_curve.len().to_string())]);
         about.push_str(&format!("<details><summary>{count}</summary><ul>{names}</ul></details>"));
     }

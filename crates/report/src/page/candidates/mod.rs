@@ -1,6 +1,6 @@
 //! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
 
-use crate::findings::{Ranking, Run};
+use crate::findings::{Ranking, Run, Status};
 use crate::phrases::PHRASES;
 
 mod bars;
@@ -12,7 +12,7 @@ mod uncertainty;
 /// What the bars look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
 
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Status) {
     if run.candidates.is_empty() && run.recommendation.is_none() {
         return;
     }
@@ -21,7 +21,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
          <h2 id=\"candidates-title\">{}</h2>\n",
         PHRASES.candidates.title
     ));
-    recommendation::write_roles(out, run);
+    recommendation::write_roles(out, run, status);
     curves::write(out, run, ranking);
     recommendation::write_evidence(out, run);
     every_candidate::write(out, run, ranking);

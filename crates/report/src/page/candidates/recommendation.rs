@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Run, names::candidate_name};
+use crate::findings::{CandidateResult, Run, Status, names::candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -11,12 +11,13 @@ use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
 use crate::frame::heads::{self, Column};
 
 /// The three roles, who has them and why.
-pub(super) fn write_roles(out: &mut String, run: &Run) {
+pub(super) fn write_roles(out: &mut String, run: &Run, status: Status) {
     let Some(choice) = &run.recommendation else { return };
     let texts = &PHRASES.candidates;
+    let recommended = if status == Status::DoNotUse { texts.in_doubt } else { texts.recommended };
     out.push_str("<ul>\n");
     for (name, id, because) in [
-        (texts.recommended, &choice.recommended, &choice.recommended_because),
+        (recommended, &choice.recommended, &choice.recommended_because),
         (texts.simplest, &choice.simplest, &choice.simplest_because),
         (texts.closest, &choice.closest, &choice.closest_because),
     ] {

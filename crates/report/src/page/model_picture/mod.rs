@@ -91,8 +91,7 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 fn words(run: &Run, candidate: &CandidateResult) -> String {
     let texts = &PHRASES.model;
     let mut sentences = Vec::new();
-    let intervals = candidate.record.uncertainty.as_ref().filter(|known| !known.interval_low.is_empty());
-    let intervals = intervals.map_or("", |_| texts.by_noise_alone);
+    let intervals = candidate.about_intervals();
     sentences.extend(candidate.certainties().words().map(|text| format!("{text}{intervals}.")));
     if let Some(simulation) = &candidate.simulation {
         let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());

@@ -116,17 +116,20 @@ impl Known {
     fn of(candidate: &CandidateResult, name: &str) -> Self {
         let texts = &PHRASES.model;
         let record = &candidate.record;
-        if matches!(record.certainty(name), Some(Certainty::Open | Certainty::OrderOfMagnitude)) {
-            return Self { open: true, interval: candidate.doubt(name).map(str::to_owned) };
+        if let Some(doubt) = candidate.doubt(name) {
+            return Self { open: true, interval: Some(doubt.to_owned()) };
         }
+        let open = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
+        let is_zero = record.parameters.get(name) == Some(&0.0);
         let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
-        if on_bound {
-            return Self { open: false, interval: Some(texts.limit_of_physical.to_owned()) };
+        if on_bound && !open {
+            return Self { open, interval: Some(texts.limit_of_physical.to_owned()) };
         }
         let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
         let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
         let shown = |value: f64, digits: usize| words::significant(parameter(&record.model, name, value).1, digits);
         let interval = ends.map(|ends| match ends {
+            (_, Some(high)) if is_zero => fill(texts.at_most, &[("end", shown(high, 3))]),
             (Some(low), Some(high)) => {
                 let digits = digits_of_interval(low, high, 3);
                 words::between(&shown(low, digits), &shown(high, digits))
@@ -135,7 +138,7 @@ impl Known {
             (None, Some(high)) => fill(texts.below, &[("end", shown(high, 3))]),
             (None, None) => texts.open.to_owned(),
         });
-        Self { open: false, interval }
+        Self { open, interval }
     }
 }
 

@@ -92,6 +92,13 @@ pub const RULES: &[Rule] = &[
         let known = candidate(spot).map_or(&Value::Null, |candidate| &candidate["uncertainty"]);
         holds(known["interval_low"].is_object(), || "the candidate has no intervals".to_owned())
     }),
+    rule("model.held_by_intervals", &[], |_, spot| {
+        let own = candidate(spot).ok_or("there is no such candidate")?;
+        let ends = ["interval_low", "interval_high"].map(|end| &own["uncertainty"][end]);
+        let values = own["parameters"].as_object().into_iter().flatten();
+        let is_end = |(name, value): (&String, &Value)| ends.iter().any(|ends| ends[name.as_str()] == *value);
+        holds(values.into_iter().any(is_end), || "no value is an end of its interval".to_owned())
+    }),
     rule("model.rating", &[("value", Number), ("grade", Rest)], rating),
     rule("model.same_record", &[("model", Words)], |said, spot| {
         let dual = spot.made.candidate_named(said.text("model")).ok_or("there is no such candidate")?;
@@ -173,6 +180,22 @@ pub const RULES: &[Rule] = &[
     }),
     rule("remarks.no_parameters", &[], |_, spot| {
         holds(spot.made.list("/candidates").is_empty(), || "there are candidates".to_owned())
+    }),
+    rule(
+        "remarks.none_found",
+        &[("what", Inner(&["remarks.parameters", "remarks.models"])), ("reason", Rest)],
+        |said, spot| {
+            holds(said.inner("what").is_some(), || "nothing is named".to_owned())?;
+            let reasons = spot.made.list("/concerns").iter().filter_map(|concern| concern["text"].as_str());
+            let is_said = reasons.into_iter().any(|reason| crate::truth::plain(reason) == said.text("reason"));
+            holds(is_said, || "no stage says so".to_owned())
+        },
+    ),
+    rule("remarks.parameters", &[], |_, spot| {
+        holds(spot.made.list("/candidates").is_empty(), || "there are candidates".to_owned())
+    }),
+    rule("remarks.models", &[], |_, spot| {
+        holds(spot.made.list("/models").is_empty(), || "there are identified models".to_owned())
     }),
     rule("remarks.no_responses", &[], |_, spot| {
         let simulated = spot.made.list("/candidates").iter().any(|candidate| !candidate["simulation"].is_null());

@@ -97,12 +97,13 @@ pub const RULES: &[Rule] = &[
     ),
     says(
         "page.determined",
-        "{count}{magnitude}{open}{noise}.",
+        "{count}{magnitude}{open}{noise}{widened}.",
         &[
             ("count", Inner(&["conclusion.determined"])),
             ("magnitude", Inner(&["conclusion.order_of_magnitude"])),
             ("open", Inner(&["conclusion.open"])),
             ("noise", Inner(&["model.by_noise_alone"])),
+            ("widened", Inner(&["model.held_by_intervals"])),
         ],
         |said, _| holds(said.inner("count").is_some(), || "no count".to_owned()),
     ),
@@ -122,9 +123,9 @@ pub const RULES: &[Rule] = &[
     says("console.model", "{model}: {parameters}", &[], |said, spot| {
         let own = spot.made.candidate_named(said.text("model")).ok_or("there is no such candidate")?;
         holds(own["id"] == spot.made.summary["recommended"], || "another is recommended".to_owned())?;
-        holds(said.text("parameters").matches("(95 %: ").count() == 0 || own["uncertainty"].is_object(), || {
-            "it has no intervals".to_owned()
-        })
+        let says_by_what = said.text("parameters").contains("by the noise alone");
+        let has_intervals = own["uncertainty"]["interval_low"].as_object().is_some_and(|ends| !ends.is_empty());
+        holds(says_by_what == has_intervals, || format!("it has intervals: {has_intervals}"))
     }),
     says("console.warning", "{number}. {warning}", &[("number", Number)], is_a_warning),
     says(
@@ -198,7 +199,7 @@ fn prediction_of_a_row(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
             && is_close(value("peak"), p["peak_acceleration_m_per_s2"].as_f64().map(|a| a / 9.806_65))
     };
     let own = spot.made.list("/predictions").iter().find(is_it).ok_or("no prediction has these numbers")?;
-    let by_record = said.text("peak").ends_with("by the record");
+    let by_record = said.text("peak").ends_with('*');
     holds(by_record == (own["peak_by"] == "record"), || format!("its peak is by {}", own["peak_by"]))?;
     let beyond = said.text("range").starts_with("beyond");
     holds(own["extrapolates"] == beyond, || format!("it is {}", said.text("range")))?;

@@ -78,7 +78,13 @@ impl Registry {
 
     /// A text by its templates; `None`: some of its words are of none.
     pub fn read(&self, text: &str, templates: &[&str]) -> Option<Vec<Said>> {
-        self.grammar.read(text, templates)
+        let as_reason = || {
+            let first = text.trim_start().chars().next()?.to_lowercase();
+            let reason = first.chain(text.trim_start().chars().skip(1)).collect::<String>();
+            let read = self.grammar.read(&reason, &[status::REASON_AS_SENTENCE])?;
+            read.iter().all(|said| said.inner("reason").is_some()).then_some(read)
+        };
+        self.grammar.read(text, templates).or_else(as_reason)
     }
 
     /// What a sentence contradicts: its numbers those of the summary, then its own check.
