@@ -40,12 +40,12 @@ pub fn without_shift(observed: &Observation, misfit: &[f64]) -> Vec<f64> {
 ///
 /// `None` where the model has no finite response at the start.
 pub fn least_without_shift(observed: &Observation, start: &Model, free: &[&str]) -> Option<Vec<f64>> {
-    let raw_at = |values: &[f64]| observed.misfit(&start.with_values(values).ok()?);
+    let raw_at = |values: &[f64]| observed.misfit_of(&start.with_values(values).ok()?.structure().ok()?);
     let (names, mut values) = (start.names(), start.values());
     let mut raw = raw_at(&values)?;
     let mut least = without_shift(observed, &raw);
-    let is_free = |k: &usize| free.contains(&&*names[*k]) && values[*k] != 0.0;
-    let free: Vec<usize> = (0..names.len()).filter(is_free).collect();
+    let places = free.iter().filter_map(|free| names.iter().position(|name| name == free));
+    let free: Vec<usize> = places.filter(|k| values[*k] != 0.0).collect();
     for _ in 0..STEPS {
         let mut columns = Vec::with_capacity(free.len() + 1);
         for k in &free {
