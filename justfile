@@ -10,8 +10,12 @@ export pipeline := "default"
 export out := ""
 # Flags for every stage, e.g. `just flags="-q --force" run crash.csv`.
 export flags := ""
-# Where the binaries are.
-export bin := env("CARGO_TARGET_DIR", justfile_directory() / "target") / "release"
+# Profile of the programs: release, or dev, which the tests are built in.
+export profile := env("CRUMPLE_PROFILE", "release")
+# Where the programs are.
+export bin := env("CARGO_TARGET_DIR", justfile_directory() / "target") / if profile == "dev" { "debug" } else { profile }
+# What is built: in dev the tests too, so that both have the same features of every package.
+targets := if profile == "dev" { "--bins --tests" } else { "--exclude crumple-testkit --bins" }
 export project := justfile_directory()
 
 # The chain, one line a stage with what it reads and writes, is pipelines/chain: `just chain`.
@@ -142,15 +146,16 @@ build:
     if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates pipelines/chain \
         -type d \( -name tests -o -name testkit \) -prune -o -newer "$stamp" -print -quit)" ]; then \
         mkdir -p "$bin"; touch "$stamp.$$"; \
-        cargo build --release --workspace --exclude crumple-testkit --bins; \
+        cargo build --profile "$profile" --workspace {{ targets }}; \
         mv "$stamp.$$" "$stamp"; \
     fi
 
 # All tests.
 [group('development')]
-test *args: build
+test *args:
+    CRUMPLE_PROFILE=dev just build
     cargo test --workspace --doc --quiet
-    cargo nextest run --workspace "$@"
+    CRUMPLE_PROFILE=dev cargo nextest run --workspace "$@"
 
 # Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass; docs/performance.md.
 [group('development')]

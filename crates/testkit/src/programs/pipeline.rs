@@ -1,4 +1,4 @@
-//! Runs the release binaries as a user does: through `just`, or one stage at a time.
+//! Runs the programs as a user does: through `just`, or one stage at a time.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -6,7 +6,8 @@ use std::sync::Once;
 
 use crate::places::workspace;
 
-/// Path of a release binary, e.g. `crumple-filter`; everything is built first (a no-op once built).
+/// Path of a program, e.g. `crumple-filter`, in the profile that `CRUMPLE_PROFILE` names as the justfile reads it;
+/// everything is built first (a no-op once built).
 pub fn binary(name: &str) -> PathBuf {
     static BUILT: Once = Once::new();
     BUILT.call_once(|| {
@@ -14,7 +15,8 @@ pub fn binary(name: &str) -> PathBuf {
         assert!(output.status.success(), "just build: {}", String::from_utf8_lossy(&output.stderr));
     });
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
-    target.join("release").join(name)
+    let is_dev = std::env::var("CRUMPLE_PROFILE").is_ok_and(|profile| profile == "dev");
+    target.join(if is_dev { "debug" } else { "release" }).join(name)
 }
 
 /// `just` in the workspace.
