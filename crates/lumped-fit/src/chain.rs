@@ -2,8 +2,8 @@
 //!
 //! Every mass, spring and damper is given or free. Free ones are fitted as logarithms, so that each trial is positive;
 //! bounds that are not stated follow from the size of the chain, see [`coordinates`](crate::coordinates). A fit has
-//! three steps: a search from many starts on the motion itself, the noise levels of the sensors and the minimum in turn,
-//! and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
+//! three steps: a search from many starts on the motion itself, the noise levels of the sensors and the minimum in
+//! turn, and, where all filters are known, the same with each wave sampled, filtered and integrated like its record.
 //!
 //! With `mu = (m1 + m2)/m2` the dual of two masses has `k1' = mu k2`, `k2' = k1/mu` and dampers alike: it exchanges
 //! front and rear. A sensor on the last mass alone cannot tell the two apart, see [`DoubleSpringMassDamper::dual`].
@@ -357,8 +357,8 @@ const SAME: f64 = 0.01;
 /// known.
 ///
 /// Candidates come best first, each with its dual next to it, the softer first spring first. At most three sets within
-/// 1 % of the least weighted error are reported. Their fits have a sensor for each wave, without the name of its channel. Deterministic for any number of threads. A global minimum is likely,
-/// not proven.
+/// 1 % of the least weighted error are reported. Their fits have a sensor for each wave, without the name of its
+/// channel. Deterministic for any number of threads. A global minimum is likely, not proven.
 ///
 /// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
 pub fn fit_chain(stated: &StatedChain, observed: &Observation, starts: usize) -> Result<Vec<Candidate>, SolveError> {

@@ -2,9 +2,9 @@
 //!
 //! In fits to sensors springs and dampers are logarithms over the scale of the test, knots are shares of the crush, of
 //! the impact speed or of the next knot, masses are shares of what is left of the total: every point in the bounds is a
-//! model. Springs and dampers of chains have one set of bounds, for two, three and any number of masses. `M` is the mass
-//! of the vehicle, kg, and `T` the length of the window, s. A spring is counted in units of `M (π/2T)²`, N/m: an undamped
-//! mass `M` on a spring of one unit stops after `T`. A damper is counted in units of `M/T`, N·s/m.
+//! model. Springs and dampers of chains have one set of bounds, for two, three and any number of masses. `M` is the
+//! mass of the vehicle, kg, and `T` the length of the window, s. A spring is counted in units of `M (π/2T)²`, N/m: an
+//! undamped mass `M` on a spring of one unit stops after `T`. A damper is counted in units of `M/T`, N·s/m.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -313,8 +313,8 @@ impl Coordinates {
     /// The coordinates of a search for a model with these masses, kg.
     ///
     /// The unloading stiffness of the elastoplastic model lies between 1e-2 and 1e5 spring units and starts higher, and
-    /// the damper of the Maxwell model starts at 0.1 to 30. Coefficients of the nonlinear models lie between 1e-8 and 1e3 of `m
-    /// (v0/C)²` and `m v0/C`; knots between 0.5 and 99.5 % of the next one.
+    /// the damper of the Maxwell model starts at 0.1 to 30. Coefficients of the nonlinear models lie between 1e-8 and
+    /// 1e3 of `m (v0/C)²` and `m v0/C`; knots between 0.5 and 99.5 % of the next one.
     pub fn of_search(kind: ModelKind, masses_kg: &[f64], fit: MassFit, scale: &Scale) -> Option<Self> {
         let total_mass_kg: f64 = masses_kg.iter().sum();
         let spring = total_mass_kg * (FRAC_PI_2 / scale.length_s).powi(2);

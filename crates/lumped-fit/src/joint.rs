@@ -354,8 +354,8 @@ fn rate_of(model: &Model) -> Option<f64> {
     model.value(name)
 }
 
-/// The rate factor, at this index of the values, as a free parameter; its coordinate is a share, so that zero is a value
-/// like others.
+/// The rate factor, at this index of the values, as a free parameter; its coordinate is a share, so that zero is a
+/// value like others.
 fn free_rate(kind: ModelKind, index: usize) -> FitParameter {
     let (name, bounds) = (kind.parameter_names()[index].into(), (0.0, LARGEST_S_PER_M / UNIT_S_PER_M));
     FitParameter::of_search((index, name, ParameterKind::RateFactor), Map::Share(UNIT_S_PER_M), bounds, bounds)

@@ -1,4 +1,5 @@
-//! The parameters of a model that a fit moves, each with a coordinate of size one and its bounds, and how the mass divides.
+//! The parameters of a model that a fit moves, each with a coordinate of size one and its bounds, and how the mass
+//! divides.
 //!
 //! A coordinate is the logarithm of a value over its unit, or a share: near zero of the unit, of the next knot, or of
 //! the mass that is left. All are of size one, so that descents can use one step size and one tolerance for all.

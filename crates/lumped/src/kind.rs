@@ -317,7 +317,7 @@ impl ModelKind {
     /// Its parameters, masses first: the order in which solvers and derivatives count them.
     ///
     /// A name occurs once; the last knots of the nonlinear models come last. Of the knots of a crushed structure a
-    /// model has as many as it needs. A chain has no table: see [`Model::names`](crate::Model::names).
+    /// model has as many as it needs. A chain has no table: see `Model::names`.
     pub const fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Kelvin | Self::Maxwell => &SPRING_AND_DAMPER,

@@ -202,7 +202,8 @@ impl Model {
     }
 
     /// The model of a family with these values, in the order of [`ModelKind::parameters`]; whether they have a meaning
-    /// is not checked. Errors: a curve with knots that do not rise; a chain, whose values do not say where its knots are.
+    /// is not checked. Errors: a curve with knots that do not rise; a chain, whose values do not say where its knots
+    /// are.
     pub fn of_values(kind: ModelKind, values: &[f64]) -> Result<Self, LumpedError> {
         Ok(match kind {
             ModelKind::Kelvin => Self::Kelvin(Kelvin::from_values(values)),

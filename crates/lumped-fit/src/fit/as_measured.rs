@@ -23,8 +23,8 @@ const EXACT: f64 = 1e-10;
 /// Steps in the coordinates along the weakest direction, from which the descent starts once more.
 const RESTARTS: [f64; 4] = [-0.3, 0.3, -LEAST_RESTART, LEAST_RESTART];
 const LEAST_RESTART: f64 = 0.05;
-/// A minimum whose cost rises by so many times itself over the least restart, as its sensitivities say, has no valley in
-/// which a lower one could lie.
+/// A minimum whose cost rises by so many times itself over the least restart, as its sensitivities say, has no valley
+/// in which a lower one could lie.
 const SHARP: f64 = 10.0;
 /// Steps in which a restart has to come lower: those after which a descent is asked whether it gets anywhere.
 const STEPS_OF_A_RESTART: u32 = Bounds::SLOW_STEPS;

@@ -1,8 +1,8 @@
 //! The search for the minima of a fit: starts spread over a box, descents from them, restarts along the weakest
 //! direction, or L-SHADE.
 //!
-//! What it finds are starts of the fit [as measured](crate::fit::as_measured): the motion is quick to compare, since it is
-//! exact at any spacing of the samples.
+//! What it finds are starts of the fit [as measured](crate::fit::as_measured): the motion is quick to compare, since it
+//! is exact at any spacing of the samples.
 
 use crumple_numerics::estimation::minimise::StopReason;
 use crumple_numerics::estimation::minimise::l_shade::{LShadeOptions, l_shade};
@@ -144,9 +144,9 @@ pub(crate) fn best_of_starts(
 /// Leaves the best minimum along its weakest direction, along which the error hardly rises and beyond which other
 /// minima lie: from points on both sides of it the descent starts again, as long as that lowers the cost by 0.1 %.
 ///
-/// On exact records of double models with four real poles the last three of twelve digits of error are won by
-/// these restarts. The distinct minima, best first, and the evaluations spent; of restarts that were not followed, the ends as
-/// they are: the caller follows all.
+/// On exact records of double models with four real poles the last three of twelve digits of error are won by these
+/// restarts. The distinct minima, best first, and the evaluations spent; of restarts that were not followed, the ends
+/// as they are: the caller follows all.
 pub(crate) fn restart(problem: &Problem<'_>, minima: Vec<Optimum>) -> (Vec<Optimum>, u64) {
     let (coordinates, exact) = (problem.coordinates, EXACT * EXACT * problem.rows() as f64);
     let mut minima = distinct(coordinates, minima);

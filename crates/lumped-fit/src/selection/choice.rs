@@ -272,8 +272,8 @@ impl ComparedCandidates<'_> {
     /// own crush at lower speeds; else of those that have it, or come nearest to it, the one with the fewest numbers.
     ///
     /// The criterion charges knots of a curve as if they were to be told from noise. But the curve of a plastic
-    /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no reason
-    /// against it.
+    /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no
+    /// reason against it.
     fn right_at_lower_speeds(&self, by_evidence: usize) -> usize {
         let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
         let limit = self.rules.lower_speed_limit_percent / 100.0;

@@ -1,5 +1,5 @@
-//! How much a record says for one model over another: the corrected Akaike criterion of misfits as measured, less what a
-//! shift of time zero explains of them.
+//! How much a record says for one model over another: the corrected Akaike criterion of misfits as measured, less what
+//! a shift of time zero explains of them.
 //!
 //! A trigger is up to 0.1 ms off and a causal anti-alias filter delays by 0.25 ms (4 poles at 1650 Hz). Every model
 //! misses a record that is shifted, and one with more numbers follows the shift: evidence for nothing. So a shift is a

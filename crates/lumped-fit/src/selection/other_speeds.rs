@@ -1,4 +1,5 @@
-//! Impacts at other speeds: the record's own crush in slower ones, and what a parameter that is not identifiable changes.
+//! Impacts at other speeds: the record's own crush in slower ones, and what a parameter that is not identifiable
+//! changes.
 
 use crumple_lumped::{HORIZON_S, Structure};
 

@@ -1,4 +1,5 @@
-//! What each candidate brings into the choice: its misfit as measured, its restitution, what the record does not identify.
+//! What each candidate brings into the choice: its misfit as measured, its restitution, what the record does not
+//! identify.
 
 use crumple_lumped::{HORIZON_S, Model, ModelKind, ParameterKind, Structure};
 use crumple_lumped_fit::{

@@ -137,7 +137,9 @@ impl Driven {
         let wave = self.drive_wave.as_deref().unwrap_or("the pulse");
         match self.drive {
             Drive::Force => Some(format!("the force {wave} on mass {}, from rest", self.drive_mass)),
-            Drive::Base => Some(format!("the acceleration {wave} of the barrier, from rest; displacements are absolute")),
+            Drive::Base => {
+                Some(format!("the acceleration {wave} of the barrier, from rest; displacements are absolute"))
+            }
             Drive::PulseAsForce => Some(
                 "the impact speed and the mass times the measured acceleration as a force on the front mass: circular, \
                  since the measured motion goes in and a model that is nearly one rigid mass gives it back; agreement \
