@@ -82,7 +82,7 @@ fn a_window_outside_the_record_is_refused() {
     let output = run(folder.path(), &["--fit-to", "2s"]);
     let stderr = said(&output);
     assert_eq!(output.status.code(), Some(3), "{stderr}");
-    assert!(stderr.contains("0.1 s after time zero"), "{stderr}");
+    assert!(stderr.contains("0.100000 s after time zero"), "{stderr}");
 }
 
 #[test]
