@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, RecommendationV1};
-use crumple_lumped::{Element, Node, structure_of};
+use crumple_lumped::{Element, Model, Node};
 
 use crate::error::CurveError;
 
@@ -56,7 +56,7 @@ pub fn static_curves(
     let record = artifact
         .record::<CandidateV1>(&format!("/parameters/{id}"))?
         .ok_or_else(|| CurveError::NoCandidate { id: id.clone(), candidates: ids(artifact) })?;
-    let tested = structure_of(&record.model, &record.parameters)?;
+    let tested = Model::read(&record.model, &record.parameters)?.structure()?;
     let structure = tested.clone().with_trends_beyond();
     let mut needs_end = false;
     let mut curves = Vec::new();

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_lumped::{Model, ParameterKind, parameter_kind};
+use crumple_lumped::{Chain, Model, ParameterKind, parameter_kind};
 use crumple_numerics::estimation::minimise::StopReason;
 use crumple_signal::Note;
 use nalgebra::DMatrix;
 
-use crate::free::coordinates::Coordinates;
-use crate::free::free_parameter::{FreeParameter, mass_of};
+use crate::assessed::Assessed;
+use crate::coordinates::Coordinates;
+use crate::parameters::{FitParameter, mass_of};
 use crate::record::observation::Observation;
 use crate::{FitQuantity, ObservedWave, SensorFit};
 
@@ -94,8 +95,10 @@ impl FromStr for Method {
 pub struct Minimum {
     /// The model.
     pub model: Model,
-    /// Its free parameters; the values are those of the minimum.
-    pub free: Vec<FreeParameter>,
+    /// Its free parameters.
+    pub free: Vec<FitParameter>,
+    /// Index of the mass that is the rest of a known total.
+    pub(crate) rest: Option<usize>,
     /// Which of them stopped on a bound.
     pub on_bound: Vec<bool>,
     /// The waves it was fitted to, with their weights.
@@ -119,8 +122,27 @@ impl Minimum {
     }
 
     /// The fit repeated with other waves or values, from these coordinates and without leaving the minimum.
-    pub(crate) fn coordinates(&self) -> Coordinates<Model> {
-        Coordinates::near(self.model, &self.free)
+    pub(crate) fn coordinates(&self) -> Coordinates {
+        Coordinates::new(self.model.clone(), self.free.clone()).with_rest(self.rest, mass_of(&self.model))
+    }
+
+    /// The free parameters as they are described at their values here.
+    pub(crate) fn redescribed(&self) -> Vec<FitParameter> {
+        let values = self.model.values();
+        self.free.iter().map(|p| p.described_at(values[p.index])).collect()
+    }
+
+    /// Names of what was free; a mass that is the rest of the total comes last.
+    pub fn free_names(&self) -> Vec<String> {
+        let coordinates = self.coordinates();
+        let rest = coordinates.free_rest(&coordinates.start()).map(|(name, _)| name);
+        coordinates.names().into_iter().chain(rest).collect()
+    }
+
+    /// Names of the free parameters that stopped on a bound.
+    pub(crate) fn names_on_bound(&self) -> impl Iterator<Item = String> {
+        let stopped = self.free.iter().zip(&self.on_bound).filter(|(_, on_bound)| **on_bound);
+        stopped.map(|(p, _)| p.name.to_string())
     }
 }
 
@@ -136,10 +158,17 @@ pub struct Candidate {
     pub model: Model,
     /// How they were found.
     pub method: Method,
+    /// Name of the chain that a person stated, if it is a fit of one: it stands in the place of the method in its id.
+    pub stated: Option<String>,
     /// Place among the solutions of this model and method, from 1.
     pub index: usize,
     /// Index of another solution of the same model and method that gives exactly the same record.
     pub equivalent_to: Option<usize>,
+    /// Another solution that gives exactly the same record, and that what was stated or a bound leaves out.
+    pub excluded_dual: Option<Chain>,
+    /// Whether masses were fitted and no wave is of another mass than the last: their division is then in the record
+    /// by a formula, and in practice not.
+    pub division_undecided: bool,
     /// How it was fitted; `None` for a closed form.
     pub fit: Option<Fit>,
     /// Standard deviations that the method brings along, such as those of matched coefficients.
@@ -147,6 +176,8 @@ pub struct Candidate {
     /// The minimum of the misfit as measured at these values, or nearest to them: what they are assessed by. `None`
     /// without a record.
     pub minimum: Option<Minimum>,
+    /// How well its parameters are known, once it was assessed.
+    pub assessed: Option<Assessed>,
     /// Reductions and assumptions, in words.
     pub notes: Vec<Note>,
 }
@@ -154,10 +185,23 @@ pub struct Candidate {
 impl Candidate {
     /// Number `index` of these parameters, without a fit or an equivalent.
     pub fn new(model: Model, method: Method, index: usize, notes: Vec<Note>) -> Self {
-        Self { model, method, index, equivalent_to: None, fit: None, uncertainty: None, minimum: None, notes }
+        Self {
+            model,
+            method,
+            stated: None,
+            index,
+            equivalent_to: None,
+            excluded_dual: None,
+            division_undecided: false,
+            fit: None,
+            uncertainty: None,
+            minimum: None,
+            assessed: None,
+            notes,
+        }
     }
 
-    /// `<model>/<method>/<index>`.
+    /// `<model>/<method>/<index>`, of a chain `chain/<name>/<index>`.
     pub fn id(&self) -> String {
         self.id_of(self.index)
     }
@@ -178,18 +222,28 @@ impl Candidate {
     }
 
     /// Parameters that the fit left on a bound of the search.
-    pub fn fixed_at_bound(&self) -> Vec<&'static str> {
+    pub fn fixed_at_bound(&self) -> Vec<&str> {
         self.fit.as_ref().map_or_else(Vec::new, |fit| fixed_at_bound(&self.model, &fit.active_bounds, fit.to_s))
     }
 
+    /// The name that stands for how it was found, in its id and its record: the method, or that of the stated chain.
+    pub fn found_by(&self) -> &str {
+        self.stated.as_deref().unwrap_or(self.method.name())
+    }
+
+    /// Whether it is compared through the filter of its record.
+    pub fn is_as_measured(&self) -> bool {
+        self.minimum.as_ref().is_some_and(|minimum| minimum.observed.is_as_measured())
+    }
+
     fn id_of(&self, index: usize) -> String {
-        format!("{}/{}/{index}", self.model.kind(), self.method)
+        format!("{}/{}/{index}", self.model.kind(), self.found_by())
     }
 }
 
-/// Record of a fit by iteration; parameters are named by `N`.
+/// Record of a fit by iteration.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit<N = &'static str> {
+pub struct Fit {
     /// Window, s after time zero.
     pub from_s: f64,
     /// End of the window: time of the last sample used.
@@ -207,12 +261,12 @@ pub struct Fit<N = &'static str> {
     /// Why the best start stopped.
     pub stop_reason: StopReason,
     /// Names of the parameters that stopped on a bound.
-    pub active_bounds: Vec<N>,
+    pub active_bounds: Vec<String>,
     /// How far each sensor was missed; none where the compartment's displacement alone was fitted.
     pub sensors: Vec<SensorFit>,
 }
 
-impl<N> Fit<N> {
+impl Fit {
     /// The record of a fit to waves with these root mean square errors, each in its unit. `sensors`: channel and number
     /// of the mass of each wave, none where they are not told apart; `descent`: iterations, evaluations and why it
     /// stopped.
@@ -221,7 +275,7 @@ impl<N> Fit<N> {
         rmse: &[f64],
         sensors: Vec<(String, usize)>,
         descent: (u32, u64, StopReason),
-        active_bounds: Vec<N>,
+        active_bounds: Vec<String>,
     ) -> Self {
         let (first, level) = (&observed.waves[0], observed.noise_levels(rmse)[0]);
         let sensor = |(((channel, mass), rmse), wave): (((String, usize), &f64), &ObservedWave)| SensorFit {
@@ -264,10 +318,9 @@ pub struct Uncertainty {
 ///
 /// Zero is the limit of what is physical, and an answer: a damper of zero is a spring alone. Any other bound is that
 /// of the search: the value is the bound's and nothing of the record.
-pub fn bounds_remark(model: &Model, active_bounds: &[&'static str]) -> Option<String> {
-    let values = model.parameters();
-    let (zero, other): (Vec<&str>, Vec<&str>) =
-        active_bounds.iter().partition(|name| values.get(**name).is_some_and(|value| *value == 0.0));
+pub fn bounds_remark(model: &Model, active_bounds: &[impl AsRef<str>]) -> Option<String> {
+    let names = active_bounds.iter().map(AsRef::as_ref);
+    let (zero, other): (Vec<&str>, Vec<&str>) = names.partition(|name| model.value(name) == Some(0.0));
     let zero = (!zero.is_empty()).then(|| format!("zero, the smallest value possible: {}", all_in_words(model, zero)));
     let other = (!other.is_empty())
         .then(|| format!("on a bound, not determined by the record: {}", all_in_words(model, other)));
@@ -284,14 +337,14 @@ const NO_DAMPER: f64 = 1e-4;
 /// Of the parameters on a bound those whose bound is not zero: the value is that of the search, so it is fixed in the
 /// fit and has no interval. A damper of a chain of masses (the Kelvin model is one) on its lower bound is not fixed:
 /// it goes to zero. `window_s`: end of the window, s after contact.
-pub(crate) fn fixed_at_bound(model: &Model, active_bounds: &[&'static str], window_s: f64) -> Vec<&'static str> {
-    let (values, kind) = (model.parameters(), model.kind());
+pub(crate) fn fixed_at_bound<'a>(model: &Model, on_bound: &'a [impl AsRef<str>], window_s: f64) -> Vec<&'a str> {
     let is_chain =
         matches!(model, Model::Kelvin(_) | Model::DoubleSpringMassDamper(_) | Model::TripleSpringMassDamper(_));
     let least = if is_chain { NO_DAMPER * mass_of(model) / window_s } else { 0.0 };
-    let is_damper = |name: &str| kind.parameter(name).is_some_and(|p| p.kind == ParameterKind::Damping);
+    let is_damper = |name: &str| model.parameter_kind(name) == Some(ParameterKind::Damping);
     let nothing = |name: &str| if is_damper(name) { least } else { 0.0 };
-    active_bounds.iter().copied().filter(|name| values.get(*name).is_some_and(|value| *value > nothing(name))).collect()
+    let is_fixed = |name: &&str| model.value(name).is_some_and(|value| value > nothing(name));
+    on_bound.iter().map(AsRef::as_ref).filter(is_fixed).collect()
 }
 
 // Names of parameters for notes and messages, made from their kind.

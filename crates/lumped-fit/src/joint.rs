@@ -5,11 +5,10 @@ use crumple_signal::{Note, Notes, Sampled, Severity};
 use rayon::prelude::*;
 
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
-use crate::free::free_parameter::{FreeParameter, free_parameters};
+use crate::parameters::{FitParameter, Map, free_parameters};
 use crate::record::observation::{Impact, Observation};
-use crate::solvers::crush_curves::assumptions::{RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
-use crate::solvers::solve::solve;
-use crate::solvers::task::mass_count;
+use crate::solvers::crush_curves::USUAL_RESTITUTION;
+use crate::solvers::table::{mass_count, solve};
 use crate::{
     Candidate, Fit, FitQuantity, Measurement, Method, Minimum, ObservedWave, SolveError, SolveSettings, TestData,
     bounds_remark,
@@ -106,7 +105,7 @@ fn of_one(test: &JointTest<'_>, settings: &SolveSettings, notes: &mut Notes) -> 
 }
 
 /// A model and its free numbers.
-type Start = (Model, Vec<FreeParameter>);
+type Start = (Model, Vec<FitParameter>);
 
 /// The tests, and what they say of the rate factor.
 struct Joint<'a> {
@@ -124,7 +123,7 @@ impl Joint<'_> {
     fn starts(&self, of_kind: &[Vec<&Candidate>]) -> Vec<Vec<Start>> {
         let starts = |of_test: &Vec<&Candidate>| -> Vec<Start> {
             let minima = of_test.iter().filter_map(|candidate| candidate.minimum.as_ref());
-            minima.map(|minimum| (minimum.model, minimum.free.clone())).collect()
+            minima.map(|minimum| (minimum.model.clone(), minimum.free.clone())).collect()
         };
         let Some(kind) = of_kind.iter().flatten().next().map(|candidate| candidate.model.kind()) else {
             return Vec::new();
@@ -133,7 +132,7 @@ impl Joint<'_> {
             return vec![of_kind.iter().flat_map(starts).collect()];
         }
         let mut each = starts(&of_kind[deepest_crush(self.tests)]);
-        if self.rate.starts(kind).is_some() {
+        if self.rate.index(kind).is_some() {
             each.truncate(1);
             let finer: Vec<Start> = each.iter().filter_map(|(model, _)| self.with_more_knots(model)).collect();
             each.splice(0..0, finer);
@@ -188,8 +187,7 @@ impl Joint<'_> {
         (mut observed, names): (Observation, Vec<String>),
         index: usize,
     ) -> Option<Candidate> {
-        let fits = starts.par_iter().flat_map_iter(|start| self.fits(start, &observed));
-        let fits: Vec<Minimum> = fits.collect();
+        let fits: Vec<Minimum> = starts.par_iter().filter_map(|start| self.fit(start, &observed)).collect();
         let mut best = fits.into_iter().min_by(|a, b| a.rmse_m().total_cmp(&b.rmse_m()))?;
         for _ in 0..WEIGHINGS {
             if !observed.weigh(&bounded_levels(&observed, &best.misfit_m), WORTH_ANOTHER) {
@@ -205,21 +203,16 @@ impl Joint<'_> {
         Some(self.worded(best, names, index))
     }
 
-    /// The fits from one start.
-    fn fits(&self, (model, free): &Start, observed: &Observation) -> Vec<Minimum> {
-        let Some(model) = self.in_the_deepest_test(model) else { return Vec::new() };
-        match self.rate.starts(model.kind()) {
-            Some(rates) => rates
-                .iter()
-                .filter_map(|rate| {
-                    let free: Vec<FreeParameter> = free.iter().copied().chain(free_rate(model.kind(), *rate)).collect();
-                    fit_nearby(&model, &free, observed)
-                })
-                .collect(),
-            None if matches!(model, Model::ForceDeflection(_)) => {
-                fit_nearby(&model, free, observed).into_iter().collect()
+    /// The fit from one start.
+    fn fit(&self, (model, free): &Start, observed: &Observation) -> Option<Minimum> {
+        let model = self.in_the_deepest_test(model)?;
+        match self.rate.index(model.kind()) {
+            Some(index) => {
+                let free: Vec<FitParameter> = free.iter().cloned().chain([free_rate(model.kind(), index)]).collect();
+                fit_nearby(&model, &free, observed)
             }
-            None => fit_as_measured(&model, free, observed).into_iter().collect(),
+            None if matches!(model, Model::ForceDeflection(_)) => fit_nearby(&model, free, observed),
+            None => fit_as_measured(&model, free, observed),
         }
     }
 
@@ -246,9 +239,8 @@ impl Joint<'_> {
 
     /// A minimum as a candidate, with the error in each test.
     fn worded(&self, minimum: Minimum, names: Vec<String>, index: usize) -> Candidate {
-        let model = minimum.model;
-        let stopped = minimum.free.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
-        let active_bounds: Vec<&'static str> = stopped.map(|(p, _)| p.name).collect();
+        let model = minimum.model.clone();
+        let active_bounds = minimum.names_on_bound().collect();
         let observed = &minimum.observed;
         let names = names.into_iter().map(|name| (name, 1)).collect();
         let descent = (minimum.iterations, minimum.evaluations, minimum.stop_reason);
@@ -257,21 +249,13 @@ impl Joint<'_> {
         let mut notes = vec![Note::info(format!(
             "fitted to {} tests together, each with its own speed and mass; mass {} kg is that of {}",
             self.tests.len(),
-            model.parameters().get("mass_kg").copied().unwrap_or_default(),
+            model.value("mass_kg").unwrap_or_default(),
             self.tests.get(deepest_crush(self.tests)).map_or("", |test| test.name)
         ))];
         notes.extend(self.rate.remark(&model).map(Note::info));
         notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
-        Candidate {
-            model,
-            method: Method::DirectFit,
-            index,
-            equivalent_to: None,
-            fit: Some(fit),
-            uncertainty: None,
-            minimum: Some(minimum),
-            notes,
-        }
+        let candidate = Candidate::new(model, Method::DirectFit, index, notes);
+        Candidate { fit: Some(fit), minimum: Some(minimum), ..candidate }
     }
 }
 
@@ -321,9 +305,6 @@ const UNIT_S_PER_M: f64 = 0.01;
 /// The largest that is looked for, s/m: beyond foams and hydraulic dampers.
 const LARGEST_S_PER_M: f64 = 0.2;
 
-/// Where its fit starts, s/m: steel structures, and foams or sled bucks.
-const STARTS_S_PER_M: [f64; 2] = [RATE_PRIOR_S_PER_M, 0.03];
-
 /// Where the rate factor of a joint fit comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RateFactorSource {
@@ -346,10 +327,10 @@ pub fn rate_factor_source(speeds_m_per_s: &[f64]) -> RateFactorSource {
 }
 
 impl RateFactorSource {
-    /// Values from which it is fitted; `None`: it is not, or the model has none.
-    pub(crate) fn starts(self, kind: ModelKind) -> Option<[f64; 2]> {
-        let has_one = kind.parameters().iter().any(|p| p.kind == ParameterKind::RateFactor);
-        (has_one && self == Self::Fitted).then_some(STARTS_S_PER_M)
+    /// Index of the rate factor among the values of a model; `None`: it is not fitted, or the model has none.
+    pub(crate) fn index(self, kind: ModelKind) -> Option<usize> {
+        let place = kind.parameters().iter().position(|p| p.kind == ParameterKind::RateFactor);
+        place.filter(|_| self == Self::Fitted)
     }
 
     /// In words, for a model that has one.
@@ -369,26 +350,15 @@ impl RateFactorSource {
 
 /// The rate factor of a model, s/m; `None`: it has none.
 fn rate_of(model: &Model) -> Option<f64> {
-    let name = name_of(model.kind())?;
-    model.parameters().get(name).copied()
+    let name = model.kind().parameters().iter().find(|p| p.kind == ParameterKind::RateFactor)?.name;
+    model.value(name)
 }
 
-fn name_of(kind: ModelKind) -> Option<&'static str> {
-    kind.parameters().iter().find(|p| p.kind == ParameterKind::RateFactor).map(|p| p.name)
-}
-
-/// The rate factor as a free number that starts here; its coordinate is a share, so that zero is a value like others.
-pub(crate) fn free_rate(kind: ModelKind, start_s_per_m: f64) -> Option<FreeParameter> {
-    Some(FreeParameter {
-        name: name_of(kind)?,
-        kind: ParameterKind::RateFactor,
-        value: start_s_per_m,
-        unit: UNIT_S_PER_M,
-        scale: UNIT_S_PER_M,
-        logarithmic: false,
-        limit: LARGEST_S_PER_M,
-        lowest: 0.0,
-    })
+/// The rate factor, at this index of the values, as a free parameter; its coordinate is a share, so that zero is a
+/// value like others.
+fn free_rate(kind: ModelKind, index: usize) -> FitParameter {
+    let (name, bounds) = (kind.parameter_names()[index].into(), (0.0, LARGEST_S_PER_M / UNIT_S_PER_M));
+    FitParameter::of_search((index, name, ParameterKind::RateFactor), Map::Share(UNIT_S_PER_M), bounds, bounds)
 }
 
 // The unloading stiffness of a crushed structure from the restitution of several tests.
@@ -437,7 +407,7 @@ mod tests {
         assert_eq!(rate_factor_source(&[10.0, 11.0, 10.5]), RateFactorSource::Fitted);
         assert_eq!(rate_factor_source(&[15.0, 15.0]), RateFactorSource::Prior { ratio: 1.0 });
         assert!(matches!(rate_factor_source(&[15.0, 15.3]), RateFactorSource::Prior { .. }));
-        assert_eq!(RateFactorSource::Fitted.starts(ModelKind::Kelvin), None);
+        assert_eq!(RateFactorSource::Fitted.index(ModelKind::Kelvin), None);
     }
 
     fn test(speed: f64, crush_m: f64, restitution: Option<f64>) -> TestData<'static> {

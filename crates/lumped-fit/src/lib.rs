@@ -28,88 +28,74 @@
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
 //! nonlinear models; each function names its own.
 
+mod assessed;
 mod candidate;
 mod chain;
 mod closed_form;
+mod coordinates;
 mod error;
 mod extraction;
 mod fit;
-mod free;
 mod joint;
 mod matching;
 mod papers;
+mod parameters;
 mod record;
 mod selection;
 mod solvers;
 mod uncertainty;
 
-pub use candidate::Minimum;
-pub use candidate::{Candidate, Fit, Uncertainty, bounds_remark};
-pub use candidate::{METHODS, Method};
-pub use candidate::{all_in_words, in_words};
-pub use chain::assessment::{ChainAssessment, ChainAssessmentOptions, assess_chain};
-pub use chain::coordinates::{Stated, StatedChain, StatedElement, StatedMass};
-pub use chain::dual::ChainDual;
-pub use chain::fit::{ChainSolution, fit_chain};
-pub use closed_form::{KelvinBranch, KelvinSolution, centroid_to_crush_time_ratio, kelvin_from_events};
-pub use closed_form::{MaxwellExponents, maxwell_constants, maxwell_from_exponents};
-pub use closed_form::{elastoplastic_from_events, unloads_rigidly};
+pub use assessed::{Assessed, Assessment, BlockBootstrap, Intervals, LeastMisfit, Profile, Propagation};
+pub use candidate::{Candidate, Fit, METHODS, Method, Minimum, Uncertainty, all_in_words, bounds_remark, in_words};
+pub use chain::{Stated, StatedChain, StatedElement, StatedMass, fit_chain};
+pub use closed_form::{
+    KelvinBranch, KelvinSolution, MaxwellExponents, centroid_to_crush_time_ratio, elastoplastic_from_events,
+    kelvin_from_events, maxwell_constants, maxwell_from_exponents, unloads_rigidly,
+};
+pub use coordinates::MassFit;
 pub use crumple_numerics::estimation::minimise::StopReason;
 pub use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 pub use crumple_numerics::estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::Distribution;
 pub use error::SolveError;
 pub use extraction::extract::{extract, hats};
-pub use extraction::joint_rate::{RatePrior, extract_with_rate};
 pub use extraction::problem::{
-    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall,
+    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall, RatePrior,
+    extract_with_rate,
 };
 pub use fit::as_measured::fit_as_measured;
-pub use fit::at_crush::conditions_at_crush;
-pub use fit::nonlinear::fit_nonlinear1;
-pub use fit::nonlinear::search_nonlinear2;
-pub use fit::options::SingleMassFitOptions;
-pub use free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
-pub use free::mass_split::{MassEvidence, MassSplit, masses, triple_masses};
-pub use free::search_coordinates::MassFit;
-pub use joint::{JointTest, deepest_crush, fit_together};
-pub use joint::{RateFactorSource, rate_factor_source};
-pub use matching::CoefficientSpread;
-pub use matching::{Identified, Matched, Quartic, match_identified};
-pub use papers::curve_fit_of_the_paper;
-pub use papers::interior_point_nonlinear1;
-pub use papers::match_as_the_paper_typed;
-pub use papers::maxwell_from_sum;
-pub use papers::{FireflyOptions, FireflyResult, FireflyUnits, firefly_nonlinear2};
-pub use papers::{front_from_amplitudes, rear_from_amplitudes};
-pub use record::fit_quantity::FitQuantity;
+pub use fit::nonlinear::{fit_nonlinear1, search_nonlinear2};
+pub use fit::problem::{SingleMassFitOptions, conditions_at_crush};
+pub use joint::{JointTest, RateFactorSource, deepest_crush, fit_together, rate_factor_source};
+pub use matching::{CoefficientSpread, Identified, Matched, Quartic, match_identified};
+pub use papers::{
+    FireflyOptions, FireflyResult, FireflyUnits, curve_fit_of_the_paper, firefly_nonlinear2, front_from_amplitudes,
+    interior_point_nonlinear1, match_as_the_paper_typed, maxwell_from_sum, rear_from_amplitudes,
+};
+pub use parameters::{
+    FitParameter, MassEvidence, MassSplit, free_masses, free_parameters, mass_of, masses, triple_masses,
+};
 pub use record::measurement::MeasureModel;
 pub use record::observation::{Impact, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
-pub use record::sensor::{Sensor, SensorFit, SensorPlace, errors_in_words, note_of_errors};
-pub use record::test_data::TestData;
-pub use record::wall_force::WallForce;
+pub use record::sensor::{
+    FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce, errors_in_words, note_of_errors,
+};
 pub use selection::choice::{CandidateSelection, Choice, Strength, choose};
-pub use selection::compared_candidate::{ComparedCandidate, EnergyClass, OwnTestErrors, depends_on_rate};
-pub use selection::evidence::slow_misfit;
-pub use selection::inadequacy::{Inadequacy, TestEvent};
-pub use selection::lower_speeds::crush_error_at_lower_speeds;
-pub use selection::prior::{Prior, SelectionRules};
+pub use selection::compared::{
+    ComparedCandidate, EnergyClass, Inadequacy, OwnTestErrors, Prior, SelectionRules, TestEvent, depends_on_rate,
+};
+pub use selection::evidence::{least_without_shift, slow_misfit, without_shift};
+pub use selection::other_speeds::{affects_predictions, crush_error_at_lower_speeds};
 pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
-pub use selection::time_zero::{least_without_shift, without_shift};
-pub use solvers::crush_curves::assumptions::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
-pub use solvers::settings::{FRONT_MASS_FRACTION, SolveSettings};
-pub use solvers::solve::solve;
-pub use solvers::table::{DEFAULT_MODELS, MODELS, Solver, solvers_of};
-pub use solvers::task::Needs;
-pub use uncertainty::assessment::{Assessment, AssessmentOptions, Intervals, assess, undetermined};
-pub use uncertainty::block_bootstrap::BlockBootstrap;
-pub use uncertainty::closed_form_propagation::{FollowedEvents, propagate_closed_form};
-pub use uncertainty::conditioned_propagation::propagate_conditioned;
-pub use uncertainty::least_misfit::LeastMisfit;
-pub use uncertainty::likelihood::profile_likelihood::Profile;
-pub use uncertainty::mass_division::mixture::widen_by_mass_split;
+pub use solvers::crush_curves::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
+pub use solvers::table::{
+    DEFAULT_MODELS, FRONT_MASS_FRACTION, MODELS, Needs, SolveSettings, Solver, solve, solvers_of,
+};
+pub use uncertainty::assessment::{AssessmentOptions, assess, undetermined};
+pub use uncertainty::mass_division::widen_by_mass_split;
 pub use uncertainty::propagation::{
-    InputUncertainty, Propagation, REPETITIONS, Repetition, largest_draw, perturbed, propagate, repeat, repetition,
+    FollowedEvents, InputUncertainty, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_chain,
+    propagate_closed_form, propagate_conditioned, repeat, repetition,
 };
 
 pub use crumple_signal::{IntegrationRule, Measurement, TwoPassFilter};

@@ -1,5 +1,8 @@
 //! Methods as papers print them, for reproduction and comparison.
 
+use std::fmt;
+use std::str::FromStr;
+
 use crumple_lumped::{Complex, DoubleSpringMassDamper, Model, Nonlinear1, Nonlinear2};
 use crumple_numerics::estimation::minimise::StopReason;
 use crumple_numerics::estimation::minimise::interior_point::{Evaluated, InteriorPoint, Program, interior_point};
@@ -10,12 +13,10 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::positive;
-use crate::fit::at_crush::AtCrush;
 use crate::fit::nonlinear::{KNOTS, coordinates, parts};
-use crate::fit::options::SingleMassFitOptions;
-use crate::fit::problem::Problem;
-use crate::free::coordinates::Map;
+use crate::fit::problem::{AtCrush, Problem, SingleMassFitOptions};
 use crate::matching::{Identified, Matched, Quartic, match_identified};
+use crate::parameters::Map;
 use crate::{Candidate, Fit, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
 // Springs and dampers from exponents and amplitudes, as the ERA paper does it: for reproduction.
@@ -116,6 +117,24 @@ pub enum FireflyUnits {
     /// Every variable over its range: the attraction acts.
     #[default]
     Unit,
+}
+
+impl FromStr for FireflyUnits {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = [Self::Physical, Self::Unit].into_iter().find(|units| units.to_string() == text);
+        known.ok_or_else(|| format!("unknown units {text:?}, expected physical or unit"))
+    }
+}
+
+impl fmt::Display for FireflyUnits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Physical => "physical",
+            Self::Unit => "unit",
+        })
+    }
 }
 
 /// Constants of the search; the defaults are the printed ones.
@@ -358,7 +377,7 @@ const FEASIBLE: f64 = 1e-7;
 /// that of Gauss and Newton.
 struct SideConstraints<'a> {
     /// The misfit of the displacement in units of the crush.
-    problem: Problem<'a, Model>,
+    problem: Problem<'a>,
     /// The conditions at dynamic crush.
     at_crush: AtCrush,
 }
@@ -429,7 +448,7 @@ pub fn interior_point_nonlinear1(
     let gaps = &g * &best.x + &h;
     // What makes two equal, or zero, holds the first of the two.
     let of_gap = [0, 1, 2, 3, 4, 5, 5];
-    let active_bounds = (0..7).filter(|i| gaps[*i] < 1e-6).map(|i| NAMES[of_gap[i]]).collect();
+    let active_bounds = (0..7).filter(|i| gaps[*i] < 1e-6).map(|i| NAMES[of_gap[i]].to_owned()).collect();
     let rmse = (best.f / OBJECTIVE / observed.rows() as f64).sqrt() * options.crush_m;
     let fit = Fit::of_waves(&observed, &[rmse], Vec::new(), (best.iterations, evaluations, best.stop), active_bounds);
     match coordinates.model(best.x.as_slice()) {

@@ -31,10 +31,13 @@ pub enum ModelKind {
     /// The same family with two masses, engine and compartment, and a curve of each load path between them and the
     /// barrier.
     LoadPaths,
+    /// Any number of masses in a row, as a person states them: the names of its parameters follow from their number
+    /// and from the knots of its springs and dampers.
+    Chain,
 }
 
 impl ModelKind {
-    /// All kinds.
+    /// All families with a table of parameters: all kinds but the chain.
     pub const ALL: [Self; 9] = [
         Self::Kelvin,
         Self::Elastoplastic,
@@ -59,6 +62,7 @@ impl ModelKind {
             Self::DoubleSpringMassDamper => "double-spring-mass-damper",
             Self::TripleSpringMassDamper => "triple-spring-mass-damper",
             Self::ForceDeflection | Self::LoadPaths => "force-deflection",
+            Self::Chain => "chain",
         }
     }
 }
@@ -313,7 +317,7 @@ impl ModelKind {
     /// Its parameters, masses first: the order in which solvers and derivatives count them.
     ///
     /// A name occurs once; the last knots of the nonlinear models come last. Of the knots of a crushed structure a
-    /// model has as many as it needs.
+    /// model has as many as it needs. A chain has no table: see `Model::names`.
     pub const fn parameters(self) -> &'static [Parameter] {
         match self {
             Self::Kelvin | Self::Maxwell => &SPRING_AND_DAMPER,
@@ -324,6 +328,7 @@ impl ModelKind {
             Self::TripleSpringMassDamper => &TRIPLE,
             Self::ForceDeflection => &FORCE_DEFLECTION,
             Self::LoadPaths => &TWO_MASSES,
+            Self::Chain => &[],
         }
     }
 
@@ -338,6 +343,7 @@ impl ModelKind {
             Self::TripleSpringMassDamper => const { &names(&TRIPLE) },
             Self::ForceDeflection => const { &names(&FORCE_DEFLECTION) },
             Self::LoadPaths => const { &names(&TWO_MASSES) },
+            Self::Chain => &[],
         }
     }
 
@@ -356,13 +362,16 @@ impl FromStr for ModelKind {
     type Err = LumpedError;
 
     fn from_str(text: &str) -> Result<Self, LumpedError> {
-        Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| LumpedError::UnknownModel {
-            given: text.to_owned(),
-            expected: {
-                let mut names = Self::ALL.map(Self::name).to_vec();
-                names.dedup();
-                names.join(", ")
-            },
+        Self::ALL.into_iter().chain([Self::Chain]).find(|kind| kind.name() == text).ok_or_else(|| {
+            LumpedError::UnknownModel {
+                given: text.to_owned(),
+                expected: {
+                    let mut names = Self::ALL.map(Self::name).to_vec();
+                    names.dedup();
+                    names.push(Self::Chain.name());
+                    names.join(", ")
+                },
+            }
         })
     }
 }
@@ -394,6 +403,7 @@ mod tests {
             let one_mass = if kind == ModelKind::LoadPaths { ModelKind::ForceDeflection } else { kind };
             assert_eq!(kind.name().parse(), Ok(one_mass));
         }
+        assert_eq!("chain".parse(), Ok(ModelKind::Chain));
         assert!(matches!("Kelvin".parse::<ModelKind>(), Err(LumpedError::UnknownModel { .. })));
     }
 }

@@ -1,5 +1,6 @@
 //! A model of any family: its parameters by name, and what its structure answers.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::families::chain::places_of_constants;
@@ -19,7 +20,7 @@ use crate::{
 // knows its masses and the [`Structure`] it is a name for. What a family is made of is in `families/`.
 
 /// A lumped model with its parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "copied once a fit, not once a sample")]
 pub enum Model {
     /// Spring and damper in parallel.
@@ -40,6 +41,8 @@ pub enum Model {
     ForceDeflection(CrushedStructure),
     /// Engine and compartment behind load paths that are crushed.
     LoadPaths(CrushedLoadPaths),
+    /// Any number of masses in a row.
+    Chain(Chain),
 }
 
 /// The same of whatever family a model is.
@@ -55,6 +58,7 @@ macro_rules! of_family {
             Model::TripleSpringMassDamper($family) => $what,
             Model::ForceDeflection($family) => $what,
             Model::LoadPaths($family) => $what,
+            Model::Chain($family) => $what,
         }
     };
 }
@@ -72,6 +76,7 @@ impl Model {
             Self::TripleSpringMassDamper(_) => ModelKind::TripleSpringMassDamper,
             Self::ForceDeflection(_) => ModelKind::ForceDeflection,
             Self::LoadPaths(_) => ModelKind::LoadPaths,
+            Self::Chain(_) => ModelKind::Chain,
         }
     }
 
@@ -86,16 +91,35 @@ impl Model {
         of_family!(self, model => model.structure())
     }
 
-    /// The values of its parameters, in the order of [`ModelKind::parameters`]; not a number for a knot it does not
-    /// have.
+    /// The values of its parameters, in the order of [`names`](Self::names); not a number for a knot it does not have.
     ///
     /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
     pub fn values(&self) -> Vec<f64> {
         of_family!(self, model => model.values())
     }
 
+    /// Names of its [`values`](Self::values), masses first: those of its family; of a chain its masses, then the values
+    /// of its springs and dampers, whose knots stay where they are.
+    pub fn names(&self) -> Vec<Cow<'static, str>> {
+        match self {
+            Self::Chain(chain) => chain.names().into_iter().map(Cow::Owned).collect(),
+            _ => self.kind().parameter_names().iter().map(|name| Cow::Borrowed(*name)).collect(),
+        }
+    }
+
+    /// What the parameter of this name is; `None` if the model has none.
+    pub fn parameter_kind(&self, name: &str) -> Option<ParameterKind> {
+        match self {
+            Self::Chain(_) => Chain::parameter_kind(name),
+            _ => self.kind().parameter(name).map(|parameter| parameter.kind),
+        }
+    }
+
     /// Masses from the barrier on, kg.
     pub fn masses_kg(&self) -> Vec<f64> {
+        if let Self::Chain(chain) = self {
+            return chain.masses_kg().to_vec();
+        }
         let parameters = self.kind().parameters().iter().zip(self.values());
         parameters.filter(|(parameter, _)| parameter.kind == ParameterKind::Mass).map(|(_, mass)| mass).collect()
     }
@@ -112,20 +136,18 @@ impl Model {
 /// model of another program may have parameters of its own: for these the unit counts that docs/format.md asks every
 /// name to end with. `None` for a parameter that the family does not have, or that ends in none of these units.
 pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
-    if let Ok(family) = model.parse::<ModelKind>() {
+    if let Ok(family) = model.parse::<ModelKind>()
+        && family != ModelKind::Chain
+    {
         let of_name = ModelKind::ALL.into_iter().filter(|kind| kind.name() == family.name());
         return of_name.filter_map(|kind| kind.parameter(name)).map(|parameter| parameter.kind).next();
     }
     Chain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
 }
 
-/// The structure of a candidate, from the names of model and parameters in its record: of a family ([`ModelKind`]), or
-/// of a `chain`. Errors: a name that is neither, and what the parameters are refused for.
+/// The structure of a candidate, from the names of model and parameters in its record. Errors: as [`Model::read`].
 pub fn structure_of(model: &str, parameters: &BTreeMap<String, f64>) -> Result<Structure, LumpedError> {
-    if model == "chain" {
-        return Chain::from_parameters(parameters)?.structure();
-    }
-    Model::from_parameters(model.parse()?, parameters)?.structure()
+    Model::read(model, parameters)?.structure()
 }
 
 /// What a number may be by the unit that its name ends with; `None` for a unit of no parameter.
@@ -135,12 +157,23 @@ pub fn parameter_kind_of_unit(name: &str) -> Option<ParameterKind> {
 }
 
 impl Model {
+    /// The model of a candidate, from the names of model and parameters in its record. Errors: a name of no kind, and
+    /// what the parameters are refused for.
+    pub fn read(model: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
+        Self::from_parameters(model.parse()?, parameters)
+    }
+
     /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`], of the knots of a crushed
     /// structure the first ones; without a rate factor it has none. Of crushed structures `m1_kg` makes the one with
     /// two masses.
     ///
     /// An elastoplastic model gets `release = true`: after rebound a vehicle leaves the barrier.
     pub fn from_parameters(kind: ModelKind, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
+        if kind == ModelKind::Chain {
+            let chain = Chain::from_parameters(parameters)?;
+            chain.structure()?;
+            return Ok(Self::Chain(chain));
+        }
         let two_masses = kind == ModelKind::ForceDeflection && parameters.contains_key("m1_kg");
         let kind = if two_masses { ModelKind::LoadPaths } else { kind };
         let names = kind.parameter_names();
@@ -169,7 +202,8 @@ impl Model {
     }
 
     /// The model of a family with these values, in the order of [`ModelKind::parameters`]; whether they have a meaning
-    /// is not checked. Errors: a curve with knots that do not rise.
+    /// is not checked. Errors: a curve with knots that do not rise; a chain, whose values do not say where its knots
+    /// are.
     pub fn of_values(kind: ModelKind, values: &[f64]) -> Result<Self, LumpedError> {
         Ok(match kind {
             ModelKind::Kelvin => Self::Kelvin(Kelvin::from_values(values)),
@@ -185,6 +219,10 @@ impl Model {
             }
             ModelKind::ForceDeflection => Self::ForceDeflection(CrushedStructure::from_values(values)?),
             ModelKind::LoadPaths => Self::LoadPaths(CrushedLoadPaths::from_values(values)?),
+            ModelKind::Chain => {
+                let name = "knots of springs and dampers".to_owned();
+                return Err(LumpedError::ChainParameter { problem: "needs the", name });
+            }
         })
     }
 
@@ -192,6 +230,9 @@ impl Model {
     /// leaves the barrier is no parameter, and kept. Whether the values have a meaning is not checked: its
     /// [`structure`](Self::structure) does. Errors: a curve with knots that do not rise.
     pub fn with_values(&self, values: &[f64]) -> Result<Self, LumpedError> {
+        if let Self::Chain(chain) = self {
+            return chain.with_values(values).map(Self::Chain);
+        }
         let mut model = Self::of_values(self.kind(), values)?;
         if let (Self::Elastoplastic(new), Self::Elastoplastic(old)) = (&mut model, self) {
             new.release = old.release;
@@ -199,10 +240,39 @@ impl Model {
         Ok(model)
     }
 
+    /// The same model with some values changed, by name. `None` where one is no parameter of it, and where the model
+    /// has no meaning then.
+    pub fn changed<'a>(&self, changes: impl IntoIterator<Item = (&'a str, f64)>) -> Option<Self> {
+        let (names, mut values) = (self.names(), self.values());
+        for (name, value) in changes {
+            *values.get_mut(names.iter().position(|other| other == name)?)? = value;
+        }
+        self.with_values(&values).ok().filter(|model| model.check().is_ok())
+    }
+
+    /// The value of the parameter of this name; `None` where it has none.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let place = self.names().iter().position(|other| other == name)?;
+        self.values().get(place).copied().filter(|value| !value.is_nan())
+    }
+
+    /// The model as a vehicle leaves the barrier after rebound; others than the elastoplastic one stay what they are.
+    #[must_use]
+    pub fn released(&self) -> Self {
+        let mut model = self.clone();
+        if let Self::Elastoplastic(model) = &mut model {
+            model.release = true;
+        }
+        model
+    }
+
     /// The parameters by name.
     ///
     /// The same names and numbers that [`from_parameters`](Self::from_parameters) takes.
     pub fn parameters(&self) -> BTreeMap<String, f64> {
+        if let Self::Chain(chain) = self {
+            return chain.parameters();
+        }
         let named = self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values());
         named.filter(|(_, value)| !value.is_nan()).collect()
     }
@@ -210,6 +280,9 @@ impl Model {
     /// Whether the parameters describe a passive structure: springs positive, dampers positive or zero. The
     /// coefficients of a nonlinear model may be zero at a knot.
     pub fn is_physical(&self) -> bool {
+        if let Self::Chain(chain) = self {
+            return chain.is_passive();
+        }
         let nonlinear = matches!(self, Self::Nonlinear1(_) | Self::Nonlinear2(_));
         let may_vanish = |kind| match kind {
             ParameterKind::Damping | ParameterKind::Force | ParameterKind::RateFactor => true,
@@ -225,8 +298,12 @@ impl Model {
 // What a model answers: its structure's motions, forces, energies, events and derivatives, in the model's own names.
 
 impl Model {
-    /// Where its parameters stand in its [`structure`](Self::structure), in the order of [`ModelKind::parameters`].
+    /// Where its parameters stand in its [`structure`](Self::structure), in the order of [`names`](Self::names); of a
+    /// chain the places of its knots follow.
     pub fn places(&self) -> Vec<Place> {
+        if let Self::Chain(chain) = self {
+            return chain.places();
+        }
         let knots = |places: &[(usize, usize)]| -> Vec<Place> {
             let element = |(connection, parameter): &(usize, usize)| Place::Element {
                 connection: *connection,
@@ -252,6 +329,7 @@ impl Model {
                 knots(&knot(0).chain([(0, after), (0, after + 1)]).chain(knot(1)).collect::<Vec<_>>())
             }
             ModelKind::LoadPaths => CrushedLoadPaths::places(&self.values()),
+            ModelKind::Chain => Vec::new(),
         }
     }
 
@@ -259,7 +337,9 @@ impl Model {
     fn named(&self) -> impl Fn(LumpedError) -> LumpedError {
         let model = self.kind();
         move |error| match error {
-            LumpedError::ChainDiverges { time_s } => LumpedError::Diverges { model, time_s },
+            LumpedError::ChainDiverges { time_s } if model != ModelKind::Chain => {
+                LumpedError::Diverges { model, time_s }
+            }
             other => other,
         }
     }

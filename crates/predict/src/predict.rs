@@ -3,16 +3,13 @@
 use rayon::prelude::*;
 
 use crate::error::PredictError;
-use crate::impact::candidate::Candidate;
+use crate::impact::candidate::{Candidate, ImpactSetup, Scenario, TestedImpact};
 use crate::impact::outcome::Outcome;
-use crate::impact::scenario::{Scenario, Surroundings, TestedImpact};
-use crate::impact::setting::Setting;
-use crate::intervals::models::weights;
-use crate::intervals::own_test::{OwnTest, SAMPLING_S};
-use crate::intervals::partner::PreparedPartner;
+use crate::impact::partner::PreparedSetup;
+use crate::intervals::models::{PreparedPartner, weights};
 use crate::intervals::prediction::{Impact, Prediction};
 use crate::intervals::sources::Inputs;
-use crate::intervals::tested::Tested;
+use crate::intervals::tested::{OwnTest, SAMPLING_S, Tested};
 
 /// Lets every candidate named by its place meet every impact: for each impact, in their order, what each of the named
 /// says, in theirs.
@@ -26,7 +23,7 @@ pub fn predict(
     test: &TestedImpact,
     inputs: Inputs,
     scenarios: &[Scenario],
-    surroundings: &Surroundings,
+    setup: &ImpactSetup,
 ) -> Vec<Vec<Result<Prediction, PredictError>>> {
     let prepared: Vec<Result<Tested<'_>, PredictError>> =
         named.par_iter().map(|k| Tested::new(&candidates[*k], test)).collect();
@@ -34,11 +31,11 @@ pub fn predict(
         .into_par_iter()
         .filter_map(|(k, weight)| Some((&candidates[k], OwnTest::new(&candidates[k], test).ok()?.0, weight)))
         .collect();
-    let partner = PreparedPartner::new(&surroundings.partner);
+    let partner = PreparedPartner::new(&setup.partner);
     let all_of = |scenario: &Scenario| -> Result<Vec<_>, PredictError> {
         let partner = partner.as_ref().map_err(Clone::clone)?;
         let opponent = partner.opponent(*scenario)?;
-        let setting = Setting { opponent: opponent.as_ref(), occupant: surroundings.occupant.as_ref() };
+        let setting = PreparedSetup { opponent: opponent.as_ref(), occupant: setup.occupant.as_ref() };
         let others: Vec<(Outcome, &OwnTest<'_>, f64)> = weighted
             .par_iter()
             .filter_map(|(candidate, own, weight)| {
@@ -50,7 +47,7 @@ pub fn predict(
             .par_iter()
             .map(|tested| {
                 let tested = tested.as_ref().map_err(Clone::clone)?;
-                let occupant_ends = &surroundings.occupant_ends;
+                let occupant_ends = &setup.occupant_ends;
                 Impact { tested, partner, setting, scenario: *scenario, occupant_ends }.prediction(inputs, &others)
             })
             .collect())
@@ -63,21 +60,30 @@ pub fn predict(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crumple_lumped::{Elastoplastic, LumpedError, Model, ModelKind};
     use crumple_signal::Sampled;
 
-    use crate::impact::against::MadeTest;
+    use super::*;
+
     use crate::impact::candidate::ParameterSpread;
+    use crate::impact::candidate::Partner;
+    use crate::impact::made_test::MadeTest;
     use crate::impact::outcome::Quantity;
-    use crate::impact::scenario::Partner;
     use crate::intervals::sources::{by_masses_in_front, by_rate_effect};
+
+    const MODEL: Model = Model::Elastoplastic(Elastoplastic {
+        mass_kg: 1000.0,
+        loading_stiffness_n_per_m: 4e5,
+        unloading_stiffness_n_per_m: 1.6e7,
+        release: true,
+    });
+    const MISSING: LumpedError = LumpedError::Diverges { model: ModelKind::Elastoplastic, time_s: 0.0 };
 
     fn elastoplastic(difference: Option<f64>) -> Candidate {
         let names = ["loading_stiffness_n_per_m", "unloading_stiffness_n_per_m"].map(str::to_owned);
         Candidate {
             id: "elastoplastic/closed-form/1".to_owned(),
-            model: "elastoplastic".to_owned(),
-            parameters: [("mass_kg".to_owned(), 1000.0), (names[0].clone(), 4e5), (names[1].clone(), 1.6e7)].into(),
+            model: Ok(MODEL),
             spread: Some(ParameterSpread {
                 standard_deviation: names.iter().cloned().zip([4e3, 1.6e6]).collect(),
                 order: names.to_vec(),
@@ -91,7 +97,7 @@ mod tests {
     fn stiffer() -> Candidate {
         let mut other = elastoplastic(Some(0.0));
         "elastoplastic/direct-fit/1".clone_into(&mut other.id);
-        other.parameters.insert("loading_stiffness_n_per_m".to_owned(), 4.4e5);
+        other.model = MODEL.changed([("loading_stiffness_n_per_m", 4.4e5)]).ok_or(MISSING);
         other
     }
 
@@ -101,7 +107,7 @@ mod tests {
 
     fn at(candidates: &[Candidate], inputs: Inputs, speed: f64, mass_kg: Option<f64>) -> Prediction {
         let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg };
-        predict(candidates, &[0], &test(), inputs, &[scenario], &Surroundings::default())[0][0].clone().unwrap()
+        predict(candidates, &[0], &test(), inputs, &[scenario], &ImpactSetup::default())[0][0].clone().unwrap()
     }
 
     fn half_width(prediction: &Prediction) -> f64 {
@@ -156,7 +162,7 @@ mod tests {
         let test = test().with_crush_deviation(0.01);
         let half = |inputs: Inputs, speed: f64| {
             let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
-            let predicted = predict(&one, &[0], &test, inputs, &[scenario], &Surroundings::default());
+            let predicted = predict(&one, &[0], &test, inputs, &[scenario], &ImpactSetup::default());
             half_width(predicted[0][0].as_ref().unwrap())
         };
         // 0.5 % by the stiffness and 10 mm of 0.75 m.
@@ -193,7 +199,7 @@ mod tests {
 
     fn true_car() -> Candidate {
         let mut car = stiffer();
-        car.parameters.insert("unloading_stiffness_n_per_m".to_owned(), 1.2e7);
+        car.model = car.model.and_then(|m| m.changed([("unloading_stiffness_n_per_m", 1.2e7)]).ok_or(MISSING));
         car
     }
 
@@ -203,7 +209,7 @@ mod tests {
         for speed in [15.0, 10.0] {
             let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
             let one = [elastoplastic(Some(0.0))];
-            let predicted = predict(&one, &[0], &test, Inputs::default(), &[scenario], &Surroundings::default());
+            let predicted = predict(&one, &[0], &test, Inputs::default(), &[scenario], &ImpactSetup::default());
             let predicted = predicted[0][0].as_ref().unwrap();
             let truth = at(&[true_car()], Inputs::default(), speed, None).outcome;
             let model = at(&one, Inputs::default(), speed, None).outcome;
@@ -233,7 +239,7 @@ mod tests {
         let scenario = Scenario { speed_m_per_s: 18.0, partner_speed_m_per_s: 0.0, mass_kg: None };
         let one = [elastoplastic(Some(0.0))];
         let by = |test: &TestedImpact| {
-            let predicted = predict(&one, &[0], test, Inputs::default(), &[scenario], &Surroundings::default());
+            let predicted = predict(&one, &[0], test, Inputs::default(), &[scenario], &ImpactSetup::default());
             let predicted = predicted[0][0].clone().unwrap();
             (predicted.peak_by_record, predicted.rebound_by_record)
         };
@@ -248,8 +254,8 @@ mod tests {
         let partner = Partner::Vehicle { candidates: candidates.clone(), place: 0, test: test.clone(), mass_kg: None };
         let at = |partner: Partner, partner_speed_m_per_s: f64| {
             let scenario = Scenario { speed_m_per_s: 12.0, partner_speed_m_per_s, mass_kg: None };
-            let surroundings = Surroundings { partner, ..Surroundings::default() };
-            predict(&candidates, &[0], &test, Inputs::default(), &[scenario], &surroundings)[0][0].clone().unwrap()
+            let setup = ImpactSetup { partner, ..ImpactSetup::default() };
+            predict(&candidates, &[0], &test, Inputs::default(), &[scenario], &setup)[0][0].clone().unwrap()
         };
         let (wall, both) = (at(Partner::Wall, 0.0), at(partner, 12.0));
         for (quantity, other) in [
@@ -286,7 +292,7 @@ mod tests {
     fn a_mass_below_that_in_front_of_the_compartment_is_refused() {
         let scenario = Scenario { speed_m_per_s: 15.0, partner_speed_m_per_s: 0.0, mass_kg: Some(0.0) };
         let candidates = [elastoplastic(None)];
-        let results = predict(&candidates, &[0], &test(), Inputs::default(), &[scenario], &Surroundings::default());
+        let results = predict(&candidates, &[0], &test(), Inputs::default(), &[scenario], &ImpactSetup::default());
         assert!(matches!(results[0][0], Err(PredictError::Mass { .. })));
     }
 }

@@ -15,15 +15,12 @@
 //! Definitions of the models: `docs/methods/lumped-models.md`; of the numbers: `docs/metrics.md`.
 
 mod comparison;
-mod drive;
 mod error;
 mod simulate;
 
-pub use comparison::deceleration_peak;
-pub use comparison::{Comparison, Measured, Simulation, Window};
-pub use comparison::{Information, information, numbers_of, parameters_of};
-pub use comparison::{OtherSensor, SensorFit, beside, beside_mass, is_on_engine};
-pub use comparison::{Rating, ratings};
-pub use drive::Excitation;
+pub use comparison::{
+    Comparison, Information, Measured, OtherSensor, Rating, SensorFit, Simulation, Window, beside, beside_mass,
+    deceleration_peak, information, is_on_engine, numbers_of, ratings,
+};
 pub use error::SimulateError;
-pub use simulate::{simulate, simulate_chain, simulate_driven};
+pub use simulate::{Excitation, simulate, simulate_chain, simulate_driven};

@@ -13,17 +13,12 @@ use crumple_signal::{About, Weight};
 use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
 
-use crate::stage::methods::discrete::arx;
-use crate::stage::methods::discrete::dispatch;
-use crate::stage::methods::era;
-use crate::stage::methods::exponentials;
-use crate::stage::methods::tfest;
+use crate::stage::methods::{arx, discrete, era, exponentials, tfest};
+use crate::stage::options::choices::Method;
 use crate::stage::options::flags::Options;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::results::Results;
-use crate::stage::waves::Source;
-use crate::stage::waves::level_note;
-use crate::stage::waves::window_start;
+use crate::stage::waves::{Source, level_note, window_start};
 
 /// The stage.
 pub struct Identify;
@@ -53,14 +48,14 @@ impl Stage for Identify {
             out.notes().info(rule);
         }
         let mut results = Results::new(out);
-        let mut failures: Vec<(&str, Failure)> = Vec::new();
-        for method in &settings.methods {
-            let outcome = match method.as_str() {
-                "era" | "era-dc" => era::run(method, source, &mut results),
-                "tfest" => tfest::run(source, &mut results),
-                "arx" if settings.has_arx_structures() => arx::run(source, &mut results),
-                "exponentials" => exponentials::run(source, &mut results),
-                name => dispatch::run(name, source, &mut results),
+        let mut failures: Vec<(Method, Failure)> = Vec::new();
+        for &method in &settings.methods {
+            let outcome = match method {
+                Method::Era | Method::EraDc => era::run(method, source, &mut results),
+                Method::Tfest => tfest::run(source, &mut results),
+                Method::Arx if settings.has_arx_structures() => arx::run(source, &mut results),
+                Method::Exponentials => exponentials::run(source, &mut results),
+                _ => discrete::run(method, source, &mut results),
             };
             match outcome {
                 Ok(Outcome::Done) => {}
@@ -78,7 +73,7 @@ impl Stage for Identify {
         // A method that fails does not take the others with it.
         for (method, failure) in failures {
             out.notes().concern(
-                About::Method(method.to_owned()),
+                About::Method(method.to_string()),
                 Weight::Slight,
                 format!("{method} gave no model: {failure}"),
             );
@@ -106,13 +101,13 @@ impl fmt::Display for Failure {
 
 /// The answer of a run in which every method failed: all of them with their reasons, methods of one reason together.
 /// One that does not work on the input refuses it, as it would alone.
-fn without_a_model(failures: Vec<(&str, Failure)>) -> anyhow::Result<Outcome> {
-    let mut reasons: Vec<(String, Vec<&str>)> = Vec::new();
+fn without_a_model(failures: Vec<(Method, Failure)>) -> anyhow::Result<Outcome> {
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for (method, failure) in &failures {
         let reason = failure.to_string();
         match reasons.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, methods)) => methods.push(method),
-            None => reasons.push((reason, vec![method])),
+            Some((_, methods)) => methods.push(method.to_string()),
+            None => reasons.push((reason, vec![method.to_string()])),
         }
     }
     let several = failures.len() > 1;

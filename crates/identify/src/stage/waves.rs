@@ -5,7 +5,7 @@ use crumple_stage::records::{ChannelFilterV1, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 use crumple_sysid::{EraError, FilterEdge, IoData, MarkovParameters, Realization, end_of_contact};
 
-use crate::stage::options::input_output::InputOutputSettings;
+use crate::stage::options::settings::InputOutputSettings;
 use crate::stage::options::settings::Settings;
 
 // Inputs and outputs of a run: waveforms sampled together, in one window.

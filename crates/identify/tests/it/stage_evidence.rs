@@ -330,9 +330,9 @@ fn papers_are_followed_as_printed_and_labelled() {
     assert!(evidence.iterations.unwrap() <= 20 && evidence.paper.as_deref() == Some("tfest"));
     for (flags, text) in [
         (vec!["--paper=tfest", "--poles=3"], "prescribes poles"),
-        (vec!["--paper=civic"], "unknown paper"),
+        (vec!["--paper=civic"], "invalid value 'civic' for '--paper"),
         (vec!["--bootstrap=1"], "no spread"),
-        (vec!["--bootstrap=9", "--bootstrap-noise=block"], "did you mean \"blocks\"?"),
+        (vec!["--bootstrap=9", "--bootstrap-noise=block"], "invalid value 'block' for '--bootstrap-noise"),
         (vec!["--validate-from=0s"], "leaves nothing before"),
         (vec!["--highest-damping=-1"], "positive number"),
     ] {

@@ -154,8 +154,8 @@ fn what_cannot_be_done_is_said() {
     let output = folder.path().join("4.mcap");
     for (flags, code, text) in [
         (vec!["--methods=tfest", "--zeros=5"], 3, "5 zeros and 4 poles"),
-        (vec!["--methods=tfest", "--hold=second"], 2, "unknown hold \"second\""),
-        (vec!["--methods=tfest", "--starts=svff"], 2, "did you mean \"svf\"?"),
+        (vec!["--methods=tfest", "--hold=second"], 2, "invalid value 'second' for '--hold"),
+        (vec!["--methods=tfest", "--starts=svff"], 2, "invalid value 'svff' for '--starts"),
         (vec!["--methods=tfest", "--output-channel=94/displacement"], 3, "there is no waveform \"94/displacement\""),
         (vec!["--methods=exponentials", "--conditions=velocity"], 2, "stands before \"position\""),
         (vec!["--methods=n4sid", "--samples=30"], 3, "n4sid needs"),

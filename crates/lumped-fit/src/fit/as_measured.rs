@@ -6,47 +6,46 @@
 //! the fit does so too.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model};
+use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::candidate::Minimum;
-use crate::fit::multistart::{WORTH_A_HOP, weakest_direction};
+use crate::coordinates::Coordinates;
 use crate::fit::problem::Problem;
-use crate::free::coordinates::Coordinates;
-use crate::free::free_parameter::FreeParameter;
-use crate::free::parametric::Parametric;
+use crate::fit::search::{WORTH_A_RESTART, weakest_direction};
+use crate::parameters::{FitParameter, Map};
 use crate::record::observation::Observation;
-use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
 
 /// Relative residual below which the model is exact: rounding of a response of size one through filter and
 /// integration.
 const EXACT: f64 = 1e-10;
 /// Steps in the coordinates along the weakest direction, from which the descent starts once more.
-const HOPS: [f64; 4] = [-0.3, 0.3, -LEAST_HOP, LEAST_HOP];
-const LEAST_HOP: f64 = 0.05;
-/// A minimum whose cost rises by so many times itself over the least hop, as its sensitivities say, has no valley in
-/// which a lower one could lie.
+const RESTARTS: [f64; 4] = [-0.3, 0.3, -LEAST_RESTART, LEAST_RESTART];
+const LEAST_RESTART: f64 = 0.05;
+/// A minimum whose cost rises by so many times itself over the least restart, as its sensitivities say, has no valley
+/// in which a lower one could lie.
 const SHARP: f64 = 10.0;
-/// Steps in which a hop has to come lower: those after which a descent is asked whether it gets anywhere.
-const STEPS_OF_A_HOP: u32 = Bounds::SLOW_STEPS;
+/// Steps in which a restart has to come lower: those after which a descent is asked whether it gets anywhere.
+const STEPS_OF_A_RESTART: u32 = Bounds::SLOW_STEPS;
 /// A model that agrees with its dual to this share is its own dual. The error is flat to fourth order there, so a
 /// search to 1e-16 leaves that much.
 const OWN_DUAL: f64 = 1e-4;
 
 /// Descends from `model` to the least misfit with all parameters of `free` moving.
 ///
-/// Bounded Levenberg-Marquardt in the coordinates of [`FreeParameter`] on analytic sensitivities through sampling,
+/// Bounded Levenberg-Marquardt in the coordinates of [`FitParameter`] on analytic sensitivities through sampling,
 /// filter and integration. Then descents from both sides of the minimum along the direction in which the misfit rises
 /// least, of which the first that lowers the cost by 0.1 % within 20 steps is followed; none where the misfit is below
 /// the resolution of the record.
 ///
 /// A parameter that comes near zero, or leaves it, changes its coordinate (logarithm or share of its scale) and the
 /// descent goes on. Local: the result depends on the start. `None` where the model has no finite response.
-pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
-    // The coordinates first: a hop in ones that are to change would be for nothing.
-    let minimum = descend_with_hops(model, free, observed, Hops::WithCoordinatesThatStay)?;
+pub fn fit_as_measured(model: &Model, free: &[FitParameter], observed: &Observation) -> Option<Minimum> {
+    // The coordinates first: a restart in ones that are to change would be for nothing.
+    let minimum = descend_with_restarts(model, free, observed, Restarts::WithCoordinatesThatStay)?;
     let Some(redescribed) = redescribed(free, &minimum.model) else { return Some(minimum) };
-    let next = descend_with_hops(&minimum.model, &redescribed, observed, Hops::Always)?;
+    let next = descend_with_restarts(&minimum.model, &redescribed, observed, Restarts::Always)?;
     Some(Minimum {
         evaluations: minimum.evaluations + next.evaluations,
         iterations: minimum.iterations + next.iterations,
@@ -55,15 +54,15 @@ pub fn fit_as_measured(model: &Model, free: &[FreeParameter], observed: &Observa
 }
 
 /// The free parameters as they are described at this model; `None` where all keep their kind of coordinate.
-fn redescribed(free: &[FreeParameter], model: &Model) -> Option<Vec<FreeParameter>> {
-    let values = model.parameters();
-    let there: Vec<FreeParameter> = free.iter().map(|p| p.described_at(values[p.name])).collect();
-    there.iter().zip(free).any(|(new, old)| new.logarithmic != old.logarithmic).then_some(there)
+fn redescribed(free: &[FitParameter], model: &Model) -> Option<Vec<FitParameter>> {
+    let values = model.values();
+    let there: Vec<FitParameter> = free.iter().map(|p| p.described_at(values[p.index])).collect();
+    there.iter().zip(free).any(|(new, old)| new.is_logarithmic() != old.is_logarithmic()).then_some(there)
 }
 
-/// When a descent is followed by hops from its end.
+/// When a descent is followed by restarts from its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Hops {
+enum Restarts {
     /// Whatever the end.
     Always,
     /// Where no parameter changes its coordinate there.
@@ -71,16 +70,21 @@ enum Hops {
 }
 
 /// The minimum near a start that is close already, by one descent; else as [`fit_as_measured`].
-pub(crate) fn fit_nearby(model: &Model, free: &[FreeParameter], observed: &Observation) -> Option<Minimum> {
-    let coordinates = Coordinates::near(*model, free);
+pub(crate) fn fit_nearby(model: &Model, free: &[FitParameter], observed: &Observation) -> Option<Minimum> {
+    let coordinates = Coordinates::near(model.clone(), free.to_vec());
     let problem = near(&coordinates, observed);
     let best = problem.follow(&coordinates.start())?;
-    finish(&problem, free, &best, best.evaluations)
+    finish(&problem, &best, best.evaluations)
 }
 
-/// One descent and the hops from its end, with coordinates fixed to those of `free`.
-fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observation, hops: Hops) -> Option<Minimum> {
-    let coordinates = Coordinates::near(*model, free);
+/// One descent and the restarts from its end, with coordinates fixed to those of `free`.
+fn descend_with_restarts(
+    model: &Model,
+    free: &[FitParameter],
+    observed: &Observation,
+    restarts: Restarts,
+) -> Option<Minimum> {
+    let coordinates = Coordinates::near(model.clone(), free.to_vec());
     let problem = near(&coordinates, observed);
     let mut best = problem.follow(&coordinates.start())?;
     let mut evaluations = best.evaluations;
@@ -88,45 +92,44 @@ fn descend_with_hops(model: &Model, free: &[FreeParameter], observed: &Observati
     // Below the resolution no other minimum can be told to be better, nor below what an accelerometer can tell.
     let ends = best.cost <= observed.unresolved().max(problem.fine()) || best.on_bound.iter().any(|on_bound| *on_bound);
     let hardly_rises = |weak: &Vec<f64>| {
-        let step = DMatrix::from_column_slice(weak.len(), 1, weak) * LEAST_HOP;
+        let step = DMatrix::from_column_slice(weak.len(), 1, weak) * LEAST_RESTART;
         (&best.r * step).norm_squared() <= SHARP * best.cost
     };
     let weak = weakest_direction(&best).filter(hardly_rises);
-    if let Some(weak) = weak.filter(|_| !ends && (stays || hops == Hops::Always)) {
-        let hop = Bounds { cost_tolerance: WORTH_A_HOP, max_iterations: STEPS_OF_A_HOP, ..problem.bounds() };
-        let hopped: Vec<Optimum> = HOPS
+    if let Some(weak) = weak.filter(|_| !ends && (stays || restarts == Restarts::Always)) {
+        let restart =
+            Bounds { cost_tolerance: WORTH_A_RESTART, max_iterations: STEPS_OF_A_RESTART, ..problem.bounds() };
+        let restarted: Vec<Optimum> = RESTARTS
             .par_iter()
             .filter_map(|size| {
                 let start: Vec<f64> = best.theta.iter().zip(&weak).map(|(t, w)| t + size * w).collect();
-                descend(&problem, &start, &hop)
+                descend(&problem, &start, &restart)
             })
             .collect();
-        evaluations += hopped.iter().map(|minimum| minimum.evaluations).sum::<u64>();
-        let lower = hopped.into_iter().find(|minimum| minimum.cost < (1.0 - WORTH_A_HOP) * best.cost);
+        evaluations += restarted.iter().map(|minimum| minimum.evaluations).sum::<u64>();
+        let lower = restarted.into_iter().find(|minimum| minimum.cost < (1.0 - WORTH_A_RESTART) * best.cost);
         if let Some(minimum) = lower.and_then(|minimum| problem.follow(&minimum.theta)) {
             evaluations += minimum.evaluations;
             best = minimum;
         }
     }
-    finish(&problem, free, &best, evaluations)
+    finish(&problem, &best, evaluations)
 }
 
-/// The fit near a minimum, for repetitions of it: one descent without hops.
-pub(crate) fn near<'a, M: Parametric>(coordinates: &'a Coordinates<M>, observed: &'a Observation) -> Problem<'a, M> {
+/// The fit near a minimum, for repetitions of it: one descent without restarts.
+pub(crate) fn near<'a>(coordinates: &'a Coordinates, observed: &'a Observation) -> Problem<'a> {
     Problem::new(coordinates, observed, EXACT)
 }
 
 /// The minimum with misfit and sensitivities at every sample, in the unit of the first wave.
-fn finish(problem: &Problem<'_, Model>, free: &[FreeParameter], best: &Optimum, evaluations: u64) -> Option<Minimum> {
+pub(crate) fn finish(problem: &Problem<'_>, best: &Optimum, evaluations: u64) -> Option<Minimum> {
     let model = problem.coordinates.model(&best.theta)?;
     let misfit_m = problem.misfit(&best.theta)?;
     let sensitivity_m = derivatives(problem, &best.theta)? * problem.unit;
-    let values = model.parameters();
-    // `unit` stays that of the start: a logarithm's derivative does not depend on it.
-    let free = free.iter().map(|p| FreeParameter { value: values[p.name], ..*p }).collect();
     Some(Minimum {
         model,
-        free,
+        free: problem.coordinates.free.clone(),
+        rest: problem.coordinates.rest,
         on_bound: best.on_bound.clone(),
         observed: problem.observed.clone(),
         misfit_m,
@@ -148,18 +151,18 @@ pub(crate) fn is_own_dual(model: &Model) -> bool {
 /// sensitivities of its own parameters. `None` without a finite response.
 pub(crate) fn dual_of(minimum: &Minimum, dual: &DoubleSpringMassDamper) -> Option<Minimum> {
     let template = Model::DoubleSpringMassDamper(*dual);
-    let values = template.parameters();
-    let names = template.kind().parameter_names();
-    let of_dual = |(p, on_bound): (&FreeParameter, &bool)| {
-        let name = exchanged(p.name);
-        let value = values[name];
-        let unit = if p.logarithmic { value } else { p.unit };
-        (FreeParameter { name, value, unit, limit: p.limit.max(value), ..*p }, *on_bound)
+    let (names, values) = (template.names(), template.values());
+    let of_dual = |(p, on_bound): (&FitParameter, &bool)| {
+        let index = names.iter().position(|name| *name == exchanged(&p.name)).unwrap_or(p.index);
+        let (name, value) = (names[index].clone(), values[index]);
+        let map = if p.is_logarithmic() { Map::Logarithm(value) } else { p.map };
+        let limit = p.limit.max(value);
+        (FitParameter { name, index, limit, ..p.clone() }.with_map(map), *on_bound)
     };
-    let mut free: Vec<(FreeParameter, bool)> = minimum.free.iter().zip(&minimum.on_bound).map(of_dual).collect();
-    free.sort_by_key(|(p, _)| names.iter().position(|name| *name == p.name));
+    let mut free: Vec<(FitParameter, bool)> = minimum.free.iter().zip(&minimum.on_bound).map(of_dual).collect();
+    free.sort_by_key(|(p, _)| p.index);
     let (free, on_bound): (Vec<_>, Vec<_>) = free.into_iter().unzip();
-    let coordinates = Coordinates::near(template, &free);
+    let coordinates = Coordinates::near(template, free);
     let best = Optimum {
         theta: coordinates.start(),
         cost: 0.0,
@@ -169,11 +172,11 @@ pub(crate) fn dual_of(minimum: &Minimum, dual: &DoubleSpringMassDamper) -> Optio
         evaluations: minimum.evaluations,
         stop: minimum.stop_reason,
     };
-    finish(&near(&coordinates, &minimum.observed), &free, &best, minimum.evaluations)
+    finish(&near(&coordinates, &minimum.observed), &best, minimum.evaluations)
 }
 
 /// The parameter of the dual that follows from this one: it exchanges front and rear.
-pub(crate) fn exchanged(name: &'static str) -> &'static str {
+pub(crate) fn exchanged(name: &str) -> &str {
     match name {
         "k1_n_per_m" => "k2_n_per_m",
         "k2_n_per_m" => "k1_n_per_m",
@@ -189,7 +192,7 @@ mod tests {
     use crumple_signal::{Displacement, Signal};
 
     use super::*;
-    use crate::free::free_parameter::free_masses;
+    use crate::parameters::free_masses;
     use crate::{IntegrationRule, MeasureModel, Measurement, TwoPassFilter, free_parameters};
     use crumple_numerics::estimation::minimise::levenberg_marquardt::Response;
     use nalgebra::DVector;
@@ -263,7 +266,7 @@ mod tests {
             if matches!(model, Model::DoubleSpringMassDamper(_)) {
                 free.extend(free_masses(model, (0.05, 0.6)));
             }
-            let coordinates = Coordinates::near(*model, &free);
+            let coordinates = Coordinates::near(model.clone(), free);
             let problem = near(&coordinates, &observed);
             let theta = coordinates.start();
             let mut analytic = DMatrix::zeros(observed.rows(), theta.len());

@@ -7,12 +7,10 @@ use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::fit::at_crush::AtCrush;
-use crate::fit::descents::bounds;
-use crate::fit::multistart::best_of_starts;
-use crate::fit::options::SingleMassFitOptions;
-use crate::fit::problem::{Problem, SLOW};
-use crate::free::coordinates::{Axis, Coordinates, FreeNumber, Map};
+use crate::coordinates::Coordinates;
+use crate::fit::problem::{AtCrush, Problem, SLOW, SingleMassFitOptions};
+use crate::fit::search::{best_of_starts, bounds};
+use crate::parameters::{FitParameter, Map};
 use crate::record::observation::ObservedWave;
 use crate::{Fit, Observation, SolveError};
 
@@ -23,19 +21,13 @@ pub(crate) const KNOTS: (f64, f64) = (0.005, 0.995);
 
 /// The coordinates of a model of which the parameters at these indices are free: springs and dampers not negative,
 /// knots inside the range of the record.
-pub(crate) fn coordinates(template: Model, free: &[(usize, Map)]) -> Coordinates<Model> {
+pub(crate) fn coordinates(template: Model, free: &[(usize, Map)]) -> Coordinates {
     let parameters = template.kind().parameters();
     let number = |&(index, map): &(usize, Map)| {
         let Parameter { name, kind, .. } = parameters[index];
         let is_knot = matches!(kind, ParameterKind::Length | ParameterKind::Rate);
-        let (lower, upper) = if is_knot { KNOTS } else { (0.0, 1e3) };
-        FreeNumber {
-            name: name.into(),
-            kind,
-            index,
-            map,
-            axis: Axis { lower, upper, box_lower: lower, box_upper: upper },
-        }
+        let bounds = if is_knot { KNOTS } else { (0.0, 1e3) };
+        FitParameter::of_search((index, name.into(), kind), map, bounds, bounds)
     };
     Coordinates::new(template, free.iter().map(number).collect())
 }
@@ -43,7 +35,7 @@ pub(crate) fn coordinates(template: Model, free: &[(usize, Map)]) -> Coordinates
 /// The record of a fit to the displacement that ended here, with the sum of squares of the record alone, in squared
 /// units of the crush. Parameters on a bound stand in the order of the model.
 pub(crate) fn record_of_fit(
-    coordinates: &Coordinates<Model>,
+    coordinates: &Coordinates,
     observed: &Observation,
     best: &Optimum,
     evaluations: u64,
@@ -54,7 +46,7 @@ pub(crate) fn record_of_fit(
     let mut indices: Vec<usize> = on_bound.map(|(number, _)| number.index).collect();
     indices.sort_unstable();
     let names = coordinates.template.kind().parameter_names();
-    let active_bounds = indices.into_iter().map(|index| names[index]).collect();
+    let active_bounds = indices.into_iter().map(|index| names[index].to_owned()).collect();
     Fit::of_waves(observed, &[rmse], Vec::new(), (best.iterations, evaluations, best.stop), active_bounds)
 }
 
@@ -238,7 +230,7 @@ pub fn fit_nonlinear1(
 }
 
 /// Springs and dampers as sums of parts that are not negative, over their units, and the knot over the impact speed.
-pub(crate) fn parts(options: &SingleMassFitOptions) -> Coordinates<Model> {
+pub(crate) fn parts(options: &SingleMassFitOptions) -> Coordinates {
     let ((k, c), v0) = (options.units(), options.impact_speed_m_per_s);
     let template = Model::Nonlinear1(Nonlinear1 {
         mass_kg: options.mass_kg,
@@ -261,7 +253,7 @@ pub(crate) fn parts(options: &SingleMassFitOptions) -> Coordinates<Model> {
 /// `met` of crush and speed or twelve rounds are over. The end, the evaluations spent, and whether they are met; `None`
 /// without a finite response.
 pub(crate) fn descend_to_conditions(
-    problem: &Problem<'_, Model>,
+    problem: &Problem<'_>,
     options: &SingleMassFitOptions,
     start: &[f64],
     (cost_tolerance, met): (f64, f64),
@@ -370,7 +362,7 @@ pub fn search_nonlinear2(
 
 /// Springs and dampers over their units, knots over the crush and the impact speed; those of the damper in either
 /// order.
-fn shares(options: &SingleMassFitOptions) -> Coordinates<Model> {
+fn shares(options: &SingleMassFitOptions) -> Coordinates {
     let ((k, c), v0) = (options.units(), options.impact_speed_m_per_s);
     let template = Model::Nonlinear2(Nonlinear2 {
         mass_kg: options.mass_kg,

@@ -1,13 +1,112 @@
-//! A model of which some numbers are free, compared with the waves of a test.
+//! A model of which some parameters are free, compared with the waves of a test, with conditions at dynamic crush.
 
+use crumple_lumped::{Instants, Model, Motion, Nonlinear1, Place, Structure};
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
+use crumple_signal::{Displacement, Signal};
 use nalgebra::DMatrix;
 
-use crate::Observation;
-use crate::fit::at_crush::AtCrush;
-use crate::fit::descents::bounds;
-use crate::free::coordinates::{Coordinates, moved_numbers};
-use crate::free::parametric::Parametric;
+use crate::coordinates::{Coordinates, moved_numbers};
+use crate::error::positive;
+use crate::fit::search::bounds;
+use crate::{Measurement, Observation, SolveError};
+
+/// Mass, speed, crush and window of a fit of a single mass to its displacement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SingleMassFitOptions {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Speed at contact, m/s: the last knot of the damper.
+    pub impact_speed_m_per_s: f64,
+    /// Dynamic crush, m: the last knot of the spring.
+    pub crush_m: f64,
+    /// Time of dynamic crush, s after contact.
+    pub time_of_dynamic_crush_s: f64,
+    /// Contact on the record's time axis, s.
+    pub time_zero_s: f64,
+    /// Start of the window, s after contact.
+    pub from_s: f64,
+    /// End of the window; `None`: end of the record.
+    pub to_s: Option<f64>,
+    /// At most so many samples are used.
+    pub samples: usize,
+}
+
+impl SingleMassFitOptions {
+    /// Refuses a mass, speed, crush or time that is not positive.
+    pub(crate) fn check(&self) -> Result<(), SolveError> {
+        positive("mass_kg", self.mass_kg)?;
+        positive("impact_speed_m_per_s", self.impact_speed_m_per_s)?;
+        positive("crush_m", self.crush_m)?;
+        positive("time_of_dynamic_crush_s", self.time_of_dynamic_crush_s)?;
+        Ok(())
+    }
+
+    /// The samples of the window, for a search on the motion itself. Errors: a window that is not inside the record.
+    pub(crate) fn observed(&self, displacement: &Signal<Displacement>) -> Result<Observation, SolveError> {
+        let measurement = Measurement::of_samples(displacement, self.time_zero_s);
+        let to_s = self.to_s.unwrap_or(displacement.end_s() - self.time_zero_s);
+        let (v0, window_s) = (self.impact_speed_m_per_s, (self.from_s, to_s));
+        Observation::new(displacement, self.time_zero_s, measurement, v0, window_s, self.samples)
+    }
+
+    /// Units of spring and damper in which a car is of size one: `m (v0/C)²`, N/m, and `m v0/C`, N s/m.
+    pub(crate) fn units(&self) -> (f64, f64) {
+        let rate = self.impact_speed_m_per_s / self.crush_m;
+        (self.mass_kg * rate * rate, self.mass_kg * rate)
+    }
+}
+
+/// The conditions with what they count in an augmented Lagrangian.
+///
+/// In a fit they are rows `sqrt(w) (c_j + y_j/w)`: `c` the two conditions, `w` the weight and `y` the multipliers.
+/// Their square is the Lagrangian up to a constant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AtCrush {
+    /// Time of dynamic crush, s.
+    time_s: f64,
+    /// Crush, m, and impact speed, m/s: the units of both.
+    units: [f64; 2],
+    /// Weight.
+    pub weight: f64,
+    /// Multipliers.
+    pub multipliers: [f64; 2],
+}
+
+impl AtCrush {
+    /// Those of a test, with weight one.
+    pub fn new(options: &SingleMassFitOptions) -> Self {
+        let units = [options.crush_m, options.impact_speed_m_per_s];
+        Self { time_s: options.time_of_dynamic_crush_s, units, weight: 1.0, multipliers: [0.0; 2] }
+    }
+
+    /// `x(t_m)/C - 1` and `v(t_m)/v0` of the last mass, and the derivatives of both by the parameters at `places`.
+    /// `None` without a response.
+    pub fn conditions(&self, structure: &Structure, places: &[Place]) -> Option<([f64; 2], Vec<[f64; 2]>)> {
+        let at = Instants { first_s: self.time_s, dt_s: self.time_s, samples: 1 };
+        let response = structure.sensitivity(self.units[1], &at, places).ok()?;
+        let in_units = |motions: &Vec<Motion>| {
+            let motion = motions.last()?;
+            Some([motion.displacement_m[0] / self.units[0], motion.velocity_m_per_s[0] / self.units[1]])
+        };
+        let [crush, speed] = in_units(&response.motions)?;
+        Some(([crush - 1.0, speed], response.derivatives.iter().map(in_units).collect::<Option<_>>()?))
+    }
+
+    /// The rows of a fit, and their derivatives by the parameters at `places`.
+    pub fn rows(&self, structure: &Structure, places: &[Place]) -> Option<([f64; 2], Vec<[f64; 2]>)> {
+        let (conditions, derivatives) = self.conditions(structure, places)?;
+        let root = self.weight.sqrt();
+        let row = |j: usize| root * (conditions[j] + self.multipliers[j] / self.weight);
+        Some(([row(0), row(1)], derivatives.iter().map(|by| by.map(|by| root * by)).collect()))
+    }
+}
+
+/// `x(t_m)/C - 1` and `v(t_m)/v0` of a model at the time of dynamic crush of the options: zero where the side
+/// conditions are met. `None` without a response.
+pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
+    let structure = Model::Nonlinear1(*model).structure().ok()?;
+    Some(AtCrush::new(options).conditions(&structure, &[])?.0)
+}
 
 /// Misfit, in parts of the largest value, that no accelerometer can tell from none: its gain is known to a hundredth.
 const FINE: f64 = 1e-5;
@@ -18,7 +117,7 @@ const ITERATIONS: u32 = 200;
 const COST_TOLERANCE: f64 = 1e-7;
 /// The same in 20 steps: of a misfit that is worth `N` samples, 1 % is `N/100` in twice the logarithm of the
 /// likelihood, and a parameter moves by 0.4 of its standard deviation where `N` is 16. In a valley that the record
-/// leaves open a descent creeps for hundreds of steps; the hops across it find lower ground sooner.
+/// leaves open a descent creeps for hundreds of steps; the restarts across it find lower ground sooner.
 pub(crate) const SLOW: f64 = 1e-2;
 
 /// Residuals `w (model - record)/u` at every sample of every wave, wave after wave: `w` the weight of the wave, `u`
@@ -26,9 +125,9 @@ pub(crate) const SLOW: f64 = 1e-2;
 ///
 /// The model is sampled, filtered and integrated as each wave was; where that is not known, its motion is compared.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem<'a, M> {
+pub(crate) struct Problem<'a> {
     /// The model with its free numbers.
-    pub coordinates: &'a Coordinates<M>,
+    pub coordinates: &'a Coordinates,
     /// The waves it is compared with.
     pub observed: &'a Observation,
     /// One unit of residual, in the unit of the first wave.
@@ -39,10 +138,10 @@ pub(crate) struct Problem<'a, M> {
     pub at_crush: Option<AtCrush>,
 }
 
-impl<'a, M: Parametric> Problem<'a, M> {
+impl<'a> Problem<'a> {
     /// The comparison of a model with these waves. A descent ends where residuals are below `exact` at every sample;
     /// 0: never for that.
-    pub fn new(coordinates: &'a Coordinates<M>, observed: &'a Observation, exact: f64) -> Self {
+    pub fn new(coordinates: &'a Coordinates, observed: &'a Observation, exact: f64) -> Self {
         Self { coordinates, observed, unit: observed.scale_m(), exact, at_crush: None }
     }
 
@@ -79,7 +178,7 @@ impl<'a, M: Parametric> Problem<'a, M> {
     }
 }
 
-impl<M: Parametric> Response for Problem<'_, M> {
+impl Response for Problem<'_> {
     /// One residual for each sample of each wave, and two for the conditions where they are set.
     fn rows(&self) -> usize {
         self.observed.rows() + if self.at_crush.is_some() { 2 } else { 0 }

@@ -5,7 +5,7 @@ use crumple_signal::{ABREAST, Measurement};
 use rayon::prelude::*;
 
 use crate::FitQuantity;
-use crate::record::wall_response::{motion_of, response_of};
+use crate::record::sensor::{motion_of, response_of};
 
 /// What a measurement makes of a model. Errors: the model's own.
 pub trait MeasureModel {

@@ -12,7 +12,7 @@ use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_signal::{Displacement, Sampled, Signal};
 
 use crate::record::measurement::{MeasureModel, derivatives};
-use crate::record::wall_response::{motion_of, response_of};
+use crate::record::sensor::{motion_of, response_of};
 use crate::{FitQuantity, Measurement, SolveError};
 
 /// The impact that a wave is of.

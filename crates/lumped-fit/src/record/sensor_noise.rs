@@ -136,7 +136,7 @@ impl SensorNoise {
     /// record runs over the noise from which the zero level was read, and the two cancel in part. `E` extends the start
     /// of the record by its mirror image through the first sample, which enters twice: a velocity summed from there is
     /// off by half as much again.
-    pub fn middle(&self, wave: &ObservedWave, rows: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn projected_noise_covariance(&self, wave: &ObservedWave, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let mut columns = Vec::with_capacity(rows.ncols());
         for column in rows.column_iter() {
             let back = summed_back(wave, column.iter().copied());
@@ -274,7 +274,7 @@ pub(crate) mod tests {
             let mut last = DMatrix::zeros(wave.samples.len(), 1);
             last[(wave.samples.len() - 1, 0)] = 1.0;
             observed += wave.samples[wave.samples.len() - 1].powi(2);
-            stated += SensorNoise::of(&wave).unwrap().middle(&wave, &last)[(0, 0)];
+            stated += SensorNoise::of(&wave).unwrap().projected_noise_covariance(&wave, &last)[(0, 0)];
         }
         // The mean square of 2000 displacements is known to sqrt(2/2000) = 3.2 %, three of them allowed.
         let ratio = observed / stated;

@@ -7,9 +7,7 @@
 
 use std::cmp::Ordering;
 
-use crate::selection::compared_candidate::{ComparedCandidate, EnergyClass};
-use crate::selection::inadequacy::Inadequacy;
-use crate::selection::prior::{Prior, SelectionRules};
+use crate::selection::compared::{ComparedCandidate, EnergyClass, Inadequacy, Prior, SelectionRules};
 use crate::selection::rating::{ComparedRecord, Rated, rate_all};
 
 /// Criteria that differ by less are equal: among them the fewest parameters.
@@ -143,8 +141,8 @@ impl ComparedCandidates<'_> {
     /// Why an adequate candidate is not for prediction beside others that are, whatever its criterion.
     fn predicts_wrongly(&self, k: usize) -> Option<String> {
         let candidate = &self.candidates[k];
-        if !candidate.open_and_felt.is_empty() {
-            let (open, of) = (candidate.open_and_felt.len(), candidate.parameters);
+        if !candidate.affects_other_speeds.is_empty() {
+            let (open, of) = (candidate.affects_other_speeds.len(), candidate.parameters);
             return Some(format!("{open} of its {of} numbers are not determined and felt at other speeds"));
         }
         self.misses_the_force(k)
@@ -155,7 +153,7 @@ impl ComparedCandidates<'_> {
     fn decides(&self, k: usize, others: &[usize]) -> bool {
         let candidate = &self.candidates[k];
         let criterion = |k: usize| self.rated[k].aicc.unwrap_or(f64::INFINITY);
-        (self.is_noise_known || 2 * candidate.open_and_felt.len() <= candidate.parameters)
+        (self.is_noise_known || 2 * candidate.affects_other_speeds.len() <= candidate.parameters)
             && others.iter().all(|other| criterion(k) + DECISIVE < criterion(*other))
             && others.iter().all(|other| self.total(k) < self.total(*other))
             && self.misses_the_force(k).is_none()
@@ -207,7 +205,7 @@ impl ComparedCandidates<'_> {
         let limit = if self.is_plastic(lowest) { f64::INFINITY } else { self.total(lowest) + DECISIVE };
         let may_decide = |k: &usize| self.total(*k) <= limit && self.misses_the_force(*k).is_none();
         let plastic = || self.compared().filter(|k| self.is_plastic(*k) && self.rated[*k].aicc.is_some());
-        let open = |k: usize| self.candidates[k].open_and_felt.len();
+        let open = |k: usize| self.candidates[k].affects_other_speeds.len();
         let fewest = plastic().filter(may_decide).map(open).min();
         plastic().filter(may_decide).filter(|k| Some(open(*k)) == fewest).collect()
     }
@@ -231,7 +229,7 @@ impl ComparedCandidates<'_> {
             "{}, {}{}, {}",
             candidate.class.name(),
             candidate.determined_in_words(),
-            match (candidate.open.len(), candidate.open_and_felt.len()) {
+            match (candidate.unidentified.len(), candidate.affects_other_speeds.len()) {
                 (0, _) => String::new(),
                 (_, 0) => " and hardly felt at other speeds".to_owned(),
                 (_, felt) => format!(" ({felt} felt at other speeds)"),
@@ -274,8 +272,8 @@ impl ComparedCandidates<'_> {
     /// own crush at lower speeds; else of those that have it, or come nearest to it, the one with the fewest numbers.
     ///
     /// The criterion charges knots of a curve as if they were to be told from noise. But the curve of a plastic
-    /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no reason
-    /// against it.
+    /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no
+    /// reason against it.
     fn right_at_lower_speeds(&self, by_evidence: usize) -> usize {
         let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
         let limit = self.rules.lower_speed_limit_percent / 100.0;
@@ -335,7 +333,7 @@ impl ComparedCandidates<'_> {
     }
 
     fn simplest(&self) -> Choice {
-        let determined: Vec<usize> = self.compared().filter(|k| self.candidates[*k].open.is_empty()).collect();
+        let determined: Vec<usize> = self.compared().filter(|k| self.candidates[*k].unidentified.is_empty()).collect();
         let Some(simplest) = determined.iter().copied().min_by(|a, b| self.by_parameters(*a, *b)) else {
             return Self::none(match self.compared().count() {
                 0 => self.why_none_is_adequate(),
@@ -361,7 +359,7 @@ impl ComparedCandidates<'_> {
         let Some(closest) = closest else { return Self::none("no physical candidate has a displacement to compare") };
         let candidate = &self.candidates[closest];
         let fit = candidate.fit_percent.unwrap_or(0.0);
-        let (open, of) = (candidate.open.len() + candidate.on_bound.len(), candidate.parameters);
+        let (open, of) = (candidate.unidentified.len() + candidate.on_bound.len(), candidate.parameters);
         let open = if open == 0 { String::new() } else { format!("; {open} of its {of} numbers not determined") };
         let because = format!("displacement fit as measured {fit:.2} %, the best of a physical candidate{open}");
         Choice { candidate: Some(closest), because }

@@ -1,12 +1,11 @@
-//! What speaks for and against each candidate, in numbers: whether it is adequate, its criterion, what priors add.
+//! What speaks for and against each candidate, in numbers: its criterion and the priors, as squared terms that a reader
+//! can take off.
 
 use crate::record::sensor_noise::EXPLAINED;
-use crate::selection::compared_candidate::ComparedCandidate;
+use crate::selection::compared::{ComparedCandidate, Inadequacy, SelectionRules, TestEvent};
 use crate::selection::evidence::{
     criterion, criterion_of_known_noise, fewest_samples, independent_samples, visible_misfit,
 };
-use crate::selection::inadequacy::{Inadequacy, TestEvent};
-use crate::selection::prior::SelectionRules;
 
 /// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
 /// smooth.

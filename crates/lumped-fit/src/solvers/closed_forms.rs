@@ -6,10 +6,9 @@
 use crumple_lumped::{Elastoplastic, Model};
 use crumple_signal::{Note, Notes};
 
-use super::extent::{Extent, crush_of, extent_of};
 use crate::closed_form::{RIGID_RESTITUTION, elastoplastic_of_record};
-use crate::solvers::fitting::{FitStart, Fitting, computed};
-use crate::solvers::task::Task;
+use crate::solvers::fitting::{FitStart, FitTask, computed};
+use crate::solvers::table::{Extent, Task, crush_of, extent_of};
 use crate::{Candidate, KelvinBranch, SolveError, kelvin_from_events};
 
 /// Starts of the loading stiffness of a record that never stops, over `m (v0/C)²`.
@@ -23,8 +22,8 @@ fn unfitted(task: &Task<'_>, model: Model, remark: String) -> Vec<Candidate> {
     let rebound_s = task.test.time_of_rebound_s.filter(|_| matches!(model, Model::Elastoplastic(_)));
     let to_s = task.settings.fit_to_s.or(rebound_s).or(task.test.time_of_dynamic_crush_s);
     // A record that is too coarse for a fit still has its closed form.
-    let fitting = Fitting::of_pulse(task, to_s).ok().flatten();
-    let minimum = fitting.and_then(|fitting| fitting.minimum(&FitStart::computed(model)));
+    let fitting = FitTask::of_pulse(task, to_s).ok().flatten();
+    let minimum = fitting.and_then(|fitting| fitting.minimum(&FitStart::computed(model.clone())));
     vec![Candidate { minimum, ..computed(task, model, vec![Note::info(remark)]) }]
 }
 
@@ -117,11 +116,11 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
 /// unloading stiffness: it is set to the loading stiffness, the least that a structure can have, and named among the
 /// active bounds.
 fn loading_part(task: &Task<'_>, extent: &Extent, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
-    let Some(fitting) = Fitting::of_pulse(task, task.settings.fit_to_s)? else { return Ok(Vec::new()) };
+    let Some(fitting) = FitTask::of_pulse(task, task.settings.fit_to_s)? else { return Ok(Vec::new()) };
     let (mass_kg, rate) = (task.test.mass_kg, task.test.impact_speed_m_per_s / extent.crush_m);
     let unit = mass_kg * rate * rate;
     let start = |times: &f64| FitStart {
-        on_bound: vec!["unloading_stiffness_n_per_m"],
+        on_bound: vec!["unloading_stiffness_n_per_m".to_owned()],
         ..FitStart::computed(Model::Elastoplastic(Elastoplastic {
             mass_kg,
             loading_stiffness_n_per_m: times * unit,

@@ -1,20 +1,90 @@
-//! The one fit of all solvers: the waves of a model as measured, and the candidate that a start leads to.
+//! The one fit of all solvers: the sensors on the masses of a model, their waves as measured, and the candidate that a
+//! start leads to.
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
 use crumple_signal::{Note, Notes};
 
 use crate::candidate::fixed_at_bound;
+use crate::coordinates::largest_of_chain;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
-use crate::free::free_parameter::{FreeParameter, free_masses, free_parameters, mass_of};
-use crate::free::search_bounds::largest_of_chain;
+use crate::parameters::{FitParameter, free_masses, free_parameters, mass_of};
 use crate::record::sensor::{errors_in_words, note_of_errors};
-use crate::solvers::shared_mass::{pulse, sensors_of};
-use crate::solvers::task::{Task, mass_count};
-use crate::uncertainty::likelihood::source_misfit::least_acceleration_misfit;
+use crate::solvers::table::{Task, mass_count};
+use crate::uncertainty::acceleration_likelihood::least_acceleration_misfit;
 use crate::{
-    Candidate, Fit, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorPlace, SolveError,
-    bounds_remark,
+    Candidate, Fit, FitQuantity, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorPlace,
+    SolveError, bounds_remark,
 };
+
+/// Why a model cannot be fitted: sensors of two different places are on one of its masses, which has one motion. One
+/// channel named for two places is one sensor; two channels of one place are two measurements of it, and allowed.
+pub(crate) fn shared_mass(places: &[(SensorPlace, &str)], count: usize) -> Option<String> {
+    let on_masses = || places.iter().filter_map(|(place, channel)| Some((place.mass(count)?, *place, *channel)));
+    let (mass, first, second) = on_masses().enumerate().find_map(|(k, (mass, place, channel))| {
+        let mut before = on_masses().take(k);
+        let other = before.find(|(m, p, c)| *m == mass && *p != place && *c != channel)?;
+        Some((mass, (other.1, other.2), (place, channel)))
+    })?;
+    // The compartment is the pulse, which every fit needs: the other one has to go.
+    let goes = if second.0 == SensorPlace::Compartment { first } else { second };
+    let instead = match goes.0 {
+        SensorPlace::Mass(1) if count == 1 => {
+            format!("write front={} in sensors instead, which a model of one mass is not fitted to", goes.1)
+        }
+        place => format!("leave {place}={} out of sensors, or this model out of models", goes.1),
+    };
+    Some(format!(
+        "not fitted: sensors {} ({}) and {} ({}) both fall on mass {} of its {count}, which moves one way only; \
+         {instead}",
+        first.1,
+        first.0,
+        second.1,
+        second.0,
+        mass + 1
+    ))
+}
+
+/// The sensors on masses of the model, each with the index of its mass; without any the displacement of the
+/// compartment. `None`, with a warning, where there is nothing to fit, or where [`shared_mass`] gives a reason.
+pub(super) fn sensors_of<'a>(task: &Task<'a>, notes: &mut Notes) -> Option<Vec<(usize, Sensor<'a>)>> {
+    let count = mass_count(task.model);
+    let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
+    if let Some(reason) = shared_mass(&places, count) {
+        notes.warning(format!("{}: {reason}", task.model));
+        return None;
+    }
+    let mut sensors = Vec::new();
+    for sensor in task.test.sensors {
+        match sensor.place.mass(count) {
+            Some(mass) => sensors.push((mass, *sensor)),
+            None => notes.info(format!(
+                "{}: sensor {} is on the {}, which this model does not have: not fitted",
+                task.model, sensor.channel, sensor.place
+            )),
+        }
+    }
+    if sensors.is_empty() && task.settings.quantity == FitQuantity::Displacement {
+        sensors.extend(pulse(task).map(|pulse| (count - 1, pulse)));
+    }
+    if sensors.is_empty() {
+        notes.warning(format!("{}: not fitted, there is no {} of the compartment", task.model, task.settings.quantity));
+        return None;
+    }
+    Some(sensors)
+}
+
+/// The displacement of the pulse as a sensor on the compartment.
+pub(super) fn pulse<'a>(task: &Task<'a>) -> Option<Sensor<'a>> {
+    let test = task.test;
+    test.displacement.map(|displacement| Sensor {
+        channel: "",
+        place: SensorPlace::Compartment,
+        quantity: FitQuantity::Displacement,
+        record: displacement,
+        measurement: test.measurement,
+        noise: None,
+    })
+}
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
@@ -29,7 +99,7 @@ pub(super) struct FitStart {
     /// The model.
     pub model: Model,
     /// Parameters that a search left on a bound.
-    pub on_bound: Vec<&'static str>,
+    pub on_bound: Vec<String>,
     /// Iterations of the search that ended here.
     pub iterations: u32,
     /// Model evaluations of all its starts.
@@ -46,7 +116,7 @@ impl FitStart {
 }
 
 /// The waves that a model is fitted to.
-pub(super) struct Fitting<'a> {
+pub(super) struct FitTask<'a> {
     /// What was asked for.
     pub task: &'a Task<'a>,
     /// The sensors on masses of the model, each with the index of its mass.
@@ -57,7 +127,7 @@ pub(super) struct Fitting<'a> {
     pub crush_m: f64,
 }
 
-impl<'a> Fitting<'a> {
+impl<'a> FitTask<'a> {
     /// The sensors of a task up to `to_s` after time zero (`None`: the end of each record). `None`, with a warning,
     /// where there is nothing to fit. Errors: a window outside a record.
     pub fn of_sensors(task: &'a Task<'a>, to_s: Option<f64>, notes: &mut Notes) -> Result<Option<Self>, SolveError> {
@@ -105,7 +175,7 @@ impl<'a> Fitting<'a> {
                 free.extend(free_masses(model, (lower, upper)));
             }
             let fixed = fixed_at_bound(model, &start.on_bound, self.end_s());
-            free.retain(|parameter| !fixed.contains(&parameter.name));
+            free.retain(|parameter| !fixed.contains(&&*parameter.name));
             if start.within_search {
                 within_the_search(&mut free, model, self.end_s());
             }
@@ -135,13 +205,14 @@ impl<'a> Fitting<'a> {
 
     /// The minimum near a start that is close already, with the waves weighed by their misfits there, in turn with the
     /// fit.
-    pub fn weighed_nearby(&mut self, start: &Model, free: &[FreeParameter]) -> Option<Minimum> {
+    pub fn weighed_nearby(&mut self, start: &Model, free: &[FitParameter]) -> Option<Minimum> {
         let mut minimum = fit_nearby(start, free, &self.observed)?;
         for _ in 0..WEIGHINGS {
             let weighed = self.observed.weigh(&self.observed.rmse(&minimum.misfit_m), WORTH_ANOTHER);
             // What came near zero, or left it, goes on in another coordinate: zero is an answer, not a bound.
-            let free: Vec<FreeParameter> = minimum.free.iter().map(|p| p.described_at(p.value)).collect();
-            let redescribed = free.iter().zip(&minimum.free).any(|(new, old)| new.logarithmic != old.logarithmic);
+            let free = minimum.redescribed();
+            let redescribed =
+                free.iter().zip(&minimum.free).any(|(new, old)| new.is_logarithmic() != old.is_logarithmic());
             if !(weighed || redescribed) {
                 break;
             }
@@ -159,11 +230,10 @@ impl<'a> Fitting<'a> {
     /// A minimum as candidate number `index`, with `remarks`, the window, errors of several sensors, active bounds and
     /// broken side constraints for notes.
     pub fn candidate(&self, start: &FitStart, minimum: Minimum, index: usize, remarks: &[String]) -> Candidate {
-        let model = minimum.model;
+        let model = minimum.model.clone();
         let mut active_bounds = start.on_bound.clone();
         active_bounds.retain(|name| minimum.free.iter().all(|p| p.name != *name));
-        let stopped = minimum.free.iter().zip(&minimum.on_bound).filter(|(_, on_bound)| **on_bound);
-        active_bounds.extend(stopped.map(|(p, _)| p.name));
+        active_bounds.extend(minimum.names_on_bound());
         // The displacement of the pulse alone needs no name.
         let several = !self.task.fits_displacement_alone();
         let number = |mass: usize, sensor: &Sensor<'_>| if sensor.place == SensorPlace::Wall { 0 } else { mass + 1 };
@@ -180,7 +250,7 @@ impl<'a> Fitting<'a> {
         }
         notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
         notes.extend(broken_side_constraints(&model).map(Note::warning));
-        if let Model::Elastoplastic(model) = model
+        if let Model::Elastoplastic(model) = &model
             && self.task.fits_displacement_alone()
         {
             let chosen = if model.release { "leaves the barrier at rebound" } else { "stays attached and swings on" };
@@ -223,15 +293,16 @@ pub(super) fn window_note(fit: &Fit) -> Note {
 }
 
 /// Keeps springs and dampers of a chain within the stiff bounds of the search; they may go to zero.
-fn within_the_search(free: &mut [FreeParameter], model: &Model, window_s: f64) {
+fn within_the_search(free: &mut [FitParameter], model: &Model, window_s: f64) {
     let (stiffest, strongest) = largest_of_chain(mass_of(model), window_s);
+    let values = model.values();
     for parameter in free {
         let largest = match parameter.kind {
             ParameterKind::Damping => strongest,
             ParameterKind::Stiffness => stiffest,
             _ => continue,
         };
-        parameter.limit = parameter.limit.min(largest.max(parameter.value));
+        *parameter = parameter.with_limit(parameter.limit.min(largest.max(values[parameter.index])));
     }
 }
 
@@ -259,6 +330,33 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_places_on_one_mass_leave_the_model_out_and_say_what_to_write() {
+        let stated =
+            [(SensorPlace::Compartment, "floor"), (SensorPlace::Mass(1), "front"), (SensorPlace::Mass(2), "engine")];
+        assert_eq!(shared_mass(&stated, 3), None);
+        assert_eq!(
+            shared_mass(&stated, 2).unwrap(),
+            "not fitted: sensors floor (compartment) and engine (m2) both fall on mass 2 of its 2, which moves one way \
+             only; leave m2=engine out of sensors, or this model out of models"
+        );
+        let reason = shared_mass(&stated, 1).unwrap();
+        assert!(
+            reason.ends_with("write front=front in sensors instead, which a model of one mass is not fitted to"),
+            "{reason}"
+        );
+        // Front and chassis are one mass of two; a model of one has neither.
+        let parts = [(SensorPlace::Front, "a"), (SensorPlace::Chassis, "b"), (SensorPlace::Compartment, "c")];
+        assert!(shared_mass(&parts, 2).unwrap().contains("a (front) and b (chassis) both fall on mass 1"));
+        assert_eq!(shared_mass(&parts, 1), None);
+    }
+
+    #[test]
+    fn a_sensor_named_for_two_places_and_two_sensors_of_one_place_are_no_conflict() {
+        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Mass(2), "93")], 2), None);
+        assert_eq!(shared_mass(&[(SensorPlace::Compartment, "93"), (SensorPlace::Compartment, "94")], 2), None);
+    }
 
     #[test]
     fn broken_side_constraints_are_named() {

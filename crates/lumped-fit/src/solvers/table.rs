@@ -1,19 +1,161 @@
-//! The table of solvers: which model is solved by which method, from what, and whether without being asked.
+//! The table of solvers: which model is solved by which method, from what, and whether without being asked; the task of
+//! one of them, the settings of all, and the call that runs those that are asked for.
 //!
 //! A new solver is one row here and one function; lists, help texts and dispatch follow from the table.
 
 use std::sync::LazyLock;
 
-use crumple_lumped::ModelKind;
-use crumple_signal::Notes;
-
-use crate::solvers::crush_curves::assumptions::ONE_MASS_RATE_S_PER_M;
-use crate::solvers::crush_curves::one_mass;
-use crate::solvers::settings::FRONT_MASS_FRACTION;
-use crate::solvers::task::{Needs, Task};
-use crate::solvers::{closed_forms, sensors, single_mass};
-use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError, SolveSettings};
+use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
+use crumple_signal::{About, Notes, Sampled, Weight};
+use rayon::prelude::*;
+
+use crate::record::sensor::{Sensor, TestData};
+use crate::solvers::crush_curves::ONE_MASS_RATE_S_PER_M;
+use crate::solvers::{closed_forms, crush_curves, sensors, single_mass};
+use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError};
+
+/// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
+pub const FRONT_MASS_FRACTION: f64 = 0.25;
+
+/// Models, methods, masses and window that are solved for. Defaults follow from the table of solvers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolveSettings {
+    /// Models, in the order of the result.
+    pub models: Vec<ModelKind>,
+    /// Methods allowed; none: those that each model is solved by without being asked.
+    pub methods: Vec<Method>,
+    /// Masses of the double model.
+    pub split: MassSplit,
+    /// Masses of the triple model, kg; `None`: the front of the double model halved.
+    pub triple: Option<[f64; 3]>,
+    /// Whether masses are known or fitted with a known total.
+    pub mass_fit: MassFit,
+    /// What of the motion is fitted.
+    pub quantity: FitQuantity,
+    /// Whether a fitted elastoplastic model leaves the barrier.
+    pub release: bool,
+    /// Rate factor of a force-deflection curve of one mass, s/m: a prior, which no single test tells.
+    pub rate_factor_s_per_m: f64,
+    /// Start of the fit window, s after time zero.
+    pub fit_from_s: f64,
+    /// End of the fit window; `None`: dynamic crush, or the record's end without one.
+    pub fit_to_s: Option<f64>,
+    /// Most samples fitted: 250 are enough for four parameters.
+    pub fit_samples: usize,
+    /// Starts of a fit of four free numbers; others have theirs in proportion.
+    pub fit_starts: usize,
+    /// The firefly search.
+    pub firefly: FireflyOptions,
+    /// The general global search.
+    pub l_shade: LShadeOptions,
+}
+
+/// What a solver works on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Needs {
+    /// The crash events.
+    Events,
+    /// The motion of the test, and its events where it has them.
+    Motion,
+    /// An identified model; see [`match_identified`](crate::match_identified).
+    IdentifiedModel,
+}
+
+/// Everything that a solver is given.
+pub(crate) struct Task<'a> {
+    /// The model of the row.
+    pub model: ModelKind,
+    /// The method of the row.
+    pub method: Method,
+    /// The test.
+    pub test: &'a TestData<'a>,
+    /// What was asked for: windows, masses, sizes of searches.
+    pub settings: &'a SolveSettings,
+}
+
+impl Task<'_> {
+    /// Whether the displacement of the pulse alone is fitted with given masses, so that the special fits of a model
+    /// apply.
+    ///
+    /// A sensor on a mass that the model does not have changes nothing, nor does naming the pulse itself as a sensor.
+    pub(crate) fn fits_displacement_alone(&self) -> bool {
+        let count = mass_count(self.model);
+        let is_pulse = |sensor: &Sensor<'_>| {
+            let pulse: Option<&Sampled> = self.test.displacement.map(|displacement| &**displacement);
+            sensor.quantity == FitQuantity::Displacement && pulse == Some(sensor.record)
+        };
+        self.settings.quantity == FitQuantity::Displacement
+            && self.settings.mass_fit == MassFit::Known
+            && self
+                .test
+                .sensors
+                .iter()
+                .all(|sensor| sensor.place.mass(count).is_none_or(|mass| mass + 1 == count && is_pulse(sensor)))
+    }
+}
+
+/// How many masses a model has.
+pub(crate) fn mass_count(kind: ModelKind) -> usize {
+    kind.parameters().iter().filter(|parameter| parameter.kind == ParameterKind::Mass).count()
+}
+
+/// Depth and time by which a fit to the displacement of one mass is scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    /// Dynamic crush, m; without one the largest displacement of the window.
+    pub crush_m: f64,
+    /// Its time, s after time zero; without one the end of the window.
+    pub time_s: f64,
+    /// Whether the mass stops there.
+    pub stops: bool,
+}
+
+/// Dynamic crush and its time.
+///
+/// Where the velocity never reaches zero: the end of the window (that of the settings, or of the record) and the
+/// largest displacement up to there, with a warning. `None`, with a warning, without a displacement or where it is
+/// nowhere positive.
+pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
+    let (kind, test) = (task.model, task.test);
+    if let Some((time_s, crush_m)) = test.time_of_dynamic_crush_s.zip(test.dynamic_crush_m) {
+        return Some(Extent { crush_m, time_s, stops: true });
+    }
+    let Some(displacement) = test.displacement else {
+        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        return None;
+    };
+    let end_s = displacement.end_s() - test.time_zero_s;
+    let time_s = task.settings.fit_to_s.unwrap_or(end_s);
+    let first = displacement.index_at_or_after(test.time_zero_s);
+    let after = displacement.index_at_or_after(test.time_zero_s + time_s + 0.5 * displacement.dt_s());
+    let window = displacement.samples().get(first..after.min(displacement.len())).unwrap_or_default();
+    let crush_m = window.iter().copied().fold(0.0, f64::max);
+    if crush_m <= 0.0 || time_s <= 0.0 {
+        notes.warning(format!("{kind}: not fitted, the displacement is nowhere positive after time zero"));
+        return None;
+    }
+    notes.warning(format!(
+        "{kind}: the velocity of the record never reaches zero: fitted up to {:.2} ms, the end of the window, with the \
+         largest displacement {:.1} mm in place of the dynamic crush",
+        1e3 * time_s,
+        1e3 * crush_m
+    ));
+    Some(Extent { crush_m, time_s, stops: false })
+}
+
+/// Time, s after time zero, and depth, m, of dynamic crush; `None`, with a warning, where the record has none.
+pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)> {
+    let events = task.test.time_of_dynamic_crush_s.zip(task.test.dynamic_crush_m);
+    if events.is_none() {
+        notes.warning(format!(
+            "{}: not solved, since the velocity of the record never reaches zero: it has no dynamic crush, which {} \
+             starts from; direct-fit does without",
+            task.model, task.method
+        ));
+    }
+    events
+}
 
 /// The function of a row: candidates and notes from a task.
 type Solve = fn(&Task<'_>, &mut Notes) -> Result<Vec<Candidate>, SolveError>;
@@ -78,7 +220,7 @@ pub(crate) const SOLVERS: &[Solver] = {
         Solver { model: DOUBLE, method: Method::CurveFit, needs: IdentifiedModel, by_default: false, solve: None },
         solver(K::TripleSpringMassDamper, Method::DirectFit, Motion, true, sensors::fit),
         solver(K::TripleSpringMassDamper, Method::LShade, Motion, false, sensors::fit),
-        solver(K::ForceDeflection, Method::DirectFit, Motion, true, one_mass::fit),
+        solver(K::ForceDeflection, Method::DirectFit, Motion, true, crush_curves::fit),
     ]
 };
 
@@ -161,6 +303,62 @@ pub fn solvers_of(model: ModelKind, methods: &[Method]) -> Vec<&'static Solver> 
     } else {
         methods.iter().filter_map(|method| of_model().find(|solver| solver.method == *method)).collect()
     }
+}
+
+/// Solves for every model by every method that the settings ask for and the test allows; the notes say what is
+/// missing and why.
+///
+/// Solvers run in parallel and know nothing of each other; candidates and notes come in the order of the settings,
+/// whatever the number of threads. A record too coarse for a fit (that of an event data recorder) still gives the
+/// closed forms. A set with a parameter beyond the range of numbers is left out with a warning.
+///
+/// Errors: a mass, speed, mass split or window without meaning, which no model can be solved with.
+pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
+    crate::error::positive("mass_kg", test.mass_kg)?;
+    crate::error::positive("impact_speed_m_per_s", test.impact_speed_m_per_s)?;
+    // Solvers know nothing of each other; candidates and notes keep the order of the settings for any number of
+    // threads.
+    let results: Vec<(Result<Vec<Candidate>, SolveError>, Notes)> = settings
+        .models
+        .par_iter()
+        .flat_map_iter(|&model| {
+            let solvers = solvers_of(model, &settings.methods);
+            let mut none = Notes::new();
+            if solvers.is_empty() {
+                none.warning(format!("{model}: none of the methods asked for solves this model"));
+            }
+            let solved = solvers.into_iter().filter_map(move |solver| {
+                let mut notes = Notes::new();
+                let task = Task { model, method: solver.method, test, settings };
+                let mut result = solver.solve?(&task, &mut notes);
+                // A record that is too coarse for a fit (an event data recorder's) still has its events for the closed
+                // forms.
+                if let Err(error @ SolveError::TooFewSamples { .. }) = &result {
+                    notes.warning(format!("{model}: not fitted by {}: {error}", solver.method.name()));
+                    result = Ok(Vec::new());
+                }
+                Some((result, notes))
+            });
+            let about = About::Model(model.to_string());
+            let all = std::iter::once((Ok(Vec::new()), none)).chain(solved);
+            all.map(move |(result, notes)| (result, notes.all_about(&about)))
+        })
+        .collect();
+    let mut candidates = Vec::new();
+    for (result, remarks) in results {
+        notes.extend(remarks);
+        candidates.extend(result?);
+    }
+    // Extreme events lead beyond the range of numbers; such a set is no result.
+    candidates.retain(|candidate| {
+        let finite = candidate.model.parameters().values().all(|value| value.is_finite());
+        if !finite {
+            let text = format!("{}: left out, a parameter is beyond the range of numbers", candidate.id());
+            notes.concern(About::Model(candidate.id()), Weight::Slight, text);
+        }
+        finite
+    });
+    Ok(candidates)
 }
 
 #[cfg(test)]

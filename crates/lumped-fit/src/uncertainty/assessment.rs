@@ -8,23 +8,193 @@
 use std::collections::BTreeMap;
 
 use crumple_lumped::{Model, ModelKind, ParameterKind};
+use crumple_numerics::estimation::random::{RandomNumbers, circular_blocks};
 use crumple_numerics::estimation::statistics::{
-    Block, Covariance, SensorError, covariance_of_blocks, lag_1_autocorrelation,
+    Block, Covariance, SensorError, covariance_of_blocks, geyer_autocorrelation_time, lag_1_autocorrelation, quantile,
 };
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
+use crate::FitQuantity;
+use crate::assessed::{Assessment, BlockBootstrap, Intervals, Profile};
 use crate::candidate::Minimum;
+use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
-use crate::free::coordinates::Coordinates;
-use crate::free::parametric::Parametric;
 use crate::record::observation::Observation;
 use crate::record::sensor_noise::SensorNoise;
-use crate::uncertainty::block_bootstrap::{BlockBootstrap, replicate};
-use crate::uncertainty::identifiability::{NamedCoordinate, weakest_direction};
-use crate::uncertainty::least_misfit::LeastMisfit;
-use crate::uncertainty::likelihood::curve_posterior::curve_intervals;
-use crate::uncertainty::likelihood::profile_likelihood::{Profile, Profiled};
-use crate::uncertainty::likelihood::source_misfit::{AtSource, Ends, holding};
+use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends, holding};
+use crate::uncertainty::curve_posterior::curve_intervals;
+use crate::uncertainty::profile_likelihood::Profiled;
+
+/// Parameters whose part of the weakest direction is below this share of the largest part are not named.
+const WORTH_NAMING: f64 = 0.2;
+/// A combination whose relative standard deviation is above this is called not determined.
+const LOOSE: f64 = 0.5;
+
+/// A coordinate of a fit with the name of its parameter, for that sentence.
+#[derive(Debug, Clone)]
+pub(crate) struct NamedCoordinate {
+    /// The parameter, with its unit.
+    pub name: String,
+    /// What it is.
+    pub kind: ParameterKind,
+    /// Whether the coordinate is its logarithm.
+    pub logarithmic: bool,
+    /// Derivative of the parameter by the coordinate.
+    pub slope: f64,
+}
+
+impl NamedCoordinate {
+    /// The parameter without its unit: `k1` of `k1_n_per_m`.
+    fn symbol(&self) -> String {
+        self.kind.symbol_of(&self.name).replace('_', " ")
+    }
+}
+
+/// The weakest direction as a sentence: which parameters can move together how far, and how little the response
+/// changes then.
+///
+/// `quantity`: that of the sensitivities; of several waves that of the first, with the others weighted. With two
+/// parameters the combination that remains determined is named too: moving `k1` by `d1` and `k2` by `d2` changes
+/// nothing, so only `k1 - (d1/d2) k2` is known. `None` with fewer than two parameters.
+pub(crate) fn weakest_direction(
+    free: &[NamedCoordinate],
+    covariance: &Covariance,
+    quantity: FitQuantity,
+) -> Option<String> {
+    let along = &covariance.weakest;
+    if free.len() < 2 || along.len() != free.len() {
+        return None;
+    }
+    let variance = (along.transpose() * &covariance.matrix * along)[(0, 0)].max(0.0);
+    let deviation = if covariance.rank < free.len() { f64::INFINITY } else { variance.sqrt() };
+    let largest = along.amax();
+    let mut parts: Vec<usize> = (0..free.len()).filter(|&i| along[i].abs() >= WORTH_NAMING * largest).collect();
+    // Largest first; of equal ones the first.
+    parts.sort_by(|&a, &b| along[b].abs().total_cmp(&along[a].abs()));
+    let lead = *parts.first()?;
+    let sign = along[lead].signum();
+    // One percent of the leading parameter (of its scale, where the value is near zero).
+    let unit = 0.01 / along[lead].abs();
+    let named: Vec<String> = parts
+        .iter()
+        .map(|&i| {
+            let suffix = if free[i].logarithmic { "" } else { " of its scale" };
+            format!("{} {:+.2} %{suffix}", free[i].symbol(), 100.0 * unit * sign * along[i])
+        })
+        .collect();
+    let moved = format!(
+        "{} {} the {quantity} by only {} rms",
+        named.join(", "),
+        if named.len() == 1 { "moves" } else { "together move" },
+        size(unit * covariance.weakest_change_m, quantity)
+    );
+    let determined = match parts[..] {
+        [_] => format!("{} is the least determined", free[lead].symbol()),
+        [a, b] if deviation > LOOSE => {
+            let slope = |i: usize| along[i] * free[i].slope;
+            let (first, second) = if comes_before(&free[a], &free[b], a < b) { (a, b) } else { (b, a) };
+            let factor = -slope(first) / slope(second);
+            let sign = if factor < 0.0 { '-' } else { '+' };
+            format!("only {} {sign} {:.3} {} is determined", free[first].symbol(), factor.abs(), free[second].symbol())
+        }
+        _ if deviation > LOOSE => {
+            let names: Vec<_> = parts.iter().map(|&i| free[i].symbol()).collect();
+            format!("{} are not determined one by one", names.join(", "))
+        }
+        _ => "the least determined combination".to_owned(),
+    };
+    let width = if deviation.is_finite() {
+        format!("standard deviation along it {:.2} %", 100.0 * deviation)
+    } else {
+        "nothing bounds it".to_owned()
+    };
+    Some(format!("{determined}: {moved}; {width}"))
+}
+
+/// Two parameters of one kind are ordered by name, others as in the model.
+fn comes_before(a: &NamedCoordinate, b: &NamedCoordinate, in_the_model: bool) -> bool {
+    if a.kind == b.kind { a.name < b.name } else { in_the_model }
+}
+
+/// A change of the response in a sentence: displacements in mm, others in the SI unit.
+fn size(value: f64, quantity: FitQuantity) -> String {
+    if quantity != FitQuantity::Displacement {
+        return format!("{value:.2e} {}", quantity.unit());
+    }
+    let m = value;
+    if m >= 1e-4 { format!("{:.2} mm", 1e3 * m) } else { format!("{m:.2e} m") }
+}
+
+/// Seed of the generators; replicate `i` uses its stream `i`.
+const SEED: u64 = 1;
+/// Length of a block in autocorrelation times of the misfit.
+const BLOCK_TIMES: f64 = 2.0;
+/// A block is at most one part in so many of the window.
+const LARGEST_SHARE: usize = 3;
+
+/// Fits the model to its own response with the misfit added in shuffled blocks, many times, and takes percentiles.
+///
+/// Moving blocks on a circle (Politis & Romano, "A circular block-resampling procedure for stationary data", 1992),
+/// two autocorrelation times long but at most a third of the window, so that the correlation in time is kept. Several
+/// waves are shuffled in the same blocks of time: an error that they share stays shared. Every replicate descends
+/// from the minimum and draws from its own stream of a fixed seed, so the result does not depend on the number of
+/// threads.
+///
+/// Contains no other minimum, and no error that is the same in the whole record. `misfit`: the weighted residuals;
+/// `fit`: the values of `names` for a resampled record. `None` with fewer than 20 fits.
+pub(crate) fn replicate(
+    observed: &Observation,
+    misfit: &[f64],
+    replicates: usize,
+    names: Vec<String>,
+    fit: impl Fn(&Observation) -> Option<Vec<f64>> + Sync,
+) -> Option<BlockBootstrap> {
+    let misfits = observed.split(misfit);
+    let n = misfits.first()?.len();
+    // In samples of the first wave; the same blocks of time for all.
+    let time = misfits
+        .iter()
+        .map(|samples| geyer_autocorrelation_time(samples) * n as f64 / samples.len() as f64)
+        .fold(0.0, f64::max);
+    let block = ((BLOCK_TIMES * time).ceil() as usize).clamp(1, n / LARGEST_SHARE);
+    let fits: Vec<Option<Vec<f64>>> = (0..replicates)
+        .into_par_iter()
+        .map(|index| {
+            let places = circular_blocks(&mut RandomNumbers::of_stream(SEED, index), n, block);
+            let mut resampled = observed.clone();
+            for (wave, misfit) in resampled.waves.iter_mut().zip(&misfits) {
+                let samples = misfit.len();
+                for (k, sample) in wave.samples.iter_mut().enumerate() {
+                    let drawn = places[k * n / samples] * samples / n;
+                    // The misfit is model minus record, times the weight.
+                    *sample += (misfit[k] - misfit[drawn]) / wave.weight;
+                }
+            }
+            fit(&resampled)
+        })
+        .collect();
+    let fits: Vec<Vec<f64>> = fits.into_iter().flatten().collect();
+    if fits.len() < 20 {
+        return None;
+    }
+    let interval = names
+        .into_iter()
+        .enumerate()
+        .map(|(i, name)| {
+            let mut values: Vec<f64> = fits.iter().map(|f| f[i]).collect();
+            (name, (percentile(&mut values, 0.025), percentile(&mut values, 0.975)))
+        })
+        .collect();
+    Some(BlockBootstrap { replicates: fits.len(), block, interval })
+}
+
+/// The quantile `share` of values, by linear interpolation between order statistics; sorts them. `None` without
+/// values.
+pub(crate) fn percentile(values: &mut [f64], share: f64) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    quantile(values, share)
+}
 
 /// What is computed beyond the covariance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -33,39 +203,6 @@ pub struct AssessmentOptions {
     pub profile: bool,
     /// Replicates of a block bootstrap; 0: none.
     pub bootstrap: usize,
-}
-
-/// A 95 % interval by parameter, in its unit; `None`: open on that side, the record does not bound it.
-pub type Intervals = BTreeMap<String, (Option<f64>, Option<f64>)>;
-
-/// How well the free numbers of a candidate are determined.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Assessment {
-    /// The parameters assessed, in the order of the matrices.
-    pub parameters: Vec<String>,
-    /// Standard deviations, in the unit of each; those on a bound of the search have none.
-    pub standard_deviation: BTreeMap<String, f64>,
-    /// 95 % intervals of the linearisation: log-normal, or normal and cut at zero for a value near zero.
-    pub interval: Intervals,
-    /// Correlation of the estimates (of their logarithms), rows as `parameters`; those on a bound are left out.
-    pub correlation: Vec<Vec<f64>>,
-    /// Condition number of the sensitivities with columns of one length; `None` without full rank.
-    pub condition: Option<f64>,
-    /// Directions that the record determines.
-    pub rank: usize,
-    /// The direction determined least, in words.
-    pub weakest_direction: Option<String>,
-    /// Lag-1 autocorrelation of the misfit.
-    pub residual_autocorrelation: f64,
-    /// Independent samples that the misfit is worth.
-    pub effective_samples: f64,
-    /// Profile likelihood intervals, where asked for.
-    pub profile: Vec<Profile>,
-    /// Bootstrap, where asked for.
-    pub bootstrap: Option<BlockBootstrap>,
-    /// Where the accelerations are met best, near the minimum; `None` for a model with knots, and where the noise of a
-    /// sensor is not known.
-    pub least_misfit: Option<LeastMisfit>,
 }
 
 /// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
@@ -80,8 +217,8 @@ pub struct Assessment {
 pub fn assess(minimum: &Minimum, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
     let coordinates = minimum.coordinates();
     let of_given = |model: &Model| {
-        let values = model.parameters();
-        minimum.free.iter().map(|p| values[p.name]).collect::<Vec<f64>>()
+        let values = model.values();
+        minimum.free.iter().map(|p| values[p.index]).collect::<Vec<f64>>()
     };
     let at = AtMinimum {
         coordinates: &coordinates,
@@ -110,26 +247,26 @@ fn open_knots_beside_open_ones(model: ModelKind, interval: &mut Intervals) {
 
 /// A minimum of anything with free numbers. Misfit and sensitivities by the coordinates are weighted, in the unit of
 /// the first wave: one row for each sample, wave after wave.
-pub(crate) struct AtMinimum<'a, M> {
+struct AtMinimum<'a> {
     /// The free numbers.
-    pub coordinates: &'a Coordinates<M>,
+    coordinates: &'a Coordinates,
     /// What they were fitted to.
-    pub observed: &'a Observation,
+    observed: &'a Observation,
     /// Coordinates of the minimum.
-    pub theta: &'a [f64],
+    theta: &'a [f64],
     /// Which of them stand on a bound.
-    pub on_bound: &'a [bool],
+    on_bound: &'a [bool],
     /// Misfit there.
-    pub misfit: &'a [f64],
+    misfit: &'a [f64],
     /// One column for each coordinate.
-    pub sensitivities: &'a DMatrix<f64>,
+    sensitivities: &'a DMatrix<f64>,
     /// Intervals of all free numbers, where they are known beside the minimum; they are extended to its values.
-    pub of_curves: Option<Intervals>,
+    of_curves: Option<Intervals>,
 }
 
-impl<M: Parametric> AtMinimum<'_, M> {
+impl AtMinimum<'_> {
     /// See [`assess`]; `given`: values of the free numbers, in their order.
-    pub fn assess(&self, given: Option<&[f64]>, options: AssessmentOptions) -> Option<Assessment> {
+    fn assess(&self, given: Option<&[f64]>, options: AssessmentOptions) -> Option<Assessment> {
         let (free, theta, names) = (&self.coordinates.free, self.theta, self.coordinates.names());
         // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
         // Neither is what moves nothing in the window: it stays open on both sides.
@@ -137,7 +274,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
         let assessed = |i: &usize| (!self.on_bound[*i] || on_zero(*i)) && self.sensitivities.column(*i).norm() > 0.0;
         let kept: Vec<usize> = (0..theta.len()).filter(assessed).collect();
         let columns = self.sensitivities.select_columns(&kept);
-        let source = AtSource::of(self.coordinates, self.observed, theta, &kept);
+        let source = AccelerationLikelihood::of(self.coordinates, self.observed, theta, &kept);
         let covariance = self.covariance(&columns, source.as_ref())?;
         let mut standard_deviation = BTreeMap::new();
         let value = |i: usize| given.map_or_else(|| free[i].value(theta[i]), |values| values[i]);
@@ -220,7 +357,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
         let mut closed = Vec::new();
         for i in kept.iter().copied().filter(is_knot) {
             let Some((low, high)) = interval.get_mut(&names[i]) else { continue };
-            *high = high.filter(|high| *high < free[i].value(free[i].axis.upper));
+            *high = high.filter(|high| *high < free[i].value(free[i].bounds.1));
             if low.is_some() && high.is_some() {
                 closed.push(i);
             }
@@ -228,7 +365,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
         if closed.is_empty() || self.observed.waves.iter().any(|wave| SensorNoise::of(wave).is_none()) {
             return;
         }
-        let source = AtSource::of_knots(self.coordinates, self.observed, self.theta, kept);
+        let source = AccelerationLikelihood::of_knots(self.coordinates, self.observed, self.theta, kept);
         for i in closed {
             let (low, high) = source.as_ref().and_then(|source| source.whole_range(names, i)).unwrap_or_default();
             let ends = (low.map(|low| low.min(value(i))), high.map(|high| high.max(value(i))));
@@ -238,11 +375,13 @@ impl<M: Parametric> AtMinimum<'_, M> {
 
     /// The covariance from the noise of the sensors where that is known, and from the misfit where the noise does not
     /// explain it.
-    fn covariance(&self, columns: &DMatrix<f64>, source: Option<&AtSource<'_, M>>) -> Option<Covariance> {
+    fn covariance(&self, columns: &DMatrix<f64>, source: Option<&AccelerationLikelihood<'_>>) -> Option<Covariance> {
         let waves = &self.observed.waves;
         let noises = source.map(|source| &source.noises);
         let middle_of = |k: usize| {
-            move |rows: &DMatrix<f64>| noises.map_or_else(|| rows.tr_mul(rows), |of| of[k].0.middle(&waves[k], rows))
+            move |rows: &DMatrix<f64>| {
+                noises.map_or_else(|| rows.tr_mul(rows), |of| of[k].0.projected_noise_covariance(&waves[k], rows))
+            }
         };
         let middles: Vec<_> = (0..waves.len()).map(middle_of).collect();
         let sensor = |k: usize| {
@@ -271,7 +410,7 @@ impl<M: Parametric> AtMinimum<'_, M> {
     ) -> Vec<Profile> {
         let (free, theta) = (&self.coordinates.free, self.theta);
         let problem = near(self.coordinates, self.observed);
-        let bounds: Vec<(f64, f64)> = free.iter().map(|number| (number.axis.lower, number.axis.upper)).collect();
+        let bounds: Vec<(f64, f64)> = free.iter().map(|number| number.bounds).collect();
         let half_width = |i| kept.iter().position(|&k| k == i).map(|k| covariance.half_width[k]);
         let expected: Vec<Option<f64>> = (0..theta.len()).map(half_width).collect();
         let floor = self.observed.unresolved();
@@ -362,4 +501,36 @@ fn of_the_rest(
 pub fn undetermined(assessment: &Assessment) -> Vec<&str> {
     let open = assessment.interval.iter().filter(|(_, (low, high))| low.is_none() || high.is_none());
     open.map(|(name, _)| name.as_str()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_numerics::estimation::statistics::covariance;
+    use nalgebra::DMatrix;
+
+    fn spring(name: &str, value: f64) -> NamedCoordinate {
+        let kind = ParameterKind::Stiffness;
+        NamedCoordinate { name: name.to_owned(), kind, logarithmic: true, slope: value }
+    }
+
+    #[test]
+    fn two_springs_of_which_only_a_sum_acts_are_named_with_their_combination() {
+        // Displacement depends on k1 + 0.9 k2, and hardly on the rest; coordinates are logarithms.
+        let (k1, k2) = (3e5, 6e5);
+        let j = DMatrix::from_fn(100, 2, |i, k| {
+            let t = i as f64 / 100.0;
+            let by_value = if k == 0 { t } else { 0.9 * t + 1e-7 * (20.0 * t).sin() };
+            by_value * if k == 0 { k1 } else { k2 } * 1e-6
+        });
+        let noise: Vec<f64> = (0..100).map(|i| 1e-3 * (f64::from(i * i)).sin()).collect();
+        let estimate = covariance(&j, &noise, 0.0).unwrap();
+        let text = weakest_direction(
+            &[spring("k1_n_per_m", k1), spring("k2_n_per_m", k2)],
+            &estimate,
+            FitQuantity::Displacement,
+        )
+        .unwrap();
+        assert!(text.starts_with("only k1 + 0.900 k2 is determined: k1 +1.00 %, k2 -0.56 %"), "{text}");
+    }
 }

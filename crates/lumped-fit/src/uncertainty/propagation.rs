@@ -5,17 +5,21 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
-
-use crumple_lumped::{Model, Parameter, ParameterKind};
+use crumple_lumped::{Model, Nonlinear1, Parameter, ParameterKind};
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Distribution;
+use rayon::prelude::*;
 
+use crate::assessed::Propagation;
+use crate::candidate::Minimum;
+use crate::closed_form::elastoplastic_of_record;
+use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
-use crate::free::coordinates::Coordinates;
+use crate::fit::nonlinear::{descend_to_conditions, parts};
+use crate::fit::problem::Problem;
 use crate::record::observation::{FEWEST, Observation, ObservedWave};
-use crate::uncertainty::block_bootstrap::percentile;
-use crate::{FitQuantity, FreeParameter, Measurement};
+use crate::uncertainty::assessment::percentile;
+use crate::{FitParameter, FitQuantity, Measurement, SingleMassFitOptions, kelvin_from_events, unloads_rigidly};
 
 /// Largest error that a repetition can draw, in units of its size. One normal deviate in 5e8 is larger, and cut to it.
 pub const fn largest_draw(distribution: Distribution) -> f64 {
@@ -52,17 +56,6 @@ impl InputUncertainty {
 pub const REPETITIONS: usize = 200;
 /// Seed of the generators; repetition `i` uses its stream `i`.
 const SEED: u64 = 2;
-
-/// Percentiles over the repetitions.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Propagation {
-    /// Repetitions that led to a result.
-    pub repetitions: usize,
-    /// 5th and 95th percentile by name: the parameters, and `dynamic_crush_m` of the model.
-    pub interval_90: BTreeMap<String, (f64, f64)>,
-    /// Standard deviation by name.
-    pub standard_deviation: BTreeMap<String, f64>,
-}
 
 /// A test with the errors of one repetition.
 #[derive(Debug, Clone)]
@@ -185,7 +178,7 @@ fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> Observed
 /// results.
 pub fn propagate(
     model: &Model,
-    free: &[FreeParameter],
+    free: &[FitParameter],
     observed: &Observation,
     mass_kg: f64,
     inputs: &InputUncertainty,
@@ -194,6 +187,51 @@ pub fn propagate(
     over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
         repeat(model, free, &with_errors(observed, errors)?)
     })
+}
+
+/// The same for a chain as it was stated, where not all springs and dampers need to be free.
+///
+/// An uncertain mass is that of the test: where a mass is the rest of the total, the rest takes the difference; where
+/// none is, all masses change by the same share. Numbers that are given stay, so springs are proportional to the mass
+/// only where all of them are free. The weights of the waves stay those of the fit.
+pub fn propagate_chain(
+    minimum: &Minimum,
+    mass_kg: f64,
+    inputs: &InputUncertainty,
+    repetitions: usize,
+) -> Option<Propagation> {
+    let (coordinates, observed) = (minimum.coordinates(), &minimum.observed);
+    let theta = coordinates.start();
+    over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors: &Errors| {
+        let Repetition { observed, mass_ratio } = with_errors(observed, errors)?;
+        repeat_chain(&coordinates.of_mass(mass_ratio), &observed, &theta, mass_ratio)
+    })
+}
+
+/// Fits one repetition, from the minimum scaled to the mass drawn.
+///
+/// Gives the value of every free number, in its unit, and `dynamic_crush_m` of the compartment where the chain stops.
+/// `None` without a finite response.
+fn repeat_chain(
+    coordinates: &Coordinates,
+    waves: &Observation,
+    theta: &[f64],
+    mass_ratio: f64,
+) -> Option<BTreeMap<String, f64>> {
+    // Without a rest everything is a share of the mass; with one the free masses alone, so that something is
+    // left for it.
+    let of_mass = |i: usize| coordinates.rest.is_none() || coordinates.free[i].kind == ParameterKind::Mass;
+    let by = |i: usize| if of_mass(i) { mass_ratio.ln() } else { 0.0 };
+    let start: Vec<f64> = theta.iter().enumerate().map(|(i, x)| x + by(i)).collect();
+    let minimum = near(coordinates, waves).follow(&start)?;
+    let free =
+        coordinates.free.iter().zip(&minimum.theta).map(|(number, x)| (number.name.to_string(), number.value(*x)));
+    let mut values: BTreeMap<String, f64> = free.chain(coordinates.free_rest(&minimum.theta)).collect();
+    let events = coordinates.model(&minimum.theta)?.events(waves.impact_speed_m_per_s).ok();
+    if let Some(crush) = events.and_then(|events| events.dynamic_crush_m) {
+        values.insert("dynamic_crush_m".to_owned(), crush);
+    }
+    Some(values)
 }
 
 /// Fewest results of which percentiles are taken.
@@ -233,7 +271,7 @@ pub(crate) fn over_repetitions(
 }
 
 /// The parameters and the model's crush of one repetition.
-pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) -> Option<BTreeMap<String, f64>> {
+pub fn repeat(model: &Model, free: &[FitParameter], repetition: &Repetition) -> Option<BTreeMap<String, f64>> {
     let v0 = repetition.observed.impact_speed_m_per_s;
     // The last knot of a nonlinear damper is the impact speed.
     let mut values = model.values();
@@ -241,7 +279,7 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
     if let Some(knot) = model.kind().parameters().iter().position(is_last_knot) {
         values[knot] = v0;
     }
-    let coordinates = Coordinates::near(model.with_values(&values).ok()?, free);
+    let coordinates = Coordinates::near(model.with_values(&values).ok()?, free.to_vec());
     let optimum = near(&coordinates, &repetition.observed).follow(&coordinates.start())?;
     let fitted = coordinates.model(&optimum.theta)?;
     let mut result: BTreeMap<String, f64> = BTreeMap::new();
@@ -251,6 +289,179 @@ pub fn repeat(model: &Model, free: &[FreeParameter], repetition: &Repetition) ->
         result.insert(number.name.to_string(), number.value(*x) * ratio);
     }
     result.extend(coordinates.free_rest(&optimum.theta).map(|(rest, kg)| (rest, kg * repetition.mass_ratio)));
+    if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
+        result.insert("dynamic_crush_m".to_owned(), crush);
+    }
+    Some(result)
+}
+
+/// The events that a closed form follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FollowedEvents {
+    /// Time of dynamic crush, s after contact.
+    pub time_of_dynamic_crush_s: f64,
+    /// Dynamic crush, m.
+    pub dynamic_crush_m: f64,
+    /// Coefficient of restitution; 0 without rebound.
+    pub coefficient_of_restitution: f64,
+}
+
+impl FollowedEvents {
+    /// The events of a displacement that is compared at every sample from contact to its end; `None` if it never stops.
+    ///
+    /// Velocities are differences between samples, which for a displacement summed by trapezoids are means of two
+    /// samples of the velocity; their first zero and their minimum after it. Off by `O(dt²)`: only changes of the
+    /// events are taken from here.
+    pub fn of(record: &Observation) -> Option<Self> {
+        let wave = record.waves.first()?;
+        let dt = wave.measurement.dt_s * wave.stride as f64;
+        let x = &wave.samples;
+        let speed = |k: usize| (x[k + 1] - x[k]) / dt;
+        let stop = (1..x.len().checked_sub(1)?).find(|&k| speed(k) <= 0.0 && speed(k - 1) > 0.0)?;
+        let (before, after) = (speed(stop - 1), speed(stop));
+        // From the middle before sample `stop` to the middle after it.
+        let share = before / (before - after);
+        let time_of_dynamic_crush_s = wave.time_s(stop) + (share - 0.5) * dt;
+        // The parabola through the three samples.
+        let mean = 0.5 * (before + after);
+        let dynamic_crush_m = x[stop] + 0.5 * mean * mean * dt / (before - after);
+        let lowest = (stop..x.len() - 1).map(speed).fold(after, f64::min);
+        Some(Self {
+            time_of_dynamic_crush_s,
+            dynamic_crush_m,
+            coefficient_of_restitution: -lowest / record.impact_speed_m_per_s,
+        })
+    }
+
+    /// These events moved as far as those of `record` moved to those of `moved`.
+    pub fn moved(&self, record: &Observation, moved: &Observation) -> Option<Self> {
+        let (from, to) = (Self::of(record)?, Self::of(moved)?);
+        let restitution = to.coefficient_of_restitution - from.coefficient_of_restitution;
+        Some(Self {
+            time_of_dynamic_crush_s: self.time_of_dynamic_crush_s + to.time_of_dynamic_crush_s
+                - from.time_of_dynamic_crush_s,
+            dynamic_crush_m: self.dynamic_crush_m + to.dynamic_crush_m - from.dynamic_crush_m,
+            coefficient_of_restitution: self.coefficient_of_restitution + restitution,
+        })
+    }
+}
+
+/// Applies the closed form of `model` to events that uncertain inputs change, many times, and takes percentiles.
+///
+/// Each repetition draws mass, speed, zero level and time zero, changes the record accordingly, reads its events and
+/// solves by the same formula: Kelvin from crush and its time, elastoplastic from crush and restitution. Only the
+/// change of the events is taken from the record, see [`FollowedEvents::moved`]. `events`: those of the test;
+/// `whole`: every sample from contact to the end; `mass_kg`: the mass that the uncertainty of the mass refers to. A
+/// repetition without a solution is not counted.
+///
+/// `None` for a model without a closed form, or with fewer than 20 results.
+pub fn propagate_closed_form(
+    model: &Model,
+    events: &FollowedEvents,
+    whole: &Observation,
+    mass_kg: f64,
+    inputs: &InputUncertainty,
+    repetitions: usize,
+) -> Option<Propagation> {
+    over_repetitions(mass_kg, inputs, (repetitions, 1), |errors| {
+        let repetition = with_errors(whole, errors)?;
+        repeat_closed_form(model, &events.moved(whole, &repetition.observed)?, &repetition)
+    })
+}
+
+/// The parameters and the model's crush that the closed form gives for these events.
+fn repeat_closed_form(
+    model: &Model,
+    events: &FollowedEvents,
+    repetition: &Repetition,
+) -> Option<BTreeMap<String, f64>> {
+    let v0 = repetition.observed.impact_speed_m_per_s;
+    let crush = events.dynamic_crush_m;
+    let solved = match model {
+        Model::Kelvin(m) => {
+            let mass = m.mass_kg * repetition.mass_ratio;
+            Model::Kelvin(kelvin_from_events(mass, v0, events.time_of_dynamic_crush_s, crush).ok()?.model)
+        }
+        Model::Elastoplastic(m) => {
+            let mass = m.mass_kg * repetition.mass_ratio;
+            let restitution = events.coefficient_of_restitution;
+            Model::Elastoplastic(elastoplastic_of_record(mass, v0, crush, restitution).ok()?.0)
+        }
+        _ => return None,
+    };
+    let values = solved.parameters();
+    let but_masses = solved.kind().parameters().iter().filter(|p| p.kind != ParameterKind::Mass);
+    let mut result: BTreeMap<String, f64> = but_masses.map(|p| (p.name.to_owned(), values[p.name])).collect();
+    if matches!(model, Model::Elastoplastic(m) if unloads_rigidly(m)) {
+        // A stand-in, and no number of the record.
+        result.remove("unloading_stiffness_n_per_m");
+    }
+    if let Some(crush) = solved.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
+        result.insert("dynamic_crush_m".to_owned(), crush);
+    }
+    Some(result)
+}
+
+/// Relative decrease of the cost that is worth another step.
+const COST_TOLERANCE: f64 = 1e-7;
+/// Relative violation of the conditions on crush and speed at which they are met.
+const MET: f64 = 1e-8;
+
+/// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0`
+/// with uncertain inputs, and takes percentiles.
+///
+/// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each
+/// repetition's record, and the displacement is compared without the filter. Every repetition descends from `model`.
+/// With time zero more than 0.25 ms off, another start of the fit could win: the spread is then that of one minimum
+/// and too small.
+///
+/// `events`, `whole`: as for [`propagate_closed_form`](crate::propagate_closed_form); `observed`: the samples
+/// compared. A repetition that cannot meet the conditions is not counted. `None` with fewer than 20 results.
+pub fn propagate_conditioned(
+    model: &Nonlinear1,
+    events: &FollowedEvents,
+    (observed, whole): (&Observation, &Observation),
+    mass_kg: f64,
+    inputs: &InputUncertainty,
+    repetitions: usize,
+) -> Option<Propagation> {
+    over_repetitions(mass_kg, inputs, (repetitions, 1), |errors| {
+        let moved = events.moved(whole, &with_errors(whole, errors)?.observed)?;
+        repeat_conditioned(model, &moved, &with_errors(observed, errors)?)
+    })
+}
+
+/// One repetition: the parameters scaled to the mass drawn, and the dynamic crush of the model, m. `None` where the
+/// conditions are not met.
+fn repeat_conditioned(
+    model: &Nonlinear1,
+    events: &FollowedEvents,
+    repetition: &Repetition,
+) -> Option<BTreeMap<String, f64>> {
+    let record = repetition.observed.waves.first()?;
+    let v0 = repetition.observed.impact_speed_m_per_s;
+    let options = SingleMassFitOptions {
+        mass_kg: model.mass_kg,
+        impact_speed_m_per_s: v0,
+        crush_m: events.dynamic_crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        time_zero_s: 0.0,
+        from_s: record.time_s(0),
+        to_s: None,
+        samples: record.samples.len(),
+    };
+    let (coordinates, observed) = (parts(&options), repetition.observed.clone().exact());
+    let start = coordinates.coordinates_of(&Model::Nonlinear1(*model));
+    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+    let (end, _, met) = descend_to_conditions(&problem, &options, &start, (COST_TOLERANCE, MET))?;
+    let fitted = coordinates.model(&end.theta).filter(|_| met)?;
+    let values = fitted.parameters();
+    let free = fitted.kind().parameters().iter().filter(|p| !(p.of_the_test || p.kind == ParameterKind::Mass));
+    let scaled = |p: &Parameter| {
+        let ratio = if p.kind == ParameterKind::Rate { 1.0 } else { repetition.mass_ratio };
+        (p.name.to_owned(), values[p.name] * ratio)
+    };
+    let mut result: BTreeMap<String, f64> = free.map(scaled).collect();
     if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
         result.insert("dynamic_crush_m".to_owned(), crush);
     }

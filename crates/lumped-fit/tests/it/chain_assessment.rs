@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Chain, Drive, Kelvin, Model, PiecewiseLinear};
 use crumple_lumped_fit::{
-    AssessmentOptions, ChainAssessment, ChainAssessmentOptions, ChainSolution, Distribution, FitQuantity,
-    InputUncertainty, IntegrationRule, MeasureModel, Measurement, Observation, ObservedWave, Stated, StatedChain,
-    StatedElement, StatedMass, TwoPassFilter, assess_chain, fit_chain,
+    Assessment, AssessmentOptions, Candidate, Distribution, FitQuantity, InputUncertainty, IntegrationRule,
+    MeasureModel, Measurement, Observation, ObservedWave, Propagation, Stated, StatedChain, StatedElement, StatedMass,
+    TwoPassFilter, assess, fit_chain, mass_of, propagate_chain,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Sampled;
@@ -81,8 +81,16 @@ fn truth() -> BTreeMap<String, f64> {
     chain(&MASSES, &SPRINGS, &DAMPERS).parameters()
 }
 
-fn fitted(of: &StatedChain, observed: &Observation) -> ChainSolution {
+fn fitted(of: &StatedChain, observed: &Observation) -> Candidate {
     fit_chain(of, observed, 24).unwrap().remove(0)
+}
+
+fn assessed(found: &Candidate, options: AssessmentOptions) -> Assessment {
+    assess(found.minimum.as_ref().unwrap(), None, options).unwrap()
+}
+
+fn repeated(found: &Candidate, inputs: &InputUncertainty, repetitions: usize) -> Propagation {
+    propagate_chain(found.minimum.as_ref().unwrap(), mass_of(&found.model), inputs, repetitions).unwrap()
 }
 
 #[test]
@@ -91,10 +99,8 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
     let free_front = stated([StatedMass::Own(FREE), StatedMass::Own(Stated::Fixed(MASSES[1])), StatedMass::Rest]);
     for (of, count) in [(given(), 6), (free_front, 8)] {
         let found = fitted(&of, &observed);
-        let options = AssessmentOptions { profile: true, bootstrap: 60 };
-        let asked = ChainAssessmentOptions { options, ..ChainAssessmentOptions::default() };
-        let assessment = assess_chain(&of, &observed, &found, &asked).unwrap().assessment.unwrap();
-        let (known, bootstrap) = (found.linearised.as_ref().unwrap(), assessment.bootstrap.unwrap());
+        let assessment = assessed(&found, AssessmentOptions { profile: true, bootstrap: 60 });
+        let (known, bootstrap) = (assessed(&found, AssessmentOptions::default()), assessment.bootstrap.unwrap());
         assert_eq!((known.interval.len(), assessment.profile.len(), bootstrap.interval.len()), (count, count, count));
         for (name, (low, high)) in &known.interval {
             let value = truth()[name];
@@ -123,8 +129,7 @@ fn the_truth_of_three_noisy_masses_is_inside_every_interval() {
 fn intervals_hold_the_truth_about_as_often_as_they_say() {
     let held = |seed: u64| {
         let found = fitted(&given(), &observed(noise(2e-4, seed)));
-        let known = found.linearised.unwrap();
-        known
+        assessed(&found, AssessmentOptions::default())
             .interval
             .iter()
             .filter(|(name, (low, high))| low.unwrap() <= truth()[*name] && truth()[*name] <= high.unwrap())
@@ -141,11 +146,10 @@ fn a_bootstrap_and_a_profile_do_not_depend_on_the_number_of_threads() {
     let observed = observed(noise(2e-4, 7));
     let found = fitted(&given(), &observed);
     let inputs = InputUncertainty { impact_speed_m_per_s: 0.05, time_zero_s: 2e-4, ..InputUncertainty::default() };
-    let asked =
-        ChainAssessmentOptions { options: AssessmentOptions { profile: true, bootstrap: 20 }, inputs, repetitions: 20 };
+    let options = AssessmentOptions { profile: true, bootstrap: 20 };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| assess_chain(&given(), &observed, &found, &asked)).unwrap()
+        pool.install(|| (assessed(&found, options), repeated(&found, &inputs, 20)))
     };
     assert_eq!(with(1), with(3));
 }
@@ -155,8 +159,7 @@ fn an_uncertain_mass_goes_into_springs_and_dampers_one_to_one_and_not_into_the_c
     let observed = observed(|_, _| 0.0);
     let found = fitted(&given(), &observed);
     let inputs = InputUncertainty { mass_kg: 14.0, ..InputUncertainty::default() };
-    let asked = ChainAssessmentOptions { inputs, repetitions: 100, ..ChainAssessmentOptions::default() };
-    let spread = assess_chain(&given(), &observed, &found, &asked).unwrap().propagation.unwrap();
+    let spread = repeated(&found, &inputs, 100);
     assert_eq!(spread.repetitions, 100);
     let (low, high) = spread.interval_90["k1_n_per_m"];
     // 14 of 1400 kg: 1.645 % on either side, of 100 draws known to a fifth.
@@ -191,13 +194,12 @@ fn a_rest_takes_up_an_uncertain_mass_and_what_is_given_stays() {
     of.elements[1].stiffness = fixed(SPRINGS[1]);
     let found = fitted(&of, &observed);
     let inputs = InputUncertainty { mass_kg: 2.0, ..InputUncertainty::default() };
-    let asked = ChainAssessmentOptions { inputs, repetitions: 100, ..ChainAssessmentOptions::default() };
-    let spread = assess_chain(&of, &observed, &found, &asked).unwrap().propagation.unwrap();
+    let spread = repeated(&found, &inputs, 100);
     let names: Vec<&str> = spread.interval_90.keys().map(String::as_str).collect();
     assert_eq!(names, ["dynamic_crush_m", "k1_n_per_m", "k3_n_per_m"]);
     // The same fit of a test that is heavier by one deviation.
     of.total_mass_kg = of.total_mass_kg.map(|kg| kg + 2.0);
-    let heavier = fitted(&of, &observed).chain.parameters();
+    let heavier = fitted(&of, &observed).model.parameters();
     assert_eq!((heavier["m1_kg"], heavier["m3_kg"]), (MASSES[0], MASSES[2] + 2.0));
     for name in ["k1_n_per_m", "k3_n_per_m"] {
         let ratio = spread.standard_deviation[name] / (heavier[name] - truth()[name]).abs();
@@ -213,15 +215,14 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let half_m_per_s = 0.02;
     let mut inputs = InputUncertainty { impact_speed_m_per_s: half_m_per_s, ..InputUncertainty::default() };
     inputs.distributions[1] = Distribution::Uniform;
-    let asked = ChainAssessmentOptions { inputs, repetitions: 200, ..ChainAssessmentOptions::default() };
-    let spread = assess_chain(&given(), &observed, &found, &asked).unwrap().propagation.unwrap();
+    let spread = repeated(&found, &inputs, 200);
 
     // d(ln p)/dv by the theorem of implicit functions, from differences of the response alone: the record gains t, the
     // model x/v0.
     let rows: Vec<usize> = (0..=800).step_by(9).collect();
     let picked = |springs: [f64; 3], dampers: [f64; 3], v0: f64| -> DVector<f64> {
         let all = displacements(&chain(&MASSES, &springs, &dampers), v0);
-        let sensors = &found.fit.sensors;
+        let sensors = &found.fit.as_ref().unwrap().sensors;
         let weights: Vec<f64> = sensors.iter().map(|sensor| sensors[0].noise / sensor.noise).collect();
         let of = |(x, weight): (&Vec<f64>, &f64)| rows.iter().map(|k| x[*k] * weight).collect::<Vec<f64>>();
         DVector::from_vec(all.iter().zip(&weights).flat_map(of).collect())
@@ -242,7 +243,8 @@ fn an_uncertain_speed_moves_the_parameters_by_the_derivatives_of_the_response() 
     let jacobian = DMatrix::from_columns(&(0..6).map(column).collect::<Vec<_>>());
     let time: Vec<f64> = (0..3)
         .flat_map(|mass| {
-            let weight = found.fit.sensors[0].noise / found.fit.sensors[mass].noise;
+            let sensors = &found.fit.as_ref().unwrap().sensors;
+            let weight = sensors[0].noise / sensors[mass].noise;
             rows.iter().map(move |k| *k as f64 * DT * weight)
         })
         .collect();
@@ -288,7 +290,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
     };
     let of = StatedChain { elements: vec![element], total_mass_kg: Some(1200.0) };
     let found = fit_chain(&of, &observed, 24).unwrap().remove(0);
-    let values = found.chain.parameters();
+    let values = found.model.parameters();
     for (name, value) in [("k1_knot1_n_per_m", 5e5), ("k1_knot2_n_per_m", 5e5), ("c1_n_s_per_m", 9e3)] {
         // The Taylor solution of the knots and its differences, followed to the last digits of the cost.
         assert!((values[name] / value - 1.0).abs() < 1e-5, "{name}: {}", values[name]);
@@ -301,16 +303,13 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         ..InputUncertainty::default()
     };
     let options = AssessmentOptions { profile: true, bootstrap: 0 };
-    let asked = ChainAssessmentOptions { options, inputs, repetitions: 40 };
-    let ChainAssessment { assessment, propagation } = assess_chain(&of, &observed, &found, &asked).unwrap();
-    let assessment = assessment.unwrap();
+    let (assessment, spread) = (assessed(&found, options), repeated(&found, &inputs, 40));
     let names = ["k1_knot1_n_per_m", "k1_knot2_n_per_m", "c1_n_s_per_m"];
     assert_eq!(assessment.profile.iter().map(|p| p.parameter.as_str()).collect::<Vec<_>>(), names);
     for profile in &assessment.profile {
         let (value, ends) = (values[&profile.parameter], (profile.low.unwrap(), profile.high.unwrap()));
         assert!(ends.0 < value && value < ends.1, "{}: {ends:?} {value}", profile.parameter);
     }
-    let spread = propagation.unwrap();
     assert_eq!(spread.repetitions, 40);
     for name in names {
         let (low, high) = spread.interval_90[name];

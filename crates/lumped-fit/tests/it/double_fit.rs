@@ -185,7 +185,7 @@ fn refuses_a_window_outside_the_record() {
         c2_n_s_per_m: 0.0,
     };
     let error = candidates(&record, &model, 10.0, 0.1).unwrap_err();
-    assert!(error.to_string().starts_with("the fit window 0 s to 0.1 s is not inside"), "{error}");
+    assert!(error.to_string().starts_with("the fit window 0.000000 s to 0.100000 s is not inside"), "{error}");
     let error = candidates(&record, &model, 0.0, 0.04).unwrap_err();
     assert_eq!(error.to_string(), "impact_speed_m_per_s is 0, expected a positive number");
 }

@@ -63,11 +63,11 @@ fn crush(model: &Model, speed: f64) -> f64 {
 fn two_speeds_tell_the_rate_factor_and_with_it_the_crush_at_others() {
     let impacts = [(1400.0, 56.0 / 3.6), (1400.0, 40.0 / 3.6)];
     let candidates = fitted(sensitive, &impacts, ModelKind::ForceDeflection, &mut Notes::new());
-    let model = candidates[0].model;
+    let model = &candidates[0].model;
     let rate = model.parameters()["rate_s_per_m"];
     assert!((rate - 0.02).abs() < 3e-3, "{rate}");
     for speed in [30.0, 48.0, 64.0].map(|km_per_h| km_per_h / 3.6) {
-        let error = crush(&model, speed) / crush(&sensitive(1400.0), speed) - 1.0;
+        let error = crush(model, speed) / crush(&sensitive(1400.0), speed) - 1.0;
         assert!(error.abs() < 0.01, "{:.0} km/h: {error}", 3.6 * speed);
     }
     // The deviation of the rate factor is known, and every test is named with its error.

@@ -22,17 +22,21 @@ const DAMPER: Spelling = Spelling { symbol: 'c', value: ParameterKind::Damping, 
 impl Spelling {
     /// Adds the names of this coefficient of element `number`, from 1 at the barrier.
     fn write(&self, number: usize, law: &PiecewiseLinear, out: &mut BTreeMap<String, f64>) {
-        let symbol = format!("{}{number}", self.symbol);
-        let (unit, unit_of_place) = (self.value.unit_in_name(), self.place.unit_in_name());
-        if let (Some(value), 1) = (law.as_constant(), law.len()) {
-            out.insert(format!("{symbol}_{unit}"), value);
-            return;
-        }
-        for (j, (knot, value)) in (1..).zip(law.points()) {
+        let place = |j: usize| format!("{}{number}_knot{j}_{}", self.symbol, self.place.unit_in_name());
+        for ((j, name), (knot, value)) in (1..).zip(self.names(number, law)).zip(law.points()) {
             if knot > 0.0 {
-                out.insert(format!("{symbol}_knot{j}_{unit_of_place}"), knot);
+                out.insert(place(j), knot);
             }
-            out.insert(format!("{symbol}_knot{j}_{unit}"), value);
+            out.insert(name, value);
+        }
+    }
+
+    /// The names of the values of this coefficient of element `number`, knot after knot.
+    fn names(&self, number: usize, law: &PiecewiseLinear) -> Vec<String> {
+        let (symbol, unit) = (format!("{}{number}", self.symbol), self.value.unit_in_name());
+        match law.len() {
+            1 => vec![format!("{symbol}_{unit}")],
+            knots => (1..=knots).map(|j| format!("{symbol}_knot{j}_{unit}")).collect(),
         }
     }
 
@@ -76,6 +80,15 @@ impl Chain {
             DAMPER.write(i + 1, &self.dampers()[i], &mut out);
         }
         out
+    }
+
+    /// The names of its [`values`](Self::values): masses, values of the springs at their knots, values of the dampers.
+    pub fn names(&self) -> Vec<String> {
+        let laws = |spelling: &'static Spelling, laws: &[PiecewiseLinear]| -> Vec<String> {
+            (1..).zip(laws).flat_map(|(number, law)| spelling.names(number, law)).collect()
+        };
+        let masses = (1..=self.masses_kg().len()).map(|number| format!("m{number}_kg"));
+        masses.chain(laws(&SPRING, self.springs())).chain(laws(&DAMPER, self.dampers())).collect()
     }
 
     /// The chain with exactly these parameters. Errors: one that is missing or belongs to no mass, and what the values
@@ -143,6 +156,8 @@ mod tests {
         assert!(names.keys().all(|name| Chain::parameter_kind(name).is_some()), "{names:?}");
         assert!(!names.contains_key("k1_knot1_m"));
         assert_eq!(Chain::from_parameters(&names).unwrap(), chain());
+        let named: BTreeMap<String, f64> = chain().names().into_iter().zip(chain().values()).collect();
+        assert!(named.iter().all(|(name, value)| names[name] == *value), "{named:?}");
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
-    Assessment, AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation,
-    assess, largest_draw, propagate, propagate_closed_form, propagate_conditioned, unloads_rigidly,
+    Assessed, AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation, assess,
+    largest_draw, propagate, propagate_chain, propagate_closed_form, propagate_conditioned, unloads_rigidly,
     widen_by_mass_split,
 };
 use crumple_signal::{About, Weight};
@@ -12,22 +12,7 @@ use crumple_stage::records::EventsV1;
 use rayon::prelude::*;
 
 use crate::stage::inputs::Record;
-use crate::stage::options::settings::StageSettings;
-
-// The assessment of one candidate, with the propagation of uncertain inputs.
-
-/// How well the parameters of one candidate are determined, and how that was found.
-#[derive(Debug, Clone)]
-pub struct CandidateAssessment {
-    pub assessment: Assessment,
-    pub propagation: Option<Propagation>,
-    /// What the propagation repeated: a fit or a closed form.
-    pub repeated: &'static str,
-    /// Whether the model was followed through the filter of the record.
-    pub through_filter: bool,
-    /// Half width of the share of the mass in front that is in the intervals; 0: none.
-    pub front_mass_uncertainty: f64,
-}
+use crate::stage::settings::{AssessmentSettings, StageSettings};
 
 // Says of every candidate how well its parameters are known.
 
@@ -44,16 +29,16 @@ struct Assessor<'a> {
     crush_m: f64,
 }
 
-/// Assesses all candidates that carry a minimum; in their order.
+/// Assesses all candidates that carry a minimum.
 pub fn assess_all(
-    candidates: &[Candidate],
+    candidates: &mut [Candidate],
     settings: &StageSettings,
     record: &Record,
     events: &EventsV1,
     out: &mut Output,
-) -> anyhow::Result<Vec<Option<CandidateAssessment>>> {
+) -> anyhow::Result<()> {
     let (Some((displacement, measurement)), Some(crush_m)) = (&record.displacement, record.crush_m(events)) else {
-        return Ok(vec![None; candidates.len()]);
+        return Ok(());
     };
     if events.dynamic_crush_m.is_none() {
         out.notes().info(
@@ -72,16 +57,26 @@ pub fn assess_all(
         );
     }
     let scene = Assessor { settings, events, whole, mass_kg: record.mass_kg, crush_m };
-    let assessed: Vec<Option<CandidateAssessment>> = candidates
-        .par_iter()
-        .map(|candidate| candidate.minimum.as_ref().and_then(|minimum| scene.assess(candidate, minimum)))
-        .collect();
-    scene.note_what_is_left_out(candidates, &assessed, out);
-    Ok(assessed)
+    candidates.par_iter_mut().for_each(|candidate| candidate.assessed = scene.assess(candidate));
+    scene.note_what_is_left_out(candidates, out);
+    Ok(())
+}
+
+/// How well the parameters of a fit that ended at its minimum are known, a stated chain's or that of several tests: the
+/// covariance, what was asked beyond it, and for a chain of this mass, kg, uncertain inputs. The evidence for it is
+/// taken at that minimum.
+pub fn assess_fit(candidate: &Candidate, asked: &AssessmentSettings, mass_kg: Option<f64>) -> Option<Assessed> {
+    let minimum = candidate.minimum.as_ref()?;
+    let mut assessment = assess(minimum, None, asked.options())?;
+    assessment.least_misfit = None;
+    let mass_kg = mass_kg.filter(|_| candidate.stated.is_some() && asked.inputs.any());
+    let propagation = mass_kg.and_then(|kg| propagate_chain(minimum, kg, &asked.inputs, asked.repetitions));
+    Some(Assessed { assessment, propagation, repeated: "fit", front_mass_uncertainty: 0.0 })
 }
 
 impl Assessor<'_> {
-    fn assess(&self, candidate: &Candidate, minimum: &Minimum) -> Option<CandidateAssessment> {
+    fn assess(&self, candidate: &Candidate) -> Option<Assessed> {
+        let minimum = candidate.minimum.as_ref()?;
         let asked = &self.settings.assessment;
         let at_minimum = candidate.is_at_minimum();
         let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
@@ -112,19 +107,14 @@ impl Assessor<'_> {
             _ if is_conditioned(candidate) => "fit, from its own minimum each time,",
             _ => "fit",
         };
-        Some(CandidateAssessment {
-            assessment,
-            propagation: self.propagation(candidate, minimum),
-            repeated,
-            through_filter: minimum.observed.is_as_measured(),
-            front_mass_uncertainty,
-        })
+        let propagation = self.propagation(candidate, minimum);
+        Some(Assessed { assessment, propagation, repeated, front_mass_uncertainty })
     }
 
     /// The estimator that made the values, repeated with uncertain inputs.
     fn propagation(&self, candidate: &Candidate, minimum: &Minimum) -> Option<Propagation> {
         let asked = &self.settings.assessment;
-        let (inputs, repetitions) = (asked.inputs(), asked.repetitions);
+        let (inputs, repetitions) = (asked.inputs, asked.repetitions);
         if !inputs.any() {
             return None;
         }
@@ -149,20 +139,13 @@ impl Assessor<'_> {
     }
 
     /// One remark for each thing that was asked for and does not belong to the values of a candidate.
-    fn note_what_is_left_out(
-        &self,
-        candidates: &[Candidate],
-        assessed: &[Option<CandidateAssessment>],
-        out: &mut Output,
-    ) {
+    fn note_what_is_left_out(&self, candidates: &[Candidate], out: &mut Output) {
         let asked = &self.settings.assessment;
         let flags: Vec<&str> =
             asked.flags().into_iter().filter(|flag| ["--profile", "--bootstrap"].contains(flag)).collect();
-        let all = || candidates.iter().zip(assessed);
-        let elsewhere: Vec<String> = all()
-            .filter(|(candidate, assessed)| assessed.is_some() && !candidate.is_at_minimum())
-            .map(|(candidate, _)| candidate.id())
-            .collect();
+        let assessed = || candidates.iter().filter_map(|candidate| Some((candidate, candidate.assessed.as_ref()?)));
+        let elsewhere = assessed().filter(|(candidate, _)| !candidate.is_at_minimum());
+        let elsewhere: Vec<String> = elsewhere.map(|(candidate, _)| candidate.id()).collect();
         if !flags.is_empty() && !elsewhere.is_empty() {
             out.notes().info(format!(
                 "{} not computed for {}: profile and bootstrap start at the minimum of a fit through the filter, and \
@@ -171,10 +154,9 @@ impl Assessor<'_> {
                 elsewhere.join(", ")
             ));
         }
-        let largest = largest_draw(asked.distributions[3]) * asked.time_zero_uncertainty_s;
-        for (candidate, assessed) in all() {
-            let repeated = assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some());
-            if repeated && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
+        let largest = largest_draw(asked.inputs.distributions[3]) * asked.inputs.time_zero_s;
+        for (candidate, assessed) in assessed() {
+            if assessed.propagation.is_some() && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
                 out.notes().concern(About::Model(candidate.id()), Weight::Marked, format!(
                     "{}: its repetitions start at its own minimum; with time zero more than {} ms off, another minimum \
                      can be lower: the propagated intervals are those of one minimum and may be too narrow",
@@ -184,8 +166,8 @@ impl Assessor<'_> {
             }
         }
         let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
-        for (candidate, assessed) in all() {
-            if !inputs.is_empty() && assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_none()) {
+        for (candidate, assessed) in assessed() {
+            if !inputs.is_empty() && assessed.propagation.is_none() {
                 out.notes().concern(
                     About::Model(candidate.id()),
                     Weight::Slight,

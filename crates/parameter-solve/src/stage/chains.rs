@@ -1,22 +1,73 @@
-//! Fits the chains that a pipeline file states.
-
-use crumple_signal::{About, Weight};
-use std::collections::BTreeMap;
+//! The chains that a pipeline file states, `[parameter-solve.chain.<name>]`: the table, and the fits.
 
 use crumple_lumped::{Chain, ParameterKind};
 use crumple_lumped_fit::{
-    ChainAssessmentOptions, ChainDual, ChainSolution, Observation, ObservedWave, SensorPlace, assess_chain,
-    errors_in_words, fit_chain, note_of_errors,
+    Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass, errors_in_words,
+    fit_chain, mass_of, note_of_errors,
 };
-use crumple_stage::records::{CandidateV1, EventsV1, UncertaintyV1};
-use crumple_stage::{Inputs, Output, RefuseExt, Refused, total_mass_remark};
+use crumple_signal::{About, Note, Weight};
+use crumple_stage::records::EventsV1;
+use crumple_stage::{Inputs, NumberOfTable, Output, RefuseExt, Refused, TakenNumbers, read_chain, total_mass_remark};
+use serde::Serialize;
+use toml::Value;
 
-use crate::stage::assess::CandidateAssessment;
+use crate::stage::assess::assess_fit;
 use crate::stage::inputs::{sensor_wave, stated_places};
-use crate::stage::options::chain_table::FittedChain;
-use crate::stage::options::settings::StageSettings;
-use crate::stage::records::fit_record;
-use crate::stage::records::{linearised, summary_text, uncertainty_record};
+use crate::stage::settings::StageSettings;
+
+// The table: a chain of masses of which some numbers are to be found.
+
+/// A chain to be fitted, in SI.
+#[derive(Debug, Clone, Serialize)]
+pub struct FittedChain {
+    pub name: String,
+    /// Names of the masses, from the barrier on.
+    pub masses: Vec<String>,
+    pub elements: Vec<StatedElement>,
+}
+
+impl FittedChain {
+    /// Reads the table; whether its numbers make sense together is seen when the total mass is known.
+    pub fn read(name: &str, table: &Value) -> anyhow::Result<Self> {
+        let (_, masses) = read_chain("parameter-solve", name, table, &[], TakenNumbers::GivenOrFree)?;
+        let law = |points: Vec<(f64, NumberOfTable)>| {
+            points.into_iter().filter_map(|(knot, value)| Some((knot, stated(value)?))).collect()
+        };
+        let (masses, elements) = masses
+            .into_iter()
+            .map(|mass| {
+                let element = StatedElement {
+                    mass_kg: stated(mass.mass_kg).map_or(StatedMass::Rest, StatedMass::Own),
+                    stiffness: law(mass.stiffness_n_per_m),
+                    damping: law(mass.damping_n_s_per_m),
+                };
+                (mass.name, element)
+            })
+            .unzip();
+        Ok(Self { name: name.to_owned(), masses, elements })
+    }
+
+    /// Whether its last mass is an occupant, behind the compartment: whether it is called so.
+    pub fn has_occupant(&self) -> bool {
+        self.masses.len() > 1 && self.masses.last().is_some_and(|name| name == "occupant")
+    }
+
+    /// What is fitted.
+    pub fn stated(&self, total_mass_kg: Option<f64>) -> StatedChain {
+        StatedChain { elements: self.elements.clone(), total_mass_kg }
+    }
+}
+
+/// A number of the table for the fit; `None` for the mass that is the rest.
+fn stated(number: NumberOfTable) -> Option<Stated> {
+    match number {
+        NumberOfTable::Given(value) => Some(Stated::Fixed(value)),
+        NumberOfTable::Free { start, lower, upper } => Some(Stated::Free { start, lower, upper }),
+        NumberOfTable::Rest => None,
+    }
+}
+
+// The fits.
 
 /// A sensor on a mass of the chain.
 struct Sensor {
@@ -24,20 +75,17 @@ struct Sensor {
     place: SensorPlace,
 }
 
-/// A candidate of a chain.
-pub struct ChainCandidate {
-    pub id: String,
-    pub record: CandidateV1,
-    /// Whether masses were fitted that this record does not divide.
-    pub division_undecided: bool,
-}
-
-/// Candidates of every chain.
-pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) -> anyhow::Result<Vec<ChainCandidate>> {
+/// Candidates of every chain, assessed.
+pub fn fit_chains(
+    settings: &StageSettings,
+    input: &Inputs,
+    events: Option<&EventsV1>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
     if settings.chain.is_empty() {
         return Ok(Vec::new());
     }
-    let events: EventsV1 = input.record("/events")?;
+    let events = events.ok_or_else(|| input.missing("/events"))?;
     let test = input.test()?;
     let total_kg = settings.mass_kg.or(test.mass_kg);
     let speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
@@ -45,64 +93,64 @@ pub fn fit_chains(settings: &StageSettings, input: &Inputs, out: &mut Output) ->
             .hint("--impact-speed 35km/h at crumple-ingest")
     })?;
     settings.assessment.check(total_kg, speed)?;
-    let assessment = &settings.assessment;
-    let asked = ChainAssessmentOptions {
-        options: assessment.options(),
-        inputs: assessment.inputs(),
-        repetitions: assessment.repetitions,
-    };
-    let mut records = Vec::new();
+    let mut candidates = Vec::new();
     for chain in &settings.chain {
-        let (observed, sensors) = waves(chain, settings, input, &events, speed, out)?;
-        let hint = || format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
-        let stated = chain.stated(total_kg);
-        let solutions = fit_chain(&stated, &observed, settings.solve.fit_starts).refuse_with_hint(hint())?;
-        warn_of_open_parameters(chain, &solutions, out);
-        if let Some(text) =
-            total_kg.zip(solutions.first()).and_then(|(kg, s)| total_mass_remark(s.chain.masses_kg(), kg))
+        let (observed, sensors) = waves(chain, settings, input, events, speed, out)?;
+        let hint = format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
+        let fitted = fit_chain(&chain.stated(total_kg), &observed, settings.solve.fit_starts).refuse_with_hint(hint)?;
+        let mut fitted: Vec<Candidate> =
+            fitted.into_iter().map(|fitted| assessed(chain, fitted, settings, total_kg)).collect();
+        warn_of_what_is_undecided(chain, &fitted, out);
+        if let Some(text) = total_kg.zip(fitted.first()).and_then(|(kg, c)| total_mass_remark(&c.model.masses_kg(), kg))
         {
             let text = format!("chain {}: {text}", chain.name);
             out.notes().concern(About::Mass, Weight::Marked, text);
         }
-        for (k, solution) in solutions.iter().enumerate() {
-            let found = assess_chain(&stated, &observed, solution, &asked).refuse_with_hint(hint())?;
-            let id = chain.id(k + 1);
-            let assessed = found.assessment.map(|assessment| CandidateAssessment {
-                assessment,
-                propagation: found.propagation,
-                repeated: "fit",
-                through_filter: observed.is_as_measured(),
-                front_mass_uncertainty: 0.0,
-            });
-            let (inner, repeated) = (
-                assessed.as_ref().map(|assessed| &assessed.assessment),
-                assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some()),
-            );
-            let without = [
-                ("profiled", asked.options.profile && inner.is_none_or(|inner| inner.profile.is_empty())),
-                ("bootstrapped", asked.options.bootstrap > 0 && inner.is_none_or(|inner| inner.bootstrap.is_none())),
-                ("repeated with uncertain inputs", asked.inputs.any() && !repeated),
-            ];
-            for (what, _) in without.iter().filter(|(_, missing)| *missing) {
-                let text = format!("{id}: not {what}, too few fits near its minimum converged");
-                out.notes().concern(About::Model(id.clone()), Weight::Slight, text);
-            }
-            let text = assessed.as_ref().map(|assessed| summary_text(&id, assessed, str::to_owned));
-            if let Some(text) = text.filter(|text| !text.is_empty()) {
-                out.summary(text);
-            }
-            let subject = (chain, solution, assessed.as_ref(), total_kg);
-            let record = record(subject, &observed, &sensors, &events.channel);
-            records.push(ChainCandidate { id, record, division_undecided: solution.division_undecided });
+        for candidate in &mut fitted {
+            note_what_is_missing(candidate, settings, out);
+            name_sensors(candidate, &sensors);
+            candidate.notes =
+                notes(chain, candidate, &observed, &sensors, total_kg).into_iter().map(Note::info).collect();
         }
+        candidates.extend(fitted);
     }
-    Ok(records)
+    Ok(candidates)
+}
+
+/// A fit of the chain under its name, with what is known of its parameters.
+fn assessed(chain: &FittedChain, fitted: Candidate, settings: &StageSettings, total_kg: Option<f64>) -> Candidate {
+    let mut candidate = Candidate { stated: Some(chain.name.clone()), ..fitted };
+    let mass_kg = total_kg.unwrap_or_else(|| mass_of(&candidate.model));
+    candidate.assessed = assess_fit(&candidate, &settings.assessment, Some(mass_kg));
+    candidate
+}
+
+/// Says what was asked for beyond the covariance and could not be computed.
+fn note_what_is_missing(candidate: &Candidate, settings: &StageSettings, out: &mut Output) {
+    let asked = &settings.assessment;
+    let inner = candidate.assessed.as_ref().map(|assessed| &assessed.assessment);
+    let repeated = candidate.assessed.as_ref().is_some_and(|assessed| assessed.propagation.is_some());
+    let without = [
+        ("profiled", asked.profile && inner.is_none_or(|inner| inner.profile.is_empty())),
+        ("bootstrapped", asked.bootstrap > 0 && inner.is_none_or(|inner| inner.bootstrap.is_none())),
+        ("repeated with uncertain inputs", asked.inputs.any() && !repeated),
+    ];
+    for (what, _) in without.iter().filter(|(_, missing)| *missing) {
+        let text = format!("{}: not {what}, too few fits near its minimum converged", candidate.id());
+        out.notes().concern(About::Model(candidate.id()), Weight::Slight, text);
+    }
+}
+
+fn name_sensors(candidate: &mut Candidate, sensors: &[Sensor]) {
+    for (of_fit, sensor) in candidate.fit.iter_mut().flat_map(|fit| &mut fit.sensors).zip(sensors) {
+        of_fit.channel.clone_from(&sensor.channel);
+    }
 }
 
 /// Warnings on what the record does not decide.
-fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out: &mut Output) {
-    let duals = solutions.iter().filter(|s| matches!(s.dual, Some(ChainDual::Solution(_)))).count() / 2;
-    let sets = solutions.len() - duals;
+fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mut Output) {
+    let duals = fitted.iter().filter(|candidate| candidate.equivalent_to.is_some()).count() / 2;
+    let sets = fitted.len() - duals;
     let about = || About::Model(format!("chain/{}", chain.name));
     let mut warn = |text: String| {
         out.notes().concern(about(), Weight::Marked, format!("chain {}: {text}", chain.name));
@@ -112,19 +160,17 @@ fn warn_of_open_parameters(chain: &FittedChain, solutions: &[ChainSolution], out
             "{sets} parameter sets fit within 1 % as well as the best; the record does not determine the parameters"
         ));
     }
-    let Some(best) = solutions.first() else { return };
-    if let Some(text) = open(best) {
-        warn(text);
-    }
-    if !best.fit.active_bounds.is_empty() {
-        warn(format!("on a bound of the search, not determined by the record: {}", best.fit.active_bounds.join(", ")));
-    }
-    if let Some(text) = dual(chain, best) {
-        warn(text);
-    }
+    let Some(best) = fitted.first() else { return };
+    [unidentified(best), on_bound(best), dual(best)].into_iter().flatten().for_each(&mut warn);
     if best.division_undecided {
         warn(DIVISION.to_owned());
     }
+}
+
+fn on_bound(candidate: &Candidate) -> Option<String> {
+    let bounds = &candidate.fit.as_ref()?.active_bounds;
+    let text = || format!("on a bound of the search, not determined by the record: {}", bounds.join(", "));
+    (!bounds.is_empty()).then(text)
 }
 
 /// The note where masses were fitted to one sensor on the last mass.
@@ -132,26 +178,18 @@ const DIVISION: &str = "masses were fitted to a sensor on the last mass alone: w
     determine how they divide; give a mass, or name a sensor on another mass with --sensors";
 
 /// What the dual is, in words.
-fn dual(chain: &FittedChain, solution: &ChainSolution) -> Option<String> {
+fn dual(candidate: &Candidate) -> Option<String> {
     let same = "the same masses and the same motion of the last one";
-    Some(match solution.dual.as_ref()? {
-        ChainDual::Solution(place) => format!(
-            "its dual {} has {same}: a sensor on the mass next to the barrier decides between them",
-            chain.id(*place)
-        ),
-        ChainDual::NotAsStated(other) => {
-            let springs: Vec<String> = other
-                .parameters()
-                .iter()
-                .filter(|(name, _)| Chain::parameter_kind(name) != Some(ParameterKind::Mass))
-                .map(|(name, value)| format!("{name} {value:.1}"))
-                .collect();
-            format!(
-                "its dual ({}) has {same} and is left out by what was given or by a bound, not by the record",
-                springs.join(", ")
-            )
-        }
-    })
+    if let Some(id) = candidate.equivalent_id() {
+        return Some(format!(
+            "its dual {id} has {same}: a sensor on the mass next to the barrier decides between them"
+        ));
+    }
+    let other = candidate.excluded_dual.as_ref()?.parameters();
+    let springs = other.iter().filter(|(name, _)| Chain::parameter_kind(name) != Some(ParameterKind::Mass));
+    let springs: Vec<String> = springs.map(|(name, value)| format!("{name} {value:.1}")).collect();
+    let springs = springs.join(", ");
+    Some(format!("its dual ({springs}) has {same} and is left out by what was given or by a bound, not by the record"))
 }
 
 /// The waves to fit, and the sensors they are of.
@@ -167,7 +205,8 @@ fn waves(
     let masses = chain.masses.len();
     let mass_kg = settings.mass_kg.or(input.test()?.mass_kg).unwrap_or(1.0);
     let (mut waves, mut sensors) = (Vec::new(), Vec::new());
-    for (place, channel) in stated_places(settings, &events.channel) {
+    for sensor in stated_places(settings, &events.channel) {
+        let place = sensor.place;
         // A chain is fitted to motions; how far it misses the wall's force is scored.
         if place == SensorPlace::Wall {
             continue;
@@ -175,12 +214,12 @@ fn waves(
         let mass = if chain.has_occupant() { place.mass_before_occupant(masses) } else { place.mass(masses) };
         let Some(mass) = mass else {
             out.notes().info(format!(
-                "chain {}: sensor {channel} is on the {place}, which this chain does not have: not fitted",
-                chain.name
+                "chain {}: sensor {} is on the {place}, which this chain does not have: not fitted",
+                chain.name, sensor.channel
             ));
             continue;
         };
-        let wave = sensor_wave(settings, input, events, (place, channel), mass_kg)?;
+        let wave = sensor_wave(settings, input, events, sensor, mass_kg)?;
         let record = &wave.record;
         let end_s = record.end_s() - events.time_zero_s;
         let to_s = settings.solve.fit_to_s.or(events.time_of_dynamic_crush_s).unwrap_or(end_s);
@@ -195,40 +234,39 @@ fn waves(
     Ok((Observation { impact_speed_m_per_s, waves }, sensors))
 }
 
-/// What the record leaves open, in words.
-fn open(solution: &ChainSolution) -> Option<String> {
-    let linearised = solution.linearised.as_ref()?;
-    let open: Vec<&str> =
-        linearised.interval.iter().filter(|(_, ends)| **ends == (None, None)).map(|(name, _)| name.as_str()).collect();
-    if open.is_empty() {
+/// What the record does not identify, in words.
+fn unidentified(candidate: &Candidate) -> Option<String> {
+    let assessment = &candidate.assessed.as_ref()?.assessment;
+    let without = assessment.interval.iter().filter(|(_, ends)| **ends == (None, None));
+    let without: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
+    if without.is_empty() {
         return None;
     }
-    let weakest = linearised.weakest_direction.as_ref().filter(|_| linearised.rank < linearised.parameters.len());
+    let weakest = assessment.weakest_direction.as_ref().filter(|_| assessment.rank < assessment.parameters.len());
     let weakest = weakest.map_or_else(String::new, |words| format!("; {words}"));
     Some(format!(
         "the record determines {} directions of {} free numbers; without an interval: {}{weakest}",
-        linearised.rank,
-        linearised.parameters.len(),
-        open.join(", ")
+        assessment.rank,
+        assessment.parameters.len(),
+        without.join(", ")
     ))
 }
 
-fn record(
-    (chain, solution, assessed, total_kg): (&FittedChain, &ChainSolution, Option<&CandidateAssessment>, Option<f64>),
+/// What stands in the record of a fitted chain, in words.
+fn notes(
+    chain: &FittedChain,
+    candidate: &Candidate,
     observed: &Observation,
     sensors: &[Sensor],
-    pulse: &str,
-) -> CandidateV1 {
-    let parameters = solution.chain.parameters();
-    let mut fit = solution.fit.clone();
-    for (of_fit, sensor) in fit.sensors.iter_mut().zip(sensors) {
-        of_fit.channel.clone_from(&sensor.channel);
-    }
+    total_kg: Option<f64>,
+) -> Vec<String> {
+    let (Some(fit), Some(minimum)) = (&candidate.fit, &candidate.minimum) else { return Vec::new() };
     let (quantity, from_ms, to_ms) = (fit.quantity, 1e3 * fit.from_s, 1e3 * fit.to_s);
-    let given: Vec<&str> = parameters.keys().filter(|name| !solution.free.contains(name)).map(String::as_str).collect();
+    let (parameters, free) = (candidate.model.parameters(), minimum.free_names());
+    let given: Vec<&str> = parameters.keys().filter(|name| !free.contains(name)).map(String::as_str).collect();
     let mut notes = vec![
         format!("masses from the barrier on: {}", chain.masses.join(", ")),
-        format!("stated in the pipeline; fitted: {}", solution.free.join(", ")),
+        format!("stated in the pipeline; fitted: {}", free.join(", ")),
     ];
     if !given.is_empty() {
         notes.push(format!("given: {}", given.join(", ")));
@@ -245,29 +283,31 @@ fn record(
     if !fit.active_bounds.is_empty() {
         notes.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
     }
-    notes.extend(open(solution));
-    notes.extend(dual(chain, solution));
-    notes.extend(solution.division_undecided.then(|| DIVISION.to_owned()));
-    notes.extend(total_kg.and_then(|kg| total_mass_remark(solution.chain.masses_kg(), kg)));
-    let equivalent_to = match solution.dual {
-        Some(ChainDual::Solution(place)) => Some(chain.id(place)),
-        _ => None,
-    };
-    CandidateV1 {
-        model: "chain".to_owned(),
-        method: chain.name.clone(),
-        parameters,
-        physical: solution.chain.is_passive(),
-        equivalent_to,
-        fit: Some(fit_record(&fit, pulse)),
-        uncertainty: Some(assessed.map_or_else(|| open_record(solution, observed), uncertainty_record)),
-        notes,
-    }
+    notes.extend(unidentified(candidate));
+    notes.extend(dual(candidate));
+    notes.extend(candidate.division_undecided.then(|| DIVISION.to_owned()));
+    notes.extend(total_kg.and_then(|kg| total_mass_remark(&candidate.model.masses_kg(), kg)));
+    notes
 }
 
-/// Everything that was free stays open.
-fn open_record(solution: &ChainSolution, observed: &Observation) -> UncertaintyV1 {
-    let method = linearised(observed.is_as_measured());
-    let open: BTreeMap<String, Option<f64>> = solution.free.iter().map(|name| (name.clone(), None)).collect();
-    UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_the_table_are_those_of_the_fit() {
+        let text = r#"masses = [
+            { name = "engine", mass = "250 kg", stiffness = [["0 mm", "free"], ["200 mm", "350 kN/m"]] },
+            { mass = "rest", stiffness = { start = "1 MN/m", lower = "100 kN/m" }, damping = "free" },
+        ]"#;
+        let chain = FittedChain::read("car", &Value::Table(text.parse().unwrap())).unwrap();
+        assert_eq!(chain.masses, ["engine", "m2"]);
+        let free = Stated::Free { start: None, lower: None, upper: None };
+        assert_eq!(chain.elements[0].mass_kg, StatedMass::Own(Stated::Fixed(250.0)));
+        assert_eq!(chain.elements[0].stiffness, [(0.0, free), (0.2, Stated::Fixed(3.5e5))]);
+        assert_eq!(chain.elements[0].damping, [(0.0, Stated::Fixed(0.0))]);
+        assert_eq!(chain.elements[1].mass_kg, StatedMass::Rest);
+        let bounded = Stated::Free { start: Some(1e6), lower: Some(1e5), upper: None };
+        assert_eq!((chain.elements[1].stiffness[0].1, chain.elements[1].damping[0].1), (bounded, free));
+    }
 }

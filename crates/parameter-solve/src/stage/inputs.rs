@@ -1,140 +1,12 @@
-//! What the artifacts hold, as the library takes it: measurements, motions, identified models, exponential sums.
+//! What the artifacts hold of a test, and its candidates from events and motion.
 
-use crumple_lumped::{Complex, RealisedModel};
-use crumple_lumped_fit::{
-    CoefficientSpread, FitQuantity, Identified, MassEvidence, MassSplit, Measurement, Quartic, SensorPlace, masses,
-};
-use crumple_numerics::lti::{eigenvalues, matrix_logarithm};
+use crumple_lumped_fit::{Candidate, FitQuantity, MassSplit, Measurement, Sensor, SensorPlace, TestData, solve};
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, Signal, TestDescription, Velocity};
-use crumple_stage::records::{EventsV1, EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
-use crumple_stage::{Inputs, Output, RefuseExt, Refused, Wave};
-use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
+use crumple_stage::records::EventsV1;
+use crumple_stage::{Inputs, Output, RefuseExt, Refused};
 
-use crate::stage::options::settings::StageSettings;
-
-// Identified models with four poles among the inputs.
-
-/// Every model with four poles: transfer functions of fourth order with the state space of the same name where there is
-/// one, then state spaces without a transfer function, sums of four exponentials, and modes of four poles that belong
-/// to none of them.
-pub fn identified_models(input: &Inputs) -> anyhow::Result<Vec<Identified>> {
-    let mut models: Vec<Identified> = Vec::new();
-    for (id, model) in input.records::<TransferFunctionV1>("/model/")? {
-        if let [leading, t, u, v, w] = model.denominator[..]
-            && leading != 0.0
-        {
-            let quartic = Quartic::Coefficients([t, u, v, w].map(|c| c / leading));
-            let source = "denominator of the transfer function";
-            let spread = spread(input, &id)?;
-            let delay_s = model.delay_s.unwrap_or(0.0);
-            let numerator = Some(model.numerator);
-            models.push(Identified { id, quartic, numerator, source, realised: None, spread, delay_s });
-        }
-    }
-    let spaces = input.records::<StateSpaceV1>("/model/")?;
-    for (id, model) in &spaces {
-        // The continuous one of a pair says all.
-        let base = base_of(id);
-        if id.ends_with("/discrete") && spaces.iter().any(|(other, _)| *other == format!("{base}/continuous")) {
-            continue;
-        }
-        let Some((a, rows)) = continuous(model) else { continue };
-        let realised = realised(&a, &rows, model);
-        if let Some(known) = models.iter_mut().find(|known| base_of(&known.id) == base) {
-            known.realised = realised;
-            continue;
-        }
-        let poles = eigenvalues(&DMatrix::from_column_slice(4, 4, a.as_slice()))?;
-        if let Ok(poles) = <[Complex; 4]>::try_from(poles) {
-            let delay_s = model.delay_s.unwrap_or(0.0);
-            let bare = Identified::of_poles(id.clone(), poles, "eigenvalues of the state matrix of");
-            models.push(Identified { realised, delay_s, ..bare });
-        }
-    }
-    for (id, sum) in input.records::<ExponentialSumV1>("/model/")? {
-        if let [a, b, c, d] = &sum.terms[..] {
-            let poles = [a, b, c, d].map(|term| Complex::new(term.re_per_s, term.im_rad_per_s));
-            models.push(Identified::of_poles(id, poles, "exponents of the sum"));
-        }
-    }
-    for (id, modes) in input.records::<ModesV2>("/modes/")? {
-        if let [a, b, c, d] = &modes.modes[..]
-            && !models.iter().any(|model| base_of(&model.id) == id)
-        {
-            let poles = [a, b, c, d].map(|mode| Complex::new(mode.re_per_s, mode.im_rad_per_s));
-            models.push(Identified::of_poles(id, poles, "poles of the modes of"));
-        }
-    }
-    Ok(models)
-}
-
-/// How well the coefficients of a transfer function are known, by the evidence that its identification left.
-fn spread(input: &Inputs, id: &str) -> anyhow::Result<Option<CoefficientSpread>> {
-    let evidence: Option<EvidenceV1> = input.record_if(&format!("/evidence/{}", base_of(id)))?;
-    Ok(evidence.and_then(|evidence| {
-        CoefficientSpread::of_covariance(&evidence.denominator_covariance)
-            .or_else(|| CoefficientSpread::of_deviations(&evidence.denominator_deviations))
-    }))
-}
-
-/// `era-4` of `era-4/continuous`.
-fn base_of(id: &str) -> &str {
-    ["/continuous", "/discrete", "/transfer-function"].iter().find_map(|end| id.strip_suffix(end)).unwrap_or(id)
-}
-
-/// State matrix in continuous time and output rows of a model with four states; `None` for another order or where the
-/// sampled matrix has no logarithm.
-fn continuous(model: &StateSpaceV1) -> Option<(Matrix4<f64>, Vec<RowVector4<f64>>)> {
-    let flat: Vec<f64> = model.a.iter().flatten().copied().collect();
-    if model.a.len() != 4 || flat.len() != 16 {
-        return None;
-    }
-    let a = Matrix4::from_row_slice(&flat);
-    let a = if model.sample_time_s > 0.0 {
-        let log = matrix_logarithm(&DMatrix::from_column_slice(4, 4, a.as_slice())).ok()?;
-        Matrix4::from_column_slice((log / model.sample_time_s).as_slice())
-    } else {
-        a
-    };
-    let rows = model.c.iter().filter(|row| row.len() == 4).map(|row| RowVector4::from_row_slice(row)).collect();
-    Some((a, rows))
-}
-
-/// One output is the compartment's; of two the first is that of the chassis. `None` where the words of the output name
-/// no motion.
-fn realised(a: &Matrix4<f64>, rows: &[RowVector4<f64>], model: &StateSpaceV1) -> Option<RealisedModel> {
-    let derivative = ["displacement", "velocity", "acceleration"].iter().position(|q| model.output.starts_with(q))?;
-    let (chassis, compartment) = match rows {
-        [compartment] => (None, *compartment),
-        [chassis, compartment] => (Some(*chassis), *compartment),
-        _ => return None,
-    };
-    // The state right after an impulse is the column of the input: the start of a free motion.
-    let column: Vec<f64> = model.b.iter().filter_map(|row| row.first().copied()).collect();
-    let free = model.input.contains("impulse") && column.len() == 4;
-    let start = free.then(|| Vector4::from_column_slice(&column));
-    Some(RealisedModel { a: *a, compartment, chassis, derivative, start })
-}
-
-// Masses of chassis and compartment for models that are matched.
-
-/// Masses of chassis and compartment, by the options and the test.
-pub fn given_masses(settings: &StageSettings, mass_kg: Option<f64>, out: &mut Output) -> anyhow::Result<(f64, f64)> {
-    let mass_kg = match (mass_kg, settings.solve.split) {
-        (Some(mass), _) => mass,
-        (None, MassSplit::Both(m1, m2)) => m1 + m2,
-        (None, _) => {
-            return Err(Refused::new("the test has no mass")
-                .expected("the masses of chassis and compartment")
-                .hint("--m1 284.4kg --m2 1137.6kg")
-                .into());
-        }
-    };
-    let (m1_kg, m2_kg, split) =
-        masses(mass_kg, settings.solve.split, MassEvidence::Compartment).refuse_with_hint("see --m1 and --m2")?;
-    out.notes().info(split);
-    Ok((m1_kg, m2_kg))
-}
+use crate::stage::options::PlacedSensor;
+use crate::stage::settings::StageSettings;
 
 // The motion of a channel, as integrated or as filtered.
 
@@ -162,18 +34,18 @@ pub fn sensor_waves(
     }
     stated_places(settings, &events.channel)
         .into_iter()
-        .map(|(place, channel)| sensor_wave(settings, input, events, (place, channel), mass_kg))
+        .map(|sensor| sensor_wave(settings, input, events, sensor, mass_kg))
         .collect()
 }
 
 /// The places and channels that are stated, the pulse on the compartment where nothing else is.
-pub fn stated_places(settings: &StageSettings, pulse: &str) -> Vec<(SensorPlace, String)> {
+pub fn stated_places(settings: &StageSettings, pulse: &str) -> Vec<PlacedSensor> {
     let mut places = settings.places.clone();
-    if !places.iter().any(|(place, _)| *place == SensorPlace::Compartment) {
-        places.insert(0, (SensorPlace::Compartment, pulse.to_owned()));
+    if !places.iter().any(|sensor| sensor.place == SensorPlace::Compartment) {
+        places.insert(0, PlacedSensor { place: SensorPlace::Compartment, channel: pulse.to_owned() });
     }
     // Misfits are given in the unit of the first.
-    places.sort_by_key(|(place, _)| *place == SensorPlace::Wall);
+    places.sort_by_key(|sensor| sensor.place == SensorPlace::Wall);
     places
 }
 
@@ -182,7 +54,7 @@ pub fn sensor_wave(
     settings: &StageSettings,
     input: &Inputs,
     events: &EventsV1,
-    (place, channel): (SensorPlace, String),
+    PlacedSensor { place, channel }: PlacedSensor,
     mass_kg: f64,
 ) -> anyhow::Result<SensorWave> {
     if place == SensorPlace::Wall {
@@ -257,13 +129,29 @@ fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<S
 
 // Mass, speed and motions of a test, each read once.
 
+/// A displacement, and how it was measured.
+pub type Displaced = (Signal<Displacement>, Measurement);
+
+/// The displacement of the pulse; `None` where no input holds it.
+pub fn pulse_displacement(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<Displaced>> {
+    displacement_of(input, events, &events.channel)
+}
+
+/// The displacement of a channel; `None` where no input holds it. The one place where it is read.
+pub fn displacement_of(input: &Inputs, events: &EventsV1, channel: &str) -> anyhow::Result<Option<Displaced>> {
+    let Some(wave) = input.wave_if(&format!("{channel}/displacement")) else { return Ok(None) };
+    let displacement = wave.signal::<Displacement>().refuse_with_hint("crumple-integrate writes displacements")?;
+    let steps = input.recording_steps(events, channel, &displacement)?;
+    Ok(Some((displacement, steps)))
+}
+
 /// What the test says to all candidates from its events and its motion; every wave is read once.
 #[derive(Debug)]
 pub struct Record {
     pub mass_kg: f64,
     pub impact_speed_m_per_s: f64,
     /// Displacement of the pulse, and how it was measured.
-    pub displacement: Option<(Signal<Displacement>, Measurement)>,
+    pub displacement: Option<Displaced>,
     /// The motions to fit together; none where it is that displacement alone.
     pub sensors: Vec<SensorWave>,
 }
@@ -274,7 +162,7 @@ impl Record {
         settings: &StageSettings,
         input: &Inputs,
         test: &TestDescription,
-        events: &EventsV1,
+        (events, displacement): (&EventsV1, Option<Displaced>),
         out: &mut Output,
     ) -> anyhow::Result<Self> {
         let mass_kg = match (settings.mass_kg, test.mass_kg, settings.solve.split) {
@@ -293,14 +181,9 @@ impl Record {
             Refused::new("neither the events nor the test have an impact speed")
                 .hint("--impact-speed 35km/h at crumple-ingest")
         })?;
-        let id = format!("{}/displacement", events.channel);
-        let wave = if settings.solve.fits_a_signal() { Some(input.wave(&id)?) } else { input.wave_if(&id) };
-        let displacement = wave
-            .map(Wave::signal::<Displacement>)
-            .transpose()
-            .refuse_with_hint("crumple-integrate writes the displacement of the pulse")?
-            .map(|x| input.recording_steps(events, &events.channel, &x).map(|steps| (x, steps)))
-            .transpose()?;
+        if displacement.is_none() && settings.solve.fits_a_signal() {
+            return Err(input.missing(&format!("/wave/{}/displacement", events.channel)));
+        }
         let sensors = sensor_waves(settings, input, events, mass_kg)?;
         Ok(Self { mass_kg, impact_speed_m_per_s, displacement, sensors })
     }
@@ -310,4 +193,100 @@ impl Record {
         let largest = || Some(self.displacement.as_ref()?.0.samples().iter().copied().fold(0.0, f64::max));
         events.dynamic_crush_m.or_else(largest).filter(|crush_m| *crush_m > 0.0)
     }
+}
+
+/// More of the way at constant speed than this part, and the record shows a vehicle that speeds up; a drifting zero
+/// level of 0.1 g adds 1 % of 10 m/s in 100 ms.
+const SPEEDS_UP: f64 = 1.05;
+
+/// Within this part of it, and the record shows no impact.
+const KEEPS_ITS_SPEED: f64 = 0.01;
+
+/// Why no force slows the vehicle down, if so, and what to do: it never stops, and is in the end as far as its impact
+/// speed alone would have taken it, or beyond.
+pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option<(&'static str, &'static str)> {
+    let (displacement, _) = displacement?;
+    let (speed, end_m) = (events.impact_speed_m_per_s?, displacement.samples().last()?);
+    let part = end_m / (speed * (displacement.end_s() - events.time_zero_s));
+    match part {
+        _ if events.dynamic_crush_m.is_some() => None,
+        SPEEDS_UP.. => Some((
+            "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do",
+            "check the sign of the pulse (--sign flip at crumple-ingest turns it) and its unit",
+        )),
+        part if (part - 1.0).abs() < KEEPS_ITS_SPEED => Some((
+            "the pulse does not slow the vehicle down, so that there is no force to model",
+            "check which channel is the pulse (--channel at crumple-ingest), its unit and time zero",
+        )),
+        _ => None,
+    }
+}
+
+/// The settings with the end of the event as the end of the window, where the velocity never reaches zero and no end is
+/// stated.
+pub fn up_to_the_end_of_the_event(
+    settings: &StageSettings,
+    events: &EventsV1,
+    out: &mut Output,
+) -> Option<StageSettings> {
+    let open = settings.solve.fit_to_s.is_none() && events.time_of_dynamic_crush_s.is_none();
+    let end_s = events.end_of_event_s.filter(|end_s| open && *end_s > settings.solve.fit_from_s)?;
+    out.notes().info(format!(
+        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({}); --fit-to states another",
+        1e3 * end_s,
+        events.end_of_event_rule.as_deref().unwrap_or("rule not stated")
+    ));
+    let mut settings = settings.clone();
+    settings.solve.fit_to_s = Some(end_s);
+    Some(settings)
+}
+
+/// Candidates from the events and the motion.
+pub fn from_events(
+    settings: &StageSettings,
+    record: &Record,
+    events: &EventsV1,
+    out: &mut Output,
+) -> anyhow::Result<Vec<Candidate>> {
+    let sensors = sensors_of(record);
+    let test_data = test_data(record, events, &sensors);
+    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+}
+
+/// The sensors to fit together.
+pub fn sensors_of<'a>(record: &'a Record) -> Vec<Sensor<'a>> {
+    record
+        .sensors
+        .iter()
+        .map(|wave| Sensor {
+            channel: &wave.channel,
+            place: wave.place,
+            quantity: wave.quantity,
+            record: &wave.record,
+            measurement: Some(wave.measurement),
+            noise: None,
+        })
+        .collect()
+}
+
+/// What the solvers start from.
+pub fn test_data<'a>(record: &'a Record, events: &EventsV1, sensors: &'a [Sensor<'a>]) -> TestData<'a> {
+    TestData {
+        mass_kg: record.mass_kg,
+        impact_speed_m_per_s: record.impact_speed_m_per_s,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        dynamic_crush_m: events.dynamic_crush_m,
+        coefficient_of_restitution: restitution(events),
+        time_zero_s: events.time_zero_s,
+        time_of_rebound_s: events.time_of_rebound_s,
+        displacement: record.displacement.as_ref().map(|(x, _)| x),
+        measurement: record.displacement.as_ref().map(|(_, measurement)| *measurement),
+        sensors,
+    }
+}
+
+/// The coefficient of restitution; zero where its interval holds zero.
+fn restitution(events: &EventsV1) -> Option<f64> {
+    let holds_zero = events.intervals.iter().any(|i| i.name == "coefficient_of_restitution" && i.low <= 0.0);
+    events.coefficient_of_restitution.map(|e| if holds_zero { 0.0 } else { e })
 }

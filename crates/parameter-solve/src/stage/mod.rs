@@ -2,37 +2,32 @@
 
 mod assess;
 mod chains;
-mod from_events;
-mod from_exponentials;
-mod from_models;
+mod comparison;
+mod identified;
 mod inputs;
 mod options;
-mod recommend;
+mod recommendation;
 mod records;
+mod settings;
 mod several_tests;
 
 use std::path::PathBuf;
 
-use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, in_words, match_as_the_paper_typed};
+use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, match_as_the_paper_typed};
 use crumple_signal::{About, TestDescription, Weight};
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage, Tests};
 
-use crate::stage::assess::CandidateAssessment;
 use crate::stage::assess::assess_all;
 use crate::stage::chains::fit_chains;
-use crate::stage::from_events::{from_events, not_slowed, up_to_the_end_of_the_event};
-use crate::stage::from_exponentials::{from_exponentials, maxwell_candidates};
-use crate::stage::from_models::from_models;
-use crate::stage::inputs::Record;
-use crate::stage::options::chain_table::FittedChain;
-use crate::stage::options::flags::Options;
-use crate::stage::options::settings::StageSettings;
-use crate::stage::recommend::compared_candidates::Submitted;
-use crate::stage::recommend::recommendation::recommend;
-use crate::stage::records::matching_record;
-use crate::stage::records::summary_text;
-use crate::stage::records::{parameters_line, record};
+use crate::stage::identified::{from_exponentials, from_models, maxwell_candidates};
+use crate::stage::inputs::{
+    Displaced, Record, from_events, not_slowed, pulse_displacement, up_to_the_end_of_the_event,
+};
+use crate::stage::options::Options;
+use crate::stage::recommendation::recommend;
+use crate::stage::records::{matching_record, write_candidates};
+use crate::stage::settings::StageSettings;
 use crate::stage::several_tests::from_several;
 
 /// The stage.
@@ -48,11 +43,8 @@ impl Stage for ParameterSolve {
     type Settings = StageSettings;
     type Input = Tests;
 
-    fn resolve(mut options: Options) -> anyhow::Result<StageSettings> {
-        let chains = std::mem::take(&mut options.chain);
-        let mut settings: StageSettings = options.try_into()?;
-        settings.chain = chains.iter().map(|(name, table)| FittedChain::read(name, table)).collect::<Result<_, _>>()?;
-        Ok(settings)
+    fn resolve(options: Options) -> anyhow::Result<StageSettings> {
+        options.try_into()
     }
 
     fn load(paths: &[PathBuf], _: &StageSettings) -> anyhow::Result<Loaded<Tests>> {
@@ -65,24 +57,22 @@ impl Stage for ParameterSolve {
             Tests::Several(tests) => return from_several(settings, tests, out),
         };
         let events = input.record_if::<EventsV1>("/events")?;
-        let windowed = events.and_then(|events| up_to_the_end_of_the_event(settings, &events, out));
+        let displacement = events.as_ref().map(|events| pulse_displacement(input, events)).transpose()?.flatten();
+        let windowed = events.as_ref().and_then(|events| up_to_the_end_of_the_event(settings, events, out));
         let settings = windowed.as_ref().unwrap_or(settings);
         let mut candidates = Vec::new();
-        let mut assessments = Vec::new();
-        let mut channel = String::new();
         let mut test = None;
         if settings.solve.needs_events() {
-            let events: EventsV1 = input.record("/events")?;
+            let events = events.as_ref().ok_or_else(|| input.missing("/events"))?;
             let described = input.test()?;
-            if let Some((reason, remedy)) = unsolvable(settings, input, &events, &described)? {
+            if let Some((reason, remedy)) = unsolvable(settings, displacement.as_ref(), events, &described) {
                 out.remedy(remedy);
                 out.put("/test", &TestV1::from(&described))?;
                 return Ok(Outcome::NoAcceptableResult(reason));
             }
-            let record = Record::read(settings, input, &described, &events, out)?;
-            candidates = from_events(settings, &record, &events, out)?;
-            assessments = assess_all(&candidates, settings, &record, &events, out)?;
-            channel = events.channel;
+            let record = Record::read(settings, input, &described, (events, displacement.clone()), out)?;
+            candidates = from_events(settings, &record, events, out)?;
+            assess_all(&mut candidates, settings, &record, events, out)?;
             test = Some(described);
         } else if input.record_if::<TestV1>("/test")?.is_some() {
             test = Some(input.test()?);
@@ -92,36 +82,13 @@ impl Stage for ParameterSolve {
         }
         let mass_kg = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
         candidates.extend(of_identified_models(settings, input, mass_kg, out)?);
-        // Those of identified models come last and have none.
-        assessments.resize(candidates.len(), None);
-        warn_of_flags_without_effect(settings, &candidates, &assessments, out);
+        warn_of_flags_without_effect(settings, &candidates, out);
         warn_of_bounds(&candidates, out);
-        let mut submitted = Vec::with_capacity(candidates.len());
-        for (candidate, assessed) in candidates.iter().zip(assessments) {
-            let record = record(candidate, assessed.as_ref(), &channel);
-            out.put(&format!("/parameters/{}", candidate.id()), &record)?;
-            out.summary(parameters_line(&candidate.id(), &record));
-            let words = |name: &str| in_words(&candidate.model, name);
-            let text = assessed.as_ref().map(|assessed| summary_text(&candidate.id(), assessed, words));
-            if let Some(text) = text.filter(|text| !text.is_empty()) {
-                out.summary(text);
-            }
-            submitted.push(Submitted {
-                id: candidate.id(),
-                record,
-                division_undecided: false,
-                least_misfit: assessed.and_then(|assessed| assessed.assessment.least_misfit),
-            });
-        }
-        let chains = fit_chains(settings, input, out)?;
-        for chain in chains {
-            out.put(&format!("/parameters/{}", chain.id), &chain.record)?;
-            out.summary(parameters_line(&chain.id, &chain.record));
-            let (id, record, division_undecided) = (chain.id, chain.record, chain.division_undecided);
-            submitted.push(Submitted { id, record, division_undecided, least_misfit: None });
-        }
-        recommend(settings, input, &submitted, out)?;
-        Ok(if submitted.is_empty() {
+        candidates.extend(fit_chains(settings, input, events.as_ref(), out)?);
+        let channel = events.as_ref().map_or("", |events| &events.channel);
+        let assessed = write_candidates(&candidates, channel, out)?;
+        recommend(settings, input, events.as_ref().map(|events| (events, displacement.as_ref())), &assessed, out)?;
+        Ok(if assessed.is_empty() {
             out.no_result("no model could be solved for", "leave models and method out, so that all are tried")
         } else {
             Outcome::Done
@@ -133,19 +100,19 @@ impl Stage for ParameterSolve {
 /// be made.
 fn unsolvable(
     settings: &StageSettings,
-    input: &Inputs,
+    displacement: Option<&Displaced>,
     events: &EventsV1,
     test: &TestDescription,
-) -> anyhow::Result<Option<(String, String)>> {
+) -> Option<(String, String)> {
     if settings.mass_kg.or(test.mass_kg).is_none() && !matches!(settings.solve.split, MassSplit::Both(..)) {
         // Ingest was told to go on without a mass.
-        return Ok(Some((
+        return Some((
             "the test has no mass, which turns frequencies into N/m".to_owned(),
             "state it: --mass 873kg here or at crumple-ingest, or '# mass: 873 kg' in the header of the record"
                 .to_owned(),
-        )));
+        ));
     }
-    Ok(not_slowed(input, events)?.map(|(reason, remedy)| (reason.to_owned(), remedy.to_owned())))
+    not_slowed(displacement, events).map(|(reason, remedy)| (reason.to_owned(), remedy.to_owned()))
 }
 
 /// Candidates that need no motion: by coefficient matching, from the paper's printed polynomial, from sums of
@@ -177,15 +144,10 @@ fn of_identified_models(
 }
 
 /// Warns of flags on uncertainty that have no effect on candidates without an assessment.
-fn warn_of_flags_without_effect(
-    settings: &StageSettings,
-    candidates: &[Candidate],
-    assessments: &[Option<CandidateAssessment>],
-    out: &mut Output,
-) {
+fn warn_of_flags_without_effect(settings: &StageSettings, candidates: &[Candidate], out: &mut Output) {
     let flags = settings.assessment.flags();
-    let unassessed = candidates.iter().zip(assessments).filter(|(_, assessed)| assessed.is_none());
-    let unassessed: Vec<String> = unassessed.map(|(candidate, _)| candidate.id()).collect();
+    let unassessed = candidates.iter().filter(|candidate| candidate.assessed.is_none());
+    let unassessed: Vec<String> = unassessed.map(Candidate::id).collect();
     if !flags.is_empty() && !unassessed.is_empty() {
         out.notes().warning(format!(
             "{} without effect on {}: only candidates from the events and the motion of the pulse are assessed",

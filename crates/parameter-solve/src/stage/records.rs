@@ -1,35 +1,63 @@
 //! Results as records of the artifact and lines of the summary.
 
-use crumple_lumped::{Model, Parameter, ParameterKind, parameter_kind};
-use crumple_lumped_fit::{BlockBootstrap, Candidate, Fit, Matched, Profile, Propagation, SensorFit, Uncertainty};
+use std::collections::BTreeMap;
+
+use crumple_lumped::{Model, Parameter, ParameterKind};
+use crumple_lumped_fit::{
+    Assessed, BlockBootstrap, Candidate, Fit, Matched, Minimum, Profile, Propagation, SensorFit, Uncertainty,
+    all_in_words,
+};
+use crumple_stage::Output;
 use crumple_stage::records::{
     CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
     ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
 };
 use nalgebra::SMatrix;
 
-use crate::stage::assess::CandidateAssessment;
-
 // A candidate as the artifact and a person get it.
 
-/// What goes to `/parameters/<id>`.
-pub fn record(candidate: &Candidate, assessed: Option<&CandidateAssessment>, channel: &str) -> CandidateV1 {
+/// A candidate with its record.
+#[derive(Debug)]
+pub struct AssessedCandidate<'a> {
+    pub candidate: &'a Candidate,
+    pub record: CandidateV1,
+}
+
+/// Writes `/parameters/<id>` of every candidate, fitted to sensors of which `channel` is the pulse, and what a person
+/// should hear at once.
+pub fn write_candidates<'a>(
+    candidates: &'a [Candidate],
+    channel: &str,
+    out: &mut Output,
+) -> anyhow::Result<Vec<AssessedCandidate<'a>>> {
+    let write = |candidate: &'a Candidate| {
+        let written = AssessedCandidate { candidate, record: record(candidate, channel) };
+        out.put(&format!("/parameters/{}", candidate.id()), &written.record)?;
+        out.summary(parameters_line(&written));
+        summary_text(candidate).into_iter().for_each(|text| out.summary(text));
+        Ok(written)
+    };
+    candidates.iter().map(write).collect()
+}
+
+fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
+    let assessed = candidate.assessed.as_ref().map(|assessed| uncertainty_record(candidate, assessed));
+    let of_fit = || candidate.uncertainty.as_ref().map(|known| uncertainty_of_fit(known, &candidate.model));
+    let open = || candidate.stated.as_ref().and(candidate.minimum.as_ref()).map(open_record);
     CandidateV1 {
         model: candidate.model.kind().name().to_owned(),
-        method: candidate.method.name().to_owned(),
+        method: candidate.found_by().to_owned(),
         parameters: candidate.model.parameters(),
         physical: candidate.model.is_physical(),
         equivalent_to: candidate.equivalent_id(),
         fit: candidate.fit.as_ref().map(|fit| fit_record(fit, channel)),
-        uncertainty: assessed
-            .map(uncertainty_record)
-            .or_else(|| candidate.uncertainty.as_ref().map(|u| uncertainty_of_fit(u, &candidate.model))),
+        uncertainty: assessed.or_else(of_fit).or_else(open),
         notes: candidate.notes.iter().map(ToString::to_string).collect(),
     }
 }
 
 /// How a candidate was fitted, to sensors of which `channel` is the pulse.
-pub fn fit_record<N: ToString>(fit: &Fit<N>, channel: &str) -> FitV1 {
+fn fit_record(fit: &Fit, channel: &str) -> FitV1 {
     let sensor = |sensor: &SensorFit| SensorFitV1 {
         channel: sensor.channel.clone(),
         mass: sensor.mass as u32,
@@ -47,23 +75,24 @@ pub fn fit_record<N: ToString>(fit: &Fit<N>, channel: &str) -> FitV1 {
         iterations: fit.iterations,
         evaluations: fit.evaluations,
         stop_reason: fit.stop_reason.name().to_owned(),
-        active_bounds: fit.active_bounds.iter().map(N::to_string).collect(),
+        active_bounds: fit.active_bounds.clone(),
         sensors: fit.sensors.iter().map(sensor).collect(),
     }
 }
 
 /// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves
 /// open.
-pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
-    let open = match (candidate.undetermined().len(), candidate.asked().count()) {
+fn parameters_line(written: &AssessedCandidate<'_>) -> String {
+    let AssessedCandidate { candidate, record } = written;
+    let open = match (record.undetermined().len(), record.asked().count()) {
         (0, _) => String::new(),
         (n, of) => format!("; {n} of {of} not determined"),
     };
-    let parameters: Vec<String> = candidate
+    let parameters: Vec<String> = record
         .parameters
         .iter()
         .map(|(name, value)| {
-            let kind = parameter_kind(&candidate.model, name).unwrap_or(ParameterKind::Mass);
+            let kind = candidate.model.parameter_kind(name).unwrap_or(ParameterKind::Mass);
             let symbol = kind.symbol_of(name);
             match kind {
                 ParameterKind::Damping => format!("{symbol} {:.3} kN s/m", value / 1e3),
@@ -77,7 +106,7 @@ pub fn parameters_line(id: &str, candidate: &CandidateV1) -> String {
         })
         .map(|text| text.replace('_', " "))
         .collect();
-    format!("{id}: {}{open}", parameters.join(", "))
+    format!("{}: {}{open}", candidate.id(), parameters.join(", "))
 }
 
 // What coefficient matching found, as the artifact gets it.
@@ -171,16 +200,13 @@ fn rows<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Vec<Vec<f64>> {
 type Ends = (Option<f64>, Option<f64>);
 
 /// What goes to the artifact.
-pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
-    let j = &assessed.assessment;
+fn uncertainty_record(candidate: &Candidate, assessed: &Assessed) -> UncertaintyV1 {
+    let (j, method) = (&assessed.assessment, linearised(candidate.is_as_measured()));
     let side = |of: fn(&Ends) -> Option<f64>| j.interval.iter().map(|(name, ends)| (name.clone(), of(ends))).collect();
     UncertaintyV1 {
         method: match assessed.front_mass_uncertainty {
-            0.0 => linearised(assessed.through_filter),
-            half => format!(
-                "{}, and a share of the mass in front that may be {half} off",
-                linearised(assessed.through_filter)
-            ),
+            0.0 => method.to_owned(),
+            half => format!("{method}, and a share of the mass in front that may be {half} off"),
         },
         standard_deviation: j.standard_deviation.clone(),
         condition: j.condition,
@@ -198,12 +224,19 @@ pub fn uncertainty_record(assessed: &CandidateAssessment) -> UncertaintyV1 {
 }
 
 /// How intervals came about.
-pub fn linearised(through_filter: bool) -> String {
+fn linearised(through_filter: bool) -> &'static str {
     if through_filter {
-        "linearised about the minimum seen through the record's filter, autocorrelated residuals".to_owned()
+        "linearised about the minimum seen through the record's filter, autocorrelated residuals"
     } else {
-        "linearised about the minimum, autocorrelated residuals".to_owned()
+        "linearised about the minimum, autocorrelated residuals"
     }
+}
+
+/// Everything that was free stays open.
+fn open_record(minimum: &Minimum) -> UncertaintyV1 {
+    let method = linearised(minimum.observed.is_as_measured()).to_owned();
+    let open: BTreeMap<String, Option<f64>> = minimum.free_names().into_iter().map(|name| (name, None)).collect();
+    UncertaintyV1 { method, interval_low: open.clone(), interval_high: open, ..UncertaintyV1::default() }
 }
 
 fn profile_record(profile: &Profile) -> ProfileV1 {
@@ -241,14 +274,15 @@ fn propagation_record(propagation: &Propagation, repeated: &str) -> ReplicatesV1
     }
 }
 
-/// What a person should hear at once of the candidate of this id, its parameters in these words: those that the record
-/// does not determine, and propagated intervals. Empty where there is nothing.
-pub fn summary_text(id: &str, assessed: &CandidateAssessment, words: impl Fn(&str) -> String) -> String {
-    let (profiles, propagation) = (&assessed.assessment.profile, assessed.propagation.as_ref());
+/// What a person should hear at once of a candidate: the parameters that the record does not identify, and propagated
+/// intervals. `None` where there is nothing.
+fn summary_text(candidate: &Candidate) -> Option<String> {
+    let Assessed { assessment, propagation, .. } = candidate.assessed.as_ref()?;
     let mut parts = Vec::new();
-    let open: Vec<String> = profiles.iter().filter(|p| !p.identifiable()).map(|p| words(&p.parameter)).collect();
-    if !open.is_empty() {
-        parts.push(format!("not identifiable: {}", open.join(", ")));
+    let unidentified = assessment.profile.iter().filter(|p| !p.identifiable()).map(|p| p.parameter.as_str());
+    let unidentified = all_in_words(&candidate.model, unidentified);
+    if !unidentified.is_empty() {
+        parts.push(format!("not identifiable: {unidentified}"));
     }
     if let Some(p) = propagation
         && let Some((low, high)) = p.interval_90.get("dynamic_crush_m")
@@ -260,13 +294,13 @@ pub fn summary_text(id: &str, assessed: &CandidateAssessment, words: impl Fn(&st
             1e3 * high
         ));
     }
-    if parts.is_empty() { String::new() } else { format!("{id}: {}", parts.join("; ")) }
+    (!parts.is_empty()).then(|| format!("{}: {}", candidate.id(), parts.join("; ")))
 }
 
 /// The uncertainty that a fit to several sensors or a matching brings along, with 95 % intervals from its standard
 /// deviations: log-normal, so that a spring stays positive, 1.96 relative deviations wide; open beyond a factor of
 /// `e^9`, and for what is on a bound.
-pub fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1 {
+fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1 {
     let parameters = model.parameters();
     let is_given = |p: &Parameter| p.of_the_test || p.kind == ParameterKind::Mass;
     let ends = |side: f64| {

@@ -1,23 +1,19 @@
 //! One model for several tests: their records, the joint candidates, the choice among them.
 
 use crumple_lumped_fit::{
-    Candidate, FitQuantity, JointTest, Measurement, RateFactorSource, Sensor, assess, deepest_crush, fit_together,
-    in_words, rate_factor_source,
+    FitQuantity, JointTest, Measurement, RateFactorSource, Sensor, deepest_crush, fit_together, rate_factor_source,
 };
 use crumple_signal::{Axis, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage};
 use rayon::prelude::*;
 
-use crate::stage::assess::CandidateAssessment;
-use crate::stage::from_events::{not_slowed, sensors_of, test_data};
-use crate::stage::inputs::Record;
-use crate::stage::inputs::motion;
-use crate::stage::options::settings::StageSettings;
-use crate::stage::recommend::compared_candidates::{Comparison, Submitted};
-use crate::stage::recommend::recommendation::{chosen, without};
-use crate::stage::records::summary_text;
-use crate::stage::records::{parameters_line, record};
+use crate::stage::assess::assess_fit;
+use crate::stage::comparison::Comparison;
+use crate::stage::inputs::{Record, motion, not_slowed, pulse_displacement, sensors_of, test_data};
+use crate::stage::recommendation::{chosen, without};
+use crate::stage::records::write_candidates;
+use crate::stage::settings::StageSettings;
 
 /// What the artifacts say of one of the tests.
 struct OneTest<'a> {
@@ -35,8 +31,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     refuse_what_is_of_one_test(settings)?;
     let tests =
         tests.iter().map(|(name, input)| read(settings, name, input, out)).collect::<anyhow::Result<Vec<_>>>()?;
-    let unsolvable = tests.iter().map(without_crush).collect::<anyhow::Result<Vec<_>>>()?;
-    if let Some(reason) = unsolvable.into_iter().flatten().next() {
+    if let Some(reason) = tests.iter().find_map(without_crush) {
         return Ok(Outcome::NoAcceptableResult(reason));
     }
     let sensors: Vec<Vec<Sensor<'_>>> = tests.iter().map(|test| sensors_of(&test.record)).collect();
@@ -56,29 +51,24 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     out.put("/test", &joint_test(&tests, reference))?;
     out.put("/tests", &record_of_tests)?;
     warn_of_the_rate(&record_of_tests, out);
-    let candidates =
+    let mut candidates =
         fit_together(&joint, &settings.solve, out.notes()).refuse_with_hint("see --models, --fit-from and --fit-to")?;
-    let assessed: Vec<Option<CandidateAssessment>> = candidates.par_iter().map(|c| assessment(settings, c)).collect();
-    let mut submitted = Vec::with_capacity(candidates.len());
-    for (candidate, assessed) in candidates.iter().zip(&assessed) {
-        let record = record(candidate, assessed.as_ref(), &names.join(" and "));
-        out.put(&format!("/parameters/{}", candidate.id()), &record)?;
-        out.summary(parameters_line(&candidate.id(), &record));
-        let words = |name: &str| in_words(&candidate.model, name);
-        let text = assessed.as_ref().map(|assessed| summary_text(&candidate.id(), assessed, words));
-        text.into_iter().filter(|text| !text.is_empty()).for_each(|text| out.summary(text));
-        submitted.push(Submitted { id: candidate.id(), record, division_undecided: false, least_misfit: None });
-    }
-    if submitted.is_empty() {
+    candidates.par_iter_mut().for_each(|c| c.assessed = assess_fit(c, &settings.assessment, None));
+    let assessed = write_candidates(&candidates, &names.join(" and "), out)?;
+    if assessed.is_empty() {
         let reason = "no model could be fitted to all tests; the notes say why";
         return Ok(Outcome::NoAcceptableResult(reason.to_owned()));
     }
     let compared = tests
         .iter()
-        .map(|test| Comparison::read(settings, test.input, &test.events, of_impact(&test.record), out.notes()))
+        .map(|test| {
+            let Record { displacement, mass_kg, impact_speed_m_per_s, .. } = &test.record;
+            let impact = (*mass_kg, *impact_speed_m_per_s);
+            Comparison::read(settings, test.input, (&test.events, displacement.as_ref()), impact, out.notes())
+        })
         .collect::<anyhow::Result<Option<Vec<_>>>>()?;
     let choice = match compared {
-        Some(each) => chosen(settings, &Comparison::of_several(each), &submitted, out),
+        Some(each) => chosen(settings, &Comparison::of_several(each), &assessed, out),
         None => {
             let because = "no acceleration and displacement of every pulse up to dynamic crush";
             out.summary(format!("none recommended: {because}"));
@@ -87,10 +77,6 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     };
     out.put("/recommendation", &choice)?;
     Ok(Outcome::Done)
-}
-
-fn of_impact(record: &Record) -> (f64, f64) {
-    (record.mass_kg, record.impact_speed_m_per_s)
 }
 
 /// A mass and an end of the window are of one test; several have their own.
@@ -112,7 +98,8 @@ fn read<'a>(
     let of_test = |error: anyhow::Error| error.context(format!("test {name}"));
     let events: EventsV1 = input.record("/events").map_err(of_test)?;
     let described = input.test().map_err(of_test)?;
-    let record = Record::read(settings, input, &described, &events, out).map_err(of_test)?;
+    let displacement = pulse_displacement(input, &events).map_err(of_test)?;
+    let record = Record::read(settings, input, &described, (&events, displacement), out).map_err(of_test)?;
     let acceleration = motion(input, &events.channel, FitQuantity::Acceleration, record.mass_kg).ok();
     let acceleration = acceleration
         .map(|wave| input.recording_steps(&events, &events.channel, &wave).map(|steps| (wave, steps)))
@@ -122,18 +109,18 @@ fn read<'a>(
 }
 
 /// Why a test cannot take part; `None`: it can.
-fn without_crush(test: &OneTest<'_>) -> anyhow::Result<Option<String>> {
-    let OneTest { name, input, described, events, .. } = test;
+fn without_crush(test: &OneTest<'_>) -> Option<String> {
+    let OneTest { name, described, events, record, .. } = test;
     let axis = described.channel(&events.channel).and_then(|channel| channel.axis);
     if let Some(axis) = axis.filter(|axis| *axis != Axis::X) {
         let channel = &events.channel;
-        return Ok(Some(format!("{name}: channel {channel} is along {axis}, and the models are of a crush along x")));
+        return Some(format!("{name}: channel {channel} is along {axis}, and the models are of a crush along x"));
     }
-    if let Some((reason, _)) = not_slowed(input, events)? {
-        return Ok(Some(format!("{name}: {reason}")));
+    if let Some((reason, _)) = not_slowed(record.displacement.as_ref(), events) {
+        return Some(format!("{name}: {reason}"));
     }
     let stops = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
-    Ok((!stops).then(|| format!("{name}: the velocity of the record never reaches zero; leave this test out")))
+    (!stops).then(|| format!("{name}: the velocity of the record never reaches zero; leave this test out"))
 }
 
 /// What the joint model is of: mass and speed of the test with the deepest crush.
@@ -183,16 +170,4 @@ fn warn_of_the_rate(tests: &TestsV1, out: &mut Output) {
             speeds.join(", ")
         ));
     }
-}
-
-/// How well the parameters are known: through the filters of all tests, their residuals apart.
-fn assessment(settings: &StageSettings, candidate: &Candidate) -> Option<CandidateAssessment> {
-    let minimum = candidate.minimum.as_ref()?;
-    Some(CandidateAssessment {
-        assessment: assess(minimum, None, settings.assessment.options())?,
-        propagation: None,
-        repeated: "fit",
-        through_filter: minimum.observed.is_as_measured(),
-        front_mass_uncertainty: 0.0,
-    })
 }

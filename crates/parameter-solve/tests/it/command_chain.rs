@@ -1,12 +1,14 @@
 //! The program on chains of masses that a pipeline file states.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use crumple_artifact::records::{CandidateV1, EventsV1, NotesV1, TestV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{Chain, Drive, PiecewiseLinear};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+
+use crate::program;
 
 const V0: f64 = 14.0;
 
@@ -45,19 +47,14 @@ fn write_integrated(path: &Path, pulse: &str) {
         let x = Sampled::new(0.0, 1e-4, motion.displacement_m.clone()).unwrap();
         builder.wave(&format!("{id}/displacement"), QuantityKind::Displacement, x).unwrap();
     }
-    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
-    builder.write(path, &provenance, Compression::None).unwrap();
+    program::write(&builder, path);
 }
 
 fn run(folder: &Path, pipeline: &str, flags: &[&str]) -> Output {
     write_integrated(&folder.join("3.mcap"), if pipeline.contains("occupant") { "102" } else { "103" });
-    std::fs::write(folder.join("p.toml"), pipeline).unwrap();
-    Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
-        .args([folder.join("3.mcap").as_os_str(), "-o".as_ref(), folder.join("5.mcap").as_os_str()])
-        .args(["--pipeline".as_ref(), folder.join("p.toml").as_os_str()])
-        .args(flags)
-        .output()
-        .unwrap()
+    let file = folder.join("p.toml");
+    std::fs::write(&file, pipeline).unwrap();
+    program::run(folder, &[&["--pipeline", file.to_str().unwrap()], flags].concat())
 }
 
 const CAR: &str = r#"

@@ -1,35 +1,15 @@
 //! The program on identified models, on a paper's printed numbers, and on a vehicle that never stops.
 
-use std::path::Path;
-use std::process::{Command, Output};
-
 use crumple_artifact::records::{CandidateV1, EvidenceV1, MatchingV1, NotesV1, TestV1, TransferFunctionV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Maxwell, Model};
 use crumple_signal::TestDescription;
 use crumple_testkit::integrated;
 
+use crate::program::{run, said, solved, write};
+
 const MATCHING: [&str; 4] = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
 const ID: &str = "/parameters/double-spring-mass-damper/coefficient-matching";
-
-fn write(builder: ArtifactBuilder, path: &Path) {
-    let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
-    builder.write(path, &provenance, Compression::None).unwrap();
-}
-
-fn run(folder: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
-        .args([folder.join("3.mcap").as_os_str(), "-o".as_ref(), folder.join("5.mcap").as_os_str()])
-        .args(flags)
-        .output()
-        .unwrap()
-}
-
-fn done(folder: &Path, flags: &[&str]) -> Artifact {
-    let output = run(folder, flags);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    Artifact::open(&folder.join("5.mcap")).unwrap()
-}
 
 fn candidate(artifact: &Artifact, number: usize) -> Option<CandidateV1> {
     artifact.record(&format!("{ID}/{number}")).unwrap()
@@ -45,8 +25,8 @@ fn the_solutions_that_the_transfer_function_paper_lists_need_no_model_and_are_la
     let folder = tempfile::tempdir().unwrap();
     let mut builder = ArtifactBuilder::new();
     builder.put("/test", &TestV1::from(&TestDescription { title: "any".to_owned(), ..Default::default() })).unwrap();
-    write(builder, &folder.path().join("3.mcap"));
-    let solved = done(folder.path(), &[&MATCHING[..], &["--paper", "tfest"]].concat());
+    write(&builder, &folder.path().join("3.mcap"));
+    let solved = solved(folder.path(), &[&MATCHING[..], &["--paper", "tfest"]].concat());
     let all: Vec<CandidateV1> = (1..=4).map(|k| candidate(&solved, k).unwrap()).collect();
     assert!(candidate(&solved, 5).is_none());
     // The printed c1 of all four, cut after the last digit printed.
@@ -61,7 +41,7 @@ fn the_solutions_that_the_transfer_function_paper_lists_need_no_model_and_are_la
     // Another paper has no such numbers.
     let output = run(folder.path(), &["--paper", "tfset"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean \"tfest\"?"));
+    assert!(said(&output).contains("'tfest'"));
 }
 
 /// Evidence of an identification with this covariance, or these deviations.
@@ -125,8 +105,8 @@ fn matched_springs_carry_the_deviations_of_the_identified_coefficients_and_a_del
         };
         builder.put("/model/tfest-4-0/transfer-function", &model).unwrap();
         builder.put("/evidence/tfest-4-0", &evidence(covariance, deviations)).unwrap();
-        write(builder, &folder.path().join("3.mcap"));
-        let artifact = done(folder.path(), &[&MATCHING[..], &["--m1", "300kg", "--m2", "900kg"]].concat());
+        write(&builder, &folder.path().join("3.mcap"));
+        let artifact = solved(folder.path(), &[&MATCHING[..], &["--m1", "300kg", "--m2", "900kg"]].concat());
         assert!(notes(&artifact).contains("a delay of 2.000 ms"));
         candidate(&artifact, 1).unwrap()
     };
@@ -155,9 +135,9 @@ fn a_vehicle_that_never_stops_is_judged_over_the_window_of_its_fits() {
     let creeping = Maxwell { mass_kg: 873.0, stiffness_n_per_m: 3e6, damping_n_s_per_m: 2e4 };
     let folder = tempfile::tempdir().unwrap();
     let builder = integrated(&Model::Maxwell(creeping), Some(873.0), &CrushEvents::default(), None).unwrap();
-    write(builder, &folder.path().join("3.mcap"));
+    write(&builder, &folder.path().join("3.mcap"));
     let flags = ["--models", "elastoplastic,maxwell,nonlinear-1", "--mass-uncertainty", "10kg"];
-    let solved = done(folder.path(), &flags);
+    let solved = solved(folder.path(), &flags);
     let maxwell: CandidateV1 = solved.record("/parameters/maxwell/direct-fit/1").unwrap().unwrap();
     let uncertainty = maxwell.uncertainty.unwrap();
     assert!(uncertainty.rank == Some(2) && uncertainty.weakest_direction.is_some());

@@ -5,5 +5,6 @@
 mod command;
 mod command_chain;
 mod command_models;
+mod program;
 mod sensor_assessment;
 mod several_tests;

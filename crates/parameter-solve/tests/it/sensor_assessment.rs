@@ -1,13 +1,15 @@
 //! The program on two sensors through CFC 60: values, intervals and what else is said of fits to them.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_lumped_fit::{FitQuantity, IntegrationRule, MeasureModel, Measurement, TwoPassFilter};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
+
+use crate::program::{result, run, said, write};
 
 const V0: f64 = 15.0;
 const DT: f64 = 1e-4;
@@ -111,23 +113,12 @@ fn write_record_with(path: &Path, gain_in_front: f64, restitution: f64) {
         ..EventsV1::default()
     };
     builder.put("/events", &events).unwrap();
-    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
-    builder.write(path, &provenance, Compression::None).unwrap();
+    write(&builder, path);
 }
 
-fn run(folder: &Path, flags: &[&str]) -> Output {
+fn recorded(folder: &Path, flags: &[&str]) -> Output {
     write_record(&folder.join("3.mcap"));
-    run_on_record(folder, flags)
-}
-
-fn run_on_record(folder: &Path, flags: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
-        .arg(folder.join("3.mcap"))
-        .arg("-o")
-        .arg(folder.join("5.mcap"))
-        .args(flags)
-        .output()
-        .unwrap()
+    run(folder, flags)
 }
 
 const DOUBLE: [&str; 6] =
@@ -135,9 +126,7 @@ const DOUBLE: [&str; 6] =
 
 fn solved(flags: &[&str]) -> Artifact {
     let folder = tempfile::tempdir().unwrap();
-    let output = run(folder.path(), flags);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    Artifact::open(&folder.path().join("5.mcap")).unwrap()
+    result(folder.path(), &recorded(folder.path(), flags))
 }
 
 fn candidate(flags: &[&str], id: &str) -> CandidateV1 {
@@ -198,8 +187,8 @@ fn free_masses_have_intervals_profile_bootstrap_and_propagation_and_the_rest_of_
 fn a_closed_form_is_propagated_by_itself_and_has_no_profile_of_another_estimate() {
     let folder = tempfile::tempdir().unwrap();
     let flags = ["--models", "kelvin,elastoplastic", "--method", "closed-form", "--mass-uncertainty", "14kg"];
-    let output = run(folder.path(), &[&flags[..], &["--profile", "--bootstrap", "40"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = recorded(folder.path(), &[&flags[..], &["--profile", "--bootstrap", "40"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let crush = truth().events(V0).unwrap().dynamic_crush_m.unwrap();
     for model in ["kelvin", "elastoplastic"] {
@@ -241,8 +230,8 @@ fn the_conditioned_fit_lies_inside_its_own_propagation() {
 fn an_uncertainty_that_reaches_zero_mass_or_speed_is_a_usage_error() {
     for (flag, value) in [("--mass-uncertainty", "2000kg"), ("--speed-uncertainty", "40km/h")] {
         let folder = tempfile::tempdir().unwrap();
-        let output = run(folder.path(), &["--models", "kelvin", flag, value]);
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        let output = recorded(folder.path(), &["--models", "kelvin", flag, value]);
+        let stderr = said(&output);
         assert_eq!(output.status.code(), Some(2), "{stderr}");
         assert!(stderr.contains(flag.trim_start_matches('-')) && stderr.contains("reach zero"), "{stderr}");
     }
@@ -258,16 +247,9 @@ fn a_flag_without_effect_is_named() {
     let mut builder = ArtifactBuilder::new();
     builder.put("/test", &artifact.record::<TestV1>("/test").unwrap().unwrap()).unwrap();
     builder.put("/events", &artifact.record::<EventsV1>("/events").unwrap().unwrap()).unwrap();
-    let provenance = Provenance::new("by hand", "0", "{}".to_owned(), Vec::new());
-    builder.write(&folder.path().join("events.mcap"), &provenance, Compression::None).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
-        .arg(folder.path().join("events.mcap"))
-        .arg("-o")
-        .arg(folder.path().join("5.mcap"))
-        .args(["--models", "kelvin", "--method", "closed-form", "--profile", "--mass-uncertainty", "14kg"])
-        .output()
-        .unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    write(&builder, &whole);
+    let flags = ["--models", "kelvin", "--method", "closed-form", "--profile", "--mass-uncertainty", "14kg"];
+    let stderr = said(&run(folder.path(), &flags));
     assert!(stderr.contains("--profile, --mass-uncertainty without effect on kelvin/closed-form/1"), "{stderr}");
 }
 
@@ -295,8 +277,8 @@ fn a_dead_sensor_takes_no_part_in_the_choice_and_a_test_without_a_rebound_has_on
     let folder = tempfile::tempdir().unwrap();
     write_record_with(&folder.path().join("3.mcap"), 0.0, 0.0);
     let flags = ["--models", "kelvin", "--method", "closed-form", "--sensors", "compartment=comp,front=front"];
-    let output = run_on_record(folder.path(), &flags);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let output = run(folder.path(), &flags);
+    let said = said(&output);
     assert!(said.contains("channel front is zero throughout"), "{said}");
     let artifact = Artifact::open(&folder.path().join("5.mcap")).unwrap();
     let choice: RecommendationV1 = artifact.record("/recommendation").unwrap().unwrap();

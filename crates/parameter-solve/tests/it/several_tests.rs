@@ -4,9 +4,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use crumple_artifact::records::{CandidateV1, EventsV1, NotesV1, RecommendationV1, TestV1, TestsV1};
-use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
+use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{CrushedStructure, Model};
 use crumple_signal::{Channel, QuantityKind, Sampled, Source, TestDescription};
+
+use crate::program::{result, said, write};
 
 const DT: f64 = 1e-4;
 
@@ -47,8 +49,7 @@ fn write_test(path: &Path, mass_kg: f64, speed: f64) {
     let wave = |samples: &[f64]| Sampled::new(0.0, DT, samples.to_vec()).unwrap();
     builder.wave("a", QuantityKind::Acceleration, wave(&compartment.acceleration_m_per_s2)).unwrap();
     builder.wave("a/displacement", QuantityKind::Displacement, wave(&compartment.displacement_m)).unwrap();
-    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
-    builder.write(path, &provenance, Compression::None).unwrap();
+    write(&builder, path);
 }
 
 fn run(folder: &Path, inputs: &[&str], threads: &str) -> Output {
@@ -61,14 +62,8 @@ fn run(folder: &Path, inputs: &[&str], threads: &str) -> Output {
         .unwrap()
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 fn solved(folder: &Path, inputs: &[&str]) -> Artifact {
-    let output = run(folder, inputs, "2");
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-    Artifact::open(&folder.join("5.mcap")).unwrap()
+    result(folder, &run(folder, inputs, "2"))
 }
 
 /// The records are exact and the knots at other places than those of the truth, which leaves at most 0.3 % per m/s.

@@ -1,9 +1,6 @@
 //! How sure a prediction is: directions of the parameters, the other models, everything else that is not known.
 
-pub mod directions;
 pub mod models;
-pub mod own_test;
-pub mod partner;
 pub mod prediction;
 pub mod sources;
 pub mod tested;

@@ -7,18 +7,16 @@ use crumple_lumped_fit::EnergyClass;
 use rayon::prelude::*;
 
 use crate::error::PredictError;
-use crate::impact::outcome::{Energy, Outcome, QUANTITIES, Quantity, Side, Wave, energy};
-use crate::impact::partner::{CollisionOutcome, Opponent, collision};
-use crate::impact::reach::Reach;
-use crate::impact::scenario::Scenario;
-use crate::impact::setting::Setting;
-use crate::intervals::directions::Direction;
-use crate::intervals::own_test::{OwnTest, RecordFactors, SAMPLING_S};
-use crate::intervals::partner::PreparedPartner;
+use crate::impact::candidate::Scenario;
+use crate::impact::outcome::{Energy, Outcome, QUANTITIES, Quantity, Reach, Side, Wave, energy};
+use crate::impact::partner::{CollisionOutcome, Opponent, PreparedSetup, collision};
+use crate::intervals::models::PreparedPartner;
 use crate::intervals::sources::{
     Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
 };
-use crate::intervals::tested::{COARSE_S, STEP, Tested, at_crush, half_difference, relative};
+use crate::intervals::tested::{
+    COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, at_crush, half_difference, relative,
+};
 
 /// What the test of a vehicle supports of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +62,7 @@ pub struct Prediction {
 pub(crate) struct Impact<'a> {
     pub tested: &'a Tested<'a>,
     pub partner: &'a PreparedPartner<'a>,
-    pub setting: Setting<'a>,
+    pub setting: PreparedSetup<'a>,
     pub scenario: Scenario,
     /// The occupant at the ends of what is not known of its restraint.
     pub occupant_ends: &'a [[Occupant; 2]],
@@ -73,7 +71,7 @@ pub(crate) struct Impact<'a> {
 /// What a front of one side makes unsure of its crush: relative standard deviations by a rate effect, by the force
 /// beyond the tested crush, by masses in front of the compartment and by the inputs of its test, and the crush, m.
 #[derive(Clone, Copy, Default)]
-struct CrushDoubt {
+struct CrushUncertainty {
     shares: [f64; 4],
     crush_m: f64,
     /// By how much more than the crush its time, and the force at its end, depend on the force beyond the tested crush.
@@ -86,7 +84,7 @@ struct CrushDoubt {
 /// Place of what lies beyond the tested crush among the shares.
 const EXTRAPOLATION: usize = 1;
 
-impl CrushDoubt {
+impl CrushUncertainty {
     /// By how much more than the crush a number depends on the force beyond the tested crush.
     fn beyond(&self, quantity: Quantity) -> f64 {
         match quantity {
@@ -158,10 +156,11 @@ impl Impact<'_> {
         let known = inputs.speed_m_per_s;
         let is_beyond = [Some(own), partner.as_ref().map(|(_, _, support)| *support)]
             .map(|support| support.is_some_and(|support| support.beyond.is_some()));
-        let own_doubt = doubt(self.tested, (own_speed, mass_kg, known), is_beyond[0], &wave, &outcome, Side::Own);
-        let partner_doubt = partner.as_ref().map_or_else(CrushDoubt::default, |(tested, speed, _)| {
+        let own_doubt =
+            crush_uncertainty(self.tested, (own_speed, mass_kg, known), is_beyond[0], &wave, &outcome, Side::Own);
+        let partner_doubt = partner.as_ref().map_or_else(CrushUncertainty::default, |(tested, speed, _)| {
             let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
-            doubt(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
+            crush_uncertainty(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
         let intervals = Quantity::ALL.map(|quantity| {
             let value = outcome.get(quantity)?;
@@ -170,7 +169,7 @@ impl Impact<'_> {
                 others.iter().filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
             let by_crush = [0, 1, 2, 3].map(|k| {
                 let power = quantity.power_of_crush(outcome.get(Quantity::Restitution).unwrap_or(0.0));
-                let scaled = |doubt: &CrushDoubt| {
+                let scaled = |doubt: &CrushUncertainty| {
                     let more = if k == EXTRAPOLATION { doubt.beyond(quantity) } else { 1.0 };
                     (power * more * doubt.shares[k] * value).powi(2)
                 };
@@ -272,7 +271,7 @@ impl Impact<'_> {
     /// Variances by the parameters of both vehicles.
     fn by_parameters(&self, structure: &Structure, outcome: &Outcome) -> [f64; QUANTITIES] {
         let own = |factors: &BTreeMap<String, f64>| {
-            let structure = self.tested.candidate.changed(factors, self.scenario.mass_kg).ok()?;
+            let structure = self.tested.candidate.changed(factors, self.scenario.mass_kg)?;
             Some(self.setting.impact(&structure, self.scenario.speed_m_per_s, COARSE_S).ok()?.0)
         };
         let of_own = along_directions(self.tested, outcome, own, Quantity::of_own);
@@ -286,7 +285,7 @@ impl Impact<'_> {
     /// Variances of what becomes of the occupant by the restraint.
     fn by_restraint(&self, wave: &Wave) -> [f64; QUANTITIES] {
         let at = |occupant: &Occupant| {
-            let setting = Setting { occupant: Some(occupant), ..self.setting };
+            let setting = PreparedSetup { occupant: Some(occupant), ..self.setting };
             setting.with_occupant(Outcome::default(), wave, self.scenario.speed_m_per_s).ok()
         };
         let changes = self.occupant_ends.iter().map(|[up, down]| half_difference(at(up), at(down)));
@@ -374,14 +373,14 @@ fn at_the_end(wave: &Wave, side: Side, outcome: &Outcome, crush_m: f64, tested_m
 
 /// What the front of one side makes unsure: `speed` is that of an impact on a wall with the energy it takes, `mass_kg`
 /// the mass of the side; the speed of its test is known to the third number.
-fn doubt(
+fn crush_uncertainty(
     tested: &Tested<'_>,
     (speed, mass_kg, known_m_per_s): (f64, f64, f64),
     beyond: bool,
     wave: &Wave,
     outcome: &Outcome,
     side: Side,
-) -> CrushDoubt {
+) -> CrushUncertainty {
     let candidate = tested.candidate;
     let one_mass = tested.masses == 1;
     let rate = if candidate.depends_on_rate() || candidate.rate_factor_is_fitted() {
@@ -408,5 +407,5 @@ fn doubt(
     let record = record
         .map_or(0.0, |(crush, tested_m)| by_inputs_of_test(tested.crush_deviation_m(known_m_per_s), crush, tested_m));
     let shares = [rate, extrapolation, in_front, record];
-    CrushDoubt { shares, crush_m: crush_m.unwrap_or(0.0), late, end, of_peak }
+    CrushUncertainty { shares, crush_m: crush_m.unwrap_or(0.0), late, end, of_peak }
 }

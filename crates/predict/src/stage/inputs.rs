@@ -1,10 +1,12 @@
-//! Candidates as the library takes them, and which of them are to predict.
+//! Candidates as the library takes them, which of them are to predict, and tests that were made.
 
-use crumple_predict::{Candidate, HALF_WIDTH, ParameterSpread, TestedImpact};
-use crumple_stage::records::{CandidateV1, EventsV1, RecommendationV1, TestsV1};
-use crumple_stage::{Inputs, Usage, unknown_name};
+use std::path::{Path, PathBuf};
 
-use crate::stage::against::measured;
+use crumple_lumped::Model;
+use crumple_predict::{Candidate, HALF_WIDTH, MadeTest, ParameterSpread, Prediction, Quantity, TestedImpact};
+use crumple_signal::{Sampled, TestDescription};
+use crumple_stage::records::{AgainstTestV1, CandidateV1, EventsV1, MetricsV2, RecommendationV1, TestsV1};
+use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts, unknown_name};
 
 /// A candidate that is to predict.
 #[derive(Debug, PartialEq, Eq)]
@@ -48,8 +50,7 @@ pub fn candidates(records: &[(String, CandidateV1)], choice: Option<&Recommendat
         .iter()
         .map(|(id, record)| Candidate {
             id: id.clone(),
-            model: record.model.clone(),
-            parameters: record.parameters.clone(),
+            model: Model::read(&record.model, &record.parameters),
             spread: record.uncertainty.as_ref().map(|known| ParameterSpread {
                 standard_deviation: known.standard_deviation.clone(),
                 order: known.order.clone(),
@@ -118,4 +119,133 @@ pub fn named(
         }
     }
     Ok(named)
+}
+
+/// A test to compare with.
+#[derive(Debug)]
+pub struct OtherTest {
+    title: String,
+    /// Its impact speed, m/s, and its mass, kg.
+    impact: (f64, Option<f64>),
+    made: MadeTest,
+}
+
+/// Reads the test in a run folder. Errors: no such folder, artifacts that cannot be read, no speed.
+pub fn read_other_test(folder: &Path) -> anyhow::Result<(OtherTest, Vec<InputDigest>)> {
+    let present = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
+    let Some(integrated) = present("3-integrate.mcap") else {
+        let problem = format!("{} holds no 3-integrate.mcap", folder.display());
+        return Err(Usage::new(problem).hint("--against runs/NAME-OF-RECORD/NAME-OF-PIPELINE").into());
+    };
+    let paths: Vec<PathBuf> = [Some(integrated), present("2-filter.mcap")].into_iter().flatten().collect();
+    let loaded = load_artifacts(&paths)?;
+    Ok((other_test(&loaded.input)?, loaded.digests))
+}
+
+fn other_test(input: &Inputs) -> anyhow::Result<OtherTest> {
+    let test = input.test()?;
+    let events: EventsV1 = input.record("/events")?;
+    let speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
+    let speed_m_per_s = speed_m_per_s.ok_or_else(|| Refused::new("the other test has no impact speed"))?;
+    let made = measured(input, &test, &events, speed_m_per_s)?;
+    Ok(OtherTest { title: test.title, impact: (speed_m_per_s, test.mass_kg), made })
+}
+
+/// What a test measured. Errors: records that cannot be read.
+pub fn measured(
+    input: &Inputs,
+    test: &TestDescription,
+    events: &EventsV1,
+    speed_m_per_s: f64,
+) -> anyhow::Result<MadeTest> {
+    let metrics = input.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
+    let peak = metrics.iter().find(|metric| metric.name == "peak_acceleration" && metric.channel == events.channel);
+    let from_time_zero =
+        |wave: &Sampled| Sampled::new(wave.t0_s() - events.time_zero_s, wave.dt_s(), wave.samples().to_vec()).ok();
+    let made = MadeTest {
+        peak_m_per_s2: peak.and_then(|metric| metric.value).map(f64::abs),
+        acceleration: input.wave_if(&events.channel).and_then(|wave| from_time_zero(&wave.sampled)),
+        ..of_events(events)
+    };
+    let class = test.channels.iter().find(|channel| channel.id == events.channel).and_then(|channel| channel.cfc);
+    let velocity =
+        input.wave_if(&format!("{}/velocity", events.channel)).and_then(|wave| from_time_zero(&wave.sampled));
+    Ok(match velocity {
+        Some(velocity) => made.with_velocity(speed_m_per_s, &velocity, class == Some(60)),
+        None => made,
+    })
+}
+
+/// The events of a test; of a record that ends during the rebound, restitution and delta-v are lower bounds and none.
+fn of_events(events: &EventsV1) -> MadeTest {
+    let is_whole = !events.still_separating;
+    let deviation = |quantity: &Quantity| {
+        let interval = events.intervals.iter().find(|interval| interval.name == quantity.field())?;
+        Some((*quantity, (interval.high - interval.low) / (2.0 * HALF_WIDTH)))
+    };
+    MadeTest {
+        deviations: Quantity::ALL.iter().filter_map(deviation).collect(),
+        delta_v_m_per_s: events.delta_v_m_per_s.filter(|_| is_whole),
+        dynamic_crush_m: events.dynamic_crush_m,
+        time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
+        coefficient_of_restitution: events.coefficient_of_restitution.filter(|_| is_whole),
+        ..MadeTest::default()
+    }
+}
+
+impl OtherTest {
+    /// The impact that it was: its speed, m/s, and its mass, kg, if it says one.
+    pub fn impact(&self) -> (f64, Option<f64>) {
+        self.impact
+    }
+
+    /// The prediction of it beside it.
+    pub fn beside(&self, prediction: &Prediction) -> AgainstTestV1 {
+        let error = |quantity: Quantity| self.made.error_percent(&prediction.outcome, quantity);
+        let difference = |quantity: Quantity| Some(prediction.outcome.get(quantity)? - self.made.get(quantity)?);
+        let held = Quantity::ALL.iter().zip(&prediction.intervals).filter(|(quantity, interval)| {
+            let pair = interval.as_ref().zip(self.made.get(**quantity));
+            pair.is_some_and(|(interval, measured)| interval.low <= measured && measured <= interval.high)
+        });
+        AgainstTestV1 {
+            test: self.title.clone(),
+            dynamic_crush_error_percent: error(Quantity::DynamicCrush),
+            time_of_dynamic_crush_error_percent: error(Quantity::TimeOfDynamicCrush),
+            peak_acceleration_error_percent: error(Quantity::Peak),
+            coefficient_of_restitution_error: difference(Quantity::Restitution),
+            iso18571_score: self.made.iso18571_score(&prediction.wave),
+            held: held.map(|(quantity, _)| quantity.field().to_owned()).collect(),
+        }
+    }
+}
+
+/// A line for a person.
+pub fn beside_in_words(against: &AgainstTestV1) -> String {
+    let percent = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.1} %"));
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.3}"));
+    let score = against.iso18571_score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
+    let crush = if against.held.iter().any(|name| name == "dynamic_crush_m") { "holds" } else { "does not hold" };
+    format!(
+        "  against {:?}: crush {}, its time {}, peak {}, e {}, ISO/TS 18571 {score}; the interval {crush} the crush",
+        against.test,
+        percent(against.dynamic_crush_error_percent),
+        percent(against.time_of_dynamic_crush_error_percent),
+        percent(against.peak_acceleration_error_percent),
+        number(against.coefficient_of_restitution_error),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lower_bound_is_no_restitution_of_a_test() {
+        let (coefficient_of_restitution, delta_v_m_per_s) = (Some(0.02), Some(15.3));
+        let whole = EventsV1 { coefficient_of_restitution, delta_v_m_per_s, ..EventsV1::default() };
+        let made = of_events(&whole);
+        assert_eq!((made.coefficient_of_restitution, made.delta_v_m_per_s), (Some(0.02), Some(15.3)));
+        let cut = of_events(&EventsV1 { still_separating: true, ..whole });
+        assert_eq!((cut.coefficient_of_restitution, cut.delta_v_m_per_s), (None, None));
+    }
 }

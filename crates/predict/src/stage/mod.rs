@@ -1,25 +1,19 @@
 //! The program: reads candidates and which of them are named, predicts, writes predictions and their waves.
 
-mod against;
-mod barriers;
-mod described;
 mod inputs;
 mod occupant;
 mod options;
 mod partner;
 mod records;
-mod restraint;
-mod speeds;
 mod table;
 
 use std::path::PathBuf;
 
-use crumple_predict::{Candidate, Scenario, Surroundings, predict};
+use crumple_predict::{Candidate, ImpactSetup, Scenario, predict};
 use crumple_stage::records::{CandidateV1, RecommendationV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
 
-use crate::stage::against::OtherTest;
-use crate::stage::inputs::{candidates, named, tested};
+use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_other_test, tested};
 use crate::stage::occupant::rider;
 use crate::stage::options::{Options, Settings};
 use crate::stage::partner::ReadPartner;
@@ -45,7 +39,7 @@ impl Stage for Predict {
         let mut loaded = crumple_stage::load_artifacts(paths)?;
         let mut other = None;
         if let Some(folder) = &settings.against {
-            let (test, digests) = against::read(folder)?;
+            let (test, digests) = read_other_test(folder)?;
             loaded.digests.extend(digests);
             other = Some(test);
         }
@@ -83,13 +77,13 @@ impl Stage for Predict {
         if rider.is_fitted() {
             rider.words.iter().for_each(|words| out.notes().info(format!("occupant: {words}")));
         }
-        let surroundings =
-            Surroundings { partner: partner.partner.clone(), occupant: rider.occupant, occupant_ends: rider.ends };
+        let setup =
+            ImpactSetup { partner: partner.partner.clone(), occupant: rider.occupant, occupant_ends: rider.ends };
         for (what, words) in [("partner", partner.words.as_ref()), ("occupant", rider.words.as_ref())] {
             words.into_iter().for_each(|words| out.summary(format!("{what}: {words}")));
         }
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
-        let predictions = predict(&candidates, &places, &tested, settings.inputs(), &scenarios, &surroundings);
+        let predictions = predict(&candidates, &places, &tested, settings.inputs(), &scenarios, &setup);
         let marks = !settings.asked_speeds_m_per_s.is_empty();
         out.summary(header(marks));
         let mut rows = Vec::new();
@@ -114,7 +108,7 @@ impl Stage for Predict {
                 let asked = marks.then(|| settings.asks_for(scenario.speed_m_per_s));
                 out.summary(line(&record, asked));
                 partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
-                record.against.iter().for_each(|against| out.summary(against::words(against)));
+                record.against.iter().for_each(|against| out.summary(beside_in_words(against)));
                 write_waves(n, prediction.wave, out)?;
                 rows.push(Row { speed_m_per_s: scenario.speed_m_per_s, record });
             }

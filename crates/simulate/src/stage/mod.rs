@@ -1,16 +1,12 @@
 //! The program: reads candidates and the motion of the test, simulates, writes responses and comparisons.
 
-mod chain_table;
 mod drive;
-mod fitted_parameters;
 mod options;
-mod other_sensors;
-mod pulse;
 mod records;
 
 use std::path::PathBuf;
 
-use crumple_lumped::{Chain, Model, ModelKind, structure_of};
+use crumple_lumped::{LumpedError, Model};
 use crumple_lumped_fit::WallForce;
 use crumple_numerics::estimation::statistics::effective_samples;
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
@@ -22,11 +18,11 @@ use crumple_stage::records::{CandidateV1, EventsV1, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, total_mass_remark};
 use rayon::prelude::*;
 
-use crate::stage::chain_table::ChainSettings;
-use crate::stage::fitted_parameters::fitted_parameters;
-use crate::stage::options::{Options, Settings};
-use crate::stage::other_sensors::{mass_of_occupant, mass_of_pulse, other_sensors, was_fitted};
-use crate::stage::records::{BesideTest, sensor_record, summary_line, write_simulation};
+use crate::stage::options::{ChainSettings, Options, Settings};
+use crate::stage::records::{
+    BesideTest, fitted_parameters, mass_of_occupant, mass_of_pulse, other_sensors, sensor_record, summary_line,
+    was_fitted, write_simulation,
+};
 
 /// The stage.
 pub struct Simulate;
@@ -50,7 +46,7 @@ impl Stage for Simulate {
     fn run(settings: &Settings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = input.test()?;
         let events: EventsV1 = input.record("/events")?;
-        let candidates: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
+        let candidates = Candidate::read(input)?;
         if candidates.is_empty() && settings.chain.is_empty() {
             return Err(input.missing("/parameters/"));
         }
@@ -91,8 +87,8 @@ impl Stage for Simulate {
         let window = Window { to_s: settings.to_s.or(end_of_event_s) };
         let results: Vec<Result<Simulation, SimulateError>> = candidates
             .par_iter()
-            .map(|(_, candidate)| {
-                let pulse = mass_of_pulse(candidate, channel);
+            .map(|candidate| {
+                let pulse = mass_of_pulse(&candidate.record, channel);
                 simulate_candidate(candidate, pulse, settings.stay_attached, &measured, window, &excitation)
             })
             .collect();
@@ -117,23 +113,22 @@ impl Stage for Simulate {
             impact_speed_m_per_s,
         };
         let mut simulated = 0;
-        for ((id, candidate), result) in candidates.iter().zip(results) {
-            simulated += comparison.write(id, candidate, result, drive.clone(), out, |simulation, sensor, dt_s| {
-                if let Some(mass) = mass_of_occupant(candidate, &sensor.channel, simulation.compartment + 1) {
+        for (candidate, result) in candidates.iter().zip(results) {
+            let record = &candidate.record;
+            simulated += comparison.write(candidate, result, drive.clone(), out, |simulation, sensor, dt_s| {
+                if let Some(mass) = mass_of_occupant(record, &sensor.channel, simulation.compartment + 1) {
                     return beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s);
                 }
-                let seen = was_fitted(candidate, &sensor.channel);
+                let seen = was_fitted(record, &sensor.channel);
                 if seen { None } else { beside(simulation, sensor, events.time_zero_s, dt_s) }
             })?;
         }
         for (stated, result) in settings.chain.iter().zip(chains) {
-            let id = stated.id();
-            let candidate = write_stated(stated, &id, &test, out)?;
-            simulated +=
-                comparison.write(&id, &candidate, result, stated.words(), out, |simulation, sensor, dt_s| {
-                    let mass = if sensor.on_engine { stated.engine()? } else { simulation.masses.len() };
-                    beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s)
-                })?;
+            let candidate = write_stated(stated, &test, out)?;
+            simulated += comparison.write(&candidate, result, stated.words(), out, |simulation, sensor, dt_s| {
+                let mass = if sensor.on_engine { stated.engine()? } else { simulation.masses.len() };
+                beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s)
+            })?;
         }
         Ok(if simulated == 0 {
             out.no_result("no candidate could be simulated", "see what each candidate met: just notes")
@@ -143,14 +138,32 @@ impl Stage for Simulate {
     }
 }
 
-/// The model of a candidate that is a chain, stated here or fitted by parameter-solve.
-const CHAIN: &str = "chain";
+/// A candidate as it was read: its record, and the model that this is.
+pub struct Candidate {
+    id: String,
+    record: CandidateV1,
+    /// An error where the record names none.
+    model: Result<Model, LumpedError>,
+}
+
+impl Candidate {
+    fn read(input: &Inputs) -> anyhow::Result<Vec<Self>> {
+        let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
+        let read = |(id, record): (String, CandidateV1)| {
+            let model = Model::read(&record.model, &record.parameters);
+            Self { id, record, model }
+        };
+        Ok(records.into_iter().map(read).collect())
+    }
+}
 
 /// Refuses a stated chain that has the name of a fitted one.
-fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[(String, CandidateV1)]) -> anyhow::Result<()> {
+fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[Candidate]) -> anyhow::Result<()> {
     for stated in chains {
-        let fitted = format!("{CHAIN}/{}/", stated.name);
-        if candidates.iter().any(|(id, _)| id.starts_with(&fitted)) {
+        let is_fitted = |candidate: &Candidate| {
+            matches!(candidate.model, Ok(Model::Chain(_))) && candidate.record.method == stated.name
+        };
+        if candidates.iter().any(is_fitted) {
             let problem = format!("[simulate.chain.{}]: parameter-solve has fitted a chain of that name", stated.name);
             return Err(Usage::new(problem).hint("give one of them another name").into());
         }
@@ -160,21 +173,19 @@ fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[(String, Candidat
 
 /// The response of a candidate; of a chain the mass of number `pulse` is compared with the test, else the last.
 fn simulate_candidate(
-    candidate: &CandidateV1,
+    candidate: &Candidate,
     pulse: Option<usize>,
     stay_attached: bool,
     measured: &Measured<'_>,
     window: Window,
     excitation: &Excitation<'_>,
 ) -> Result<Simulation, SimulateError> {
-    if candidate.model == CHAIN {
-        let chain = Chain::from_parameters(&candidate.parameters)?;
+    let mut model = candidate.model.clone()?;
+    if let Model::Chain(chain) = &model {
         // The number comes from a file: one that the chain does not have is none.
         let compartment = pulse.filter(|mass| (1..=chain.masses_kg().len()).contains(mass)).map(|mass| mass - 1);
-        return simulate_chain(&chain, None, compartment, measured, window, excitation);
+        return simulate_chain(chain, None, compartment, measured, window, excitation);
     }
-    let kind: ModelKind = candidate.model.parse()?;
-    let mut model = Model::from_parameters(kind, &candidate.parameters)?;
     if let Model::Elastoplastic(elastoplastic) = &mut model {
         elastoplastic.release = !stay_attached;
     }
@@ -182,17 +193,12 @@ fn simulate_candidate(
 }
 
 /// Writes the record of a stated chain beside those of solved candidates.
-fn write_stated(
-    stated: &ChainSettings,
-    id: &str,
-    test: &TestDescription,
-    out: &mut Output,
-) -> anyhow::Result<CandidateV1> {
-    let chain = stated.chain()?;
-    let mut candidate = stated.candidate(&chain);
-    if !candidate.physical {
+fn write_stated(stated: &ChainSettings, test: &TestDescription, out: &mut Output) -> anyhow::Result<Candidate> {
+    let (id, chain) = (stated.id(), stated.chain()?);
+    let mut record = stated.candidate(&chain);
+    if !record.physical {
         out.notes().concern(
-            About::Model(id.to_owned()),
+            About::Model(id.clone()),
             Weight::Marked,
             format!(
                 "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
@@ -201,11 +207,11 @@ fn write_stated(
         );
     }
     if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(chain.masses_kg(), kg)) {
-        out.notes().concern(About::Model(id.to_owned()), Weight::Marked, format!("{id}: {text}"));
-        candidate.notes.push(text);
+        out.notes().concern(About::Model(id.clone()), Weight::Marked, format!("{id}: {text}"));
+        record.notes.push(text);
     }
-    out.put(&format!("/parameters/{id}"), &candidate)?;
-    Ok(candidate)
+    out.put(&format!("/parameters/{id}"), &record)?;
+    Ok(Candidate { id, record, model: Ok(Model::Chain(chain)) })
 }
 
 /// The force on the wall from contact to separation; without separation to the end of the record.
@@ -233,13 +239,13 @@ impl ComparisonWithTest<'_> {
     /// `beside` compares with another sensor, at the sampling interval given last.
     fn write(
         &self,
-        id: &str,
-        candidate: &CandidateV1,
+        candidate: &Candidate,
         result: Result<Simulation, SimulateError>,
         drive: Option<String>,
         out: &mut Output,
         beside: impl Fn(&Simulation, &OtherSensor, f64) -> Option<SensorFit>,
     ) -> anyhow::Result<usize> {
+        let Candidate { id, record, model } = candidate;
         let simulation = match result {
             Ok(simulation) => simulation,
             Err(error) => {
@@ -251,11 +257,11 @@ impl ComparisonWithTest<'_> {
         out.summary(summary_line(id, &simulation));
         let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
         let criterion =
-            self.effective_samples.zip(mean_square).map(|(n, v)| information(v, n, fitted_parameters(candidate)));
+            self.effective_samples.zip(mean_square).map(|(n, v)| information(v, n, fitted_parameters(record, model)));
         let dt_s = self.displacement.dt_s();
         let sensors =
             self.others.iter().filter_map(|sensor| beside(&simulation, sensor, dt_s)).map(sensor_record).collect();
-        let structure = structure_of(&candidate.model, &candidate.parameters).ok();
+        let structure = model.as_ref().ok().and_then(|model| model.structure().ok());
         let force = self.wall.as_ref().filter(|_| drive.is_none()).zip(structure);
         let beside_test = BesideTest {
             information: criterion,
@@ -265,7 +271,7 @@ impl ComparisonWithTest<'_> {
             drive,
         };
         let grid = (self.displacement, self.time_zero_s);
-        write_simulation(id, candidate, simulation, beside_test, grid, out)?;
+        write_simulation(id, record, simulation, beside_test, grid, out)?;
         Ok(1)
     }
 }

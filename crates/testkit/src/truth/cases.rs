@@ -258,7 +258,7 @@ fn of_places(folder: &Path) -> io::Result<Vec<RunCase>> {
 fn of_some_stages() -> Vec<RunCase> {
     let fixtures = fixture_models();
     let of_fixture = |what: &str| {
-        let (name, model, mass_kg, speed) = *fixtures.iter().find(|(name, ..)| *name == "elastoplastic")?;
+        let (name, model, mass_kg, speed) = fixtures.iter().find(|(name, ..)| *name == "elastoplastic")?.clone();
         let record = workspace().join("fixtures").join(name).join("crash.csv");
         Some(case(format!("{name}, {what}"), record, Known::vehicle(Maker::Lumped(model), mass_kg, speed)))
     };

@@ -7,21 +7,18 @@ use crumple_sysid::{
     era_order_scan_of,
 };
 
-use crate::stage::options::hankel::HankelSettings;
-use crate::stage::options::order::OrderOption;
+use crate::stage::options::choices::{Method, Paper};
+use crate::stage::options::orders::OrderOption;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
+use crate::stage::records::realization;
 use crate::stage::records::realization::{RealizationTask, put_realization};
 use crate::stage::records::results::Results;
-use crate::stage::records::stabilization;
-use crate::stage::waves::ScaledWaves;
-use crate::stage::waves::Source;
-use crate::stage::waves::channel;
-use crate::stage::waves::{WindowedWave, filter_edges, waves};
+use crate::stage::waves::{ScaledWaves, Source, WindowedWave, channel, filter_edges, waves};
 
 /// What models of all orders are for and from.
 struct EraRun<'a> {
-    method: &'a str,
+    method: Method,
     settings: &'a Settings,
     /// The channels, sampled together.
     waves: &'a [WindowedWave],
@@ -31,7 +28,7 @@ struct EraRun<'a> {
 }
 
 /// Models of every order asked for, or those of the paper.
-pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let settings = source.settings;
     let channels = match &settings.hankel {
         Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
@@ -59,7 +56,14 @@ pub fn run(method: &str, source: Source<'_>, results: &mut Results<'_>) -> anyho
     if let Some(wanted) = &settings.stabilisation {
         match order_scan(&task) {
             Ok(models) => {
-                stabilization::put_diagram(method, &names, &models, waves[0].sampled.dt_s(), wanted, results.out)?;
+                realization::put_diagram(
+                    &method.to_string(),
+                    &names,
+                    &models,
+                    waves[0].sampled.dt_s(),
+                    wanted,
+                    results.out,
+                )?;
             }
             Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
         }
@@ -83,7 +87,7 @@ fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
     let EraRun { method, settings, waves, .. } = *task;
     let records = ScaledWaves::new(waves);
     let highest = settings.max_order;
-    if method == "era" {
+    if method == Method::Era {
         return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
     }
     let orders = [Order::Given(highest)];
@@ -107,7 +111,7 @@ fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
 fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
-    let remarks = paper::remarks("era");
+    let remarks = paper::remarks(Paper::Era);
     remarks.iter().for_each(|remark| results.out.notes().info(*remark));
     let mut outcome = Outcome::Done;
     // A window shorter than the samples of two runs makes one of them.
@@ -199,7 +203,7 @@ fn realize_all(
     let answer = if written.len() == before { failures.next() } else { None };
     for (order, error) in failures {
         let text = format!("{method} of order {} gave no model: {error}", OrderOption(order));
-        results.out.notes().concern(About::Method(method.to_owned()), Weight::Slight, text);
+        results.out.notes().concern(About::Method(method.to_string()), Weight::Slight, text);
     }
     if let Some((_, error)) = answer {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
@@ -231,7 +235,7 @@ impl Decomposed<'_> {
 }
 
 fn decompose<'a>(
-    method: &str,
+    method: Method,
     settings: &Settings,
     samples: Vec<&'a [f64]>,
     dt_s: f64,
@@ -242,12 +246,12 @@ fn decompose<'a>(
         max_order: settings.max_order,
         rows: settings.rows,
         columns: settings.columns,
-        shift: hankel.map(HankelSettings::form).unwrap_or_default(),
+        shift: hankel.map(|hankel| hankel.shift_form.into()).unwrap_or_default(),
         ..EraOptions::new(dt_s)
     };
     let markov = MarkovParameters::new(samples, 1)?;
     match hankel {
-        Some(hankel) if method == "era-dc" => {
+        Some(hankel) if method == Method::EraDc => {
             let options = EraDcOptions { era: options, offset: hankel.offset, lag_blocks: hankel.lag_blocks };
             Ok(Decomposed::Correlations(EraDc::from_markov(markov, options, orders)?))
         }

@@ -1,23 +1,22 @@
 //! The method `exponentials`: a record as a sum of exponentials.
 
+use clap::ValueEnum;
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind, Severity};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};
 use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
 
-use crate::stage::options::input_output::{CONDITIONS, InputOutputSettings};
+use crate::stage::options::choices::{Condition, Method, Paper};
 use crate::stage::options::paper;
-use crate::stage::options::settings::Settings;
-use crate::stage::records::acceptance::note_on_fit;
+use crate::stage::options::settings::{InputOutputSettings, Settings};
+use crate::stage::records::discrete::note_on_fit;
 use crate::stage::records::evidence::{
-    fit_in_words, identification, notes_on_poles, pole_record, simulation_evidence, validate, validation_summary,
+    Poles, fit_in_words, identification, notes_on_poles, pole_record, simulation_evidence, validate, validation_summary,
 };
-use crate::stage::records::poles::Poles;
 use crate::stage::records::responses::{put_spreads, spread};
 use crate::stage::records::results::Results;
-use crate::stage::waves::Source;
-use crate::stage::waves::{WindowedWave, output};
+use crate::stage::waves::{Source, WindowedWave, output};
 
 /// What one sum is fitted with.
 struct SumTask {
@@ -25,7 +24,7 @@ struct SumTask {
     options: ExponentialOptions,
     /// Notes that come before all others.
     remarks: Vec<String>,
-    paper: Option<String>,
+    paper: Option<Paper>,
 }
 
 /// One sum; of the paper's curve fit a second one beside it, as the stage goes by itself.
@@ -39,7 +38,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
         stop: Stop { max_iterations: input_output.most_iterations(), ..Stop::default() },
         ..ExponentialOptions::new(input_output.terms)
     };
-    let Some(paper) = source.settings.paper.clone().filter(|paper| paper::has_curve_fit(paper)) else {
+    let Some(paper) = source.settings.paper.filter(|paper| paper::has_curve_fit(*paper)) else {
         let start = conditions(input_output.conditions, input_output, &answer, source.inputs)?;
         let task = SumTask { id, options: options(input_output.real, start), remarks: Vec::new(), paper: None };
         return fit_sum(&task, source.settings, &answer, results);
@@ -55,7 +54,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     let start = conditions(held, input_output, &answer, source.inputs)?;
     let remark = format!(
         "beside the paper's curve fit: the sum may oscillate, and is constrained to {} of the record at the start",
-        CONDITIONS[..held].join(" and ")
+        if held > 1 { "position and velocity" } else { "position" }
     );
     let by_stage = SumTask { id, options: options(false, start), remarks: vec![remark], paper: None };
     let outcomes = [printed, by_stage].map(|task| fit_sum(&task, source.settings, &answer, results));
@@ -168,7 +167,8 @@ fn fit_sum(
     let all = answer.sampled.len() + answer.kept.len();
     let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
     validate(answer, &curve, &mut evidence);
-    let record = identification("exponentials", options.terms, "free-decay", answer, &fit.simulated, notes.to_texts());
+    let record =
+        identification(Method::Exponentials, options.terms, "free-decay", answer, &fit.simulated, notes.to_texts());
     fill_evidence(task, &fit, &mut evidence);
     let percent = fit_in_words(record.fit_percent);
     results.out.put(&format!("/identification/{id}"), &record)?;
@@ -211,10 +211,10 @@ fn fill_evidence(task: &SumTask, fit: &ExponentialSumFit, evidence: &mut Evidenc
     let SumTask { options, paper, .. } = task;
     if !options.start.is_empty() {
         let values: Vec<String> =
-            CONDITIONS.iter().zip(&options.start).map(|(name, x)| format!("{name} {x:.6e}")).collect();
+            Condition::value_variants().iter().zip(&options.start).map(|(name, x)| format!("{name} {x:.6e}")).collect();
         evidence.initial_conditions = format!("held: {}", values.join(", "));
     }
-    evidence.paper = paper.clone();
+    evidence.paper = paper.map(|paper| paper.to_string());
     evidence.frequency_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     evidence.damping_deviations = fit.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
     put_correlations(fit, evidence);

@@ -2,30 +2,28 @@
 
 use std::f64::consts::TAU;
 
-use crumple_numerics::lti::Complex;
+use crumple_numerics::lti::{Complex, StateSpace};
 use crumple_signal::{Notes, QuantityKind};
+use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
-    Hold, InitialConditions, IoData, PoleKind, Stop, TransferFunctionFit, TransferFunctionOptions, pole_kinds,
-    response_deviations, transfer_function_array, transfer_function_fit,
+    InitialConditions, IoData, PoleKind, Stop, TransferFunctionArray, TransferFunctionFit, TransferFunctionOptions,
+    compare, continued, pole_kinds, response_deviations, sampled, transfer_function_array, transfer_function_fit,
 };
+use nalgebra::DVector;
 
+use crate::stage::options::choices::Method;
 use crate::stage::options::paper;
-use crate::stage::records::acceptance::note_on_fit;
+use crate::stage::options::settings::{InputOutputSettings, Settings};
+use crate::stage::records::discrete::note_on_fit;
 use crate::stage::records::evidence::{
-    fit_in_words, identification, if_determined, notes_on_poles, pole_record, put_search, put_transfer_functions,
-    simulation_evidence, validation_summary,
+    Poles, fit_in_words, identification, identification_with_evidence, if_determined, notes_on_poles, pole_record,
+    put_search, put_transfer_functions, simulation_evidence, validate_all, validation_summary,
 };
-use crate::stage::records::poles::Poles;
 use crate::stage::records::realization::state_space;
-use crate::stage::records::responses::{Band, ModelResponses, put_spreads, spread};
+use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread};
 use crate::stage::records::results::Results;
-use crate::stage::records::transfer_function_array::put_array;
-use crate::stage::records::transfer_function_task::{
-    TransferFunctionTask, condition_note, preparation, validate_continuous,
-};
-use crate::stage::waves::Source;
-use crate::stage::waves::{WindowedWave, record};
+use crate::stage::waves::{Record, Source, WindowedWave, record};
 
 /// One transfer function, or an array of them, for every limit of iterations.
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
@@ -33,13 +31,9 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     let Some(input_output) = &settings.input_output else { return Ok(Outcome::Done) };
     let record = record(source, input_output)?;
     let options = TransferFunctionOptions {
-        hold: if input_output.hold == "zero-order" { Hold::Zero } else { Hold::First },
+        hold: input_output.hold.into(),
         delay: input_output.delay,
-        initial: match input_output.initial.as_str() {
-            "zero" => InitialConditions::Zero,
-            "auto" => InitialConditions::Auto,
-            _ => InitialConditions::Estimate,
-        },
+        initial: input_output.initial.into(),
         stable: input_output.stable,
         starts: input_output.start_kinds(),
         ..TransferFunctionOptions::new(input_output.poles, input_output.zeros)
@@ -58,8 +52,8 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
         let task = TransferFunctionTask { id: &id, options: &options, settings, input_output, record: &record };
         let mut notes = Notes::new();
         limit.into_iter().for_each(|text| notes.info(text));
-        if let Some(name) = &settings.paper {
-            paper::remarks(name).iter().for_each(|remark| notes.info(*remark));
+        if let Some(paper) = settings.paper {
+            paper::remarks(paper).iter().for_each(|remark| notes.info(*remark));
         }
         let hint = "widen the window (--from, --to), lower --poles, or name other waveforms";
         if record.single() {
@@ -143,7 +137,7 @@ fn put_transfer_function(
     let poles_of_model = Poles::of(fit.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
     poles_of_model.put(id, results.out)?;
     let mut evidence = simulation_evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
-    put_search(&fit.search, &input_output.hold, settings.paper.as_deref(), &mut evidence);
+    put_search(&fit.search, input_output.hold, settings.paper, &mut evidence);
     evidence.numerator_deviations = if_determined(&fit.numerator_deviations);
     evidence.denominator_covariance = fit.denominator_covariance();
     evidence.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
@@ -186,7 +180,7 @@ fn put_transfer_function(
         results.out.put(&format!("/response/{id}"), &response)?;
     }
     let mut whole =
-        identification("tfest", input_output.poles, "input-output", answer, &fit.simulated, notes.to_texts());
+        identification(Method::Tfest, input_output.poles, "input-output", answer, &fit.simulated, notes.to_texts());
     whole.delay_s = record.delay_s;
     let percent = fit_in_words(whole.fit_percent);
     results.out.put(&format!("/identification/{id}"), &whole)?;
@@ -213,4 +207,124 @@ fn responses_of<'a>(fit: &'a TransferFunctionFit, answer: &WindowedWave, delay: 
         samples: answer.sampled.len(),
         delay,
     }
+}
+
+/// What transfer functions are for and from.
+pub struct TransferFunctionTask<'a> {
+    /// Id of the model.
+    pub id: &'a str,
+    /// How it was fitted.
+    pub options: &'a TransferFunctionOptions,
+    /// Settings of the stage.
+    pub settings: &'a Settings,
+    /// Those beside `era`.
+    pub input_output: &'a InputOutputSettings,
+    /// The waveforms.
+    pub record: &'a Record,
+}
+
+/// What was done to the waveforms before the fit.
+pub fn preparation(id: &str, record: &Record) -> Notes {
+    let mut notes = Notes::new();
+    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
+    if let Some(delay_s) = record.delay_s {
+        notes.info(format!(
+            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the \
+             responses have"
+        ));
+    }
+    notes
+}
+
+/// Says so where the fit determines no single coefficient.
+pub fn condition_note(id: &str, condition: f64, notes: &mut Notes) {
+    if condition > 1e8 {
+        notes.warning(format!(
+            "{id}: condition number {condition:.1e}: this record does not determine the single coefficients"
+        ));
+    }
+}
+
+/// Puts the fit of the kept samples into the evidence, if there are any.
+pub fn validate_continuous(
+    task: &TransferFunctionTask<'_>,
+    model: &StateSpace,
+    initial_estimated: bool,
+    evidence: &mut [EvidenceV1],
+) -> anyhow::Result<()> {
+    let TransferFunctionTask { options, record, .. } = *task;
+    if record.outputs[0].kept.is_empty() {
+        return Ok(());
+    }
+    let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;
+    let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
+    let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
+    let simulated = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
+    validate_all(record, &simulated, evidence);
+    // The protocol of published comparisons: the initial state is fitted to the kept samples.
+    let restarted = compare(&model, &whole.slice(first.samples(), whole.samples())?)?;
+    for (output_evidence, fit) in evidence.iter_mut().zip(restarted) {
+        output_evidence.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
+    }
+    Ok(())
+}
+
+/// Writes the records of one array and a summary line.
+pub fn put_array(
+    task: &TransferFunctionTask<'_>,
+    fit: &TransferFunctionArray,
+    notes: &mut Notes,
+    results: &mut Results<'_>,
+) -> anyhow::Result<()> {
+    let TransferFunctionTask { id, settings, input_output, record, .. } = *task;
+    notes.extend(preparation(id, record));
+    let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
+    notes.extend(notes_on_poles(id, &poles, &record.waves()));
+    notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
+    condition_note(id, fit.search.condition, notes);
+    for measures in fit.fits.iter().flatten() {
+        note_on_fit(id, measures.fit_percent, notes);
+    }
+    note_limits(id, (record.inputs.len(), record.outputs.len()), settings.bootstrap.as_ref(), notes);
+    if settings.bootstrap.is_some() && record.outputs.len() == 1 {
+        notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));
+    }
+    let entry = |i: usize, j: usize| {
+        let tf = &fit.entries[i][j];
+        (tf.numerator().to_vec(), tf.denominator().to_vec())
+    };
+    put_transfer_functions(id, record, entry, results.out)?;
+    results.out.put(
+        &format!("/model/{id}/continuous"),
+        &state_space(&fit.state_space, &record.input(), &record.output(), record.delay_s),
+    )?;
+    let poles = Poles::of(fit.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    poles.put(id, results.out)?;
+    let (whole, mut evidence) = identification_with_evidence(
+        Method::Tfest,
+        input_output.poles,
+        record,
+        &fit.simulated,
+        fit.parameters,
+        notes.to_texts(),
+    );
+    for (output_evidence, deviations) in evidence.iter_mut().zip(&fit.numerator_deviations) {
+        put_search(&fit.search, input_output.hold, settings.paper, output_evidence);
+        // Of every input, one after the other.
+        output_evidence.numerator_deviations = if_determined(&deviations.concat());
+    }
+    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut evidence)?;
+    let percent = fit_in_words(whole.fit_percent);
+    results.out.put(&format!("/identification/{id}"), &whole)?;
+    poles.keep_those_of_modes(&mut evidence);
+    results.enter(id, &whole, &mut evidence)?;
+    results.out.summary(format!(
+        "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
+        record.data.samples(),
+        fit.search.stop_reason.name_with_bounds(fit.search.on_bound),
+        fit.search.iterations,
+        fit.search.start.name(),
+        validation_summary(&evidence)
+    ));
+    Ok(())
 }

@@ -1,11 +1,13 @@
 //! The stage's options, as flags and as keys of the pipeline file.
 
 use crumple_signal::value::{Acceleration, Speed, Time};
-use crumple_stage::{Usage, nearest};
 use serde::{Deserialize, Serialize};
 
-use crate::stage::options::arx_structure::{ArxRanges, ArxStructure};
-use crate::stage::options::order::OrderOption;
+use crate::stage::options::choices::{
+    Condition, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Noise, OkidStates, Paper, Prior, Shift,
+    StartName,
+};
+use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption};
 
 /// Flags of `crumple-identify`, keys of `[identify]`.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
@@ -15,8 +17,8 @@ pub struct Options {
     /// Identification methods, separated by commas. From free motion: era (eigensystem realization), era-dc (the same
     /// on correlations of the record), exponentials. From an input and an output: tfest (continuous transfer function),
     /// okid (observer, then era), fir (impulse response, then era), n4sid, moesp, cva, arx, output-error. Default: era.
-    #[arg(long, value_delimiter = ',')]
-    pub methods: Vec<String>,
+    #[arg(long, value_delimiter = ',', hide_possible_values = true)]
+    pub methods: Vec<Method>,
     /// Numbers of states to try, separated by commas, and "auto": by the largest gap between singular values (era,
     /// era-dc), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4.
     #[arg(long, value_delimiter = ',')]
@@ -43,13 +45,13 @@ pub struct Options {
     /// Start where the contact force has ended: "separation" (the time of the rebound velocity) or a share of the peak
     /// of the crash pulse that it stays under from then on, e.g. 5%. Default: the start of the window.
     #[arg(long)]
-    pub free_decay: Option<String>,
+    pub free_decay: Option<FreeDecay>,
     /// Size of the Hankel matrix of era: half (of the record) or twice-order (rows and columns). Default: half.
-    #[arg(long)]
-    pub hankel_size: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub hankel_size: Option<HankelSize>,
     /// How era, era-dc and fir find the state matrix: hankel, least-squares or total-least-squares. Default: hankel.
-    #[arg(long)]
-    pub shift_form: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub shift_form: Option<Shift>,
     /// Lag of the first correlation of era-dc, samples; from --rows on none has white noise in it. Default: 0.
     #[arg(long)]
     pub offset: Option<u32>,
@@ -60,20 +62,20 @@ pub struct Options {
     #[arg(long)]
     pub lags: Option<u32>,
     /// Criterion for the number of lags: aicc or bic. Default: aicc.
-    #[arg(long)]
-    pub lag_criterion: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub lag_criterion: Option<LagCriterion>,
     /// What okid chooses its states from: system, or joint (system and observer gain, as published). Default:
     /// system.
-    #[arg(long)]
-    pub okid_states: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub okid_states: Option<OkidStates>,
     /// Samples of the impulse response of fir, at most a third of the record unless it starts from rest (--initial
     /// zero). Default: 100.
     #[arg(long)]
     pub taps: Option<u32>,
     /// What fir expects of the impulse response: tc (dies out, neighbours alike), dc (the same, with a likeness of its
     /// own) or none. Default: tc.
-    #[arg(long)]
-    pub kernel: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub kernel: Option<Prior>,
     /// Waveform that drives the system, for methods with an input: --inputs of a single one.
     #[arg(long, conflicts_with = "input_channels")]
     pub input_channel: Option<String>,
@@ -95,19 +97,19 @@ pub struct Options {
     #[arg(long)]
     pub zeros: Option<u32>,
     /// Input between its samples: first-order (straight lines) or zero-order (steps). Default: first-order.
-    #[arg(long)]
-    pub hold: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub hold: Option<Hold>,
     /// Motion at the start of the window: estimate, zero, or auto (estimated if an F-test at 5 % says so). Default:
     /// estimate.
-    #[arg(long)]
-    pub initial: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub initial: Option<Initial>,
     /// Keep poles of transfer functions from growing; sums of exponentials never grow. Default: false.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub stable: Option<bool>,
     /// Ways to starting points of a transfer function: svf, gpmf, iv, n4sid, integrators, exponentials, random.
     /// Default: all.
-    #[arg(long, value_delimiter = ',')]
-    pub starts: Vec<String>,
+    #[arg(long, value_delimiter = ',', hide_possible_values = true)]
+    pub starts: Vec<StartName>,
     /// Iterations from each start at most. Several, separated by commas: tfest gives one model each, those of fewer
     /// iterations with "after-<n>" in their names; other methods take the largest. Default: 200.
     #[arg(long, value_delimiter = ',')]
@@ -129,8 +131,8 @@ pub struct Options {
     /// What a sum of exponentials must have at the start of the window: position (that of the record), velocity (that
     /// of the record, or --start-velocity), acceleration (zero, or --start-acceleration). Each needs the ones before.
     /// Default: none.
-    #[arg(long, value_delimiter = ',')]
-    pub conditions: Vec<String>,
+    #[arg(long, value_delimiter = ',', hide_possible_values = true)]
+    pub conditions: Vec<Condition>,
     /// Velocity for --conditions position,velocity, e.g. 35km/h. Default: that of the record.
     #[arg(long, allow_hyphen_values = true)]
     pub start_velocity: Option<Speed>,
@@ -165,8 +167,8 @@ pub struct Options {
     #[arg(long)]
     pub bootstrap: Option<u32>,
     /// How that noise is drawn from the residuals: blocks, or autoregression. Default: blocks.
-    #[arg(long)]
-    pub bootstrap_noise: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub bootstrap_noise: Option<Noise>,
     /// Seed of that noise. Default: 1.
     #[arg(long)]
     pub bootstrap_seed: Option<u32>,
@@ -179,8 +181,8 @@ pub struct Options {
     /// 100 and from 50 samples, 4 from 60 and from 2501), curve-fit (of the same paper: 4 real exponentials) or tfest
     /// (4 poles, 1 zero, 20 iterations, at rest before the record). It sets --methods and what belongs to the
     /// procedure. Default: none.
-    #[arg(long)]
-    pub paper: Option<String>,
+    #[arg(long, hide_possible_values = true)]
+    pub paper: Option<Paper>,
     /// Start of the window, e.g. 5ms. Default: time zero, 0 s.
     #[arg(long, allow_hyphen_values = true)]
     pub from: Option<Time>,
@@ -201,13 +203,4 @@ fn one_or_several<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<V
         Written::One(number) => vec![number],
         Written::Several(numbers) => numbers,
     })
-}
-
-/// An error that suggests the nearest name.
-pub fn unknown(what: &str, name: &str, choices: &[&str]) -> Usage {
-    let hint = match nearest(name, choices.iter().copied()) {
-        Some(near) => format!("did you mean {near:?}?"),
-        None => format!("there are: {}", choices.join(", ")),
-    };
-    Usage::new(format!("unknown {what} {name:?}")).hint(hint)
 }

@@ -3,7 +3,8 @@
 use crumple_stage::Usage;
 use crumple_sysid::Order;
 
-use crate::stage::options::flags::{Options, unknown};
+use crate::stage::options::choices::{Hold, Initial, Method, Paper};
+use crate::stage::options::flags::Options;
 
 /// States and samples of the realisations that the ERA paper shows.
 pub const ERA_RUNS: [(Order, usize); 4] =
@@ -20,17 +21,18 @@ pub const CURVE_FIT_REMARKS: [&str; 3] = [
 ];
 
 /// Whether the exponentials of a run with this paper are its curve fit.
-pub fn has_curve_fit(paper: &str) -> bool {
-    ["era", "curve-fit"].contains(&paper)
+pub fn has_curve_fit(paper: Paper) -> bool {
+    matches!(paper, Paper::Era | Paper::CurveFit)
 }
 
-/// What a paper prescribes, put in the place of the options. Errors: an unknown paper, options that contradict it.
+/// What a paper prescribes, put in the place of the options. Errors: options that contradict it.
 pub fn follow(options: &mut Options) -> Result<(), Usage> {
-    let Some(paper) = options.paper.as_deref() else { return Ok(()) };
+    let Some(paper) = options.paper else { return Ok(()) };
+    let beyond = |own: &[Method]| options.methods.iter().any(|method| !own.contains(method));
     let taken = match paper {
-        "era" => vec![
+        Paper::Era => vec![
             // The curve fit of the same paper stands beside its realisations.
-            ("methods", options.methods.iter().any(|method| !["era", "exponentials"].contains(&method.as_str()))),
+            ("methods", beyond(&[Method::Era, Method::Exponentials])),
             ("orders", !options.orders.is_empty()),
             ("samples", options.samples.is_some()),
             ("rows", options.rows.is_some()),
@@ -40,47 +42,48 @@ pub fn follow(options: &mut Options) -> Result<(), Usage> {
             ("shift_form", options.shift_form.is_some()),
             ("free_decay", options.free_decay.is_some()),
         ],
-        "tfest" => vec![
-            ("methods", !options.methods.is_empty() && options.methods != ["tfest"]),
+        Paper::Tfest => vec![
+            ("methods", !options.methods.is_empty() && options.methods != [Method::Tfest]),
             ("poles", options.poles.is_some()),
             ("zeros", options.zeros.is_some()),
             ("initial", options.initial.is_some()),
             ("hold", options.hold.is_some()),
             ("max_iterations", !options.max_iterations.is_empty()),
         ],
-        "curve-fit" => {
-            vec![("methods", !options.methods.is_empty() && options.methods != ["exponentials"])]
-        }
-        name => return Err(unknown("paper", name, &["era", "curve-fit", "tfest"])),
+        Paper::CurveFit => vec![("methods", !options.methods.is_empty() && options.methods != [Method::Exponentials])],
     };
-    let curve_fit = paper == "curve-fit" || options.methods.iter().any(|m| m == "exponentials" && has_curve_fit(paper));
+    let curve_fit = paper == Paper::CurveFit || options.methods.contains(&Method::Exponentials) && has_curve_fit(paper);
     let fitted = [
         ("terms", curve_fit && options.terms.is_some_and(|terms| terms != 4)),
         ("real", curve_fit && options.real == Some(false)),
         ("conditions", curve_fit && !options.conditions.is_empty()),
     ];
     if let Some((name, _)) = taken.iter().chain(&fitted).find(|(_, given)| *given) {
-        return Err(Usage::new(format!("paper {paper:?} prescribes {name}, which is given too"))
+        return Err(Usage::new(format!("paper \"{paper}\" prescribes {name}, which is given too"))
             .hint(format!("leave out {name}, or the paper")));
     }
     if options.methods.is_empty() {
-        options.methods = vec![if paper == "curve-fit" { "exponentials" } else { paper }.to_owned()];
+        options.methods = vec![match paper {
+            Paper::Era => Method::Era,
+            Paper::CurveFit => Method::Exponentials,
+            Paper::Tfest => Method::Tfest,
+        }];
     }
     if curve_fit {
         (options.terms, options.real) = (Some(4), Some(true));
     }
-    if paper == "tfest" {
-        options.initial = Some("zero".to_owned());
-        options.hold = Some("zero-order".to_owned());
+    if paper == Paper::Tfest {
+        options.initial = Some(Initial::Zero);
+        options.hold = Some(Hold::ZeroOrder);
         options.max_iterations = vec![20];
     }
     Ok(())
 }
 
 /// What differs from the way the stage would go by itself, for the notes of every model of the paper's procedure.
-pub fn remarks(paper: &str) -> &'static [&'static str] {
+pub fn remarks(paper: Paper) -> &'static [&'static str] {
     match paper {
-        "era" => &[
+        Paper::Era => &[
             "paper era: the procedure of the ERA paper as printed: the crash pulse itself is the Markov sequence, D is \
              its first sample, the state matrices are balanced",
             "paper era: B and C carry the singular values to the power +1/2; the printed -1/2 does not reproduce the \
@@ -90,7 +93,7 @@ pub fn remarks(paper: &str) -> &'static [&'static str] {
             "paper era: a window much shorter than a period, as 50 to 100 samples at 10 kHz are, shows the filter and \
              the start of the pulse, not the car; by itself the stage takes the whole record",
         ],
-        "tfest" => &[
+        Paper::Tfest => &[
             "paper tfest: the procedure of the transfer-function paper as printed: 4 poles, 1 zero, at most 20 \
              iterations; the toolbox's defaults, which the paper does not print, are taken as steps between samples \
              and rest before the record",
@@ -99,6 +102,6 @@ pub fn remarks(paper: &str) -> &'static [&'static str] {
             "paper tfest: deceleration to its own double integral is 1/s^2 for any body; a stable fit of four poles \
              reflects the length of the record",
         ],
-        _ => &[],
+        Paper::CurveFit => &[],
     }
 }

@@ -1,26 +1,24 @@
-//! The stage's settings: its options with every default filled in.
+//! The stage's settings: its options with every default filled in, as they stand in the provenance.
 
-use crumple_signal::value::Time;
+use clap::ValueEnum;
+use crumple_signal::value::{Acceleration, Speed, Time};
 use crumple_stage::Usage;
-use crumple_sysid::Order;
+use crumple_sysid::{Order, Start};
 use serde::Serialize;
 
-use crate::stage::options::evidence::{self, BootstrapSettings, Stabilisation};
-use crate::stage::options::flags::{Options, unknown};
-use crate::stage::options::hankel::HankelSettings;
-use crate::stage::options::input_output::InputOutputSettings;
-use crate::stage::options::order::OrderOption;
+use crate::stage::options::choices::{
+    Condition, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Noise, OkidStates, Paper, Prior, Shift,
+    StartName,
+};
+use crate::stage::options::flags::Options;
+use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption};
 use crate::stage::options::paper;
-
-/// Methods by name.
-const METHODS: [&str; 11] =
-    ["era", "era-dc", "okid", "fir", "tfest", "exponentials", "n4sid", "moesp", "cva", "arx", "output-error"];
 
 /// Options with every default filled in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Settings {
     /// Methods, each known.
-    pub methods: Vec<String>,
+    pub methods: Vec<Method>,
     /// Orders in the order asked for, each once.
     pub orders: Vec<OrderOption>,
     /// Highest order that `auto` considers.
@@ -54,7 +52,7 @@ pub struct Settings {
     pub validate_from_s: Option<f64>,
     /// Paper whose procedure is followed, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub paper: Option<String>,
+    pub paper: Option<Paper>,
 }
 
 impl Settings {
@@ -68,26 +66,16 @@ impl Settings {
     /// Fills in the defaults. Errors: an unknown method, an order of zero, an empty window.
     pub fn resolve(mut options: Options) -> Result<Self, Usage> {
         paper::follow(&mut options)?;
-        for method in &options.methods {
-            if !METHODS.contains(&method.as_str()) {
-                return Err(unknown("identification method", method, &METHODS));
-            }
-        }
-        let mut orders: Vec<OrderOption> = Vec::new();
-        for &order in &options.orders {
-            if !orders.contains(&order) {
-                orders.push(order);
-            }
-        }
+        let orders = once(&options.orders);
         let from_s = options.from.map_or(0.0, Time::si);
         let to_s = options.to.map(Time::si);
         if let Some(to_s) = to_s.filter(|to| *to <= from_s) {
             return Err(Usage::new(format!("the window from {from_s} s to {to_s} s is empty"))
                 .hint("give --to a later time than --from"));
         }
-        let validate_from_s = evidence::validate_from(&options, from_s, to_s)?;
-        let bootstrap = evidence::bootstrap(&options)?;
-        let stabilisation = evidence::stabilisation(&options)?;
+        let validate_from_s = validate_from(&options, from_s, to_s)?;
+        let bootstrap = BootstrapSettings::resolve(&options)?;
+        let stabilisation = stabilisation(&options)?;
         let sizes = [
             ("max_order", options.max_order),
             ("rows", options.rows),
@@ -98,16 +86,13 @@ impl Settings {
             return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
         }
         let size = |n: Option<u32>| n.map(|n| n as usize);
-        let input_output = if options.methods.iter().any(|m| m != "era" && m != "era-dc") {
-            Some(InputOutputSettings::resolve(&options)?)
-        } else {
-            None
-        };
+        let with_input = options.methods.iter().any(|method| !method.is_of_free_motion());
+        let input_output = with_input.then(|| InputOutputSettings::resolve(&options)).transpose()?;
         let hankel = HankelSettings::resolve(&options)?;
         Ok(Self {
             input_output,
             hankel,
-            methods: if options.methods.is_empty() { vec!["era".to_owned()] } else { options.methods },
+            methods: if options.methods.is_empty() { vec![Method::Era] } else { options.methods },
             orders: if orders.is_empty() { vec![OrderOption(Order::Given(4))] } else { orders },
             max_order: size(options.max_order).unwrap_or(20),
             rows: size(options.rows),
@@ -124,6 +109,277 @@ impl Settings {
     }
 }
 
+/// What `era-dc`, `okid` and `fir` need, and what is unusual about `era`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HankelSettings {
+    /// Waveforms that `era` and `era-dc` take together; empty: the one of `--channel`, else the pulse.
+    pub channels: Vec<String>,
+    /// Form of the shift equation.
+    pub shift_form: Shift,
+    /// Whether the Hankel matrix has twice as many rows and columns as the model states.
+    pub twice_the_order: bool,
+    /// Lag of the first correlation.
+    pub offset: usize,
+    /// Correlations stacked beyond the first.
+    pub lag_blocks: usize,
+    /// Lags of the observer, if given.
+    pub lags: Option<usize>,
+    /// Criterion for their number otherwise.
+    pub lag_criterion: LagCriterion,
+    /// Whether the observer gain takes part in the choice of states.
+    pub okid_states: OkidStates,
+    /// Taps of the impulse response.
+    pub taps: usize,
+    /// What is expected of it.
+    pub kernel: Prior,
+    /// Share of the peak below which the contact force has ended; 0: from the time of separation on.
+    pub free_decay_share: Option<f64>,
+}
+
+impl HankelSettings {
+    /// `None` for plain ERA of one channel, which has no need of it. Errors: counts of zero, channels named twice.
+    fn resolve(options: &Options) -> Result<Option<Self>, Usage> {
+        let size = |n: Option<u32>, default: usize| n.map_or(default, |n| n as usize);
+        if options.lags == Some(0) || options.taps == Some(0) {
+            return Err(Usage::new("lags and taps are counts of samples: a positive number is needed"));
+        }
+        let channels = channels(options)?;
+        let asked = !channels.is_empty() || options.shift_form.is_some() || options.hankel_size.is_some();
+        let needs_it = |method: &Method| matches!(method, Method::EraDc | Method::Okid | Method::Fir);
+        let method = options.methods.iter().any(needs_it);
+        if !asked && !method && options.free_decay.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            channels,
+            shift_form: options.shift_form.unwrap_or_default(),
+            twice_the_order: options.hankel_size == Some(HankelSize::TwiceOrder),
+            offset: size(options.offset, 0),
+            lag_blocks: size(options.lag_blocks, 10),
+            lags: options.lags.map(|n| n as usize),
+            lag_criterion: options.lag_criterion.unwrap_or_default(),
+            okid_states: options.okid_states.unwrap_or_default(),
+            taps: size(options.taps, 100),
+            kernel: options.kernel.unwrap_or_default(),
+            free_decay_share: options.free_decay.map(FreeDecay::share),
+        }))
+    }
+}
+
+/// What ERA takes together: the channels, or the outputs where neither they nor one channel are named.
+fn channels(options: &Options) -> Result<Vec<String>, Usage> {
+    let named = &options.channels;
+    if let Some(twice) = named.iter().enumerate().find(|(i, c)| named[..*i].contains(c)) {
+        return Err(Usage::new(format!("channel {} is named twice", twice.1)));
+    }
+    if !named.is_empty() && options.channel.is_some() {
+        return Err(Usage::new("channel and channels are both given").hint("name all of them with --channels"));
+    }
+    let free = options.methods.is_empty() || options.methods.iter().any(|method| method.is_of_free_motion());
+    // The paper's procedure is one of the pulse, whatever its curve fit takes.
+    let pulse = options.channel.is_some() || options.paper == Some(Paper::Era);
+    if free && named.is_empty() && !pulse {
+        return waveforms("output", &options.output_channel, &options.output_channels);
+    }
+    Ok(named.clone())
+}
+
+/// Settings of the methods other than `era`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InputOutputSettings {
+    /// Driving waveforms; empty: the pulse. One alone named `none`: no input.
+    pub inputs: Vec<String>,
+    /// Answering waveforms; empty: the pulse's displacement.
+    pub outputs: Vec<String>,
+    /// Poles of a transfer function.
+    pub poles: usize,
+    /// Zeros.
+    pub zeros: usize,
+    /// Input between samples.
+    pub hold: Hold,
+    /// Motion at the start.
+    pub initial: Initial,
+    /// Whether poles are kept from growing.
+    pub stable: bool,
+    /// Ways to starting points.
+    pub starts: Vec<StartName>,
+    /// Iterations from each start, largest last, at least one.
+    pub max_iterations: Vec<u32>,
+    /// Samples by which the input acts late.
+    pub delay: usize,
+    /// Exponential terms.
+    pub terms: usize,
+    /// Real exponents only.
+    pub real: bool,
+    /// Conditions at the start, in the order position, velocity, acceleration.
+    pub conditions: usize,
+    /// Block rows, if given.
+    pub block_rows: Option<usize>,
+    /// Thinning of the subspace methods, if given.
+    pub thin: Option<usize>,
+    /// Structures of arx, if given.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub arx_orders: Vec<ArxStructure>,
+    /// Structures that arx scans, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arx_scan: Option<ArxRanges>,
+    /// Velocity that a sum of exponentials has at the start, m/s, if not that of the record.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_velocity_m_per_s: Option<f64>,
+    /// Acceleration there, m/s², if not zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_acceleration_m_per_s2: Option<f64>,
+    /// Whether the mean is removed from inputs and outputs.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub remove_mean: bool,
+}
+
+impl InputOutputSettings {
+    /// The most iterations from a start.
+    pub fn most_iterations(&self) -> u32 {
+        self.max_iterations.last().copied().unwrap_or(0)
+    }
+
+    /// Fills in the defaults. Errors: conditions out of order, waveforms named twice.
+    fn resolve(options: &Options) -> Result<Self, Usage> {
+        let all = Condition::value_variants();
+        for (condition, expected) in options.conditions.iter().zip(all) {
+            if condition != expected {
+                let text = format!("condition \"{condition}\" stands before \"{expected}\"");
+                return Err(Usage::new(text)
+                    .hint("each condition needs the ones before: position, then velocity, then acceleration"));
+            }
+        }
+        for (name, given, needed) in [
+            ("start_velocity", options.start_velocity.is_some(), 2),
+            ("start_acceleration", options.start_acceleration.is_some(), 3),
+        ] {
+            if given && options.conditions.len() < needed {
+                let names: Vec<String> = all[..needed].iter().map(Condition::to_string).collect();
+                let text = format!("{name} is given, but {} is not among conditions", all[needed - 1]);
+                return Err(Usage::new(text).hint(format!("give conditions = {}", names.join(","))));
+            }
+        }
+        if options.conditions.len() > all.len() {
+            return Err(Usage::new(format!("{} conditions, there are three", options.conditions.len())));
+        }
+        let size = |n: Option<u32>, default: usize| n.map_or(default, |n| n as usize);
+        let starts = if options.starts.is_empty() { StartName::value_variants() } else { &options.starts };
+        let mut max_iterations = options.max_iterations.clone();
+        if max_iterations.is_empty() {
+            max_iterations.push(200);
+        }
+        max_iterations.sort_unstable();
+        max_iterations.dedup();
+        if options.thin == Some(0) {
+            return Err(Usage::new("thin is 0, a positive number is needed"));
+        }
+        Ok(Self {
+            inputs: waveforms("input", &options.input_channel, &options.input_channels)?,
+            outputs: waveforms("output", &options.output_channel, &options.output_channels)?,
+            poles: size(options.poles, 4),
+            zeros: size(options.zeros, 1),
+            hold: options.hold.unwrap_or_default(),
+            initial: options.initial.unwrap_or_default(),
+            stable: options.stable.unwrap_or(false),
+            starts: starts.to_vec(),
+            max_iterations,
+            delay: size(options.delay, 0),
+            terms: size(options.terms, 4),
+            real: options.real.unwrap_or(false),
+            conditions: options.conditions.len(),
+            block_rows: options.block_rows.map(|n| n as usize),
+            thin: options.thin.map(|n| n as usize),
+            arx_orders: once(&options.arx_orders),
+            arx_scan: options.arx_scan,
+            start_velocity_m_per_s: options.start_velocity.map(Speed::si),
+            start_acceleration_m_per_s2: options.start_acceleration.map(Acceleration::si),
+            remove_mean: options.remove_mean.unwrap_or(false),
+        })
+    }
+
+    /// The starts as the library knows them, in its order.
+    pub fn start_kinds(&self) -> Vec<Start> {
+        StartName::value_variants().iter().filter(|start| self.starts.contains(start)).map(|s| (*s).into()).collect()
+    }
+}
+
+/// Each once.
+fn once<T: Copy + PartialEq>(named: &[T]) -> Vec<T> {
+    named.iter().enumerate().filter(|(k, one)| !named[..*k].contains(one)).map(|(_, one)| *one).collect()
+}
+
+/// Waveforms named by the option of one or by that of several; each once.
+fn waveforms(kind: &str, one: &Option<String>, several: &[String]) -> Result<Vec<String>, Usage> {
+    if one.is_some() && !several.is_empty() {
+        return Err(
+            Usage::new(format!("{kind}_channel and {kind}_channels both name waveforms")).hint("keep one of them")
+        );
+    }
+    let mut names: Vec<String> = Vec::new();
+    for name in several.iter().chain(one) {
+        if names.contains(name) {
+            return Err(Usage::new(format!("{kind} {name:?} is named twice")));
+        }
+        names.push(name.clone());
+    }
+    if names.len() > 1 && names.iter().any(|name| name == "none") {
+        return Err(Usage::new(format!("\"none\" stands beside other {kind}s")));
+    }
+    Ok(names)
+}
+
+/// Settings of the stabilisation diagram.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stabilisation {
+    /// Largest damping ratio that counts.
+    pub highest_damping: f64,
+}
+
+/// Settings of the bootstrap.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BootstrapSettings {
+    /// Fits.
+    pub replicates: usize,
+    /// How noise is drawn.
+    pub noise: Noise,
+    /// Seed.
+    pub seed: u32,
+}
+
+impl BootstrapSettings {
+    /// The bootstrap, if asked for. Errors: a single replicate.
+    fn resolve(options: &Options) -> Result<Option<Self>, Usage> {
+        if options.bootstrap == Some(1) {
+            return Err(Usage::new("one bootstrap fit has no spread").hint("200 are usual, 0 for none"));
+        }
+        Ok(options.bootstrap.filter(|count| *count > 0).map(|replicates| Self {
+            replicates: replicates as usize,
+            noise: options.bootstrap_noise.unwrap_or_default(),
+            seed: options.bootstrap_seed.unwrap_or(1),
+        }))
+    }
+}
+
+/// The diagram, if asked for. Errors: a damping ratio that is none.
+fn stabilisation(options: &Options) -> Result<Option<Stabilisation>, Usage> {
+    let highest_damping = options.highest_damping.unwrap_or(2.0);
+    if !(highest_damping > 0.0 && highest_damping.is_finite()) {
+        return Err(Usage::new(format!("highest damping ratio {highest_damping}, a positive number is needed")));
+    }
+    Ok(options.stabilisation.unwrap_or(false).then_some(Stabilisation { highest_damping }))
+}
+
+/// First time of the samples kept for validation. Errors: nothing before it, or nothing after.
+fn validate_from(options: &Options, from_s: f64, to_s: Option<f64>) -> Result<Option<f64>, Usage> {
+    let validate_from_s = options.validate_from.map(Time::si);
+    match validate_from_s.filter(|v| *v <= from_s || to_s.is_some_and(|to| *v >= to)) {
+        Some(from) => Err(Usage::new(format!("validation from {from} s leaves nothing before it, or nothing after"))
+            .hint("give --validate-from a time between --from and --to")),
+        None => Ok(validate_from_s),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,7 +387,7 @@ mod tests {
     #[test]
     fn defaults_are_era_of_order_four_from_time_zero() {
         let settings = Settings::resolve(Options::default()).unwrap();
-        assert_eq!((settings.methods, settings.orders), (vec!["era".to_owned()], vec![OrderOption(Order::Given(4))]));
+        assert_eq!((settings.methods, settings.orders), (vec![Method::Era], vec![OrderOption(Order::Given(4))]));
         assert_eq!((settings.from_s, settings.to_s, settings.max_order), (0.0, None, 20));
     }
 
@@ -146,13 +402,21 @@ mod tests {
     }
 
     #[test]
-    fn unknown_method_and_empty_window_are_usage_errors() {
-        let method = Options { methods: vec!["ERAA".to_owned()], ..Options::default() };
-        let error = format!("{:?}", Settings::resolve(method).unwrap_err());
-        assert!(error.contains("did you mean \\\"era\\\""), "{error}");
+    fn an_unknown_method_and_an_empty_window_are_refused() {
+        let error = serde_json::from_str::<Options>(r#"{"methods": ["ERAA"]}"#).unwrap_err().to_string();
+        assert!(error.contains("unknown variant `ERAA`, expected one of `era`, `era-dc`"), "{error}");
         let window = Options { from: Some(Time::from_si(0.1)), to: Some(Time::from_si(0.1)), ..Options::default() };
         assert_eq!(Settings::resolve(window).unwrap_err().to_string(), "the window from 0.1 s to 0.1 s is empty");
         let size = Options { rows: Some(0), ..Options::default() };
         assert_eq!(Settings::resolve(size).unwrap_err().to_string(), "rows is 0, a positive number is needed");
+    }
+
+    #[test]
+    fn plain_era_has_no_need_of_hankel_settings_and_a_channel_is_named_once() {
+        assert_eq!(HankelSettings::resolve(&Options::default()).unwrap(), None);
+        let options = Options { free_decay: Some(FreeDecay::Share(0.05)), ..Options::default() };
+        assert_eq!(HankelSettings::resolve(&options).unwrap().unwrap().free_decay_share, Some(0.05));
+        let options = Options { channels: vec!["a".to_owned(), "a".to_owned()], ..Options::default() };
+        assert_eq!(HankelSettings::resolve(&options).unwrap_err().to_string(), "channel a is named twice");
     }
 }

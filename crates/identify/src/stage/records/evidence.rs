@@ -1,15 +1,98 @@
-//! Evidence common to the methods beside `era`, as records.
+//! Evidence common to the methods beside `era`, and poles, as records.
 
-use crumple_numerics::lti::Complex;
+use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::Output;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, TransferFunctionV1};
+use crumple_stage::records::{
+    EvidenceV1, IdentificationV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1, TransferFunctionV1,
+};
 use crumple_sysid::{
-    InformationCriteria, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples, fit_measures,
-    pole_notes, residual_tests,
+    InformationCriteria, PoleKind, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples,
+    fit_measures, pole_kinds, pole_notes, residual_tests,
 };
 
+use crate::stage::options::choices::{Hold, Method, Paper};
 use crate::stage::waves::{Record, WindowedWave, filter_edges};
+
+/// All poles of a model that was identified from a record, one entry each, and what each is.
+pub struct Poles {
+    entries: Vec<ModeV1>,
+    kinds: Vec<PoleKind>,
+}
+
+impl Poles {
+    /// Of entries with whatever the method knows of each.
+    pub fn new(entries: Vec<ModeV1>, record: PoleRecord) -> Self {
+        let poles: Vec<Complex> = entries.iter().map(|pole| Complex::new(pole.re_per_s, pole.im_rad_per_s)).collect();
+        let kinds = pole_kinds(&poles, record);
+        Self { entries, kinds }
+    }
+
+    /// Of continuous poles, with their discrete counterparts where the model is sampled.
+    pub fn of(poles: impl Iterator<Item = (Mode, Option<Complex>)>, record: PoleRecord) -> Self {
+        Self::new(poles.map(|(mode, discrete)| entry(&mode, discrete)).collect(), record)
+    }
+
+    /// Whether each is a mode, in their order.
+    pub fn are_modes(&self) -> impl Iterator<Item = bool> {
+        self.kinds.iter().map(|kind| *kind == PoleKind::Mode)
+    }
+
+    /// The modes alone.
+    pub fn modes(&self) -> impl Iterator<Item = &ModeV1> {
+        self.entries.iter().zip(self.are_modes()).filter_map(|(entry, is_mode)| is_mode.then_some(entry))
+    }
+
+    /// Writes them as `/modes/<id>`.
+    pub fn put(&self, id: &str, out: &mut Output) -> anyhow::Result<()> {
+        let others = self.entries.iter().zip(&self.kinds).filter_map(|(pole, kind)| {
+            let kind = match kind {
+                PoleKind::Mode => return None,
+                PoleKind::Integrator => OtherPoleKindV1::Integrator,
+                PoleKind::BeyondNyquist => OtherPoleKindV1::BeyondNyquist,
+            };
+            let ModeV1 { re_per_s, im_rad_per_s, discrete_re, discrete_im, .. } = *pole;
+            Some(OtherPoleV1 { re_per_s, im_rad_per_s, discrete_re, discrete_im, kind })
+        });
+        out.put(
+            &format!("/modes/{id}"),
+            &ModesV2 { modes: self.modes().cloned().collect(), other_poles: others.collect() },
+        )
+    }
+
+    /// Leaves deviations and spreads of the modes alone where the evidence has one of every pole.
+    pub fn keep_those_of_modes(&self, evidence: &mut [EvidenceV1]) {
+        for EvidenceV1 { frequency_deviations, damping_deviations, frequency_spreads, damping_spreads, .. } in evidence
+        {
+            self.keep(frequency_deviations);
+            self.keep(damping_deviations);
+            self.keep(frequency_spreads);
+            self.keep(damping_spreads);
+        }
+    }
+
+    fn keep<T>(&self, of_poles: &mut Vec<T>) {
+        if of_poles.len() == self.kinds.len() {
+            let mut are_modes = self.are_modes();
+            of_poles.retain(|_| are_modes.next().unwrap_or(true));
+        }
+    }
+}
+
+/// The entry of a pole of which no more is known.
+pub fn entry(mode: &Mode, discrete: Option<Complex>) -> ModeV1 {
+    ModeV1 {
+        // Adding zero takes the sign from a zero.
+        re_per_s: mode.pole.re + 0.0,
+        im_rad_per_s: mode.pole.im + 0.0,
+        natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s,
+        damping_ratio: mode.damping_ratio,
+        modal_amplitude_coherence: None,
+        mode_singular_value: None,
+        discrete_re: discrete.map(|z| z.re),
+        discrete_im: discrete.map(|z| z.im),
+    }
+}
 
 /// Lags of the whiteness test.
 const LAGS: usize = 20;
@@ -135,7 +218,7 @@ pub fn validation_summary(evidence: &[EvidenceV1]) -> String {
 
 /// How a model was identified.
 pub fn identification(
-    method: &str,
+    method: Method,
     order: usize,
     treated_as: &str,
     output: &WindowedWave,
@@ -144,7 +227,7 @@ pub fn identification(
 ) -> IdentificationV1 {
     let fit = fit_measures(output.sampled.samples(), simulated);
     IdentificationV1 {
-        method: method.to_owned(),
+        method: method.to_string(),
         order: u32::try_from(order).unwrap_or(u32::MAX),
         channel: output.id.clone(),
         treated_as: treated_as.to_owned(),
@@ -165,7 +248,7 @@ pub fn identification(
 /// The same of a model with any number of inputs and outputs, and evidence for each output: one record for one output,
 /// else one a number.
 pub fn identification_with_evidence(
-    method: &str,
+    method: Method,
     order: usize,
     record: &Record,
     simulated: &[Vec<f64>],
@@ -239,8 +322,8 @@ pub fn fit_in_words(fit: Option<f64>) -> String {
 }
 
 /// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.
-pub fn put_search(search: &SearchOutcome, hold: &str, paper: Option<&str>, output_evidence: &mut EvidenceV1) {
-    output_evidence.hold = Some(hold.to_owned());
+pub fn put_search(search: &SearchOutcome, hold: Hold, paper: Option<Paper>, output_evidence: &mut EvidenceV1) {
+    output_evidence.hold = Some(hold.to_string());
     output_evidence.initial_conditions = if search.initial_estimated { "estimated" } else { "zero" }.to_owned();
     output_evidence.start = Some(search.start.name().to_owned());
     output_evidence.stop_reason = Some(search.stop_reason.name_with_bounds(search.on_bound).to_owned());
@@ -251,7 +334,7 @@ pub fn put_search(search: &SearchOutcome, hold: &str, paper: Option<&str>, outpu
     output_evidence.denominator_deviations = if_determined(&search.denominator_deviations);
     output_evidence.frequency_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     output_evidence.damping_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    output_evidence.paper = paper.map(str::to_owned);
+    output_evidence.paper = paper.map(|paper| paper.to_string());
 }
 
 /// Deviations, or none where they are not determined.

@@ -1,19 +1,24 @@
-//! A realised model (ERA, ERA/DC) as the records of the artifact.
+//! A realisation by ERA and its stabilisation diagram, as records.
 
 use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
 use crumple_signal::{Notes, Sampled};
+use crumple_stage::Output;
 use crumple_stage::records::{
-    EvidenceV1, IdentificationV1, ModeV1, ShapeV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
+    EvidenceV1, IdentificationV1, ModeV1, ShapeV1, ShapesV1, StabilizationClusterV1, StabilizationPoleV1,
+    StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
-use crumple_sysid::{Decomposition, Realization, Sample, markov_parameters, modal_assurance, phase_collinearity};
+use crumple_sysid::{
+    Decomposition, OrderPoles, Realization, Sample, StabilizationOptions, markov_parameters, modal_assurance,
+    phase_collinearity, stabilization,
+};
 use nalgebra::DMatrix;
 
-use crate::stage::options::evidence::BootstrapSettings;
-use crate::stage::records::acceptance::note_on_fit;
-use crate::stage::records::evidence::{pole_record, simulation_evidence, validate, validation_summary};
-use crate::stage::records::poles::{Poles, entry};
+use crate::stage::options::choices::Method;
+use crate::stage::options::settings::{BootstrapSettings, Stabilisation};
+use crate::stage::records::discrete::note_on_fit;
+use crate::stage::records::evidence::{Poles, entry, pole_record, simulation_evidence, validate, validation_summary};
 use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{WindowedWave, filter_edges};
@@ -24,7 +29,7 @@ const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
 /// What realised models come from.
 pub struct RealizationTask<'a> {
     /// `era` or `era-dc`.
-    pub method: &'a str,
+    pub method: Method,
     /// The channels, sampled together, at least one.
     pub waves: &'a [WindowedWave],
     /// What the samples are taken for.
@@ -271,7 +276,7 @@ fn identification(model: &Realization, task: &RealizationTask<'_>, notes: Vec<St
     let sampled = &task.waves[0].sampled;
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     IdentificationV1 {
-        method: task.method.to_owned(),
+        method: task.method.to_string(),
         order: size(model.order()),
         channel: task.names().join(", "),
         treated_as: task.treated_as.to_owned(),
@@ -303,4 +308,74 @@ fn summary(id: &str, model: &IdentificationV1, poles: &Poles) -> String {
     let modes: Vec<String> = modes.collect();
     let modes = if modes.is_empty() { String::new() } else { format!("; {}", modes.join(", ")) };
     format!("{id}: {fit} of {} samples{modes}", model.samples)
+}
+
+/// Writes the diagram of models of one channel.
+pub fn put_diagram(
+    method: &str,
+    channel: &str,
+    models: &[OrderPoles],
+    dt_s: f64,
+    settings: &Stabilisation,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    if models.is_empty() {
+        out.notes().info(format!("{method}: no stabilisation diagram: the record supports no order of two"));
+        return Ok(());
+    }
+    let options = StabilizationOptions { highest_damping: settings.highest_damping, ..StabilizationOptions::default() };
+    let diagram = stabilization(models, dt_s, options);
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let several = diagram.poles.iter().any(|pole| pole.shape.len() > 1);
+    let record = StabilizationV1 {
+        method: method.to_owned(),
+        channel: channel.to_owned(),
+        orders: diagram.orders.iter().map(|order| size(*order)).collect(),
+        highest_damping: options.highest_damping,
+        nyquist_share: options.nyquist_share,
+        least_collinearity: several.then_some(options.least_collinearity),
+        least_strength: diagram.poles.iter().any(|pole| pole.strength.is_some()).then_some(options.least_strength),
+        frequency_change: options.frequency_change,
+        damping_change: options.damping_change,
+        shape_change: several.then_some(options.shape_change),
+        presence: options.presence,
+        poles: diagram
+            .poles
+            .iter()
+            .map(|pole| StabilizationPoleV1 {
+                order: size(pole.order),
+                re_per_s: pole.mode.pole.re,
+                im_rad_per_s: pole.mode.pole.im,
+                stability: pole.stability.name().to_owned(),
+            })
+            .collect(),
+        clusters: diagram
+            .clusters
+            .iter()
+            .map(|cluster| StabilizationClusterV1 {
+                orders: size(cluster.orders),
+                natural_frequency_rad_per_s: cluster.natural_frequency_rad_per_s.median,
+                natural_frequency_lower_rad_per_s: cluster.natural_frequency_rad_per_s.lower,
+                natural_frequency_upper_rad_per_s: cluster.natural_frequency_rad_per_s.upper,
+                damping_ratio: cluster.damping_ratio.median,
+                damping_ratio_lower: cluster.damping_ratio.lower,
+                damping_ratio_upper: cluster.damping_ratio.upper,
+            })
+            .collect(),
+    };
+    let highest = diagram.orders.last().copied().unwrap_or(0);
+    let names: Vec<String> = diagram
+        .clusters
+        .iter()
+        .map(|c| {
+            let hz = c.natural_frequency_rad_per_s.median / TAU;
+            format!("{hz:.2} Hz (damping {:.3}, in {} orders)", c.damping_ratio.median, c.orders)
+        })
+        .collect();
+    out.summary(if names.is_empty() {
+        format!("{method}: no mode stays over half of the orders up to {highest}")
+    } else {
+        format!("{method}: modes that stay over the orders up to {highest}: {}", names.join(", "))
+    });
+    out.put(&format!("/stabilisation/{method}"), &record)
 }

@@ -12,7 +12,7 @@ use crumple_sysid::{
     BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
 };
 
-use crate::stage::options::evidence::BootstrapSettings;
+use crate::stage::options::settings::BootstrapSettings;
 
 /// Points of a frequency response beside those at resonances, and at most so many of a response in time.
 const FREQUENCIES: usize = 160;
@@ -294,7 +294,7 @@ fn run_bootstrap(
     let bootstrap = draw(BootstrapOptions {
         replicates: settings.replicates,
         seed: settings.seed.into(),
-        resampling: settings.resampling(),
+        resampling: settings.noise.into(),
     });
     match &bootstrap {
         Some(bootstrap) => note_scatter(id, sample, bootstrap, notes),

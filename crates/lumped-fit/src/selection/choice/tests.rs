@@ -1,8 +1,7 @@
 //! The choice among made candidates.
 
 use super::*;
-use crate::selection::compared_candidate::OwnTestErrors;
-use crate::selection::inadequacy::TestEvent;
+use crate::selection::compared::{OwnTestErrors, TestEvent};
 use crate::selection::rating::ComparedWave;
 
 /// A misfit of noise of this size that is told apart from sample to sample.
@@ -16,9 +15,9 @@ fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> Co
         masses: 1,
         parameters,
         is_assessed: true,
-        open: Vec::new(),
+        unidentified: Vec::new(),
         order_of_magnitude: 0,
-        open_and_felt: Vec::new(),
+        affects_other_speeds: Vec::new(),
         on_bound: Vec::new(),
         physical: true,
         slow_misfit: Some(misfit.clone()),
@@ -114,12 +113,12 @@ fn what_the_record_leaves_open_is_not_for_prediction() {
     let rules = SelectionRules::default();
     // 20 ln(1/0.75^2) = 11.5, less 2 for a number more and 1.2 for the correction: lower by 8.3.
     let mut open = candidate("open", EnergyClass::Plastic, 3, 0.75);
-    open.open = vec!["k3".to_owned()];
+    open.unidentified = vec!["k3".to_owned()];
     let determined = candidate("determined", EnergyClass::Plastic, 2, 1.0);
     // Not felt at other speeds, it stands in the way of the simplest alone.
     let unfelt = [open.clone(), determined.clone()];
     assert_eq!(ids(&unfelt, &rules), some(["open", "determined", "open"]));
-    open.open_and_felt.clone_from(&open.open);
+    open.affects_other_speeds.clone_from(&open.unidentified);
     let both = [open.clone(), determined];
     assert_eq!(ids(&both, &rules), some(["determined", "determined", "open"]));
     let selection = choose(&both, &record(), &rules);
@@ -139,7 +138,7 @@ fn a_decisive_record_is_for_a_model_with_open_numbers_unless_most_of_them_are() 
     let open = |names: &[&str]| {
         let open: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
         let close = candidate("open", EnergyClass::Damped, 4, 0.5);
-        ComparedCandidate { open_and_felt: open.clone(), open, ..close }
+        ComparedCandidate { affects_other_speeds: open.clone(), unidentified: open, ..close }
     };
     let half = [open(&["c2", "c3"]), determined.clone()];
     assert_eq!(ids(&half, &rules), some(["open", "determined", "open"]));
@@ -267,8 +266,8 @@ fn where_none_is_adequate_one_that_misses_the_rebound_alone_is_good_for_its_crus
     // So it is where an adequate one has open numbers that are felt.
     let names = vec!["a".to_owned(), "b".to_owned()];
     let open = ComparedCandidate {
-        open: names.clone(),
-        open_and_felt: names,
+        unidentified: names.clone(),
+        affects_other_speeds: names,
         ..candidate("open", EnergyClass::Damped, 2, 0.9)
     };
     assert_eq!(ids(&[open, all[1].clone()], &SelectionRules::default())[0].as_deref(), Some("rebound"));
@@ -280,7 +279,7 @@ fn an_open_knot_does_not_hand_the_choice_to_a_damped_model() {
     let open = |id: &str, parameters: usize, misfit: f64, open: &[&str]| {
         let names: Vec<String> = open.iter().map(|name| (*name).to_owned()).collect();
         let curve = candidate(id, EnergyClass::Plastic, parameters, misfit);
-        ComparedCandidate { open: names.clone(), open_and_felt: names, ..curve }
+        ComparedCandidate { unidentified: names.clone(), affects_other_speeds: names, ..curve }
     };
     let rules = SelectionRules::default();
     // Most of its numbers are open, so the curve does not decide over the damped model; with fewer knots it is not.
@@ -292,7 +291,7 @@ fn an_open_knot_does_not_hand_the_choice_to_a_damped_model() {
     let close = ComparedCandidate { misfit: candidate("", EnergyClass::Damped, 2, 0.2).misfit, ..damped };
     assert_eq!(ids(&[close.clone(), three.clone()], &rules)[0].as_deref(), Some("damped"));
     // So it does where it has open numbers itself: a curve that is decisively worse is no way out.
-    let undecided = ComparedCandidate { open_and_felt: vec!["c".to_owned(), "k".to_owned()], ..close };
+    let undecided = ComparedCandidate { affects_other_speeds: vec!["c".to_owned(), "k".to_owned()], ..close };
     assert_eq!(ids(&[undecided.clone(), three.clone()], &rules)[0], None);
     // 20 ln(1/0.9^2) = 4.2 less the prior of 10 and the charge of a number more.
     let near = ComparedCandidate { misfit: candidate("", EnergyClass::Damped, 2, 0.9).misfit, ..undecided };

@@ -31,8 +31,8 @@ fn made(model: Model, v0: f64) -> Truth {
 }
 
 /// Springs and dampers with the scale of their kind: what is near zero is known to a share of that.
-fn scales(truth: &Truth) -> BTreeMap<&'static str, f64> {
-    free_parameters(&truth.model, truth.v0, truth.crush).iter().map(|p| (p.name, p.scale)).collect()
+fn scales(truth: &Truth) -> BTreeMap<String, f64> {
+    free_parameters(&truth.model, truth.v0, truth.crush).iter().map(|p| (p.name.to_string(), p.scale)).collect()
 }
 
 fn mass(model: &Model) -> f64 {
@@ -45,15 +45,15 @@ fn distance(found: &Model, truth: &Truth, wanted: &Model) -> f64 {
     scales(truth)
         .iter()
         .map(|(name, scale)| {
-            let unit = if wanted[*name] == 0.0 { *scale } else { wanted[*name].abs() };
-            (found[*name] - wanted[*name]).abs() / unit
+            let unit = if wanted[name] == 0.0 { *scale } else { wanted[name].abs() };
+            (found[name] - wanted[name]).abs() / unit
         })
         .fold(0.0, f64::max)
 }
 
 /// The models that give the record: the truth, and its dual. The dual that a file states must be that.
 fn equals(truth: &Truth) -> Result<Vec<Model>, String> {
-    let Model::DoubleSpringMassDamper(double) = &truth.model else { return Ok(vec![truth.model]) };
+    let Model::DoubleSpringMassDamper(double) = &truth.model else { return Ok(vec![truth.model.clone()]) };
     let dual = double.dual();
     let found = [dual.k1_n_per_m, dual.k2_n_per_m, dual.c1_n_s_per_m, dual.c2_n_s_per_m];
     for (stated, found) in truth.stated_dual.iter().flatten().zip(found) {
@@ -62,7 +62,7 @@ fn equals(truth: &Truth) -> Result<Vec<Model>, String> {
             return Err(format!("{}: its dual has {stated}, found {found}", truth.record));
         }
     }
-    Ok(vec![truth.model, Model::DoubleSpringMassDamper(dual)])
+    Ok(vec![truth.model.clone(), Model::DoubleSpringMassDamper(dual)])
 }
 
 /// What `check` says of every record of a folder that a lumped model made; panics with all that failed.
@@ -182,7 +182,7 @@ fn comes_back_from_five_percent_away(truth: &Truth) -> Result<(), String> {
     let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let mut values = truth.model.parameters();
     for (k, parameter) in free.iter().enumerate() {
-        *values.get_mut(parameter.name).unwrap() *= if k % 2 == 0 { 1.05 } else { 0.97 };
+        *values.get_mut(&*parameter.name).unwrap() *= if k % 2 == 0 { 1.05 } else { 0.97 };
     }
     let mut start = Model::from_parameters(truth.model.kind(), &values).unwrap();
     if let (Model::Elastoplastic(start), Model::Elastoplastic(of)) = (&mut start, &truth.model) {
@@ -260,7 +260,7 @@ fn holds(refined: &Minimum, assessed: &Assessment, wanted: &Model) -> Result<(),
 /// The nonlinear model with its last spring knot moved along its line to the crush of another, where a fit has it.
 fn at_crush_of(model: &Model, other: &Model) -> Model {
     let crush = other.parameters().get("crush_m").copied();
-    match (*model, crush) {
+    match (model.clone(), crush) {
         (Model::Nonlinear1(mut m), Some(crush)) => {
             m.k2_n_per_m = m.k1_n_per_m + (m.k2_n_per_m - m.k1_n_per_m) * crush / m.crush_m;
             m.crush_m = crush;

@@ -1,0 +1,173 @@
+//! The method `arx`: of an order, of a structure, or of the best structure of a scan.
+
+use crumple_stage::records::{ArxScanModelV1, ArxScanV1};
+use crumple_stage::{Outcome, Output, RefuseExt, Refused};
+use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted, vector_arx};
+
+use crate::stage::methods::discrete::{MethodRun, ModelRequest};
+use crate::stage::options::choices::Method;
+use crate::stage::options::orders::ArxRanges;
+use crate::stage::records::discrete::DiscreteModel;
+use crate::stage::records::responses::Equation;
+use crate::stage::records::results::Results;
+use crate::stage::waves::{Record, Source};
+
+/// What to do about a regression that does not work.
+const HINT: &str =
+    "lower the numbers of --arx-orders or --arx-scan, widen the window (--from, --to), or name other waveforms";
+
+/// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of
+/// all as make `n` states.
+pub fn identify_order(order: usize, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
+    let outputs = data.outputs().len();
+    let lags = order.div_ceil(outputs);
+    let mut model = identify_structure(ArxOrder { na: lags, nb: lags + 1, nk: 0 }, data)?;
+    if outputs > 1 {
+        model.notes.info(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
+    }
+    Ok(model)
+}
+
+/// ARX of a structure.
+fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
+    let (m, q) = (data.inputs().len(), data.outputs().len());
+    let ArxOrder { na, nb, .. } = order;
+    if q > 1 {
+        let model = vector_arx(data, order)?;
+        let states = model.state_space()?;
+        let predicted = model.predict(data);
+        let parameters = q * (na * q + nb * m) + states.order();
+        return Ok(DiscreteModel {
+            predicted,
+            predicted_from: order.states(),
+            ..DiscreteModel::new(states, parameters)
+        });
+    }
+    let model = arx(data, order)?;
+    let coefficients = na + m * nb;
+    let from = order.states();
+    let predicted = model.predict(data);
+    let errors = data.outputs()[0].iter().zip(&predicted).map(|(y, yh)| y - yh).skip(from).collect();
+    let (regression, measured) = (model.clone(), data.clone());
+    let record = Box::new(move |errors: &[f64]| regression.with_errors(&measured, errors));
+    let discrete = DiscreteModel {
+        predicted: vec![predicted],
+        predicted_from: from,
+        equation: Some(Equation { errors, coefficients, record }),
+        // The initial state is fitted for the simulation.
+        ..DiscreteModel::new(model.state_space()?, coefficients + from)
+    };
+    Ok(DiscreteModel { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..discrete })
+}
+
+/// The structures asked for, and the best of the scan.
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
+    let all = MethodRun::new(Method::Arx, source, input_output, HINT)?;
+    let mut structures: Vec<(ArxOrder, Option<String>)> =
+        input_output.arx_orders.iter().map(|structure| (structure.0, None)).collect();
+    if let Some(ranges) = &input_output.arx_scan {
+        let best = scan(ranges, &all.record, &all.data, results.out)?;
+        let remark =
+            Some(format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"));
+        match structures.iter_mut().find(|(order, _)| *order == best) {
+            Some((_, known)) => *known = remark,
+            None => structures.push((best, remark)),
+        }
+    }
+    let requests: Vec<ModelRequest<'_>> = structures
+        .into_iter()
+        .map(|(order, remark)| ModelRequest {
+            id: id_of(&order),
+            order: order.states(),
+            identify: Box::new(move |data, _| identify_structure(order, data)),
+            remark,
+        })
+        .collect();
+    all.put_all(&requests, results)
+}
+
+fn id_of(order: &ArxOrder) -> String {
+    format!("arx-{}-{}-{}", order.na, order.nb, order.nk)
+}
+
+/// Writes the table of a scan and returns the structure with the smallest BIC.
+fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) -> anyhow::Result<ArxOrder> {
+    if data.outputs().len() != 1 {
+        return Err(Refused::new(format!(
+            "a scan of arx structures has one output, {} are named",
+            data.outputs().len()
+        ))
+        .hint("name one of --outputs, or give --arx-orders")
+        .into());
+    }
+    let orders = ranges.all();
+    let fits = arx_scan(data, &orders);
+    let rows = fits.iter().flatten().map(|(model, _)| model.rows).next();
+    let without = fits.iter().filter(|result| result.is_err()).count();
+    if let Some(Err(error)) = fits.iter().find(|result| result.is_err())
+        && without < orders.len()
+    {
+        out.notes().warning(format!(
+            "arx scan: {without} of {} structures have no model and are left out, the first because: {error}",
+            orders.len()
+        ));
+    }
+    let models: Vec<ArxScanModelV1> = orders
+        .iter()
+        .zip(&fits)
+        .map(|(order, result)| {
+            let finite = |x: f64| x.is_finite().then_some(x);
+            let criteria = result.as_ref().ok().map(|(_, criteria)| criteria);
+            ArxScanModelV1 {
+                past_outputs: order.na as u64,
+                inputs: order.nb as u64,
+                delay: order.nk as u64,
+                parameters: (order.na + order.nb * data.inputs().len()) as u64,
+                loss: criteria.and_then(|c| finite(c.loss)),
+                aicc: criteria.and_then(|c| finite(c.aicc)),
+                bic: criteria.and_then(|c| finite(c.bic)),
+                mdl: criteria.and_then(|c| finite(c.mdl)),
+                fit_percent: result.as_ref().ok().and_then(|(model, _)| simulation_fit(model, data)),
+                failure: result.as_ref().err().map(ToString::to_string),
+            }
+        })
+        .collect();
+    let smallest = |of: fn(&ArxScanModelV1) -> Option<f64>| {
+        let known = models.iter().enumerate().filter_map(|(k, model)| Some((k, of(model)?)));
+        known.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    };
+    let name = |k: usize| id_of(&orders[k]);
+    let (by_bic, by_aicc) = (smallest(|model| model.bic), smallest(|model| model.aicc));
+    let output = record.outputs[0].id.clone();
+    out.put(
+        &format!("/scan/{output}"),
+        &ArxScanV1 {
+            input: record.inputs.iter().map(|wave| wave.id.clone()).collect::<Vec<_>>().join(", "),
+            output,
+            samples: rows.unwrap_or(0) as u64,
+            models,
+            best_by_bic: by_bic.map(name),
+            best_by_aicc: by_aicc.map(name),
+        },
+    )?;
+    match (by_bic, fits.into_iter().find_map(Result::err)) {
+        (Some(best), _) => {
+            out.summary(format!(
+                "arx scan of {} structures: {} by BIC, {} by AICc",
+                orders.len(),
+                name(best),
+                by_aicc.map_or("none".to_owned(), name)
+            ));
+            Ok(orders[best])
+        }
+        (None, Some(error)) => Err(error).refuse_with_hint(HINT),
+        (None, None) => Err(Refused::new("the scan of arx structures is empty").hint(HINT).into()),
+    }
+}
+
+/// Fit of the simulated output, percent; `None` for a model that cannot be simulated.
+fn simulation_fit(model: &Arx, data: &IoData) -> Option<f64> {
+    let simulated = simulate_fitted(&model.state_space().ok()?, data).ok()?.0;
+    fit_measures(&data.outputs()[0], &simulated[0])?.fit_percent
+}

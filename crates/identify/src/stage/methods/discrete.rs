@@ -1,0 +1,279 @@
+//! The discrete methods with an input: every model asked for is identified, simulated and written.
+
+use crumple_numerics::lti::Complex;
+use crumple_signal::{About, Notes, Weight};
+use crumple_stage::{Outcome, Output, RefuseExt};
+use crumple_sysid::{IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weighting, output_error};
+
+use crate::stage::methods::okid_fir::{impulse_response, okid};
+use crate::stage::methods::subspace::{Horizon, chosen_order, put_subspace_diagram};
+use crate::stage::methods::{arx, subspace};
+use crate::stage::options::choices::{Initial, Method};
+use crate::stage::options::settings::{HankelSettings, InputOutputSettings, Settings};
+use crate::stage::records::discrete::{
+    DiscreteModel, DiscreteTask, RecordChoices, mirror_growing_poles, put_discrete_model, simulate_accepted,
+};
+use crate::stage::records::results::Results;
+use crate::stage::waves::{Record, Source, record};
+
+/// A method and the waveforms that it works on.
+pub struct MethodRun<'a> {
+    /// Name of the method.
+    pub method: Method,
+    /// Settings of the stage.
+    pub settings: &'a Settings,
+    /// Settings of the methods other than `era`.
+    pub input_output: &'a InputOutputSettings,
+    /// The waveforms.
+    pub record: Record,
+    /// The window, inputs delayed.
+    pub data: IoData,
+    /// The same with what is kept after it.
+    pub whole: IoData,
+    /// What a user can do where no request leads to a model.
+    pub hint: &'static str,
+}
+
+/// Identifies a model from a record.
+pub type Estimator<'a> = Box<dyn Fn(&IoData, RecordChoices) -> Result<DiscreteModel, IdentifyError> + Sync + 'a>;
+
+/// One model that is asked for.
+pub struct ModelRequest<'a> {
+    /// Its id.
+    pub id: String,
+    /// States asked for.
+    pub order: usize,
+    /// Identifies the model from a record, the measured one or a replicate of it, with the choices already made.
+    pub identify: Estimator<'a>,
+    /// A note on why this model is asked for.
+    pub remark: Option<String>,
+}
+
+impl<'a> MethodRun<'a> {
+    /// Reads the waveforms.
+    pub fn new(
+        method: Method,
+        source: Source<'a>,
+        input_output: &'a InputOutputSettings,
+        hint: &'static str,
+    ) -> anyhow::Result<Self> {
+        let record = record(source, input_output)?;
+        let (data, whole) = (record.data.delayed(input_output.delay), record.whole.delayed(input_output.delay));
+        Ok(Self { method, settings: source.settings, input_output, record, data, whole, hint })
+    }
+
+    /// Writes one model per request. A request that cannot be met is a warning; where none can, the first reason is
+    /// returned, as an error or as a diagnosis.
+    pub fn put_all(&self, requests: &[ModelRequest<'_>], results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+        let mut written = 0;
+        let mut failures = Vec::new();
+        for request in requests {
+            let identified = (request.identify)(&self.data, RecordChoices::default());
+            match identified.and_then(|model| simulate_accepted(model, &self.data)) {
+                Ok((simulated, model)) => {
+                    self.put_model(request, model, &simulated, results)?;
+                    written += 1;
+                }
+                Err(error) => failures.push((&request.id, error)),
+            }
+        }
+        let mut failures = failures.into_iter();
+        // Where there is no model the first failure is the answer.
+        let answer = if written == 0 { failures.next() } else { None };
+        for (id, error) in failures {
+            let about = About::Method(self.method.to_string());
+            results.out.notes().concern(about, Weight::Slight, format!("{id} gave no model: {error}"));
+        }
+        match answer.map(|(_, error)| error) {
+            // Nothing is passed on, but what was found is written: it is a result.
+            Some(error @ (IdentifyError::Diverged { .. } | IdentifyError::Misses { .. })) => {
+                Ok(Outcome::NoAcceptableResult(error.to_string()))
+            }
+            Some(error) => Err(error).refuse_with_hint(self.hint),
+            None => Ok(Outcome::Done),
+        }
+    }
+
+    fn put_model(
+        &self,
+        request: &ModelRequest<'_>,
+        mut model: DiscreteModel,
+        simulated: &[Vec<f64>],
+        results: &mut Results<'_>,
+    ) -> anyhow::Result<()> {
+        let Self { method, settings, input_output, record, data, whole, .. } = self;
+        request.remark.iter().for_each(|remark| model.notes.info(remark));
+        if input_output.delay > 0 {
+            model
+                .notes
+                .info(format!("the input acts {} samples late; the model itself has no delay", input_output.delay));
+        }
+        let choices = model.choices;
+        let refit = |y: &[Vec<f64>]| {
+            let again = IoData::new(data.inputs().to_vec(), y.to_vec(), data.sample_time_s()).ok()?;
+            Some((request.identify)(&again, choices).ok()?.state_space)
+        };
+        let task = DiscreteTask {
+            id: &request.id,
+            method: *method,
+            order: request.order,
+            record,
+            hold: input_output.hold,
+            data,
+            whole,
+            bootstrap: settings.bootstrap.as_ref(),
+            refit: &refit,
+        };
+        put_discrete_model(&task, &model, simulated, results)
+    }
+}
+
+/// The order where it is left to a method that does not choose one.
+const AUTOMATIC_ORDER: usize = 4;
+
+/// What to do about orders without a model.
+const HINT: &str = "lower --orders, widen the window (--from, --to), or name other waveforms";
+
+/// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison in
+/// words.
+type Choice = (Horizon, String);
+
+/// One model per order.
+pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+    let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
+    let all = MethodRun::new(method, source, input_output, HINT)?;
+    let weighting = method.weighting();
+    if let (Some(wanted), Some(weighting)) = (&source.settings.stabilisation, weighting) {
+        put_subspace_diagram(
+            weighting,
+            source.settings.max_order,
+            (&all.record, &all.data),
+            input_output,
+            wanted,
+            results.out,
+        )?;
+    }
+    let mut orders: Vec<(usize, Option<Choice>)> = Vec::with_capacity(source.settings.orders.len());
+    for order in &source.settings.orders {
+        let (order, choice) = match order.0 {
+            Order::Given(n) => (n, None),
+            Order::Automatic => {
+                choose_order(method, weighting, source.settings.max_order, &all.data, input_output, results.out)
+            }
+        };
+        match orders.iter_mut().find(|(other, _)| *other == order) {
+            Some((_, known)) => *known = known.take().or(choice),
+            None => orders.push((order, choice)),
+        }
+    }
+    let hankel = source.settings.hankel.as_ref();
+    let requests: Vec<ModelRequest<'_>> = orders
+        .into_iter()
+        .map(|(order, choice)| (order, choice.unzip()))
+        .map(|(order, (compared, remark))| ModelRequest {
+            id: format!("{method}-{order}"),
+            order,
+            identify: Box::new(move |data, choices| {
+                let input_output = InputOutputSettings {
+                    thin: choices.thin.or(input_output.thin),
+                    block_rows: choices.block_rows.or(input_output.block_rows),
+                    ..input_output.clone()
+                };
+                let hankel =
+                    hankel.map(|hankel| HankelSettings { lags: choices.lags.or(hankel.lags), ..hankel.clone() });
+                let subspace = weighting.map(|weighting| (weighting, compared));
+                identify(method, subspace, order, data, &input_output, hankel.as_ref())
+            }),
+            remark,
+        })
+        .collect();
+    all.put_all(&requests, results)
+}
+
+/// The number of states where it is left to the method, told in a note, and why this one where the record chose it.
+fn choose_order(
+    method: Method,
+    weighting: Option<Weighting>,
+    max_order: usize,
+    data: &IoData,
+    input_output: &InputOutputSettings,
+    out: &mut Output,
+) -> (usize, Option<Choice>) {
+    let Some(weighting) = weighting else {
+        let instead = if method == Method::Arx { "; --arx-scan compares structures" } else { "" };
+        out.notes()
+            .info(format!("{method}: order auto is not a choice of this method; {AUTOMATIC_ORDER} is used{instead}"));
+        return (AUTOMATIC_ORDER, None);
+    };
+    match chosen_order(weighting, max_order, data, input_output) {
+        Ok((order, horizon, why)) => {
+            out.notes().info(format!("{method}: {why}"));
+            (order, Some((horizon, why)))
+        }
+        Err(reason) => {
+            out.notes().warning(format!("{method}: no order can be chosen ({reason}); {AUTOMATIC_ORDER} is used"));
+            (AUTOMATIC_ORDER, None)
+        }
+    }
+}
+
+/// A model of any record; `subspace` for the methods with a weighting.
+fn identify(
+    method: Method,
+    subspace: Option<(Weighting, Option<Horizon>)>,
+    order: usize,
+    data: &IoData,
+    input_output: &InputOutputSettings,
+    hankel: Option<&HankelSettings>,
+) -> Result<DiscreteModel, IdentifyError> {
+    match (method, hankel) {
+        (Method::Okid, Some(hankel)) => okid(order, data, hankel),
+        (Method::Fir, Some(hankel)) => {
+            mirror_growing_poles(impulse_response(order, data, hankel, input_output.initial == Initial::Zero)?, data)
+        }
+        (Method::Arx, _) => arx::identify_order(order, data),
+        (Method::OutputError, _) => by_output_error(order, data, input_output),
+        _ => {
+            let (weighting, compared) = subspace.unwrap_or((Weighting::N4sid, None));
+            subspace::identify_order(weighting, order, data, input_output, compared)
+        }
+    }
+}
+
+/// Output error of one order.
+fn by_output_error(
+    order: usize,
+    data: &IoData,
+    input_output: &InputOutputSettings,
+) -> Result<DiscreteModel, IdentifyError> {
+    let options = OutputErrorOptions {
+        stop: Stop { max_iterations: input_output.most_iterations(), ..Stop::default() },
+        ..OutputErrorOptions::new(order)
+    };
+    let fit = output_error(data, options)?;
+    let mut notes = Notes::new();
+    let copies = data.inputs().len().min(data.outputs().len());
+    if copies > 1 {
+        notes.info(format!(
+            "all paths share {order} poles, each with a numerator of its own: the model has {} states",
+            copies * order
+        ));
+    }
+    let pole_deviations = fit.pole_deviations;
+    // The poles of the model are those of the chain, some several times.
+    let deviations = move |poles: &[Complex]| {
+        let nearest = |z: &Complex| {
+            let nearer = |a: &&(Complex, _), b: &&(Complex, _)| (a.0 - z).norm().total_cmp(&(b.0 - z).norm());
+            pole_deviations.iter().min_by(nearer).and_then(|(_, deviations)| *deviations)
+        };
+        poles.iter().map(nearest).collect()
+    };
+    Ok(DiscreteModel {
+        stop_reason: Some(fit.stop_reason.name_with_bounds(fit.on_bound)),
+        deviations: Some(Box::new(deviations)),
+        condition: Some(fit.condition).filter(|condition| condition.is_finite()),
+        losses: fit.losses,
+        notes,
+        ..DiscreteModel::new(fit.model, fit.criteria.parameters)
+    })
+}
