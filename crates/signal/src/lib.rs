@@ -17,7 +17,7 @@ pub use channels::{Axis, Channel, ChannelStatus};
 pub use description::{
     ANOTHER_VEHICLE, BodyPart, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
 };
-pub use notes::{About, Bearing, Note, Notes, Severity, UnknownAbout, Weight};
+pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use samples::{
     BeforeEvent, FreeFall, PreEvent, PreEventWindow, RecordingSteps, Sampled, Signal, SignalError, falls_before_event,
     free_fall, is_gravity, pre_event,
@@ -25,4 +25,4 @@ pub use samples::{
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
 pub use units::uncertain::{Distribution, Uncertain};
-pub use units::{unit, value};
+pub use units::{key_quantities, unit, value};
