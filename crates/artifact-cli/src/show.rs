@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1, SeverityV1};
 use crumple_artifact::{Artifact, JsonForm, RawRecord, ReadError, Record, WAVE_PREFIX, Wave, records, topic_matches};
 use crumple_signal::{About, Note, Severity, Weight};
 
@@ -85,7 +85,7 @@ impl StageNotes {
                     Severity::Warning => all.add(ConcernV1 {
                         about: About::of_stage(&stage).to_string(),
                         stage: stage.clone(),
-                        severity: ConcernV1::WARNING.to_owned(),
+                        severity: SeverityV1::Warning,
                         weight: Weight::Slight.number(),
                         text: note.text,
                         remedy: None,
@@ -95,8 +95,7 @@ impl StageNotes {
             }
         }
         // The sort is stable: equals stay in the order of the stages.
-        all.concerns
-            .sort_by_key(|concern| std::cmp::Reverse((concern.severity == ConcernV1::NO_RESULT, concern.weight)));
+        all.concerns.sort_by_key(|concern| std::cmp::Reverse((concern.is_no_result(), concern.weight)));
         Ok(all)
     }
 
@@ -121,7 +120,7 @@ impl StageNotes {
     pub fn lines(&self) -> Vec<(String, String)> {
         let mut lines = Vec::new();
         for ConcernV1 { stage, severity, weight, text, remedy, .. } in &self.concerns {
-            let mark = if severity == ConcernV1::NO_RESULT { "none" } else { "warning" };
+            let mark = if *severity == SeverityV1::NoResult { "none" } else { "warning" };
             lines.push((format!("{mark:<8}{weight:<3}{stage}"), text.clone()));
             lines.extend(remedy.iter().map(|remedy| (String::new(), format!("what to do: {remedy}"))));
         }

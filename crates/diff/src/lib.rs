@@ -4,16 +4,16 @@
 //! topics. What counts as the same is a tolerance by topic and place ([`Tolerances`]); the normative text is
 //! `docs/diff.md`. Everything here works on values in memory; reading files is the business of the program.
 
-mod compare;
+mod artifact;
 mod differences;
 mod error;
+mod json;
 mod print;
 mod tolerances;
 
-pub use compare::artifact::compare_artifacts;
-pub use compare::json::compare_json;
+pub use artifact::compare_artifacts;
 pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
-pub use print::head::{head, tolerated_parameters};
-pub use print::text::{TextOptions, write_text};
+pub use json::compare_json;
+pub use print::{TextOptions, head, tolerated_parameters, write_text};
 pub use tolerances::{Base, CompareSettings, Tolerance, ToleranceRule, Tolerances, parse_rules};

@@ -1,16 +1,17 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
+use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
 use crumple_signal::{ANOTHER_VEHICLE, About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
 use crate::checks::exchange_question::{self, Answer};
-use crate::checks::{channel_quality, lost_point, redundant_sensors};
+use crate::checks::{channel_quality, misplaced_decimal_point, redundant_sensors};
 use crate::files::sidecar;
 use crate::formats::reader::{Bundle, stem};
 use crate::pulse::polarity::{self, Polarity};
 use crate::pulse::{choice, velocity};
 use crate::recording::content::Recording;
-use crate::recording::details::{self, Damage, Details, Stated, TestVehicle};
+use crate::recording::details::{self, Details, Stated};
 use crate::recording::read_channel::ReadChannel;
 use crate::recording::wave::Wave;
 use crate::recording::{quality, unheeded_flags};
@@ -25,9 +26,9 @@ pub struct Ingested {
     /// Every channel with data, in the order of the source.
     pub waves: Vec<Wave>,
     /// What was measured on the vehicle afterwards, where the record says so.
-    pub damage: Option<Damage>,
+    pub damage: Option<DamageV1>,
     /// The vehicles of a test with several, that of the pulse with what was stated about it.
-    pub vehicles: Vec<TestVehicle>,
+    pub vehicles: Vec<VehicleV1>,
     /// Speed at which they approach each other, m/s.
     pub closing_speed_m_per_s: Option<f64>,
     /// Whether impact speed and pulse fit together; `None` where nothing is to be held against each other.
@@ -109,10 +110,10 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
         (choice::choose_pulse(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
     };
     if let Some(k) = pulse.or(velocity) {
-        lost_point::check(file, &recording.channels[k], &mut notes)?;
+        misplaced_decimal_point::check(file, &recording.channels[k], &mut notes)?;
     }
     let others = recording.channels.iter().enumerate().filter(|(k, _)| Some(*k) != pulse.or(velocity));
-    lost_point::check_others(others.map(|(_, read)| read), &mut notes);
+    misplaced_decimal_point::check_others(others.map(|(_, read)| read), &mut notes);
 
     if let Some(pulse) = pulse {
         facts_of_its_vehicle(&mut recording, pulse, &mut notes);
@@ -166,7 +167,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let details = recording.details;
     let damage = details.damage;
     let mut vehicles = details.vehicles;
-    let carries = |vehicle: &TestVehicle| pulse_id.as_ref().is_some_and(|id| vehicle.channels.contains(id));
+    let carries = |vehicle: &VehicleV1| pulse_id.as_ref().is_some_and(|id| vehicle.channels.contains(id));
     if let Some(own) = vehicles.iter_mut().find(|vehicle| carries(vehicle)) {
         own.mass_kg = details.mass_kg.as_ref().map(|s| s.value);
         own.impact_speed_m_per_s = speed;

@@ -23,7 +23,7 @@ pub use formats::registry::READERS;
 pub use ingest::{Ingested, ingest};
 pub use listing::{ListedChannel, list};
 pub use recording::content::{PulseRule, Recording};
-pub use recording::details::{Damage, Details, Stated, TestVehicle};
+pub use recording::details::{Details, Stated};
 pub use recording::line_numbers::LineNumbers;
 pub use recording::quality::Quality;
 pub use recording::read_channel::{Fitness, ReadChannel};

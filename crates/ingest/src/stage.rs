@@ -5,11 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crumple_artifact::InputDigest;
-use crumple_artifact::records::{DamageV1, QualityV1, TestV1, VehicleV1, VehiclesV1};
-use crumple_ingest::{
-    Bundle, Damage, IngestError, IngestSettings, Ingested, ListedChannel, Quality, RecordDigests, TestVehicle, ingest,
-    list,
-};
+use crumple_artifact::records::{TestV1, VehiclesV1};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, ingest, list};
 use crumple_stage::{
     ExitStatus, Loaded, Outcome, Output, Progress, Refused, Stage, Usage, keep_budget, nearest, printable, to_stdout,
 };
@@ -73,15 +70,14 @@ impl Stage for Ingest {
         }
         out.put("/test", &TestV1::from(&ingested.test))?;
         if let Some(damage) = &ingested.damage {
-            out.put("/damage", &damage_record(damage))?;
+            out.put("/damage", damage)?;
         }
         if !ingested.vehicles.is_empty() {
-            let vehicles = ingested.vehicles.iter().map(vehicle_record).collect();
-            let closing_speed_m_per_s = ingested.closing_speed_m_per_s;
+            let Ingested { vehicles, closing_speed_m_per_s, .. } = ingested;
             out.put("/vehicles", &VehiclesV1 { vehicles, closing_speed_m_per_s })?;
         }
         for wave in ingested.waves {
-            out.put(&format!("/quality/{}", wave.id), &quality_record(&wave.quality))?;
+            out.put(&format!("/quality/{}", wave.id), &wave.quality.record)?;
             out.wave(&wave.id, wave.quantity, wave.samples)?;
         }
         out.notes().extend(ingested.notes);
@@ -93,46 +89,6 @@ fn input_digests(record: RecordDigests) -> Vec<InputDigest> {
     let sidecar = record.sidecar.map(|digest| InputDigest { kind: "sidecar".to_owned(), digest });
     let kind = format!("{} {}", record.format, record.name);
     std::iter::once(InputDigest { kind, digest: record.record }).chain(sidecar).collect()
-}
-
-fn damage_record(damage: &Damage) -> DamageV1 {
-    DamageV1 {
-        residual_crush_m: damage.residual_crush_m.clone(),
-        damage_width_m: damage.damage_width_m,
-        vehicle_width_m: damage.vehicle_width_m,
-        classification: damage.classification.clone(),
-        from: damage.from.clone(),
-    }
-}
-
-fn vehicle_record(vehicle: &TestVehicle) -> VehicleV1 {
-    VehicleV1 {
-        number: vehicle.number,
-        description: vehicle.description.clone(),
-        mass_kg: vehicle.mass_kg,
-        impact_speed_m_per_s: vehicle.impact_speed_m_per_s,
-        pulse: vehicle.pulse.clone(),
-        channels: vehicle.channels.clone(),
-    }
-}
-
-fn quality_record(quality: &Quality) -> QualityV1 {
-    let pre = quality.pre_event;
-    QualityV1 {
-        zero_level: pre.map(|p| p.zero_level),
-        noise_floor: pre.map(|p| p.noise_floor),
-        pre_event_from_s: pre.map(|p| p.from_s),
-        pre_event_to_s: pre.map(|p| p.to_s),
-        sample_rate_hz: quality.sample_rate_hz,
-        time_jitter: quality.time_jitter,
-        minimum: quality.minimum,
-        maximum: quality.maximum,
-        clipped_run: quality.clipped_run as u64,
-        constant_run: Some(quality.constant_run as u64),
-        constant_run_from_s: quality.constant_run_from_s,
-        end_level: quality.end_level,
-        rest_level: quality.fall.map(|fall| fall.rest_level),
-    }
 }
 
 fn summary(ingested: &Ingested) -> Vec<String> {

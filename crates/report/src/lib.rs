@@ -11,23 +11,21 @@ mod frame;
 mod index;
 mod page;
 pub mod phrases;
+pub mod run_numbers;
 
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
 pub use figures::all::all_figures;
 pub use findings::{
-    CandidateResult, Certainties, Conclusion, Element, JointTests, Kind, LeftOut, MeasuredWaves, Model, Number,
-    OverviewLine, Ranking, Run, SensorMotion, StageNote, StageRecord, Standing, Status, StatusReason, Summary,
-    TestOfJointModel, compare_ids, conclusion, overview, summary, summary_schema,
+    CandidateResult, CandidateSummary, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
+    MeasuredWaves, MetricSummary, Model, Number, OF_SEVERAL_TESTS, OtherMetricSummary, OverviewLine, Ranking,
+    ResultStatus, Run, SensorMotion, StageNote, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
+    TestSummary, compare_ids, conclusion, model_year, overview, summary, summary_schema,
 };
-pub use index::document::{FiguresOfRuns, RunIndex};
-pub use index::indexed_run::{IndexedRun, status};
-pub use index::pulse::pulse_line;
-pub use index::quantities::{self, Quantity};
-pub use index::run_summary::{
-    MetricOfChannel, ParameterIntervals, RunSummary, SummaryCandidate, SummaryConcern, SummaryConclusion,
-    SummaryMetric, SummaryTest, model_year,
-};
+pub use index::pulse_line;
+pub use index::{FiguresOfRuns, RunIndex};
+pub use index::{IndexedRun, status};
 pub use page::document::{Page, write_shared_files};
 pub use phrases::words::fill;
+pub use run_numbers::RunNumber;

@@ -5,18 +5,17 @@
 //! results of two records side by side, nothing lost by a run that fails, and a plain word where a program breaks the
 //! contract of a stage.
 //!
-//! [`together`] fits one model to several tests after their runs.
+//! [`together`] fits one model to several tests after their runs; [`fleet`] runs many records.
 
 mod command;
+pub mod fleet;
 mod folder;
 mod messages;
 mod run;
 mod steps;
 mod together;
 
-pub use command::options::Options;
-pub use command::pipeline::Pipeline;
-pub use command::program::{own_program, typed_commands};
+pub use command::{Options, Pipeline, own_program, typed_commands};
 pub use run::run;
 pub use together::joint_run::together;
 pub use together::options::TogetherOptions;

@@ -8,23 +8,18 @@ use anyhow::Context;
 use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, chain, memory_limit_flag, say};
 
-use crate::command::options::Options;
-use crate::command::pipeline::{PIPELINE_OF_A_RUN, Pipeline};
-use crate::command::program::{Program, own_program};
-use crate::command::stages::{Stage, chain_of, dependents, stages_of};
-use crate::command::words::Words;
+use crate::command::{
+    Options, PIPELINE_OF_A_RUN, Pipeline, Program, Stage, Words, chain_of, dependents, own_program, stages_of,
+};
+use crate::folder::foreign_files::refuse_files_of_others;
 use crate::folder::lock::{LockedFolder, is_at};
-use crate::folder::ours::refuse_files_of_others;
 use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before, written};
 use crate::folder::state::state_of;
 use crate::folder::sweep::{folder_of_new_results, sweep};
-use crate::messages::changed_options::say_what_changed;
-use crate::messages::replaced_record::say_what_is_replaced;
-use crate::messages::stage_failed::{say_what_failed, say_which_stage_failed};
-use crate::messages::whose_flag::say_whose_flags;
-use crate::steps::ending::Ending;
-use crate::steps::start::{arguments, run_program, start};
-use crate::steps::take_over::take_over;
+use crate::messages::{
+    say_what_changed, say_what_failed, say_what_is_replaced, say_which_stage_failed, suggest_stage_of_flag,
+};
+use crate::steps::{StageExit, arguments, install_outputs, run_program, start};
 use crate::together::files::{INTEGRATED, SOLVED};
 
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
@@ -88,15 +83,15 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         let output = run.folder.path().join(stage.output());
         let is_kept = before.as_ref().is_some_and(|before| is_at(before, &output));
         match ending? {
-            Ending::WithResult(so_far) => status = so_far,
-            Ending::Failed(failure) => {
+            StageExit::WithResult(so_far) => status = so_far,
+            StageExit::Failed(failure) => {
                 if !stage.program.is_own {
                     say_which_stage_failed(stage.name, &stage.program, failure);
                 }
-                run.say_whose_flags(number, failure);
+                run.suggest_stage_of_flag(number, failure);
                 return run.failed(failure, before_it);
             }
-            Ending::Unforeseen(failure) => {
+            StageExit::Unforeseen(failure) => {
                 say_what_failed((stage.name, &stage.outputs), &stage.program, failure, Some(run.folder.path()));
                 return run.failed(ExitStatus::Failure, before_it);
             }
@@ -182,7 +177,7 @@ fn predict_joint(made: &Path, options: &Options) -> anyhow::Result<ExitStatus> {
     arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into()]);
     arguments.extend_from_slice(&options.record);
     let together = own_program("together");
-    Ok(Ending::of(run_program(&together, &arguments)?).status_of(&together))
+    Ok(StageExit::of(run_program(&together, &arguments)?).status_of(&together))
 }
 
 /// Removes what stages that are left out wrote once, the reports made from it first.
@@ -200,15 +195,15 @@ fn remove_left_out(folder: &Path, left_out: &[&str], stages: &[Stage]) -> anyhow
 fn information(options: &Options) -> anyhow::Result<ExitStatus> {
     let Some(first) = chain_of(options).next() else { return Ok(ExitStatus::Done) };
     let program = Program::of_stage(first.name, &Words::default())?;
-    Ok(match Ending::of(start(&program, &options.record, &[])?) {
-        Ending::WithResult(status) => status,
-        Ending::Failed(failure) => {
+    Ok(match StageExit::of(start(&program, &options.record, &[])?) {
+        StageExit::WithResult(status) => status,
+        StageExit::Failed(failure) => {
             if !program.is_own {
                 say_which_stage_failed(first.name, &program, failure);
             }
             failure
         }
-        Ending::Unforeseen(failure) => {
+        StageExit::Unforeseen(failure) => {
             say_what_failed((first.name, &first.outputs), &program, failure, None);
             ExitStatus::Failure
         }
@@ -244,7 +239,7 @@ impl Run<'_> {
         number: usize,
         stage: &Stage,
         looks_back: bool,
-    ) -> (anyhow::Result<Ending>, Option<String>) {
+    ) -> (anyhow::Result<StageExit>, Option<String>) {
         std::thread::scope(|scope| {
             let state = looks_back.then(|| scope.spawn(|| self.state()));
             let ending = self.stage(number, stage);
@@ -258,8 +253,8 @@ impl Run<'_> {
         for (number, stage) in self.stages.iter().enumerate().filter(|(_, stage)| stage.program.is_own) {
             let mut arguments = self.arguments(stage, &self.folder.path().join(stage.output()));
             arguments.push("--check-options".into());
-            if let Ending::Failed(failure) = Ending::of(start(&stage.program, &arguments, &self.options.flags)?) {
-                self.say_whose_flags(number, failure);
+            if let StageExit::Failed(failure) = StageExit::of(start(&stage.program, &arguments, &self.options.flags)?) {
+                self.suggest_stage_of_flag(number, failure);
                 return Ok(Some(failure));
             }
         }
@@ -267,14 +262,14 @@ impl Run<'_> {
     }
 
     /// Where the first stage does not know its flags: whose they may be.
-    fn say_whose_flags(&self, number: usize, failure: ExitStatus) {
+    fn suggest_stage_of_flag(&self, number: usize, failure: ExitStatus) {
         if number == 0 && failure == ExitStatus::Usage {
-            say_whose_flags(self.options.flags_of_the_first(), self.composed);
+            suggest_stage_of_flag(self.options.flags_of_the_first(), self.composed);
         }
     }
 
     /// Runs one stage. Where it ends with a result, this stands in the run folder.
-    fn stage(&self, number: usize, stage: &Stage) -> anyhow::Result<Ending> {
+    fn stage(&self, number: usize, stage: &Stage) -> anyhow::Result<StageExit> {
         let folder = self.folder.path();
         let dependents: Vec<PathBuf> = dependents(self.stages, number).map(|name| folder.join(name)).collect();
         if stage.program.is_own {
@@ -292,7 +287,7 @@ impl Run<'_> {
                 arguments.push("--force".into());
             }
             let status = start(&stage.program, &arguments, &self.options.flags)?;
-            return Ok(Ending::of(status).checked(folder, &stage.outputs));
+            return Ok(StageExit::of(status).checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
         let written: Vec<PathBuf> = stage.outputs.iter().map(|name| new.join(name)).collect();
@@ -307,9 +302,9 @@ impl Run<'_> {
         }
         let output = new.join(stage.output());
         let status = start(&stage.program, &self.arguments(stage, &output), &self.options.flags)?;
-        let ending = Ending::of(status).checked(&new, &stage.outputs);
-        if matches!(ending, Ending::WithResult(_)) {
-            take_over(&new, folder, &stage.outputs, &dependents)
+        let ending = StageExit::of(status).checked(&new, &stage.outputs);
+        if matches!(ending, StageExit::WithResult(_)) {
+            install_outputs(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name, folder.display()))?;
         }
         let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };

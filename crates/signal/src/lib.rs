@@ -63,7 +63,7 @@ pub use motion::{
     Drift, DriftShape, EndCondition, IntegrationSettings, IntegrationStart, LateRecord, Motion, UsedStart, integrate,
     integrate_from, integrate_reporting, integrate_without_drift, without_drift,
 };
-pub use notes::{About, Bearing, Note, Notes, Severity, UnknownAbout, Weight};
+pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{
     FreeFall, PreEvent, PreEventWindow, Sampled, Signal, SignalError, falls_before_event, free_fall, is_gravity,
@@ -75,7 +75,7 @@ pub use summation::{
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
 pub use units::uncertain::{Distribution, Uncertain};
-pub use units::{unit, value};
+pub use units::{key_quantities, unit, value};
 pub use zero_phase::{
     TwoPassFilter, filter_both_ways, filter_both_ways_into, phaseless_low_pass, samples_added, through_class,
 };

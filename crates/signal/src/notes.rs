@@ -134,7 +134,7 @@ impl Weight {
 
 /// What a note concerns and how much it changes there.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Bearing {
+pub struct ConcernContext {
     /// What it concerns.
     pub about: About,
     /// How much it changes there.
@@ -164,7 +164,7 @@ pub struct Note {
     /// One sentence, units included.
     pub text: String,
     /// What it concerns and how much it changes there; `None`: what the stage concerns, with the least weight.
-    pub bearing: Option<Bearing>,
+    pub bearing: Option<ConcernContext>,
 }
 
 impl fmt::Display for Note {
@@ -190,7 +190,7 @@ impl Note {
     /// The same, with what it concerns and how much it changes there.
     #[must_use]
     pub fn bears_on(mut self, about: About, weight: Weight) -> Self {
-        self.bearing = Some(Bearing { about, weight });
+        self.bearing = Some(ConcernContext { about, weight });
         self
     }
 
@@ -232,7 +232,7 @@ impl Notes {
     #[must_use]
     pub fn all_about(mut self, about: &About) -> Self {
         for note in self.0.iter_mut().filter(|note| note.severity == Severity::Warning) {
-            note.bearing.get_or_insert_with(|| Bearing { about: about.clone(), weight: Weight::Slight });
+            note.bearing.get_or_insert_with(|| ConcernContext { about: about.clone(), weight: Weight::Slight });
         }
         self
     }

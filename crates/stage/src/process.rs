@@ -8,9 +8,9 @@ use anyhow::Context;
 use clap::builder::PossibleValuesParser;
 use clap::error::ErrorKind;
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
-use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1, SeverityV1};
 use crumple_artifact::{Artifact, InputDigest, OutputKind, Provenance, WriteError};
-use crumple_signal::{About, Bearing, Note, Severity, Weight};
+use crumple_signal::{About, ConcernContext, Note, Severity, Weight};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -20,7 +20,7 @@ use crate::artifacts::overwriting::refuse_to_overwrite;
 use crate::command_line::args::{Cli, SharedFlags};
 use crate::command_line::memory_limit;
 use crate::command_line::memory_limit::keep_budget;
-use crate::command_line::pipeline::{blame_the_default, canonical_json, is_flag, merge};
+use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, is_flag, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
 use crate::terminal::{be_quiet, say, to_stdout};
 
@@ -30,7 +30,7 @@ impl Output {
     /// No acceptable result, in the words of the first warning about a model, and how many more there are; `otherwise`
     /// without any. `remedy`: see [`Output::remedy`].
     pub fn no_result(&mut self, otherwise: &str, remedy: &str) -> Outcome {
-        let is_of_a_model = |note: &&Note| matches!(&note.bearing, Some(Bearing { about: About::Model(_), .. }));
+        let is_of_a_model = |note: &&Note| matches!(&note.bearing, Some(ConcernContext { about: About::Model(_), .. }));
         let texts: Vec<&str> = self.notes.iter().filter(is_of_a_model).map(|note| note.text.as_str()).collect();
         let reason = match texts[..] {
             [] => otherwise.to_owned(),
@@ -119,7 +119,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     keep_budget(&common.inputs, ExitStatus::Refused);
     let sums_up = !common.quiet && !common.no_summary;
     let settings =
-        S::resolve(options).map_err(|error| blame_the_default(S::NAME, common.pipeline.as_deref(), error))?;
+        S::resolve(options).map_err(|error| hint_default_pipeline(S::NAME, common.pipeline.as_deref(), error))?;
     if common.check_options {
         return Ok(ExitStatus::Done);
     }
@@ -269,11 +269,11 @@ fn concern(stage: &str, note: &Note) -> Option<ConcernV1> {
     if note.severity != Severity::Warning {
         return None;
     }
-    let of_stage = || Bearing { about: About::of_stage(stage), weight: Weight::Slight };
-    let Bearing { about, weight } = note.bearing.clone().unwrap_or_else(of_stage);
+    let of_stage = || ConcernContext { about: About::of_stage(stage), weight: Weight::Slight };
+    let ConcernContext { about, weight } = note.bearing.clone().unwrap_or_else(of_stage);
     Some(ConcernV1 {
         stage: stage.to_owned(),
-        severity: ConcernV1::WARNING.to_owned(),
+        severity: SeverityV1::Warning,
         about: about.to_string(),
         weight: weight.number(),
         text: note.text.clone(),
@@ -284,7 +284,7 @@ fn concern(stage: &str, note: &Note) -> Option<ConcernV1> {
 fn no_result(stage: &str, reason: &str, remedy: Option<String>) -> ConcernV1 {
     ConcernV1 {
         stage: stage.to_owned(),
-        severity: ConcernV1::NO_RESULT.to_owned(),
+        severity: SeverityV1::NoResult,
         about: About::of_stage(stage).to_string(),
         weight: Weight::Decisive.number(),
         text: reason.to_owned(),
@@ -305,7 +305,7 @@ fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
 
 /// What to do for a result, where there is none.
 fn remedy_of(concerns: &[ConcernV1]) -> Option<&str> {
-    concerns.iter().filter(|c| c.severity == ConcernV1::NO_RESULT).find_map(|c| c.remedy.as_deref())
+    concerns.iter().filter(|c| c.is_no_result()).find_map(|c| c.remedy.as_deref())
 }
 
 fn no_acceptable_result(common: &SharedFlags, stage: &str, reason: &str, remedy: Option<&str>) -> ExitStatus {

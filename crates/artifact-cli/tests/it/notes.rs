@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1};
+use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1, SeverityV1};
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 
 fn write(folder: &Path, name: &str, stage: &str, notes: &[&str], concerns: Vec<ConcernV1>) {
@@ -30,7 +30,7 @@ fn lines(path: &Path) -> Vec<String> {
 fn concern(stage: &str, weight: u8, text: &str) -> ConcernV1 {
     ConcernV1 {
         stage: stage.to_owned(),
-        severity: ConcernV1::WARNING.to_owned(),
+        severity: SeverityV1::Warning,
         about: "pulse".to_owned(),
         weight,
         text: text.to_owned(),

@@ -70,6 +70,10 @@ fn viewer_value(schema: &Value, definitions: &Map<String, Value>, depth: usize) 
     if let Some(reference) = schema.get("$ref").and_then(Value::as_str) {
         return viewer_value(definitions.get(reference.strip_prefix("#/$defs/")?)?, definitions, depth + 1);
     }
+    let is_word = |choice: &Value| choice.get("const").is_some_and(Value::is_string);
+    if schema.get("oneOf").and_then(Value::as_array).is_some_and(|choices| choices.iter().all(is_word)) {
+        return Some(json!({ "type": "string" }));
+    }
     if let Some(choices) = schema.get("anyOf").and_then(Value::as_array) {
         let mut others = choices.iter().filter(|c| c.get("type").and_then(Value::as_str) != Some("null"));
         let only = others.next()?;

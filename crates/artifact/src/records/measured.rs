@@ -81,6 +81,35 @@ pub struct DamageV1 {
 
 // Record: the events of a crash on one channel.
 
+/// What an interval of an event or a metric is made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum IntervalSourceV1 {
+    /// 5 % and 95 % quantile of repetitions with perturbed inputs.
+    Replicates,
+    /// Lowest and highest of channels that measured the same.
+    Channels,
+    /// Half of the step in which a recorder keeps a value, or of its sampling interval.
+    Resolution,
+}
+
+impl IntervalSourceV1 {
+    /// Share of the values between the ends, percent; a range and a resolution have none.
+    pub fn level_percent(self) -> Option<u8> {
+        matches!(self, Self::Replicates).then_some(90)
+    }
+
+    /// Reads the words that are all that earlier records have.
+    fn of_words(words: &str) -> Option<Self> {
+        match words.split(' ').next()? {
+            "5-95" => Some(Self::Replicates),
+            "range" => Some(Self::Channels),
+            "resolution" => Some(Self::Resolution),
+            _ => None,
+        }
+    }
+}
+
 /// Interval of an event, from the stated uncertainty of the measurement.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EventIntervalV1 {
@@ -90,8 +119,18 @@ pub struct EventIntervalV1 {
     pub low: f64,
     /// Upper end.
     pub high: f64,
-    /// How it was found, e.g. `5-95 % of 400 replicates`.
+    /// How it was found, in words, e.g. `5-95 % of 400 replicates`.
     pub interval_by: String,
+    /// What it is made from.
+    #[serde(default)]
+    pub interval_source: Option<IntervalSourceV1>,
+}
+
+impl EventIntervalV1 {
+    /// What it is made from.
+    pub fn source(&self) -> Option<IntervalSourceV1> {
+        self.interval_source.or_else(|| IntervalSourceV1::of_words(&self.interval_by))
+    }
 }
 
 /// Why an event has no interval.
@@ -195,7 +234,7 @@ pub struct MetricV1 {
     pub value: Option<f64>,
     /// SI unit.
     pub unit: String,
-    /// Channel it was computed from.
+    /// Channel it was computed from; of several their ids joined by `+`.
     pub channel: String,
     /// Definition, or the reason for a missing value.
     pub definition: String,
@@ -209,9 +248,38 @@ pub struct MetricV1 {
     pub low: Option<f64>,
     /// Its upper end.
     pub high: Option<f64>,
-    /// How the interval was found, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why there is
-    /// none, where one was to be expected.
+    /// How the interval was found, in words, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why
+    /// there is none, where one was to be expected.
     pub interval_by: Option<String>,
+    /// What the interval is made from.
+    #[serde(default)]
+    pub interval_source: Option<IntervalSourceV1>,
+    /// The channels it was computed from, where they are several.
+    #[serde(default)]
+    pub channels: Vec<String>,
+    /// Whether the value is a lower bound: the record ends too early.
+    #[serde(default)]
+    pub is_lower_bound: bool,
+}
+
+impl MetricV1 {
+    /// What its interval is made from; `None` where it has none.
+    pub fn source(&self) -> Option<IntervalSourceV1> {
+        self.interval_source.or_else(|| IntervalSourceV1::of_words(self.interval_by.as_deref()?))
+    }
+
+    /// The channels it was computed from. Earlier records have their joined ids alone.
+    pub fn channels(&self) -> Vec<&str> {
+        match &self.channels[..] {
+            [] => self.channel.split('+').collect(),
+            several => several.iter().map(String::as_str).collect(),
+        }
+    }
+
+    /// Whether it was computed from several channels.
+    pub fn is_of_several(&self) -> bool {
+        self.channels().len() > 1
+    }
 }
 
 // Record: what ingest measured on a channel.

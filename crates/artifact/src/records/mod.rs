@@ -12,7 +12,7 @@ mod predicted;
 mod run;
 
 pub use fitted::{
-    CandidateV1, Certainty, EnergyV1, FitV1, JointTestV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1,
+    CandidateV1, Certainty, Doubt, EnergyV1, FitV1, JointTestV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1,
     MatchingV1, OtherSensorV1, PhysicalCoordinatesV1, PriorTermV1, PriorV1, ProfileV1, RatedCandidateV1, RatingV1,
     RecommendationEvidenceV1, RecommendationV1, ReplicatesV1, SensorFitV1, SimulationV1, StrengthV1, TestsV1,
     UncertaintyV1,
@@ -23,11 +23,11 @@ pub use identified::{
     StabilizationClusterV1, StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 pub use measured::{
-    ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, MetricV1, MetricsV1, MetricsV2,
-    MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1, VehiclesV1, WaveBlockV1,
+    ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1,
+    MetricsV1, MetricsV2, MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1, VehiclesV1, WaveBlockV1,
 };
 pub use predicted::{
     AgainstTestV1, AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1,
     PredictionV1,
 };
-pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1};
+pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1, SeverityV1};

@@ -28,8 +28,8 @@ impl From<ConcernsV1> for ConcernsV2 {
 pub struct ConcernV1 {
     /// The stage that says it.
     pub stage: String,
-    /// `warning`, or `no-result`: the stage has no acceptable result, or none that later stages work on.
-    pub severity: String,
+    /// How severe it is.
+    pub severity: SeverityV1,
     /// What it concerns: `pulse`, `mass`, `impact-speed`, `time`, `motion`, `model:<model or candidate>`,
     /// `predictions`, `occupants`, `wall-force`, `identified-models`, `method:<identification method that gave no
     /// model, or none of an order>`, `channel:<id>`, `record`.
@@ -43,11 +43,22 @@ pub struct ConcernV1 {
     pub remedy: Option<String>,
 }
 
+/// How severe a concern is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SeverityV1 {
+    /// It may change a conclusion.
+    #[default]
+    Warning,
+    /// The stage has no acceptable result, or none that later stages work on.
+    NoResult,
+}
+
 impl ConcernV1 {
-    /// Severity of a warning.
-    pub const WARNING: &str = "warning";
-    /// Severity of the diagnosis of a stage without a result.
-    pub const NO_RESULT: &str = "no-result";
+    /// Whether it is the diagnosis of a stage without a result.
+    pub fn is_no_result(&self) -> bool {
+        self.severity == SeverityV1::NoResult
+    }
 }
 
 // Record: why a run has no acceptable result.

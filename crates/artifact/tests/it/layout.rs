@@ -85,6 +85,7 @@ fn freeze_measured() {
             low: 0.74,
             high: 0.76,
             interval_by: "5-95 % of 400 replicates".into(),
+            interval_source: Some(IntervalSourceV1::Replicates),
         }],
         time_of_delta_v_s: Some(0.143),
         end_of_event_s: None,
@@ -106,6 +107,9 @@ fn freeze_measured() {
         low: Some(440.0),
         high: Some(450.0),
         interval_by: Some("range over 4 channels".into()),
+        interval_source: Some(IntervalSourceV1::Channels),
+        channels: vec!["93".into(), "94".into()],
+        is_lower_bound: true,
     }];
     freeze(&MetricsV1(metrics.clone()));
     freeze(&MetricsV2 { metrics });
@@ -496,7 +500,7 @@ fn freeze_simulated() {
 fn freeze_of_every_stage() {
     let concerns = vec![ConcernV1 {
         stage: "ingest".into(),
-        severity: ConcernV1::WARNING.into(),
+        severity: SeverityV1::Warning,
         about: "pulse".into(),
         weight: 3,
         text: "the pulse is positive".into(),

@@ -1,7 +1,7 @@
 //! What records say of themselves: how sure a parameter is, when contact ends, what a test description must hold.
 
 use crumple_artifact::records::{
-    CandidateV1, Certainty, ConcernV1, ConcernsV1, ConcernsV2, EventsV1, ModesV1, ModesV2, TestV1,
+    CandidateV1, Certainty, ConcernV1, ConcernsV1, ConcernsV2, Doubt, EventsV1, ModesV1, ModesV2, TestV1,
 };
 use crumple_artifact::{ArtifactBuilder, Codec, Compression, Provenance, Record};
 use crumple_signal::{QuantityKind, Sampled, TestDescription};
@@ -28,10 +28,10 @@ fn a_parameter_is_open_known_to_an_order_of_magnitude_or_determined() {
     let closed = |low: f64, high: f64| Some([Some(low), Some(high)]);
     for (k, deviation, interval, on_bound, certainty, doubt) in [
         (5.0, Some(1.0), None, false, Determined, None),
-        (5.0, Some(5.0), None, false, Open, Some("not determined")),
-        (-5.0, Some(5.0), None, false, Open, Some("not determined")),
+        (5.0, Some(5.0), None, false, Open, Some(Doubt::NotDetermined)),
+        (-5.0, Some(5.0), None, false, Open, Some(Doubt::NotDetermined)),
         (0.0, Some(5.0), None, false, Determined, None),
-        (5.0, None, Some([None, None]), false, Open, Some("not determined")),
+        (5.0, None, Some([None, None]), false, Open, Some(Doubt::NotDetermined)),
         (5.0, None, Some([None, Some(6.0)]), false, OrderOfMagnitude, None),
         (5.0, None, closed(1.0, 10.0), false, Determined, None),
         (5.0, None, closed(1.0, 10.5), false, OrderOfMagnitude, None),
@@ -39,7 +39,7 @@ fn a_parameter_is_open_known_to_an_order_of_magnitude_or_determined() {
         (-5.0, None, closed(-9.0, -1.0), false, Determined, None),
         (5.0, None, closed(-1.0, 100.0), false, Determined, None),
         (5.0, None, closed(0.0, 100.0), false, Determined, None),
-        (5.0, Some(1.0), None, true, Open, Some("on a bound")),
+        (5.0, Some(1.0), None, true, Open, Some(Doubt::OnBound)),
         (0.0, Some(1.0), None, true, Determined, None),
     ] {
         let candidate = candidate(k, deviation, interval, on_bound);

@@ -79,7 +79,7 @@ fn last_bits_are_the_same_by_default_and_not_exactly() {
     let folder = pair(&Made { samples, peak: 445.75 * (1.0 + 1e-12), ..Made::default() });
     let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
     assert_eq!(output.code, 0, "{}", output.stdout);
-    insta::assert_snapshot!(output.stdout, @"same within tolerance: 224 values in 3 topics, the largest relative \
+    insta::assert_snapshot!(output.stdout, @"same within tolerance: 228 values in 3 topics, the largest relative \
         difference is 2.0e-12 in /wave/93");
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--exact"]).code, 1);
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--rel", "0", "--abs", "1e-8"]).code, 0);
@@ -122,7 +122,7 @@ fn other_encodings_orders_and_chunks_of_the_same_content_are_the_same() {
     assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
     insta::assert_snapshot!(output.stdout, @"
     provenance: only in a.mcap  (for information)
-    same within tolerance: 224 values in 3 topics, none differs
+    same within tolerance: 228 values in 3 topics, none differs
     ");
 }
 

@@ -30,7 +30,7 @@ fn notes_with_other_numbers_are_told_and_are_no_result() {
     assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
     insta::assert_snapshot!(output.stdout, @r#"
     /notes, notes[0]: "zero level 0.01 m/s^2"  "zero level 0.02 m/s^2"  (for information)
-    same within tolerance: 224 values in 3 topics, none differs; one text differs and does not count
+    same within tolerance: 228 values in 3 topics, none differs; one text differs and does not count
     "#);
     let json = diff(folder.path(), &["a.mcap", "b.mcap", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::{Bearing, Note, Notes, Severity};
+use crumple_signal::{ConcernContext, Note, Notes, Severity};
 
 /// Notes by text, with the channels they hold for.
 #[derive(Default)]
-pub struct Remarks(BTreeMap<(Severity, String), (Option<Bearing>, Vec<String>)>);
+pub struct Remarks(BTreeMap<(Severity, String), (Option<ConcernContext>, Vec<String>)>);
 
 impl Remarks {
     pub fn add(&mut self, id: &str, note: Note) {

@@ -18,7 +18,6 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::QualityV1;
 use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Weight, is_gravity};
 
 use crate::pulse::polarity::{self, Polarity};
@@ -32,7 +31,7 @@ const DRIFT_M_PER_S2: f64 = 0.5 * G;
 /// From this time on the vehicle has left the barrier, s.
 const SEPARATED_S: f64 = 0.100;
 /// Shortest run of equal samples that counts as a dropout, and its duration, s.
-const DROPOUT: (usize, f64) = (5, 0.000_5);
+const DROPOUT: (u64, f64) = (5, 0.000_5);
 /// Below this rate CFC 60 cannot be applied: ten times the class (SAE J211-1), Hz.
 const CFC60_RATE_HZ: f64 = 600.0;
 /// Distance of a stamp from the grid worth a note, intervals.
@@ -106,7 +105,7 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
             format!(
                 "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not \
              resolved",
-                quality.sample_rate_hz
+                quality.record.sample_rate_hz
             ),
         );
     }
@@ -116,9 +115,9 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
             Weight::Marked,
             format!(
                 "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
-                quality.clipped_run,
-                quality.minimum,
-                quality.maximum,
+                quality.record.clipped_run,
+                quality.record.minimum,
+                quality.record.maximum,
                 pulse.quantity.si_unit()
             ),
         );
@@ -150,10 +149,10 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
             ),
         );
     }
-    if quality.time_jitter > JITTER {
+    if quality.record.time_jitter > JITTER {
         notes.info(format!(
             "time stamps of the pulse lie up to {:.3} sampling intervals off the uniform grid",
-            quality.time_jitter
+            quality.record.time_jitter
         ));
     }
 }
@@ -186,7 +185,7 @@ fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
 /// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with
 /// it.
 fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
-    let rate = |w: &Wave| format!("{} Hz", (w.quality.sample_rate_hz * 1e3).round() / 1e3);
+    let rate = |w: &Wave| format!("{} Hz", (w.quality.record.sample_rate_hz * 1e3).round() / 1e3);
     let mut others: BTreeMap<String, Vec<&Wave>> = BTreeMap::new();
     for wave in waves.iter().filter(|w| (w.samples.dt_s() / pulse.samples.dt_s() - 1.0).abs() > 1e-9) {
         others.entry(rate(wave)).or_default().push(wave);
@@ -206,26 +205,26 @@ fn muted_samples(wave: &Wave) -> Option<usize> {
 
 /// Whether the rate is too low for the lowest class.
 pub fn is_too_slow(wave: &Wave) -> bool {
-    wave.quality.sample_rate_hz < CFC60_RATE_HZ * (1.0 - 1e-9)
+    wave.quality.record.sample_rate_hz < CFC60_RATE_HZ * (1.0 - 1e-9)
 }
 
 fn is_clipped(wave: &Wave) -> bool {
-    wave.quality.clipped_run as u64 >= QualityV1::CLIPPED_RUN
+    wave.quality.record.may_be_clipped()
 }
 
 fn excess_noise(wave: &Wave) -> Option<f64> {
     wave.quality.pre_event.map(|p| p.noise_floor).filter(|noise| *noise > NOISE_M_PER_S2)
 }
 
-fn dropout(wave: &Wave) -> Option<(usize, f64)> {
-    let run = wave.quality.constant_run;
+fn dropout(wave: &Wave) -> Option<(u64, f64)> {
+    let run = wave.quality.record.constant_run?;
     let long = run >= DROPOUT.0 && (run - 1) as f64 * wave.samples.dt_s() >= DROPOUT.1;
-    wave.quality.constant_run_from_s.filter(|_| long).map(|from_s| (run, from_s))
+    wave.quality.record.constant_run_from_s.filter(|_| long).map(|from_s| (run, from_s))
 }
 
 fn drift(wave: &Wave) -> Option<f64> {
     let over = wave.samples.end_s() >= SEPARATED_S;
-    wave.quality.end_level.filter(|level| over && level.abs() > DRIFT_M_PER_S2)
+    wave.quality.record.end_level.filter(|level| over && level.abs() > DRIFT_M_PER_S2)
 }
 
 fn note_channels<'a>(waves: impl Iterator<Item = &'a Wave>, what: &str, notes: &mut Notes) {

@@ -3,5 +3,5 @@
 
 pub mod channel_quality;
 pub mod exchange_question;
-pub mod lost_point;
+pub mod misplaced_decimal_point;
 pub mod redundant_sensors;

@@ -1,5 +1,6 @@
 //! Facts about the test from several places: the record, its sidecar, flags. The later beats the earlier, and says so.
 
+use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
@@ -14,38 +15,6 @@ pub struct Stated<T> {
     pub value: T,
     /// Where it stands, in words: `line 3 of crash.csv`, `VEHTWT`.
     pub from: String,
-}
-
-/// Residual crush of the vehicle, measured after the test.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Damage {
-    /// At stations of equal spacing over the width of the damage, left to right, m; negative: bulged out.
-    pub residual_crush_m: Vec<f64>,
-    /// Width of the damage, m.
-    pub damage_width_m: Option<f64>,
-    /// Width of the vehicle, m.
-    pub vehicle_width_m: Option<f64>,
-    /// Collision deformation classification (SAE J224).
-    pub classification: Option<String>,
-    /// The fields that these are from.
-    pub from: String,
-}
-
-/// A vehicle of a test with several.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TestVehicle {
-    /// Number by which the record names it.
-    pub number: u32,
-    /// In words.
-    pub description: Option<String>,
-    /// Test mass, kg.
-    pub mass_kg: Option<f64>,
-    /// Speed just before contact, m/s; 0: it stands.
-    pub impact_speed_m_per_s: Option<f64>,
-    /// The channel that serves best as its pulse.
-    pub pulse: Option<String>,
-    /// Ids of all channels on it and in it.
-    pub channels: Vec<String>,
 }
 
 /// What the record says of the test.
@@ -64,9 +33,9 @@ pub struct Details {
     /// Time of first contact on the file's axis, s.
     pub time_zero_s: Option<Stated<f64>>,
     /// What was measured on the vehicle afterwards.
-    pub damage: Option<Damage>,
+    pub damage: Option<DamageV1>,
     /// The vehicles of a test with several; empty for one.
-    pub vehicles: Vec<TestVehicle>,
+    pub vehicles: Vec<VehicleV1>,
     /// Speed at which they approach each other, m/s.
     pub closing_speed_m_per_s: Option<f64>,
     /// What the record says of the impact speed and is not taken, and why, in words.

@@ -1,5 +1,6 @@
 //! What can be measured on a channel before anything touches it. Reported, never applied.
 
+use crumple_artifact::records::QualityV1;
 use crumple_signal::{FreeFall, PreEvent, PreEventWindow, Sampled, free_fall, pre_event};
 
 /// Dropouts are looked for up to this time, s.
@@ -8,7 +9,7 @@ const ACTIVE_UNTIL_S: f64 = 0.150;
 const END_S: f64 = 0.020;
 
 /// State of a channel as read.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Quality {
     /// `None` without 10 ms of data before the event.
     pub pre_event: Option<PreEvent>,
@@ -16,22 +17,8 @@ pub struct Quality {
     pub feels_gravity: bool,
     /// Of an acceleration whose level before the event is that of a free fall.
     pub fall: Option<FreeFall>,
-    /// Sampling rate, Hz.
-    pub sample_rate_hz: f64,
-    /// Largest distance of a time stamp from the uniform grid, in intervals.
-    pub time_jitter: f64,
-    /// Smallest sample.
-    pub minimum: f64,
-    /// Largest sample.
-    pub maximum: f64,
-    /// Longest run of equal samples at an extreme away from the zero level; 3 and more: clipped.
-    pub clipped_run: usize,
-    /// Longest run of equal samples after time zero while the signal is active, extremes aside.
-    pub constant_run: usize,
-    /// Its first sample, s.
-    pub constant_run_from_s: Option<f64>,
-    /// Mean over the last 20 ms, zero level removed; `None` for a shorter record.
-    pub end_level: Option<f64>,
+    /// What stands of it in the artifact.
+    pub record: QualityV1,
 }
 
 impl Quality {
@@ -55,24 +42,27 @@ pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality
     let (minimum, maximum) = if samples.is_empty() { (0.0, 0.0) } else { (minimum, maximum) };
     let zero = fall.map(|fall| fall.rest_level).or(pre_event.map(|p| p.zero_level)).unwrap_or(0.0);
     let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero);
-    Quality {
-        pre_event,
-        feels_gravity,
-        fall,
+    let record = QualityV1 {
+        zero_level: pre_event.map(|before| before.zero_level),
+        noise_floor: pre_event.map(|before| before.noise_floor),
+        pre_event_from_s: pre_event.map(|before| before.from_s),
+        pre_event_to_s: pre_event.map(|before| before.to_s),
         sample_rate_hz: wave.rate_hz(),
         time_jitter,
         minimum,
         maximum,
         clipped_run: clipped_run(samples, minimum, maximum, zero),
-        constant_run,
+        constant_run: Some(constant_run),
         constant_run_from_s,
         end_level: end_level(wave, zero),
-    }
+        rest_level: fall.map(|fall| fall.rest_level),
+    };
+    Quality { pre_event, feels_gravity, fall, record }
 }
 
 /// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero
 /// level than a tenth of the range. Runs at the extremes are clipping and not counted here.
-fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (usize, Option<f64>) {
+fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (u64, Option<f64>) {
     let from = wave.index_at_or_after(0.0);
     let window = &wave.samples()[from..wave.index_at_or_after(ACTIVE_UNTIL_S).max(from)];
     let far = |x: &f64| (x - zero).abs() > 0.1 * (maximum - minimum);
@@ -87,7 +77,7 @@ fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (usize
             (longest, at) = (run, k + 1 - run);
         }
     }
-    (longest, Some(wave.time_s(from + at)))
+    (longest as u64, Some(wave.time_s(from + at)))
 }
 
 fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
@@ -98,7 +88,7 @@ fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
 
 /// A recorder that runs into its range repeats the extreme value. An extreme near the zero level is the quiet part of a
 /// one-sided pulse and not counted: it must lie at least a tenth of the range away.
-fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64) -> usize {
+fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64) -> u64 {
     let far = 0.1 * (maximum - minimum);
     let longest = |extreme: f64| {
         let (mut longest, mut run) = (0, 0);
@@ -118,10 +108,10 @@ mod tests {
     #[test]
     fn flat_tops_are_clipping_and_quiet_starts_are_not() {
         let quiet = Sampled::new(-0.02, 1e-3, vec![0.0, 0.0, 0.0, 0.0, -1.0, -3.0, -1.0]).unwrap();
-        assert_eq!(measure(&quiet, 0.0, true).clipped_run, 1);
+        assert_eq!(measure(&quiet, 0.0, true).record.clipped_run, 1);
         let flat = Sampled::new(0.0, 1e-3, vec![0.0, -3.0, -3.0, -3.0, -3.0, 1.0, 0.0]).unwrap();
-        assert_eq!(measure(&flat, 0.0, true).clipped_run, 4);
+        assert_eq!(measure(&flat, 0.0, true).record.clipped_run, 4);
         let dead = Sampled::new(0.0, 1e-3, vec![7.0; 60]).unwrap();
-        assert_eq!(measure(&dead, 0.0, true).clipped_run, 0);
+        assert_eq!(measure(&dead, 0.0, true).record.clipped_run, 0);
     }
 }

@@ -117,7 +117,10 @@ fn item_4_one_iso_mme_channel_by_itself() {
     assert!(text.contains("warning: 98_7707.001: reference channel not stated, assumed implicit"), "{text}");
     // The stated extremes fit the samples, the time of the minimum being the end of a plateau: nothing is said.
     assert!(!text.contains("the header states"), "{text}");
-    assert!((pulse.quality.maximum / G - 51.1861).abs() < 1e-9 && (pulse.quality.minimum / G + 7.035_05).abs() < 1e-9);
+    assert!(
+        (pulse.quality.record.maximum / G - 51.1861).abs() < 1e-9
+            && (pulse.quality.record.minimum / G + 7.035_05).abs() < 1e-9
+    );
 }
 
 #[test]
@@ -128,7 +131,7 @@ fn item_10_the_accord_record_asks_for_its_unit() {
     let ingested = read(&path, &IngestSettings { unit: Some("g".to_owned()), ..lenient() }).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!((pulse.samples.len(), pulse.samples.t0_s(), pulse.samples.dt_s()), (6000, -0.0999, 1e-4));
-    assert!(pulse.quality.time_jitter > 0.0 && pulse.quality.time_jitter < 1e-3);
+    assert!(pulse.quality.record.time_jitter > 0.0 && pulse.quality.record.time_jitter < 1e-3);
 }
 
 #[test]
@@ -141,7 +144,7 @@ fn item_11_shock_texts_keep_their_interval_and_report_clipping() {
     assert!((pulse.samples.dt_s() - 2.000_28e-5).abs() < 1e-10, "{}", pulse.samples.dt_s());
     let board = read(&folder.join("acc_pcb_a0.txt"), &lenient()).unwrap();
     assert!(notes(&board).contains("may be clipped"));
-    assert!((board.pulse().unwrap().quality.maximum / G - 546.555).abs() < 1e-3);
+    assert!((board.pulse().unwrap().quality.record.maximum / G - 546.555).abs() < 1e-3);
 }
 
 #[test]
@@ -149,7 +152,7 @@ fn item_12_kilo_g_in_a_second_header_line() {
     let Some(path) = shared("data/drop-tower-csv/accel_1.csv") else { return };
     let ingested = read(&path, &IngestSettings { channel: Some("accel_1".to_owned()), ..lenient() }).unwrap();
     // Largest value of the first drop, stated to four digits.
-    assert!((ingested.pulse().unwrap().quality.maximum / (1e3 * G) - 21.41).abs() < 0.005);
+    assert!((ingested.pulse().unwrap().quality.record.maximum / (1e3 * G) - 21.41).abs() < 0.005);
     let text = notes(&ingested);
     assert!(
         text.contains("kilo-g") && text.contains("warning: 7 names in the header of accel_1.csv, but 6 columns"),

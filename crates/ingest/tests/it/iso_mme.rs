@@ -184,7 +184,7 @@ fn odd_headers_are_read_with_a_remark() {
     let ingested = lone(&text).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!((pulse.samples.len(), pulse.samples.dt_s()), (1700, 1e-4));
-    assert!((pulse.quality.minimum + 20.0 * G).abs() < 1e-2 * G);
+    assert!((pulse.quality.record.minimum + 20.0 * G).abs() < 1e-2 * G);
     assert_eq!(ingested.test.channels[0].cfc, Some(60));
     let notes = notes(&ingested);
     for words in [
@@ -225,7 +225,7 @@ fn an_unknown_unit_is_kept_as_read_until_it_is_stated() {
     let settings =
         IngestSettings { allow_missing: Some(true), unit: Some("g".to_owned()), ..IngestSettings::default() };
     let ingested = ingest(&Bundle::from_bytes("a.001", text.into_bytes()).unwrap(), &settings).unwrap();
-    assert!((ingested.pulse().unwrap().quality.minimum + 20.0 * G).abs() < 1e-2 * G);
+    assert!((ingested.pulse().unwrap().quality.record.minimum + 20.0 * G).abs() < 1e-2 * G);
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn the_longitudinal_table_of_the_first_event_is_taken_and_the_others_are_named()
     assert_eq!((channel.quantity, channel.axis), (QuantityKind::VelocityChange, Some(Axis::X)));
     let wave = ingested.waves.iter().find(|w| w.id == "Velocity_Change-2").unwrap();
     // -60 km/h, the finer of both units.
-    assert!((wave.quality.minimum + 60.0 / 3.6).abs() < 1e-12, "{}", wave.quality.minimum);
+    assert!((wave.quality.record.minimum + 60.0 / 3.6).abs() < 1e-12, "{}", wave.quality.record.minimum);
     let notes = ingested.notes.to_texts().join("\n");
     for said in [
         "others: Velocity_Change (Lateral Crash Pulse (Event Record 1)), Velocity_Change-3 (Longitudinal Crash Pulse \

@@ -89,7 +89,7 @@ fn time_stands_where_its_name_says_and_styles_of_numbers_mix() {
     let ingested =
         read(format!("% made by hand\n// of two programs\n# time(ms), \t \t acceleration(g)\n{mixed}")).unwrap();
     check(&ingested);
-    assert!(ingested.pulse().unwrap().quality.time_jitter < 1e-3);
+    assert!(ingested.pulse().unwrap().quality.record.time_jitter < 1e-3);
 }
 
 #[test]

@@ -86,7 +86,11 @@ fn the_accord_record_without_header_asks_for_its_unit() {
     assert_eq!(pulse.samples.len(), 6000);
     assert_eq!((pulse.samples.t0_s(), pulse.samples.dt_s()), (-0.0999, 1e-4));
     // Time zero is printed as -3.93852E-11: 3.9e-7 of an interval.
-    assert!(pulse.quality.time_jitter > 1e-8 && pulse.quality.time_jitter < 1e-6, "{}", pulse.quality.time_jitter);
+    assert!(
+        pulse.quality.record.time_jitter > 1e-8 && pulse.quality.record.time_jitter < 1e-6,
+        "{}",
+        pulse.quality.record.time_jitter
+    );
     // Minimum and its time as stated with the record.
     let (at, minimum) = pulse.samples.samples().iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1)).unwrap();
     assert!((minimum / G + 24.862).abs() < 5e-4 && (pulse.samples.time_s(at) - 0.058).abs() < 1e-9);
@@ -101,13 +105,16 @@ fn repeated_shock_records_with_odd_headers_are_read() {
     assert_eq!((pulse.id.as_str(), pulse.samples.len()), ("acceleration", 1439));
     // The interval is an artefact of the source and kept: 20.00278 us, to the digits stated with the record.
     assert!((pulse.samples.dt_s() - 2.000_278e-5).abs() < 5e-12, "{}", pulse.samples.dt_s());
-    assert!((pulse.quality.maximum / G - 485.972).abs() < 5e-4);
+    assert!((pulse.quality.record.maximum / G - 485.972).abs() < 5e-4);
 
     let board = from_path(&folder.join("acc_pcb_a0.txt"), &identification_only());
     let pulse = board.pulse().unwrap();
     assert_eq!((pulse.samples.len(), pulse.samples.dt_s()), (5500, 2e-5));
-    assert!((pulse.quality.minimum / G + 546.405).abs() < 1e-3 && (pulse.quality.maximum / G - 546.555).abs() < 1e-3);
-    assert!(pulse.quality.clipped_run >= 3);
+    assert!(
+        (pulse.quality.record.minimum / G + 546.405).abs() < 1e-3
+            && (pulse.quality.record.maximum / G - 546.555).abs() < 1e-3
+    );
+    assert!(pulse.quality.record.clipped_run >= 3);
     assert!(notes(&board).contains("may be clipped"));
 }
 
@@ -128,7 +135,7 @@ fn kilo_g_and_surplus_names_of_the_drop_tower() {
     // Column maxima stated with the record, to their last digit.
     for (wave, kilo_g) in ingested.waves.iter().zip([21.41, 23.23, 25.41, 26.64, 26.67]) {
         assert_eq!((wave.samples.len(), wave.samples.t0_s(), wave.samples.dt_s()), (5000, 0.0, 1e-6));
-        assert!((wave.quality.maximum / (1e3 * G) - kilo_g).abs() < 0.005, "{}", wave.id);
+        assert!((wave.quality.record.maximum / (1e3 * G) - kilo_g).abs() < 0.005, "{}", wave.id);
     }
 }
 
@@ -144,7 +151,7 @@ fn header_comments_state_the_test() {
     );
     assert_eq!((test.mass_kg, test.impact_speed_m_per_s), (Some(873.0), Some(10.0)));
     assert_eq!(test.source.format, "csv");
-    let quality = ingested.pulse().unwrap().quality;
+    let quality = &ingested.pulse().unwrap().quality;
     assert_eq!(quality.pre_event.map(|p| (p.zero_level, p.samples)), Some((0.0, 101)));
 }
 
@@ -246,7 +253,7 @@ fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
     assert_eq!((ingested.test.pulse.as_deref(), ingested.waves.len()), (Some("Delta-V_longitudinal"), 1));
     let wave = &ingested.waves[0];
     assert_eq!((wave.quantity, wave.samples.len(), wave.samples.dt_s()), (QuantityKind::VelocityChange, 26, 0.01));
-    assert!((wave.quality.minimum + 15.0).abs() < 1e-12, "54 km/h are 15 m/s");
+    assert!((wave.quality.record.minimum + 15.0).abs() < 1e-12, "54 km/h are 15 m/s");
     assert!(notes(&ingested).contains("event data recorder table"));
     // Without its title the crash table is found all the same.
     let found = from_text(&recorder_report(), &IngestSettings { skip_to: None, ..settings.clone() }).unwrap();

@@ -84,7 +84,7 @@ pub fn other_vehicle(
         Some(found) => {
             let masses = own.mass_kg.or(task.test.mass_kg).zip(other.mass_kg);
             let speeds = [task.impact_speed_m_per_s.unwrap_or(0.0), other_speed];
-            let ids = format!("{}+{}", pulse.id, channel.id);
+            let ids = [pulse.id.as_str(), channel.id.as_str()];
             say(&found, [own.number, number], masses, speeds, out);
             metrics.extend(collision_metrics(&found, masses, speeds).iter().map(|metric| metric_record(&ids, metric)));
         }

@@ -65,6 +65,8 @@ pub struct Metric {
     pub window: Option<Window>,
     /// Where the value lies, where several channels or the stated uncertainty of the inputs say it.
     pub interval: Option<Interval>,
+    /// Whether the value is a lower bound, because the record ends too early.
+    pub is_lower_bound: bool,
 }
 
 impl Interval {
@@ -92,6 +94,7 @@ impl Metric {
             id: definition.id,
             window: None,
             interval: None,
+            is_lower_bound: false,
         }
     }
 
@@ -105,6 +108,7 @@ impl Metric {
             id: definition.id,
             window: None,
             interval: None,
+            is_lower_bound: false,
         }
     }
 
@@ -125,12 +129,18 @@ impl Metric {
         self
     }
 
-    /// Appends a remark to the definition, e.g. that the value is a lower bound.
+    /// Appends a remark to the definition.
     pub fn remarked(mut self, remark: &str) -> Self {
         if self.value.is_some() {
             self.definition = format!("{}; {remark}", self.definition);
         }
         self
+    }
+
+    /// States that the value is a lower bound, with the reason for the definition.
+    pub fn as_lower_bound(self, because: &str) -> Self {
+        let is_lower_bound = self.value.is_some();
+        Self { is_lower_bound, ..self.remarked(because) }
     }
 }
 

@@ -75,13 +75,17 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     };
     // What belongs to the loading phase, to one moment, to the stretch up to separation.
     let loading = |m: Metric| crush.map_or(m.clone(), |c| m.over(0.0, c.time_s));
-    let bound = |m: Metric, remark: &str| match rebound {
-        Some(r) if r.still_separating => m.over(0.0, r.time_s).remarked(remark),
-        Some(r) => m.over(0.0, r.time_s),
-        None => m,
+    let contact = |m: Metric| rebound.map_or(m.clone(), |r| m.over(0.0, r.time_s));
+    let is_cut = rebound.is_some_and(|r| r.still_separating);
+    let lower = |m: Metric| match contact(m) {
+        m if is_cut => m.as_lower_bound("lower bound: still separating at the end"),
+        m => m,
+    };
+    let upper = |m: Metric| match contact(m) {
+        m if is_cut => m.remarked("upper bound: still separating at the end"),
+        m => m,
     };
     let at_crush = |m: Metric| crush.map_or(m.clone(), |c| m.over(c.time_s, c.time_s));
-    let (lower, upper) = ("lower bound: still separating at the end", "upper bound: still separating at the end");
 
     let at_peak = peak.map(|p| p.time_s - zero_s);
     let moment = |m: Metric| at_peak.map_or(m.clone(), |t| m.over(t, t));
@@ -96,17 +100,17 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     };
     let delta_v = match (v0 == 0.0).then(|| largest_change(pulse.velocity, zero_s)).flatten() {
         Some(change) => delta_v_from_rest(change),
-        None => bound(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0)), lower),
+        None => lower(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0))),
     };
     let delta_v = match pulse.events.unstopped {
         Some(unstopped) => {
-            let remark = match unstopped.end {
-                EventEnd::Quiet => "",
-                EventEnd::Record => ": lower bound, it still changes there",
-            };
             let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
-            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}{remark}");
-            delta_v.over(0.0, unstopped.time_s).remarked(&remark)
+            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}");
+            let delta_v = delta_v.over(0.0, unstopped.time_s);
+            match unstopped.end {
+                EventEnd::Quiet => delta_v.remarked(&remark),
+                EventEnd::Record => delta_v.as_lower_bound(&format!("{remark}: lower bound, it still changes there")),
+            }
         }
         None => delta_v,
     };
@@ -127,7 +131,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         )),
         loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
         delta_v,
-        bound(metric(&RESTITUTION, pulse.events.restitution(v0)), lower),
+        lower(metric(&RESTITUTION, pulse.events.restitution(v0))),
         recovered,
         loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
         loading(metric(&ASW, crush.map(|c| average_square_wave(v0, c.time_s)))),
@@ -138,10 +142,10 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
         metric(&IMPACT_ENERGY, pulse.impact_speed_m_per_s.zip(mass).map(|(v0, m)| kinetic_energy(m, v0)))
             .over(0.0, 0.0),
-        bound(metric(&ABSORBED_ENERGY, absorbed), upper),
-        bound(metric(&RETURNED_ENERGY, returned), lower),
-        bound(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e)), upper),
-        bound(metric(&EES, equivalent), upper),
+        upper(metric(&ABSORBED_ENERGY, absorbed)),
+        lower(metric(&RETURNED_ENERGY, returned)),
+        upper(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e))),
+        upper(metric(&EES, equivalent)),
         loading(metric(&CLOSURE, work.map(|w| w / (v0 * v0 / 2.0) - 1.0))),
         drift,
     ])

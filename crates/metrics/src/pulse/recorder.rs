@@ -36,7 +36,11 @@ pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
     let time_s = change.time_s(largest) - time_zero_s;
     let at = |metric: Metric| {
         let metric = metric.over(time_s, time_s);
-        if largest + 1 == v.len() { metric.remarked("at the last sample of the table: a lower bound") } else { metric }
+        if largest + 1 == v.len() {
+            metric.as_lower_bound("at the last sample of the table: a lower bound")
+        } else {
+            metric
+        }
     };
     let within = |metric: Metric, half_width: Option<f64>| {
         let interval = metric.value.zip(half_width.filter(|_| largest + 1 < v.len())).map(|(value, half_width)| {

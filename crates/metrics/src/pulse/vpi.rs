@@ -99,7 +99,7 @@ fn followed(
     };
     let index = Metric::with_value(&VPI, omega * omega * largest).over(at_s - time_zero_s, at_s - time_zero_s);
     if u >= largest && rate > 0.0 {
-        return index.remarked("lower bound: the record ends while the belt still stretches");
+        return index.as_lower_bound("lower bound: the record ends while the belt still stretches");
     }
     index
 }

@@ -5,10 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::drawing::escape::{address, html};
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{
-    conclusion,
-    markdown::{HEAD, markdown},
-};
+use crate::findings::{HEAD, conclusion, markdown};
 use crate::phrases::RunTexts;
 use crate::phrases::words::fill;
 
@@ -17,7 +14,7 @@ use super::figure::figure;
 use super::numbers::{key_number_rows, model_rows, prediction_rows};
 use super::settings;
 use super::table::{Row, to_html, to_lines, to_markdown};
-use crate::frame::framed::{FIGURES, framed, words_of_figures};
+use crate::frame::{FIGURES, framed, words_of_figures};
 use crate::page::figures;
 
 /// Several runs beside each other.

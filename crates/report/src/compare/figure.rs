@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
-use crate::findings::names::candidate_name;
+use crate::findings::candidate_name;
 use crate::phrases::FigureTexts;
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;

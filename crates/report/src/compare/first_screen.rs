@@ -1,11 +1,7 @@
 //! What a report says first, as Markdown for a merge request.
 
 use crate::drawing::numbers::{ABSENT, MILLI};
-use crate::findings::{
-    conclusion, distinct_curves, first_warnings,
-    markdown::{HEAD, markdown},
-    names::candidate_name,
-};
+use crate::findings::{HEAD, candidate_name, conclusion, distinct_curves, first_warnings, markdown};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;

@@ -4,12 +4,8 @@ use crate::phrases::PHRASES;
 use crate::phrases::words;
 use std::collections::BTreeSet;
 
-use crate::drawing::numbers::{ABSENT, MILLI, digits_of_interval, unit};
-use crate::findings::{
-    CandidateResult, KeyNumber, decimals, key_numbers,
-    names::candidate_name,
-    parameters::{parameter, parameter_order},
-};
+use crate::drawing::numbers::{ABSENT, MILLI, digits_of_interval};
+use crate::findings::{CandidateResult, KeyNumber, candidate_name, key_numbers, parameter, parameter_order};
 use crate::phrases::words::fill;
 use crumple_diff::{Base, CompareSettings, Tolerances, compare_json};
 use serde::Serialize;
@@ -23,8 +19,8 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
     let numbers: Vec<Vec<KeyNumber>> = runs.iter().map(|run| key_numbers(&run.run)).collect();
     let places_apart: Vec<BTreeSet<String>> =
         numbers.iter().map(|other| places_that_differ("summary.json", &numbers[0], other)).collect();
-    let names = in_order(numbers.iter().map(|of_run| of_run.iter().map(|number| number.name).collect()));
-    let row = |name: &'static str| {
+    let names = in_order(numbers.iter().map(|of_run| of_run.iter().map(|number| &*number.name).collect()));
+    let row = |name: &str| {
         let of_run = |k: usize| numbers[k].iter().find(|number| number.name == name);
         let first = of_run(0).and_then(|number| number.value);
         let cell = |k: usize| match of_run(k) {
@@ -35,7 +31,7 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
             None => Cell { text: ABSENT.to_owned(), differs: first.is_some(), ..Cell::default() },
         };
         let titles = (0..runs.len()).filter(|k| of_run(*k).is_some()).map(|k| title(&runs[k].run, name));
-        let titles: BTreeSet<String> = titles.map(|title| title.replace("<sub>m</sub>", "ₘ")).collect();
+        let titles: BTreeSet<String> = titles.collect();
         // A peak of runs that were filtered differently is a peak.
         let names: BTreeSet<&str> = titles.iter().filter_map(|title| title.split(", ").next()).collect();
         let name = if titles.len() == 1 { titles.into_iter().collect() } else { names.into_iter().collect() };
@@ -45,9 +41,8 @@ pub fn key_number_rows(runs: &[ComparedRun]) -> Vec<Row> {
 }
 
 fn number_cell(number: &KeyNumber, first: Option<f64>, differs: bool) -> Cell {
-    let (factor, unit) = unit(number.unit);
-    let digits = decimals(number.name);
-    let shown = |value: f64| format!("{}{}", number.sign(), words::quantity(factor * value, digits, unit));
+    let (factor, digits, unit) = number.quantity().shown();
+    let shown = |value: f64| format!("{}{}", number.sign(), number.shown(value));
     let text = number.value.map_or_else(|| ABSENT.to_owned(), shown);
     let mut beside = Vec::new();
     if let (Some(value), Some(first), true) = (number.value, first, differs) {

@@ -1,7 +1,7 @@
 //! A table of runs: a row a quantity, a column a run; as HTML and as Markdown.
 
 use crate::drawing::escape::html;
-use crate::findings::markdown::markdown;
+use crate::findings::markdown;
 use crate::phrases::PHRASES;
 
 /// What a run says of the quantity of a row.
@@ -82,9 +82,9 @@ pub fn to_lines(runs: &[String], rows: &[&Row]) -> Vec<String> {
     if rows.is_empty() { Vec::new() } else { lines.iter().map(padded).collect() }
 }
 
-/// A name without the marks of a page.
+/// A name without soft hyphens.
 fn plain(text: &str) -> String {
-    text.replace("<sub>", "").replace("</sub>", "").replace('\u{ad}', "")
+    text.replace('\u{ad}', "")
 }
 
 /// As Markdown.

@@ -9,18 +9,21 @@ mod results;
 mod text;
 
 pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings};
-pub use conclusions::conclusion::{Conclusion, Number, Standing, conclusion};
+pub use conclusions::conclusion::{Conclusion, Number, ResultStatus, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
-pub use conclusions::key_numbers::{KeyNumber, decimals, key_numbers, level_percent};
+pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::{OverviewLine, overview};
 pub use conclusions::status::{Status, StatusReason};
-pub use conclusions::summary::{Summary, summary, summary_schema};
+pub use conclusions::summary::{
+    CandidateSummary, MatchingSummary, MetricSummary, ModelSummary, OF_SEVERAL_TESTS, OtherMetricSummary, PoleSummary,
+    Summary, TestSummary, TransferFunctionSummary, model_year, summary, summary_schema,
+};
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
-    CandidateResult, Certainties, Element, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
+    CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
     StageRecord,
 };
 pub use results::{mass_divisions, model_band, ranking, residual};
-pub use text::{markdown, names, parameters};
+pub use text::{HEAD, candidate_name, markdown, model_name, parameter, parameter_order, words_and_unit};

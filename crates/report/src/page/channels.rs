@@ -8,7 +8,7 @@ use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_signal::{Channel, ChannelStatus};
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 
 /// With more channels than this the list is folded: a full-scale test has hundreds.
 const OPEN_LIST: usize = 12;

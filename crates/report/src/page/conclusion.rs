@@ -1,7 +1,7 @@
 //! Status and verdict on top of the page, and the gravest warnings below them.
 
 use crate::drawing::escape::html;
-use crate::findings::{Conclusion, Ranking, Run, Standing, Status, first_warnings};
+use crate::findings::{Conclusion, Ranking, ResultStatus, Run, Status, first_warnings};
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::ConcernV1;
@@ -10,11 +10,11 @@ use crumple_signal::About;
 /// The word of the status with its reason, beside the title.
 pub(super) fn write_status(out: &mut String, verdict: &Conclusion) {
     let class = match verdict.status {
-        Status::Usable => "good",
-        Status::UsableWithCare => "care",
-        Status::DoNotUse => "bad",
+        Some(Status::Usable) => "good",
+        Some(Status::UsableWithCare) => "care",
+        Some(Status::DoNotUse) | None => "bad",
     };
-    let word = format!("<strong>{}</strong>", verdict.status.word());
+    let word = format!("<strong>{}</strong>", verdict.status.map_or("", Status::word));
     let template = PHRASES.conclusion.status;
     let sentence = fill(template, &[("status", word), ("reason", html(&verdict.because))]);
     out.push_str(&format!("<p class=\"status {class}\">{sentence}</p>\n"));
@@ -24,8 +24,8 @@ pub(super) fn write_status(out: &mut String, verdict: &Conclusion) {
 pub(super) fn write(out: &mut String, verdict: &Conclusion) {
     let phrases = &PHRASES.conclusion;
     let (class, role) = match (verdict.standing, verdict.status) {
-        (Standing::NoResult, _) => ("verdict bad", " role=\"alert\""),
-        (_, Status::DoNotUse) => ("verdict none", ""),
+        (ResultStatus::NoResult, _) => ("verdict bad", " role=\"alert\""),
+        (_, Some(Status::DoNotUse)) => ("verdict none", ""),
         _ => ("verdict", ""),
     };
     let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
@@ -48,7 +48,7 @@ pub(super) fn write_before_use(
     let items: String = first.iter().map(|concern| item(concern)).collect();
     let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
     let is_of_the_record = |concern: &ConcernV1| about(concern) == phrases.about_record;
-    let has_result = verdict.status != Status::DoNotUse && run.channel().is_some();
+    let has_result = verdict.status != Some(Status::DoNotUse) && run.channel().is_some();
     let is_sound = has_result && !concerns.iter().any(is_of_the_record);
     let no_fault = if is_sound { format!("<p>{}</p>\n", phrases.no_fault) } else { String::new() };
     if first.is_empty() && !is_sound {

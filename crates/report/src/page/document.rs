@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::findings::{Ranking, Run, conclusion, summary};
+use crate::findings::{Ranking, Run, Summary, summary};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crumple_artifact::{OutputKind, write_atomically};
@@ -15,8 +15,8 @@ use super::{
     numbers, predictions, ratings, remarks, what_if,
 };
 use crate::figures::all::{crash_figures, identification_figures};
-use crate::frame::framed::{FIGURES, framed_with, words_of_figures};
-use crate::frame::page_files::{PageFiles, Script, script_file};
+use crate::frame::{FIGURES, framed_with, words_of_figures};
+use crate::frame::{PageFiles, Script, script_file};
 
 /// Cursor, zoom and downloads.
 const SCRIPT: Script = Script { name: "figures", text: FIGURES };
@@ -26,7 +26,7 @@ fn style() -> String {
     [model_picture::STYLE, candidates::STYLE, what_if::STYLE].concat()
 }
 
-/// Writes what the pages of [`Page::sharing`] have in common into a folder, each file in one piece, where it is not
+/// Writes what the pages of [`Page::of`] with a folder have in common into a folder, each file in one piece, where it is not
 /// there yet. A name has a digest of the content: a file of this name is this file.
 pub fn write_shared_files(folder: &Path) -> io::Result<()> {
     let style = style();
@@ -47,35 +47,31 @@ pub struct Page(String);
 impl Page {
     /// Lays the report out, everything in one file. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
-        Self::laid_out(run, ranking, None)
+        Self::of(run, ranking, &summary(run, ranking), None)
     }
 
-    /// The same with style and scripts in a folder, at this address as the page sees it, that has the files of
-    /// [`write_shared_files`].
-    pub fn sharing(run: &Run, ranking: &Ranking, folder: &str) -> Self {
-        Self::laid_out(run, ranking, Some(folder))
-    }
-
-    fn laid_out(run: &Run, ranking: &Ranking, folder: Option<&str>) -> Self {
+    /// The same of a run that is summed up; with `folder` style and scripts are in a folder, at this address as the page
+    /// sees it, that has the files of [`write_shared_files`].
+    pub fn of(run: &Run, ranking: &Ranking, summary: &Summary, folder: Option<&str>) -> Self {
         let style = style();
         let files = PageFiles { style: &style, folder };
         let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
-        let (said, concerns) = conclusion(run, ranking);
+        let Summary { verdict: said, concerns, key_numbers, .. } = summary;
         let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, run, &said);
+        header::write(&mut body, run, said);
         body.push_str("<main>\n");
         if run.joint.is_none() {
-            key_numbers::write(&mut body, run);
+            key_numbers::write(&mut body, run, key_numbers);
         }
         body.push_str("<div class=\"answer\">\n");
         predictions::write_first(&mut body, run, ranking, said.status);
-        top::write_before_use(&mut body, run, ranking, &said, &concerns);
+        top::write_before_use(&mut body, run, ranking, said, concerns);
         model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");
         predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2");
         if run.is_generic() {
-            models::write(&mut body, run, &concerns, &identification);
+            models::write(&mut body, run, concerns, &identification);
         }
         what_if::write(&mut body, run, ranking, &files);
         candidates::write(&mut body, run, ranking, said.status);
@@ -84,7 +80,7 @@ impl Page {
         ratings::write(&mut body, run, ranking);
         energy::write(&mut body, run, ranking);
         if !run.is_generic() {
-            models::write(&mut body, run, &concerns, &identification);
+            models::write(&mut body, run, concerns, &identification);
         }
         // Of several tests each has its own report with them.
         if run.joint.is_none() {
@@ -92,11 +88,11 @@ impl Page {
             channels::write(&mut body, run);
         }
         remarks::write_missing(&mut body, run);
-        remarks::write_notes(&mut body, run, ranking, &concerns);
+        remarks::write_notes(&mut body, run, ranking, concerns);
         remarks::write_limits(&mut body, run, ranking);
         remarks::write_provenance(&mut body, run);
         // The summary of several tests is another one: it lies beside the page.
-        if let (None, Ok(packed)) = (&run.joint, packed_summary(run, ranking)) {
+        if let (None, Ok(packed)) = (&run.joint, packed(summary)) {
             body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
         body.push_str(&words_of_figures());
@@ -113,8 +109,8 @@ impl Page {
 }
 
 /// The summary for its download, gzip in base 64: a sixth of its length.
-fn packed_summary(run: &Run, ranking: &Ranking) -> io::Result<String> {
+fn packed(summary: &Summary) -> io::Result<String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(summary(run, ranking).to_json()?.as_bytes())?;
+    encoder.write_all(summary.to_json()?.as_bytes())?;
     Ok(STANDARD.encode(encoder.finish()?))
 }

@@ -2,11 +2,11 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{KILO, MILLI};
-use crate::findings::{Ranking, Run, names::candidate_name};
+use crate::findings::{Ranking, Run, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut rows: Vec<_> = run

@@ -3,15 +3,14 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
 use crate::findings::{
-    CandidateResult, Ranking, Run,
-    names::candidate_name,
+    CandidateResult, Ranking, Run, candidate_name,
     residual::{Residual, residual},
 };
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 
-use crate::frame::heads::{Column, heads};
+use crate::frame::{Column, heads};
 
 /// Parts of ISO/TS 18571 and the rating itself, in the order of their columns.
 const PARTS: [&str; 5] = ["iso18571-corridor", "iso18571-phase", "iso18571-magnitude", "iso18571-slope", "iso18571"];

@@ -1,15 +1,15 @@
 //! The first numbers of a run, with interval and spread of sensors.
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, MILLI, NBSP, unit};
-use crate::findings::{KeyNumber, Run, decimals, key_numbers};
+use crate::drawing::numbers::{ABSENT, MILLI, NBSP};
+use crate::findings::{KeyNumber, Run};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
+use crumple_artifact::records::IntervalSourceV1;
 use crumple_signal::ANOTHER_VEHICLE;
 
-pub(super) fn write(out: &mut String, run: &Run) {
-    let numbers = key_numbers(run);
+pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
     if numbers.is_empty() {
         return;
     }
@@ -18,23 +18,19 @@ pub(super) fn write(out: &mut String, run: &Run) {
          <h2 id=\"numbers-title\">{}</h2>\n<dl class=\"cards\">\n",
         PHRASES.numbers.key_numbers
     ));
-    for number in &numbers {
+    for number in numbers {
         out.push_str(&card(run, number));
     }
     out.push_str("</dl>\n");
-    caption(out, &numbers);
+    caption(out, numbers);
     out.push_str("</section>\n");
 }
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
 fn card(run: &Run, number: &KeyNumber) -> String {
     let texts = &PHRASES.numbers;
-    let (factor, unit) = unit(number.unit);
-    let places = decimals(number.name);
-    let range = |low: f64, high: f64| {
-        let ends = [(low, ""), (high, unit)].map(|(end, unit)| words::quantity(factor * end, places, unit));
-        html(&words::between(&ends[0], &ends[1]))
-    };
+    let (factor, places, unit) = number.quantity().shown();
+    let range = |low, high| html(&number.range(low, high));
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
@@ -64,8 +60,8 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     let lines: String = lines.into_iter().map(|line| format!("<dd>{line}</dd>")).collect();
     format!(
         "<div class=\"card\" data-key=\"{}\"><dt>{}</dt>{shown}{lines}</div>\n",
-        number.name,
-        title(run, number.name)
+        html(&number.name),
+        html(&title(run, &number.name))
     )
 }
 
@@ -92,19 +88,18 @@ pub(crate) fn title(run: &Run, name: &str) -> String {
                 (None, None) => texts.peak.to_owned(),
             };
         }
-        other => return html(&words::metric(other)),
+        other => return words::metric(other),
     };
     title.to_owned()
 }
 
-/// `90 %` of `5-95 % of 400 replicates`, `resolution` of a recorder.
 fn interval_name(number: &KeyNumber) -> String {
     let texts = &PHRASES.numbers;
-    match number.interval_by.as_deref() {
-        Some(by) if by.starts_with("5-95 %") => texts.inputs.to_owned(),
-        Some(by) if by.starts_with("resolution") => texts.resolution.to_owned(),
-        Some(by) => html(by),
-        None => texts.interval.to_owned(),
+    match (number.interval_source, &number.interval_by) {
+        (Some(IntervalSourceV1::Replicates), _) => texts.inputs.to_owned(),
+        (Some(IntervalSourceV1::Resolution), _) => texts.resolution.to_owned(),
+        (_, Some(by)) => html(by),
+        (_, None) => texts.interval.to_owned(),
     }
 }
 
@@ -112,7 +107,7 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
     let texts = &PHRASES.numbers;
     let events = run.events.as_ref();
     let at = || number.at_s.map(|t| fill(texts.at, &[("time", words::quantity(MILLI * t, 1, "ms"))]));
-    match number.name {
+    match &*number.name {
         "peak_acceleration" | "maximum_delta_v" => at(),
         "delta_v" if events.is_some_and(|e| e.end_of_event_s.is_some()) => {
             at().map(|at| format!("{at}{}", texts.does_not_reach_zero))
@@ -133,9 +128,12 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
 fn caption(out: &mut String, numbers: &[KeyNumber]) {
     let texts = &PHRASES.numbers;
     let mut sentences: Vec<String> = Vec::new();
-    let by = |start: &str| numbers.iter().filter_map(|n| n.interval_by.as_deref()).find(|by| by.starts_with(start));
-    for (start, template) in [("5-95 %", texts.inputs_caption), ("resolution", texts.resolution_caption)] {
-        sentences.extend(by(start).map(|by| fill(template, &[("by", html(by))])));
+    for (source, template) in
+        [(IntervalSourceV1::Replicates, texts.inputs_caption), (IntervalSourceV1::Resolution, texts.resolution_caption)]
+    {
+        let by = numbers.iter().filter(|number| number.interval_source == Some(source));
+        let by = by.filter_map(|number| number.interval_by.as_deref()).next();
+        sentences.extend(by.map(|by| fill(template, &[("by", html(by))])));
     }
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.join(", "));

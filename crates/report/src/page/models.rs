@@ -11,7 +11,7 @@ use crate::findings::{Model, PoleStability, Run, is_of_a_failed_method};
 use crate::phrases::words::fill;
 use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 use crate::page::figures;
 
 /// What the samples of a model between inputs and outputs are taken for, as the record says.

@@ -8,7 +8,7 @@ use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{EventsV1, MetricV1};
 
-use crate::frame::heads::{self, Column};
+use crate::frame::{self, Column};
 
 /// Metrics that stand in the table of events already.
 const AMONG_EVENTS: [&str; 5] =
@@ -40,7 +40,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
         let rows: Vec<Row> = rest
             .into_iter()
             .map(|metric| Row {
-                name: words::metric(&metric.name),
+                name: html(&words::metric(&metric.name)),
                 value: metric.value,
                 unit: &metric.unit,
                 definition: definition(metric),
@@ -66,18 +66,16 @@ fn unlike_pulse(out: &mut String, run: &Run) {
     }
     let texts = &PHRASES.numbers;
     let columns = [Column::text(texts.place), Column::text(texts.metric), Column::number(texts.value)];
-    out.push_str(&format!("<h3>{}</h3>\n{}", texts.of_others, heads::table("", &columns)));
+    out.push_str(&format!("<h3>{}</h3>\n{}", texts.of_others, frame::table("", &columns)));
     for metric in rows {
         let shown = match metric.value {
-            Some(x) if metric.definition.contains("lower bound") => {
-                fill(texts.lower_bound, &[("value", words::value(x, &metric.unit))])
-            }
+            Some(x) if metric.is_lower_bound => fill(texts.lower_bound, &[("value", words::value(x, &metric.unit))]),
             Some(x) => words::value(x, &metric.unit),
             None => format!("{ABSENT} ({})", metric.definition),
         };
         out.push_str(&format!(
-            "<tr><th scope=\"row\">{}</th><td><abbr title=\"{}\">{}</abbr></td><td class=\"n\">{}</td></tr>\n",
-            html(&place(run, &metric.channel)),
+            "<tr><th scope=\"row\">{}</th><td><abbr tabindex=\"0\" title=\"{}\">{}</abbr></td><td class=\"n\">{}</td></tr>\n",
+            html(&place(run, metric)),
             html(&definition(metric)),
             html(&words::metric(&metric.name)),
             html(&shown)
@@ -87,11 +85,12 @@ fn unlike_pulse(out: &mut String, run: &Run) {
 }
 
 /// Where the channels of a metric sit, `001+002` for several, and their ids.
-fn place(run: &Run, channels: &str) -> String {
-    let first = channels.split('+').find_map(|id| run.test.channel(id));
+fn place(run: &Run, metric: &MetricV1) -> String {
+    let channels = &metric.channel;
+    let first = metric.channels().into_iter().find_map(|id| run.test.channel(id));
     match first.map(|channel| channel.location.as_str()).filter(|location| !location.is_empty()) {
         Some(location) => format!("{location} ({channels})"),
-        None => channels.to_owned(),
+        None => channels.clone(),
     }
 }
 
@@ -116,8 +115,10 @@ fn other_channels(out: &mut String, run: &Run) {
     if names.is_empty() {
         return;
     }
-    // `93+94+99`: the range over these channels, a column of its own at the end.
-    let is_range = |id: &str| id.contains('+') && run.test.channel(id).is_none();
+    // The range over several channels is a column of its own at the end.
+    let ranges: Vec<&str> =
+        run.metrics.iter().filter(|metric| metric.is_of_several()).map(|metric| metric.channel.as_str()).collect();
+    let is_range = |id: &str| ranges.contains(&id);
     channels.sort_by_key(|id| is_range(id));
     let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
     let texts = &PHRASES.numbers;
@@ -132,7 +133,7 @@ fn other_channels(out: &mut String, run: &Run) {
         let (title, head) =
             if is_range(id) { (fill(texts.over, &[("channels", id)]), texts.range) } else { (place.to_owned(), *id) };
         out.push_str(&format!(
-            "<th scope=\"col\" class=\"n\"><abbr title=\"{}\">{}</abbr></th>",
+            "<th scope=\"col\" class=\"n\"><abbr tabindex=\"0\" title=\"{}\">{}</abbr></th>",
             html(&title),
             html(head)
         ));
@@ -140,7 +141,7 @@ fn other_channels(out: &mut String, run: &Run) {
     out.push_str("</tr></thead>\n<tbody>\n");
     for (name, first) in names {
         out.push_str(&format!(
-            "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th>",
+            "<tr><th scope=\"row\"><abbr tabindex=\"0\" title=\"{}\">{}</abbr></th>",
             html(&first.definition),
             html(&words::metric(name))
         ));
@@ -198,15 +199,15 @@ fn table(out: &mut String, rows: &[Row]) {
         }
         if let Some((low, high)) = row.interval.filter(|_| row.value.is_some()) {
             value.push_str(&format!(
-                "<br><span class=\"interval\" title=\"{}\">{}</span>",
+                "<br><span class=\"interval\" tabindex=\"0\" title=\"{}\">{}</span>",
                 html(row.interval_by.unwrap_or_default()),
                 html(&words::range(low, high, row.unit))
             ));
         }
         out.push_str(&format!(
-            "<tr><th scope=\"row\"><abbr title=\"{}\">{}</abbr></th><td class=\"n\">{value}</td></tr>\n",
+            "<tr><th scope=\"row\"><abbr tabindex=\"0\" title=\"{}\">{}</abbr></th><td class=\"n\">{value}</td></tr>\n",
             html(&row.definition),
-            html(&row.name).replace("t_m", "t<sub>m</sub>").replace("t_c", "t<sub>c</sub>")
+            row.name
         ));
     }
     out.push_str("</tbody></table>\n");

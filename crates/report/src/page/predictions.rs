@@ -2,21 +2,21 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, names::candidate_name};
+use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{AnsweredByV1, PredictionV1};
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 
 /// Predictions on the first screen.
 const SHOWN_FIRST: usize = 5;
 
 /// What the recommended model gives for the impacts that were asked for, else at the standing speeds, in a few columns;
 /// nothing where nothing is to be used.
-pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status: Status) {
-    let of_best = |p: &&PredictionV1| Some(&p.candidate) == ranking.best.as_ref() && status != Status::DoNotUse;
+pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status: Option<Status>) {
+    let of_best = |p: &&PredictionV1| Some(&p.candidate) == ranking.best.as_ref() && status != Some(Status::DoNotUse);
     let all: Vec<&PredictionV1> = run.predictions.iter().filter(of_best).collect();
     let asked: Vec<&PredictionV1> = all.iter().filter(|prediction| prediction.asked).copied().collect();
     let shown = if asked.is_empty() { &all } else { &asked };
@@ -84,7 +84,7 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     ));
 }
 
-pub(super) fn write(out: &mut String, run: &Run, status: Status) {
+pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
     if run.predictions.is_empty() {
         return;
     }
@@ -108,14 +108,14 @@ pub(super) fn write(out: &mut String, run: &Run, status: Status) {
     out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, prediction: &PredictionV1, status: Status) {
+fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {
     let texts = &PHRASES.predictions;
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
         let interval = prediction.intervals.iter().find(|interval| interval.name == name).map(|interval| {
             let end = |end: f64| words::decimals(factor * end, digits);
             let ends = fill(texts.interval, &[("low", end(interval.low)), ("high", end(interval.high))]);
-            format!("<br><span title=\"{}\">{ends}</span>", html(&interval.interval_by))
+            format!("<br><span tabindex=\"0\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
         });
         format!("<td class=\"n\">{}{}</td>", words::decimals(factor * value, digits), interval.unwrap_or_default())
     };
@@ -123,7 +123,7 @@ fn row(out: &mut String, prediction: &PredictionV1, status: Status) {
     let partner = partner(prediction);
     let roles = &PHRASES.candidates;
     let role = |name: &String| match name.as_str() {
-        "recommended" if status == Status::DoNotUse => PHRASES.model.in_doubt.to_lowercase(),
+        "recommended" if status == Some(Status::DoNotUse) => PHRASES.model.in_doubt.to_lowercase(),
         "recommended" => roles.badge_recommended.to_owned(),
         "simplest" => roles.badge_simplest.to_owned(),
         "closest" => roles.badge_closest.to_owned(),

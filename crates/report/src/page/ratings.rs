@@ -2,14 +2,14 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
 use crate::phrases::HowWellTexts;
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{RatingV1, SimulationV1};
 
-use crate::frame::heads::{Column, heads};
+use crate::frame::{Column, heads};
 use crate::page::how_well::grade;
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
@@ -55,7 +55,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let fit = heads(&[Column::number(texts.fit).means(texts.fit_definition)]);
     for (index, (quantity, id, heading, what)) in columns.iter().enumerate() {
         out.push_str(&format!(
-            "<th scope=\"col\" class=\"n\"><abbr title=\"{} [{id}{}]\">{heading}</abbr></th>",
+            "<th scope=\"col\" class=\"n\"><abbr tabindex=\"0\" title=\"{} [{id}{}]\">{heading}</abbr></th>",
             html(what),
             mark(&rows, quantity, id).map_or_else(String::new, |mark| fill(texts.mark, &[("mark", html(mark))]))
         ));
@@ -103,7 +103,7 @@ fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1,
         let note = rating.and_then(|rating| rating.note.as_deref()).filter(|_| *id != "cora");
         let note = note.map(grade);
         out.push_str(&match note {
-            Some(note) => format!("<td class=\"n\"><abbr title=\"{}\">{shown}</abbr></td>", html(note)),
+            Some(note) => format!("<td class=\"n\"><abbr tabindex=\"0\" title=\"{}\">{shown}</abbr></td>", html(note)),
             None => format!("<td class=\"n\">{shown}</td>"),
         });
         if columns.get(index + 1).is_none_or(|next| next.0 != *quantity) {

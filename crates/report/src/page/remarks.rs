@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::findings::{
-    CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, names::candidate_name, parameters::parameter,
+    CandidateResult, Ranking, Run, StageNote, candidate_name, is_of_another_candidate, parameter,
     ranking::AS_GOOD_PERCENT, warnings,
 };
 use crate::phrases::PHRASES;
@@ -11,7 +11,7 @@ use crate::phrases::words::fill;
 use crumple_artifact::records::ConcernV1;
 use crumple_signal::Severity;
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 use crate::page::conclusion;
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
@@ -42,7 +42,7 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
             let items: String = concerns.iter().map(|concern| conclusion::item(concern)).collect();
             format!("<ul class=\"notes warnings\">\n{items}</ul>\n")
         };
-        let diagnoses: Vec<&ConcernV1> = concerns.iter().filter(|c| c.severity == ConcernV1::NO_RESULT).collect();
+        let diagnoses: Vec<&ConcernV1> = concerns.iter().filter(|c| c.is_no_result()).collect();
         let (others, first): (Vec<&ConcernV1>, Vec<&ConcernV1>) =
             warnings(concerns).partition(|concern| is_of_another_candidate(concern, run, ranking));
         let count = match others.len() + first.len() {
@@ -171,7 +171,8 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
     out.push_str(&format!("<section class=\"provenance\">\n<h2>{}</h2>\n", texts.provenance));
     let source = &run.test.source;
     if !source.name.is_empty() && run.joint.is_none() {
-        let digest = format!("<code title=\"{}\">{}</code>", html(&source.digest), html(short(&source.digest)));
+        let digest =
+            format!("<code tabindex=\"0\" title=\"{}\">{}</code>", html(&source.digest), html(short(&source.digest)));
         let filled = [
             ("name", html(&source.name)),
             ("format", html(&source.format)),
@@ -188,7 +189,12 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
                 .inputs
                 .iter()
                 .map(|(kind, digest)| {
-                    format!("{} <code title=\"{}\">{}</code>", html(kind), html(digest), html(short(digest)))
+                    format!(
+                        "{} <code tabindex=\"0\" title=\"{}\">{}</code>",
+                        html(kind),
+                        html(digest),
+                        html(short(digest))
+                    )
                 })
                 .collect();
             let settings = if record.settings.is_empty() || record.settings == "{}" {
@@ -197,7 +203,7 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
                 format!("<details><summary>{}</summary><code>{}</code></details>", texts.show, html(&record.settings))
             };
             out.push_str(&format!(
-                "<tr><td>{}</td><td>{}</td><td><code title=\"{}\">{}</code></td><td>{}</td><td>{settings}</td></tr>\n",
+                "<tr><td>{}</td><td>{}</td><td><code tabindex=\"0\" title=\"{}\">{}</code></td><td>{}</td><td>{settings}</td></tr>\n",
                 html(&record.stage),
                 html(&record.version),
                 html(&record.digest),

@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::findings::names::candidate_name;
+use crate::findings::candidate_name;
 use crate::findings::{CandidateResult, Ranking, Run};
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
@@ -11,8 +11,8 @@ use crumple_lumped::{Element, Extrapolation, ForceDeflection, Node, PiecewiseLin
 use crumple_signal::Sampled;
 use serde_json::{Value, json};
 
-use crate::frame::framed::json_element;
-use crate::frame::page_files::{PageFiles, Script};
+use crate::frame::json_element;
+use crate::frame::{PageFiles, Script};
 
 /// What the sliders look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("what_if/style.css");

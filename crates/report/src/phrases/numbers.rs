@@ -4,7 +4,7 @@ texts! { NumberTexts
     key_numbers: "Key numbers";
     dynamic_crush: "Dynamic crush C";
     motion_over_ground: "Motion over ground";
-    time_of_crush: "Time of crush t<sub>m</sub>";
+    time_of_crush: "Time of crush tₘ";
     delta_v: "Velocity change Δv";
     maximum_delta_v: "Maximum Δv as recorded";
     time_of_maximum_delta_v: "Time of maximum Δv";
@@ -65,13 +65,13 @@ texts! { NumberTexts
     crush_name: "dynamic crush C";
     crush_definition:
         "Displacement at the first zero of the velocity.";
-    time_name: "time of dynamic crush t_m";
+    time_name: "time of dynamic crush tₘ";
     time_definition: "Time of the first zero of the velocity.";
-    centroid_name: "centroid time t_c";
+    centroid_name: "centroid time t<sub>c</sub>";
     centroid_definition:
-        "Centroid of the pulse from time zero to t_m; C / v0.";
+        "Centroid of the pulse from time zero to tₘ; C / v0.";
     rebound_name: "rebound velocity";
-    rebound_definition: "Lowest velocity after t_m.";
+    rebound_definition: "Lowest velocity after tₘ.";
     rebound_time_name: "time of rebound";
     rebound_time_definition: "Time of the rebound velocity.";
     restitution_name: "coefficient of restitution e";

@@ -66,12 +66,12 @@ texts! { RunTexts
     without_result: ", {count} without a result";
     tables: " All numbers as tables: {links}.";
     index_caption:
-        "A name leads to the report of the run. C and t<sub>m</sub>: dynamic crush and its time; e: restitution; k: \
+        "A name leads to the report of the run. C and tₘ: dynamic crush and its time; e: restitution; k: \
          stiffness of the Kelvin model. Pulses: the filtered acceleration over the first 150 ms, upwards as the \
          vehicle slows down, each to its own peak. Three digits are shown; the reports have all, with intervals.";
     sorts: " A head of a column sorts.";
     failures: "Without a result";
-    and_more: " and {count} more";
+    and_more: "and {count} more";
     no_word: "no word of why";
     done: "done";
     usage: "usage";
@@ -87,26 +87,6 @@ texts! { RunTexts
     determined: "{determined} of {parameters} determined";
     order_of_magnitude: ", {count} with a wide interval";
     open: ", {count} open";
-    mass_name: "test mass";
-    mass: "mass";
-    speed_name: "impact speed";
-    speed: "speed";
-    year_name: "model year";
-    year: "year";
-    crush_name: "dynamic crush";
-    crush: "C";
-    time_name: "time of dynamic crush";
-    time: "t<sub>m</sub>";
-    change_name: "change of velocity";
-    change: "Δv";
-    peak_name: "peak deceleration";
-    peak: "peak";
-    olc_name: "occupant load criterion";
-    olc: "OLC";
-    restitution_name: "coefficient of restitution";
-    restitution: "e";
-    stiffness_name: "Kelvin stiffness";
-    stiffness: "k";
 }
 
 texts! { JointTexts

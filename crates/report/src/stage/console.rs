@@ -3,18 +3,18 @@
 use crumple_report::phrases::PHRASES;
 use std::path::Path;
 
-use crumple_artifact::records::ConcernV1;
-use crumple_report::{Conclusion, OverviewLine, Ranking, Run, overview};
+use crumple_report::{OverviewLine, Ranking, Run, Summary, overview};
 use crumple_stage::{columns, labelled, labelled_and_cut, say, wrapped};
 
 /// Prints the status, the verdict, the numbers, the gravest warnings and where the rest is.
-pub fn print(run: &Run, ranking: &Ranking, verdict: &Conclusion, concerns: &[ConcernV1], report: &Path) {
+pub fn print(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) {
+    let verdict = &summary.verdict;
     let columns = columns();
     for sentence in std::iter::once(&verdict.status_sentence).chain(&verdict.sentences) {
         wrapped(sentence, columns).iter().for_each(say);
     }
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut lines = overview(run, ranking, verdict, concerns, folder);
+    let mut lines = overview(run, ranking, summary, folder);
     let label = PHRASES.conclusion.files_label.to_owned();
     lines.push(OverviewLine { label, text: report.display().to_string(), may_be_cut: false });
     let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;

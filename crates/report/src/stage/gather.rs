@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
-    NotesV1, PredictionV1, QualityV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1,
-    TransferFunctionV1,
+    NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1,
+    TestsV1, TransferFunctionV1,
 };
 use crumple_report::{
     CandidateResult, Element, JointTests, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
@@ -288,12 +288,12 @@ fn concerns(inputs: &Inputs) -> anyhow::Result<Vec<ConcernV1>> {
             .record::<ConcernsV2>("/concerns")
             .map_err(Refused::from)?
             .map_or(Vec::new(), |record| record.concerns);
-        let is_diagnosed = all.iter().chain(&written).any(|concern| concern.severity == ConcernV1::NO_RESULT);
+        let is_diagnosed = all.iter().chain(&written).any(ConcernV1::is_no_result);
         let diagnosis = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)?;
         let diagnosis = diagnosis.filter(|_| !is_diagnosed).map(|diagnosis| ConcernV1 {
             about: About::of_stage(&diagnosis.stage).to_string(),
             stage: diagnosis.stage,
-            severity: ConcernV1::NO_RESULT.to_owned(),
+            severity: SeverityV1::NoResult,
             weight: Weight::Decisive.number(),
             text: diagnosis.reason,
             remedy: None,
@@ -337,7 +337,7 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     let why_none = |stage: &str, what: &str| {
         let ran = run.provenance.iter().any(|record| record.stage == stage);
         let reason = run.without.as_deref().or_else(|| {
-            let diagnosed = run.concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+            let diagnosed = run.concerns.iter().find(|concern| concern.is_no_result());
             diagnosed.map(|concern| concern.text.as_str())
         });
         reason.filter(|_| ran).map(|reason| fill(texts.none_found, &[("what", what), ("reason", reason)]))

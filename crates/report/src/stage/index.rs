@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use crumple_artifact::{Artifact, OutputKind};
-use crumple_report::{IndexedRun, RunIndex, RunSummary, pulse_line};
+use crumple_report::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, pulse_line};
 use crumple_stage::{ExitStatus, Refused, Usage, refuse_to_overwrite, say, told_apart};
 
 use super::compare::write;
@@ -20,7 +20,7 @@ pub fn index(inputs: &[PathBuf], page: &Path, quiet: bool) -> anyhow::Result<Exi
     let summaries: Vec<PathBuf> = folders.iter().map(|folder| folder.join("summary.json")).collect();
     refuse_missing(&folders, &summaries)?;
     refuse_to_overwrite(page, OutputKind::Report, &summaries)?;
-    let mut named: Vec<(String, &PathBuf, RunSummary)> = Vec::new();
+    let mut named: Vec<(String, &PathBuf, Summary)> = Vec::new();
     for ((name, folder), summary) in told_apart(&folders).into_iter().zip(&folders).zip(&summaries) {
         named.push((name, folder, read(summary)?));
     }
@@ -104,15 +104,12 @@ fn refuse_missing(folders: &[PathBuf], summaries: &[PathBuf]) -> Result<(), Refu
         .hint("just run RECORD makes one; leave out runs that did not get there"))
 }
 
-/// Schema of the summary that `just together` writes.
-const OF_SEVERAL_TESTS: &str = "crumple.together.v1";
-
-fn read(path: &Path) -> anyhow::Result<RunSummary> {
+fn read(path: &Path) -> anyhow::Result<Summary> {
     let refused = |problem: String| {
         Refused::new(problem).hint("write it again: crumple-report FOLDER/*.mcap -o FOLDER/report.html")
     };
     let bytes = fs::read(path).map_err(|error| refused(format!("cannot read {}: {error}", path.display())))?;
-    RunSummary::from_json(&bytes).map_err(|error| {
+    Summary::from_json(&bytes).map_err(|error| {
         let other: Option<serde_json::Value> = serde_json::from_slice(&bytes).ok();
         if other.is_some_and(|summary| summary["schema"] == OF_SEVERAL_TESTS) {
             let folder = path.parent().unwrap_or(path);
@@ -126,7 +123,7 @@ fn read(path: &Path) -> anyhow::Result<RunSummary> {
 }
 
 /// The filtered pulse of a run folder; empty where there is none.
-fn pulse(folder: &Path, summary: &RunSummary) -> String {
+fn pulse(folder: &Path, summary: &Summary) -> String {
     let Some(channel) = summary.test.channel.as_deref() else { return String::new() };
     let Ok(artifact) = Artifact::open(&folder.join("2-filter.mcap")) else { return String::new() };
     let time_zero_s = summary.events.as_ref().map_or(0.0, |events| events.time_zero_s);

@@ -15,9 +15,7 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{
-    ComparedRun, Kind, Page, Ranking, all_figures, conclusion, first_screen, summary, write_shared_files,
-};
+use crumple_report::{ComparedRun, Kind, Page, Ranking, all_figures, first_screen, summary, write_shared_files};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
 };
@@ -157,17 +155,14 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
-    let (said, concerns) = conclusion(&run, &ranking);
-    let json = summary(&run, &ranking).to_json()?;
+    let summary = summary(&run, &ranking);
+    let json = summary.to_json()?;
     if let Some(folder) = &cli.shared {
         let folder = output.parent().unwrap_or(Path::new("")).join(folder);
         write_shared_files(&folder)
             .with_context(|| format!("cannot write the files that pages share into {}", folder.display()))?;
     }
-    let page = || match &cli.shared {
-        Some(folder) => Page::sharing(&run, &ranking, folder),
-        None => Page::new(&run, &ranking),
-    };
+    let page = || Page::of(&run, &ranking, &summary, cli.shared.as_deref());
     write_both(output, &summary_path, &json, page)
         .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
     if let Some(folder) = &cli.svg {
@@ -180,7 +175,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         to_stdout(json.as_bytes())?;
     }
     if !cli.quiet {
-        console::print(&run, &ranking, &said, &concerns, output);
+        console::print(&run, &ranking, &summary, output);
     }
     if let Some(path) = &cli.markdown {
         let own = output.with_file_name("0-pipeline.toml");
@@ -192,7 +187,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         let text = first_screen(&run, own.as_deref(), record.as_deref());
         compare::write(path, OutputKind::Markdown, &text)?;
     }
-    Ok(if said.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done })
+    Ok(if summary.verdict.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done })
 }
 
 /// Writes both files so that a process killed at any moment never leaves two of different runs: both are written whole

@@ -131,7 +131,7 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     assert_eq!((open_of(&best), open_of(&open)), ((1, 3), (2, 3)));
     // Also where nothing bounds it, so that it has no deviation.
     open.record.uncertainty.as_mut().unwrap().standard_deviation.remove("k_n_per_m");
-    assert_eq!((open_of(&open), open.certainties().open), ((2, 3), vec!["k_n_per_m", "x_m"]));
+    assert_eq!((open_of(&open), open.certainties().open.join(" ")), ((2, 3), "k_n_per_m x_m".to_owned()));
     run.candidates.push(best);
     let ranking = Ranking::of_candidates(&run.candidates);
     let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking).to_json().unwrap()).unwrap();
@@ -353,9 +353,9 @@ fn an_interval_over_more_than_a_decade_is_wide_in_every_place_alike() {
         ..UncertaintyV1::default()
     });
     let certainties = best.certainties();
-    assert_eq!((certainties.order_of_magnitude, certainties.determined), (vec!["c_n_s_per_m"], 1));
+    assert_eq!((certainties.order_of_magnitude.join(" "), certainties.determined), ("c_n_s_per_m".to_owned(), 1));
     // What picks the best does not look at it.
-    assert_eq!((certainties.open, best.left_open()), (Vec::<&str>::new(), 0));
+    assert_eq!((certainties.open.len(), best.left_open()), (0, 0));
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
     assert_eq!(also_open.certainties().words().unwrap(), "0 of 2 numbers determined, 1 with a wide interval, 1 open");
@@ -422,7 +422,7 @@ fn criteria_of_occupants_stand_open_with_their_place_and_in_the_summary() {
     run.metrics = vec![
         metric("93", "peak_acceleration", 400.0, "m/s^2", "largest |a|"),
         metric("94", "peak_acceleration", 390.0, "m/s^2", "largest |a|"),
-        metric("1+2", "hic15", 412.0, "1", "head injury criterion; lower bound: resultant of x and y alone"),
+        MetricV1 { is_lower_bound: true, ..metric("1+2", "hic15", 412.0, "1", "head injury criterion") },
     ];
     let page = page(&run);
     let (_, open) = page.split_once("<h3>Occupants, barrier and recorder</h3>").unwrap();
@@ -482,6 +482,7 @@ fn the_intervals_of_events_stand_on_their_cards() {
         low: 0.7398,
         high: 0.7591,
         interval_by: "5-95 % of 400 replicates".into(),
+        interval_source: None,
     }];
     let page = page(&run);
     assert!(page.contains("750\u{a0}<small>mm</small></dd><dd>inputs, 90\u{a0}%: 740 to 759\u{a0}mm</dd>"), "{page}");

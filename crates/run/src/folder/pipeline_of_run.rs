@@ -9,7 +9,7 @@ use anyhow::Context;
 use crumple_stage::{Pipeline, Usage};
 use tempfile::NamedTempFile;
 
-use crate::command::pipeline::PIPELINE_OF_A_RUN;
+use crate::command::PIPELINE_OF_A_RUN;
 
 /// How the file begins, so that no other is replaced.
 const HEAD: &str = "# The pipeline of this run, with everything it was laid over and what was set beside it.\n";

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use crumple_stage::{ExitStatus, Usage, say};
 
-use crate::command::pipeline::Pipeline;
-use crate::command::program::own_program;
-use crate::steps::ending::Ending;
-use crate::steps::start::run_program;
+use crate::command::Pipeline;
+use crate::command::own_program;
+use crate::steps::StageExit;
+use crate::steps::run_program;
 use crate::together::files::{INTEGRATED, SOLVED};
 use crate::together::options::TogetherOptions;
 
@@ -79,10 +79,10 @@ pub(crate) fn run_each(runs: &[TestRun], options: &TogetherOptions) -> anyhow::R
         let mut arguments: Vec<OsString> = vec!["--project".into(), options.project.clone().into()];
         arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
         arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into(), record.into()]);
-        let failed = match Ending::of(run_program(&own_program("run"), &arguments)?) {
-            Ending::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
-            Ending::WithResult(status) | Ending::Failed(status) => Some(status),
-            Ending::Unforeseen(_) => Some(ExitStatus::Failure),
+        let failed = match StageExit::of(run_program(&own_program("run"), &arguments)?) {
+            StageExit::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
+            StageExit::WithResult(status) | StageExit::Failed(status) => Some(status),
+            StageExit::Unforeseen(_) => Some(ExitStatus::Failure),
         };
         if let Some(status) = failed {
             say(format_args!("error: the run of {} failed; no joint result was written", record.display()));

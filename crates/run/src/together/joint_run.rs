@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use crumple_stage::{ExitStatus, say};
 
-use crate::command::pipeline::Pipeline;
-use crate::command::program::Program;
+use crate::command::Pipeline;
+use crate::command::Program;
 use crate::folder::lock::LockedFolder;
 use crate::folder::pipeline_of_run::PipelineOfRun;
-use crate::steps::ending::Ending;
-use crate::steps::start::start;
+use crate::steps::StageExit;
+use crate::steps::start;
 use crate::together::each_run::{TestRun, run_each, test_runs};
 use crate::together::files::{PREDICTED, REPORT, SOLVED, SUMMARY};
-use crate::together::leave_one_out::{Left, folder_without, left_out_of, ratio_of, remove_of_others};
+use crate::together::leave_one_out::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others};
 use crate::together::options::{Asked, TogetherOptions};
 use crate::together::summary::write_summary;
 
@@ -133,7 +133,7 @@ impl JointRun<'_> {
     }
 
     /// Predicts with the joint candidates; the intervals hold what the tests that were left out were missed by.
-    fn joint_prediction(&self, left_out: &[Left], flags: &[OsString]) -> anyhow::Result<ExitStatus> {
+    fn joint_prediction(&self, left_out: &[HeldOutTest], flags: &[OsString]) -> anyhow::Result<ExitStatus> {
         let is_said = flags.iter().any(|flag| flag.to_string_lossy().starts_with("--left-out"));
         let ratio = ratio_of(left_out)?.filter(|_| !is_said);
         let ratio = ratio.map(|ratio| ["--left-out".into(), OsString::from(format!("{ratio:.3}"))]);
@@ -180,6 +180,6 @@ impl JointRun<'_> {
 
     fn step(&self, stage: &str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
         let program = Program::of_stage(stage, &self.options.flags)?;
-        Ok(Ending::of(start(&program, arguments, &self.options.flags)?).status_of(&program.file))
+        Ok(StageExit::of(start(&program, arguments, &self.options.flags)?).status_of(&program.file))
     }
 }

@@ -8,13 +8,14 @@ use crumple_stage::records::{DiagnosisV1, PredictionV1, TestsV1};
 use crumple_stage::{Refused, load_artifacts};
 
 use crate::together::files::{PREDICTED, SOLVED};
+use crate::together::summary::LeftOut;
 
 /// How the folders begin in which one test is left out.
 const WITHOUT: &str = "without-";
 
 /// A test that was left out.
 #[derive(Debug)]
-pub(crate) struct Left {
+pub(crate) struct HeldOutTest {
     /// Its name.
     pub(crate) test: String,
     /// The tests that it was predicted from.
@@ -29,7 +30,7 @@ pub(crate) fn folder_without(folder: &Path, test: &str) -> PathBuf {
 }
 
 /// The tests of a joint result, each left out once. Refuses a folder whose tests were not all predicted.
-pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<Left>> {
+pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<HeldOutTest>> {
     let tests: Option<TestsV1> = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?;
     let refused = |problem: String| Refused::new(problem).hint("just together A.EV5 B.EV5 ... makes all of it again");
     let nothing = || refused(format!("{} holds no model of several tests", folder.display()));
@@ -39,7 +40,7 @@ pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<Left>> {
         return Err(refused(problem).into());
     }
     let names: Vec<&String> = tests.tests.iter().map(|test| &test.name).collect();
-    let left = |name: &&String| Left {
+    let left = |name: &&String| HeldOutTest {
         test: (*name).clone(),
         from: names.iter().filter(|other| *other != name).map(|other| (*other).clone()).collect(),
         folder: folder_without(folder, name),
@@ -71,11 +72,11 @@ const HALF_OF_90_PERCENT: f64 = 1.644_853_626_951_472_7;
 
 /// By how much tests that were left out were missed: root mean square of the errors of their dynamic crush over the
 /// standard deviations of those predictions. `None` where none was predicted.
-pub(crate) fn ratio_of(left_out: &[Left]) -> anyhow::Result<Option<f64>> {
+pub(crate) fn ratio_of(left_out: &[HeldOutTest]) -> anyhow::Result<Option<f64>> {
     let mut squares = Vec::new();
     for left in left_out {
-        let predictions = left.predictions()?;
-        squares.extend(predictions.iter().flatten().find_map(in_deviations).map(|error| error * error));
+        let predictions = left.left_out()?.predictions;
+        squares.extend(predictions.iter().find_map(in_deviations).map(|error| error * error));
     }
     Ok(Some((squares.iter().sum::<f64>() / squares.len() as f64).sqrt()).filter(|ratio| ratio.is_finite()))
 }
@@ -90,20 +91,22 @@ fn in_deviations(prediction: &PredictionV1) -> Option<f64> {
     Some(error_m / deviation_m).filter(|ratio| ratio.is_finite())
 }
 
-impl Left {
+impl HeldOutTest {
     /// The predictions of the test itself, the recommended first, or why there is none.
-    pub(crate) fn predictions(&self) -> anyhow::Result<Result<Vec<PredictionV1>, String>> {
+    pub(crate) fn left_out(&self) -> anyhow::Result<LeftOut> {
         let predicted = self.folder.join(PREDICTED);
         let path = if predicted.is_file() { predicted } else { self.folder.join(SOLVED) };
         let input = load_artifacts(&[path])?.input;
+        let mut left_out = LeftOut { test: self.test.clone(), from: self.from.clone(), ..LeftOut::default() };
         if let Some(diagnosis) = input.record_if::<DiagnosisV1>("/diagnosis")? {
-            return Ok(Err(diagnosis.reason));
+            left_out.no_prediction_because = Some(diagnosis.reason);
+            return Ok(left_out);
         }
         let all: Vec<(String, PredictionV1)> = input.records("/prediction/")?;
-        let mut of_the_test: Vec<PredictionV1> =
+        left_out.predictions =
             all.into_iter().map(|(_, prediction)| prediction).filter(|p| p.against.is_some()).collect();
-        of_the_test.sort_by_key(|prediction| !prediction.recommended);
-        Ok(Ok(of_the_test))
+        left_out.predictions.sort_by_key(|prediction| !prediction.recommended);
+        Ok(left_out)
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crumple_stage::Usage;
 
-use crate::command::words::Words;
+use crate::command::Words;
 
 /// Fits one model to several tests, and predicts every test from the others.
 ///

@@ -1,18 +1,75 @@
 //! `summary.json` of a joint result, and the table of every test predicted from the others.
 
 use std::fs;
+use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
-use crumple_stage::records::{AgainstTestV1, CandidateV1, PredictionV1, RecommendationV1, TestsV1};
+use crumple_artifact::{OutputKind, write_atomically};
+use crumple_report::OF_SEVERAL_TESTS;
+use crumple_stage::records::{AgainstTestV1, CandidateV1, JointTestV1, PredictionV1, RecommendationV1, TestsV1};
 use crumple_stage::{load_artifacts, say};
-use serde_json::{Map, Value, json};
+use serde::{Deserialize, Serialize};
 
 use crate::together::files::{PREDICTED, SOLVED, SUMMARY};
-use crate::together::leave_one_out::Left;
+use crate::together::leave_one_out::HeldOutTest;
+
+/// `summary.json` of a joint result.
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct JointSummary {
+    schema: String,
+    pipeline: String,
+    tests: Vec<JointTestV1>,
+    rate_factor: String,
+    candidates: Vec<JointCandidate>,
+    pub(crate) recommended: Option<String>,
+    recommended_because: String,
+    simplest: Option<String>,
+    simplest_because: String,
+    closest: Option<String>,
+    closest_because: String,
+    pub(crate) leave_one_out: Vec<LeftOut>,
+    predictions: Vec<PredictionV1>,
+}
+
+/// A candidate with its id.
+#[derive(Debug, Serialize, Deserialize)]
+struct JointCandidate {
+    id: String,
+    #[serde(flatten)]
+    record: CandidateV1,
+}
+
+/// A test predicted from the others, or why it is not.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct LeftOut {
+    pub(crate) test: String,
+    pub(crate) from: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) predictions: Vec<PredictionV1>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) no_prediction_because: Option<String>,
+}
+
+impl JointSummary {
+    /// Reads that of a folder.
+    pub(crate) fn read(folder: &Path) -> anyhow::Result<Self> {
+        let path = folder.join(SUMMARY);
+        let bytes = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        serde_json::from_slice(&bytes).with_context(|| format!("{} is no joint summary", path.display()))
+    }
+
+    /// A parameter of the joint Kelvin model.
+    pub(crate) fn kelvin(&self, name: &str) -> Option<f64> {
+        let kelvin = self.candidates.iter().find(|candidate| candidate.record.model == "kelvin")?;
+        kelvin.record.parameters.get(name).copied()
+    }
+}
 
 /// Writes `summary.json` in one piece, and says the table.
-pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) -> anyhow::Result<()> {
+pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTest]) -> anyhow::Result<()> {
     let joint = load_artifacts(&[folder.join(SOLVED)])?.input;
     let tests: TestsV1 = joint.record_if("/tests")?.unwrap_or_default();
     let candidates: Vec<(String, CandidateV1)> = joint.records("/parameters/")?;
@@ -21,38 +78,33 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) ->
         path if path.is_file() => load_artifacts(&[path])?.input.records("/prediction/")?,
         _ => Vec::new(),
     };
-    let (mut rows, mut missed) = (Vec::new(), Vec::new());
+    let (mut leave_one_out, mut missed) = (Vec::new(), Vec::new());
     say(format_args!("{:<16} {}", "together", header()));
-    for left in left_out {
-        let predicted = left.predictions()?;
-        say(format_args!("{:<16} {}", "together", line(left, &predicted)));
-        missed.extend(predicted.iter().find_map(|predictions| missed_crush(&left.test, predictions)));
-        rows.push(row(left, predicted)?);
+    for test in held_out {
+        let left_out = test.left_out()?;
+        say(format_args!("{:<16} {}", "together", line(&left_out)));
+        missed.extend(missed_crush(&left_out));
+        leave_one_out.push(left_out);
     }
-    let candidates =
-        candidates.into_iter().map(|(id, candidate)| with_id(&id, &candidate)).collect::<Result<Vec<_>, _>>()?;
-    let predictions: Vec<PredictionV1> = predictions.into_iter().map(|(_, prediction)| prediction).collect();
-    let summary = json!({
-        "schema": "crumple.together.v1",
-        "pipeline": pipeline,
-        "tests": tests.tests,
-        "rate_factor": tests.rate_factor,
-        "candidates": candidates,
-        "recommended": choice.recommended,
-        "recommended_because": choice.recommended_because,
-        "simplest": choice.simplest,
-        "simplest_because": choice.simplest_because,
-        "closest": choice.closest,
-        "closest_because": choice.closest_because,
-        "leave_one_out": rows,
-        "predictions": predictions,
-    });
-    let new = folder.join(".summary.json.new");
-    let mut text = serde_json::to_string_pretty(&summary)?;
-    text.push('\n');
-    fs::write(&new, text).with_context(|| format!("cannot write {}", new.display()))?;
+    let summary = JointSummary {
+        schema: OF_SEVERAL_TESTS.to_owned(),
+        pipeline: pipeline.to_owned(),
+        tests: tests.tests,
+        rate_factor: tests.rate_factor,
+        candidates: candidates.into_iter().map(|(id, record)| JointCandidate { id, record }).collect(),
+        recommended: choice.recommended,
+        recommended_because: choice.recommended_because,
+        simplest: choice.simplest,
+        simplest_because: choice.simplest_because,
+        closest: choice.closest,
+        closest_because: choice.closest_because,
+        leave_one_out,
+        predictions: predictions.into_iter().map(|(_, prediction)| prediction).collect(),
+    };
     let path = folder.join(SUMMARY);
-    fs::rename(&new, &path).with_context(|| format!("cannot write {}", path.display()))?;
+    let text = serde_json::to_string_pretty(&summary)? + "\n";
+    write_atomically(&path, OutputKind::Summary, |file| file.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", path.display()))?;
     if !missed.is_empty() {
         say(format_args!(
             "{:<16} warning: the crush of {} is outside of its 90 % interval: these tests may not be of one structure; \
@@ -67,29 +119,9 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, left_out: &[Left]) ->
 
 /// `ka (-23.3 %)` where the others predict another crush than this test has, by the prediction that stands in the
 /// table.
-fn missed_crush(test: &str, predictions: &[PredictionV1]) -> Option<String> {
+fn missed_crush(LeftOut { test, predictions, .. }: &LeftOut) -> Option<String> {
     let against = predictions.iter().find_map(|prediction| prediction.against.as_ref())?;
     Some(format!("{test} ({:+.1} %)", against.missed_crush_percent()?))
-}
-
-fn with_id(id: &str, candidate: &CandidateV1) -> Result<Value, serde_json::Error> {
-    let mut value = serde_json::to_value(candidate)?;
-    if let Value::Object(fields) = &mut value {
-        fields.insert("id".to_owned(), id.into());
-    }
-    Ok(value)
-}
-
-/// One test in `leave_one_out`.
-fn row(left: &Left, predicted: Result<Vec<PredictionV1>, String>) -> Result<Value, serde_json::Error> {
-    let mut fields = Map::new();
-    fields.insert("test".to_owned(), left.test.clone().into());
-    fields.insert("from".to_owned(), left.from.clone().into());
-    match predicted {
-        Ok(predictions) => fields.insert("predictions".to_owned(), serde_json::to_value(predictions)?),
-        Err(reason) => fields.insert("no_prediction_because".to_owned(), reason.into()),
-    };
-    Ok(Value::Object(fields))
 }
 
 fn header() -> String {
@@ -100,13 +132,12 @@ fn header() -> String {
 }
 
 /// One line of the table: errors of the recommended candidate, of the closest where none is recommended.
-fn line(left: &Left, predicted: &Result<Vec<PredictionV1>, String>) -> String {
-    let name = format!("{:<24}", left.test);
-    let predictions = match predicted {
-        Ok(predictions) => predictions,
-        Err(reason) => return format!("{name} not predicted: {reason}"),
-    };
-    let Some((prediction, against)) = predictions.iter().find_map(|p| Some((p, p.against.as_ref()?))) else {
+fn line(left_out: &LeftOut) -> String {
+    let name = format!("{:<24}", left_out.test);
+    if let Some(reason) = &left_out.no_prediction_because {
+        return format!("{name} not predicted: {reason}");
+    }
+    let Some((prediction, against)) = left_out.predictions.iter().find_map(|p| Some((p, p.against.as_ref()?))) else {
         return format!("{name} not predicted: none of the candidates could");
     };
     let suffix = if prediction.recommended { "" } else { " (none is recommended)" };
@@ -141,7 +172,9 @@ mod tests {
             }),
             ..PredictionV1::default()
         };
-        let missed = |predictions: &[PredictionV1]| missed_crush("a", predictions);
+        let missed = |predictions: &[PredictionV1]| {
+            missed_crush(&LeftOut { test: "a".to_owned(), predictions: predictions.to_vec(), ..LeftOut::default() })
+        };
         assert_eq!(missed(&[prediction(None, false), prediction(Some(-23.3), false)]).unwrap(), "a (-23.3 %)");
         // What another candidate misses is not what is recommended.
         assert_eq!(missed(&[prediction(Some(1.0), true), prediction(Some(-23.3), false)]), None);

@@ -4,8 +4,10 @@
 
 mod chain;
 mod endings;
+mod fleet;
 mod folders;
 mod killed;
 mod optional;
 mod pipelines;
+mod stand_in;
 mod together;

@@ -44,7 +44,7 @@ impl Diagnosed {
 
     /// What earlier stages said of why they have no result.
     pub(crate) fn concerns(&self) -> impl Iterator<Item = &ConcernV1> {
-        self.concerns.iter().filter(|concern| concern.severity == ConcernV1::NO_RESULT)
+        self.concerns.iter().filter(|concern| concern.is_no_result())
     }
 }
 
@@ -194,6 +194,7 @@ impl Inputs {
 
 #[cfg(test)]
 mod tests {
+    use crumple_artifact::records::SeverityV1;
     use crumple_artifact::{ArtifactBuilder, Compression, Provenance, put_json};
 
     use super::*;
@@ -213,8 +214,8 @@ mod tests {
     #[test]
     fn a_stage_without_a_result_is_the_reason_for_what_is_missing() {
         let diagnosis = DiagnosisV1 { stage: "identify".to_owned(), reason: "no poles".to_owned(), has_result: false };
-        let concern = |severity: &str| ConcernV1 { severity: severity.to_owned(), ..ConcernV1::default() };
-        let concerns = vec![concern(ConcernV1::WARNING), concern(ConcernV1::NO_RESULT)];
+        let concern = |severity| ConcernV1 { severity, ..ConcernV1::default() };
+        let concerns = vec![concern(SeverityV1::Warning), concern(SeverityV1::NoResult)];
         let diagnosed = Diagnosed { diagnoses: vec![diagnosis], concerns, test: None };
         let missing = |writer| MissingTopic::new("/model", String::new(), writer);
         let reason = diagnosed.reason_for(&missing("crumple-identify")).unwrap();

@@ -44,7 +44,7 @@ where
 
 /// A usage error about keys that nobody stated: they are the default pipeline's, below the one that was given, where
 /// nothing but standing alone leaves them out.
-pub(crate) fn blame_the_default(stage: &str, pipeline: Option<&Path>, error: anyhow::Error) -> anyhow::Error {
+pub(crate) fn hint_default_pipeline(stage: &str, pipeline: Option<&Path>, error: anyhow::Error) -> anyhow::Error {
     let Some(pipeline) = pipeline.and_then(|path| Pipeline::read(path, None).ok()) else { return error };
     if find_in_chain::<Usage>(&error).is_none() {
         return error;
@@ -168,7 +168,7 @@ mod tests {
         let hint = |text: &str| {
             std::fs::write(&path, text).unwrap();
             let error = Usage::new("paper \"era\" prescribes orders, which is given too").hint("leave out orders");
-            render(&blame_the_default("identify", Some(&path), error.into()))
+            render(&hint_default_pipeline("identify", Some(&path), error.into()))
         };
         let laid_over = hint("[identify]\npaper = 'era'\n");
         assert!(laid_over.contains("hint: orders of [identify] is the default pipeline's"), "{laid_over}");

@@ -11,8 +11,8 @@ const LAYERS: [&str; 9] = [
     "sysid lumped-fit",
     "stage",
     "diff",
-    "ingest filter integrate identify parameter-solve simulate predict report artifact-cli run",
-    "fleet",
+    "ingest filter integrate identify parameter-solve simulate predict report artifact-cli",
+    "run",
     "testkit",
 ];
 

@@ -33,15 +33,15 @@ impl CandidateV1 {
     /// Zero on a bound is the limit of what is physical, and an answer. Elsewhere a bound is not the record's, and a
     /// standard deviation as large as a value that is not zero, or an interval open at both ends, says that the value
     /// is one of many.
-    pub fn doubt(&self, name: &str) -> Option<&'static str> {
+    pub fn doubt(&self, name: &str) -> Option<Doubt> {
         let value = *self.parameters.get(name)?;
         if self.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|other| other == name)) {
-            return (value != 0.0).then_some("on a bound");
+            return (value != 0.0).then_some(Doubt::OnBound);
         }
         let known = self.uncertainty.as_ref()?;
         let open = [&known.interval_low, &known.interval_high].iter().all(|end| end.get(name) == Some(&None));
         let loose = value != 0.0 && known.standard_deviation.get(name).is_some_and(|d| *d >= value.abs());
-        (open || loose).then_some("not determined")
+        (open || loose).then_some(Doubt::NotDetermined)
     }
 
     /// Parameters that were asked of the record: those of which a deviation, an interval or a bound is known.
@@ -113,6 +113,15 @@ impl CandidateV1 {
 
 /// Ratio of the ends of a 95 % interval above which a parameter counts as known to an order of magnitude only.
 const ORDER_OF_MAGNITUDE: f64 = 10.0;
+
+/// Why the value of a parameter is in doubt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// Its search stopped at its limit, which is not the record's.
+    OnBound,
+    /// The record fits as well with other values.
+    NotDetermined,
+}
 
 /// How sure a record is of a parameter that was asked of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,13 +11,14 @@ pub mod test_details;
 
 use std::collections::BTreeMap;
 
+use crumple_artifact::records::VehicleV1;
 use crumple_signal::unit::signal_unit;
 use crumple_signal::{About, ChannelStatus, Notes, QuantityKind, Weight};
 
 use crate::formats::ev5::records::Vehicle;
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::recording::content::{PulseRule, Recording};
-use crate::recording::details::{Details, TestVehicle};
+use crate::recording::details::Details;
 use crate::recording::read_channel::ReadChannel;
 use crate::{IngestError, IngestSettings, Place};
 use specification::Specification;
@@ -114,7 +115,7 @@ pub fn read(
 }
 
 /// The vehicles of a test with several, each with its channels and the best of them as its pulse.
-fn vehicles(specification: &Specification, channels: &[ReadChannel]) -> Vec<TestVehicle> {
+fn vehicles(specification: &Specification, channels: &[ReadChannel]) -> Vec<VehicleV1> {
     let Specification { test, vehicles, curves, .. } = specification;
     if vehicles.len() < 2 {
         return Vec::new();
@@ -130,7 +131,7 @@ fn vehicles(specification: &Specification, channels: &[ReadChannel]) -> Vec<Test
             .filter(|(_, read)| is_sound(read))
             .filter_map(|(curve, read)| Some((sensor::fitness(curve, vehicle.number)?, &read.channel.id)))
             .min_by_key(|(fitness, _)| *fitness);
-        TestVehicle {
+        VehicleV1 {
             number: vehicle.number,
             description: test_details::vehicle_words(test, vehicle),
             mass_kg: vehicle.test_mass_kg,

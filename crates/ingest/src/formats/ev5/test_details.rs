@@ -1,9 +1,10 @@
 //! Details of a test from the records of its specification.
 
+use crumple_artifact::records::DamageV1;
 use crumple_signal::ANOTHER_VEHICLE;
 
 use crate::formats::ev5::records::{Barrier, Test, Vehicle};
-use crate::recording::details::{Damage, Details, Stated};
+use crate::recording::details::{Details, Stated};
 
 /// Stations of a crush profile.
 const STATIONS: usize = 6;
@@ -55,10 +56,10 @@ pub fn vehicle_words(test: &Test, vehicle: &Vehicle) -> Option<String> {
 }
 
 /// The crush profile DPD1 to DPD6; all zero is nothing recorded.
-fn damage(vehicle: &Vehicle) -> Option<Damage> {
+fn damage(vehicle: &Vehicle) -> Option<DamageV1> {
     let stations = &vehicle.crush_profile_mm;
     let is_recorded = stations.len() == STATIONS && stations.iter().any(|crush| *crush != 0.0);
-    is_recorded.then(|| Damage {
+    is_recorded.then(|| DamageV1 {
         residual_crush_m: stations.iter().map(|mm| mm / 1e3).collect(),
         damage_width_m: vehicle.damage_width_mm.map(|mm| mm / 1e3),
         vehicle_width_m: vehicle.width_mm.map(|mm| mm / 1e3),

@@ -180,7 +180,7 @@ fn momentum(
     ]
     .into_iter()
     .chain(stiffness(sum, motion, time_zero_s))
-    .map(|metric| metric_record(BARRIER, &metric.counted_from(time_zero_s)))
+    .map(|metric| metric_record(&[BARRIER], &metric.counted_from(time_zero_s)))
     .collect()
 }
 

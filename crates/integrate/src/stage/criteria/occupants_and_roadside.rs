@@ -147,7 +147,7 @@ impl Criteria<'_> {
         let ids: Vec<&str> = channels.iter().map(|channel| channel.id.as_str()).collect();
         let metric =
             remarks.iter().fold(metric.counted_from(self.time_zero_s), |metric, remark| metric.remarked(remark));
-        metric_record(&ids.join("+"), &metric)
+        metric_record(&ids, &metric)
     }
 
     fn of_body(
@@ -167,15 +167,14 @@ impl Criteria<'_> {
             );
             return Ok(Vec::new());
         };
-        let mut remarks: Vec<String> = Vec::new();
         let partial = channels.len() < 3 && channels.iter().all(|channel| channel.axis != Some(Axis::Resultant));
-        if partial {
+        let bound = partial.then(|| {
             let axes: Vec<String> = channels.iter().filter_map(|c| c.axis).map(|axis| axis.to_string()).collect();
             let axes = if axes.is_empty() { "one axis".to_owned() } else { axes.join(" and ") };
-            remarks.push(format!("lower bound: resultant of {axes} alone"));
             bounds.push(format!("{place} ({axes})"));
-        }
-        remarks.extend(class_remark(channels, part.cfc(), notes));
+            format!("lower bound: resultant of {axes} alone")
+        });
+        let remarks = Vec::from_iter(class_remark(channels, part.cfc(), notes));
         let mut metrics = match part {
             BodyPart::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
             BodyPart::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
@@ -183,7 +182,11 @@ impl Criteria<'_> {
         };
         metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
         lines.push(line(&place, &metrics, partial));
-        Ok(metrics.into_iter().map(|metric| self.record(channels, metric, &remarks)).collect())
+        let bounded = |metric: Metric| match &bound {
+            Some(because) => metric.as_lower_bound(because),
+            None => metric,
+        };
+        Ok(metrics.into_iter().map(|metric| self.record(channels, bounded(metric), &remarks)).collect())
     }
 
     /// Ride-down of every chest along x against the pulse, both from time zero.

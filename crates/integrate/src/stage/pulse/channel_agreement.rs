@@ -98,13 +98,11 @@ impl<'a> ChannelAgreement<'a> {
             out.summary(text.clone());
             out.notes().info(text + "; the spread of every metric is its interval under the channels' ids together");
         }
-        let together = ids.join("+");
         let spread = |(k, metric): (usize, &Metric)| {
             let of_others: Vec<&Metric> = others.iter().filter_map(|(_, metrics)| metrics.get(k)).collect();
             let spread = over_channels(metric, &of_others)?.remarked(&format!("value of channel {}", channel.id));
             let interval = spread.interval.filter(|interval| interval.low < interval.high)?;
-            (spread.id != definitions::CLOSURE.id && interval.low.is_finite())
-                .then(|| metric_record(&together, &spread))
+            (spread.id != definitions::CLOSURE.id && interval.low.is_finite()).then(|| metric_record(&ids, &spread))
         };
         pulse.metrics.iter().enumerate().filter_map(spread).collect()
     }

@@ -4,7 +4,7 @@ use crumple_integrate::{EVENT_NAMES, event_values};
 use crumple_metrics::{Metric, centroid_time_from_crush, definitions};
 use crumple_stage::records::{EventIntervalV1, EventsV1, MetricV1, MissingIntervalV1};
 
-use crate::stage::metric_record::metric_record;
+use crate::stage::metric_record::{interval_source, metric_record};
 use crate::stage::options::StageSettings;
 use crate::stage::pulse::integrated::Integrated;
 use crate::stage::pulse::time_zero::TimeZero;
@@ -27,6 +27,7 @@ pub fn events_record(
             low: interval.low,
             high: interval.high,
             interval_by: interval.by.to_string(),
+            interval_source: Some(interval_source(interval.by)),
         })
     });
     let without = named().filter_map(|name| {
@@ -59,7 +60,7 @@ pub fn events_record(
 /// The metrics of a channel, and the drift taken out of it.
 pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
     let record_of = |(k, metric): (usize, &Metric)| {
-        let mut record = metric_record(channel, metric);
+        let mut record = metric_record(&[channel], metric);
         // A check of the arithmetic has no interval, and a missing value none to give a reason for.
         if metric.value.is_some() && metric.interval.is_none() && metric.id != definitions::CLOSURE.id {
             record.interval_by = integrated.metrics_without.get(k).cloned().flatten();
@@ -72,7 +73,7 @@ pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) 
         let metric = Metric::with_value(&definitions::DRIFT, drift.acceleration_m_per_s2)
             .over(from_s, drift.time_s - time_zero_s)
             .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));
-        records.push(metric_record(channel, &metric));
+        records.push(metric_record(&[channel], &metric));
     }
     records
 }

@@ -1,19 +1,11 @@
 //! Numbers as crash engineers write them: g, km/h, mm, ms, kN.
 
-use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
+pub use crumple_signal::key_quantities::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 
 /// What stands where a record does not show a value.
 pub const ABSENT: &str = "–";
 /// A space that does not break the line, between a number and its unit.
 pub const NBSP: char = '\u{a0}';
-/// m/s² in g.
-pub const G_PER_M_PER_S2: f64 = 1.0 / STANDARD_GRAVITY_M_PER_S2;
-/// m/s in km/h.
-pub const KM_PER_H_PER_M_PER_S: f64 = 3.6;
-/// m in mm, s in ms.
-pub const MILLI: f64 = 1e3;
-/// N in kN, J in kJ, N/m in kN/m.
-pub const KILO: f64 = 1e-3;
 
 /// A number with so many significant digits, without an exponent between 1e-3 and 1e6, with a true minus sign.
 ///

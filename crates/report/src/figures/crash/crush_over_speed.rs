@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
-use crate::findings::{Ranking, Run, names::candidate_name};
+use crate::findings::{Ranking, Run, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;

@@ -5,7 +5,7 @@ use crate::phrases::words;
 use std::collections::BTreeSet;
 
 use crate::drawing::{Figure, Look};
-use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name, ranking::pairs_of_equals};
+use crate::findings::{CandidateResult, Ranking, Run, candidate_name, ranking::pairs_of_equals};
 
 use crate::figures::shown_at_first::at_first;
 

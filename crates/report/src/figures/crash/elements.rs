@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{KILO, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-use crate::findings::{CandidateResult, Ranking, Run, names::candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 

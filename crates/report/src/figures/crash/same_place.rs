@@ -2,6 +2,7 @@
 
 use crate::drawing::numbers::MILLI;
 use crate::findings::Run;
+use crumple_artifact::records::MetricV1;
 use crumple_signal::Sampled;
 
 /// Lowest and highest of the sensors that the metrics take for one place, the pulse among them.
@@ -17,11 +18,10 @@ impl<'a> Envelope<'a> {
     /// integrated.
     pub fn of_run(run: &'a Run) -> Option<Self> {
         let pulse = run.channel_id()?;
-        let at_the_place = |channels: &&str| channels.contains('+') && channels.split('+').any(|id| id == pulse);
         let ranges = run.metrics.iter().filter(|metric| metric.low.is_some() && metric.high.is_some());
-        let channels = ranges.map(|metric| metric.channel.as_str()).find(at_the_place)?;
+        let channels = ranges.map(MetricV1::channels).find(|ids| ids.len() > 1 && ids.contains(&pulse))?;
         let others: Vec<_> =
-            run.other_sensors.iter().filter(|sensor| channels.split('+').any(|id| id == sensor.channel)).collect();
+            run.other_sensors.iter().filter(|sensor| channels.contains(&sensor.channel.as_str())).collect();
         if others.is_empty() {
             return None;
         }
@@ -56,7 +56,6 @@ impl<'a> Envelope<'a> {
 mod tests {
     use super::*;
     use crate::findings::SensorMotion;
-    use crumple_artifact::records::MetricV1;
 
     #[test]
     fn the_envelope_holds_the_sensors_that_share_a_range_with_the_pulse() {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
-use crate::findings::{CandidateResult, Ranking, Run, SensorMotion, names::candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, SensorMotion, candidate_name};
 use crate::phrases::words::fill;
 use crumple_signal::Sampled;
 

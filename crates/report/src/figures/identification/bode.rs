@@ -5,7 +5,7 @@ use crate::phrases::words;
 use std::f64::consts::{PI, TAU};
 
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-use crate::findings::{Model, Run, names::words_and_unit};
+use crate::findings::{Model, Run, words_and_unit};
 use crate::phrases::words::fill;
 use crumple_artifact::records::TransferFunctionV1;
 

@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::LONG_S;
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
-use crate::findings::{Model, Run, names::words_and_unit};
+use crate::findings::{Model, Run, words_and_unit};
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 

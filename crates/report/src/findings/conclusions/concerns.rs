@@ -4,14 +4,14 @@ use crate::drawing::numbers::MILLI;
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_artifact::records::ConcernV1;
+use crumple_artifact::records::{Certainty, ConcernV1, SeverityV1};
 use crumple_signal::{About, Severity, Weight};
 
-use crate::findings::conclusions::key_numbers::{KeyNumber, channels_of, key_numbers};
+use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::several_tests::missed;
-use crate::findings::text::names::candidate_name;
-use crate::findings::text::parameters::symbols;
+use crate::findings::text::candidate_name;
+use crate::findings::text::symbols;
 use crate::findings::{Ranking, Run};
 
 /// Warnings that stand on the first screen.
@@ -51,9 +51,7 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     let is_asked = |concern: &ConcernV1| !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
     all.retain(|concern| kind != Kind::InputOutput || is_asked(concern));
     // The sort is stable: equals stay in the order of the stages.
-    all.sort_by_key(|concern| {
-        (concern.severity != ConcernV1::NO_RESULT, std::cmp::Reverse(concern.weight), order_of(&concern.about))
-    });
+    all.sort_by_key(|concern| (!concern.is_no_result(), std::cmp::Reverse(concern.weight), order_of(&concern.about)));
     one_each_first(all)
 }
 
@@ -76,7 +74,7 @@ fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> Co
     let about = record.about.parse().unwrap_or(About::Record);
     let weight = Weight::of_number(record.weight);
     let concern = concern(&record.stage, about, weight, record.text.clone(), run, ranking, kind);
-    ConcernV1 { severity: record.severity.clone(), remedy: record.remedy.clone(), ..concern }
+    ConcernV1 { severity: record.severity, remedy: record.remedy.clone(), ..concern }
 }
 
 fn concern(
@@ -90,7 +88,7 @@ fn concern(
 ) -> ConcernV1 {
     ConcernV1 {
         stage: stage.to_owned(),
-        severity: ConcernV1::WARNING.to_owned(),
+        severity: SeverityV1::Warning,
         weight: changes.number() * prominence(&about, run, ranking, kind),
         about: about.to_string(),
         text,
@@ -100,7 +98,7 @@ fn concern(
 
 /// The warnings of a run, which every surface counts alike: the diagnosis of a stage without a result is none.
 pub fn warnings(concerns: &[ConcernV1]) -> impl Iterator<Item = &ConcernV1> {
-    concerns.iter().filter(|concern| concern.severity != ConcernV1::NO_RESULT)
+    concerns.iter().filter(|concern| !concern.is_no_result())
 }
 
 /// Of the warnings in their order those for the first screen: at most `SHOWN_FIRST`, none that is said elsewhere, none
@@ -179,7 +177,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
     }
     let numbers = key_numbers(run);
     let bound = numbers.iter().find(|number| number.is_lower_bound);
-    let is_of = |id: &&String| bound.is_some_and(|bound| channels_of(&bound.channel).any(|channel| channel == *id));
+    let is_of = |id: &&String| bound.is_some_and(|bound| bound.channels.contains(id));
     let channels: Vec<&str> = run.clipped.iter().filter(is_of).map(String::as_str).collect();
     if kind == Kind::Occupant && !channels.is_empty() {
         let text = fill(phrases.warn_clipped, &[("channels", channels.join(", "))]);
@@ -205,7 +203,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
         }
         for (names, template, weight) in [
             (best.record.undetermined(), phrases.warn_open, Weight::Decisive),
-            (best.certainties().order_of_magnitude, phrases.warn_hardly, Weight::Marked),
+            (best.record.parameters_of(Certainty::OrderOfMagnitude), phrases.warn_hardly, Weight::Marked),
         ] {
             if !names.is_empty() {
                 let names = symbols(&best.record, &names);

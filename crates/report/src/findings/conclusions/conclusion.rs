@@ -1,39 +1,44 @@
 //! The result of a run in a word and a few sentences, made by rules from its records.
 
-use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
 use crumple_signal::About;
+use crumple_signal::key_quantities::{
+    CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, MAXIMUM_DELTA_V, PEAK, STIFFNESS, TIME_OF_MAXIMUM_DELTA_V,
+};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::borrow::Cow;
 
 use crate::findings::conclusions::concerns::concerns;
 use crate::findings::conclusions::key_numbers::{in_ms, sign_of};
-use crate::findings::conclusions::kind::{Kind, RECORDED, kind_of, lacks_mass_or_speed, not_stated};
+use crate::findings::conclusions::kind::{Kind, kind_of, lacks_mass_or_speed, not_stated};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
 use crate::findings::conclusions::status::{
     Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
 };
-use crate::findings::text::names::{as_sentence, candidate_name, model_name};
-use crate::findings::text::parameters::{DEFLECTION, deflection_of_knot, listed, symbols};
+use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
+use crate::findings::text::{as_sentence, candidate_name, model_name};
 use crate::findings::{CandidateResult, Ranking, Run};
 
 /// Whether what was asked for is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Standing {
+pub enum ResultStatus {
     /// A model is recommended, or the identified one is the result.
     Model,
     /// There are results, and no model is recommended.
+    #[default]
     NoneRecommended,
     /// There is no acceptable result.
     NoResult,
 }
 
 /// A number of the sentences and where `summary.json` has it.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Number {
     /// JSON pointer into the summary.
     pub at: String,
@@ -43,19 +48,31 @@ pub struct Number {
     pub shown: String,
 }
 
+/// Reads a value; one that is not known, of another version, is its default.
+fn known<'de, T: Default + serde::de::DeserializeOwned, D: Deserializer<'de>>(reader: D) -> Result<T, D::Error> {
+    Ok(serde_json::from_value(serde_json::Value::deserialize(reader)?).unwrap_or_default())
+}
+
 /// The verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(!default)]
 pub struct Conclusion {
     /// What kind of record it is about.
+    #[serde(deserialize_with = "known")]
     pub kind: Kind,
     /// Whether there is what was asked for.
-    pub standing: Standing,
+    #[serde(deserialize_with = "known")]
+    pub standing: ResultStatus,
     /// ISO 639-1 code of the language of the sentences: `en`.
-    pub language: &'static str,
-    /// Whether the results may be used.
-    pub status: Status,
+    pub language: Cow<'static, str>,
+    /// Whether the results may be used; `None`: an early version did not say it.
+    #[schemars(with = "Status")]
+    pub status: Option<Status>,
     /// Its one reason, typed.
-    pub status_reason: StatusReason,
+    #[serde(deserialize_with = "known")]
+    #[schemars(with = "StatusReason")]
+    pub status_reason: Option<StatusReason>,
     /// The reason in words.
     #[serde(skip)]
     pub because: String,
@@ -79,6 +96,21 @@ pub struct Conclusion {
     pub remedy: Option<String>,
 }
 
+impl Conclusion {
+    /// How many numbers of the recommended model are determined, to an order of magnitude, open: `3 of 5 determined, 2
+    /// open`.
+    pub(crate) fn certainty(&self) -> Option<String> {
+        let texts = &PHRASES.runs;
+        let counts = [("determined", self.determined?.to_string()), ("parameters", self.parameters?.to_string())];
+        let mut words = fill(texts.determined, &counts);
+        let others = [(self.order_of_magnitude, texts.order_of_magnitude), (self.open, texts.open)];
+        for (count, text) in others.into_iter().filter_map(|(count, text)| Some((count.filter(|n| *n > 0)?, text))) {
+            words.push_str(&fill(text, &[("count", count.to_string())]));
+        }
+        Some(words)
+    }
+}
+
 /// The verdict on a run and its concerns.
 pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
     let kind = kind_of(run);
@@ -87,20 +119,20 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
     let reason = status_reason(run, ranking, kind, &concerns);
     let because = text.because(&reason);
     let sentences = text.sentences(kind, &reason, &concerns);
-    let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+    let diagnosis = concerns.iter().find(|concern| concern.is_no_result());
     let best = text.best();
     let standing = match kind {
-        Kind::NoModel => Standing::NoResult,
-        _ if best.is_some() || matches!(kind, Kind::InputOutput | Kind::LinearModel) => Standing::Model,
-        _ => Standing::NoneRecommended,
+        Kind::NoModel => ResultStatus::NoResult,
+        _ if best.is_some() || matches!(kind, Kind::InputOutput | Kind::LinearModel) => ResultStatus::Model,
+        _ => ResultStatus::NoneRecommended,
     };
     let verdict = Conclusion {
         kind,
         standing,
-        language: "en",
-        status: reason.status(),
+        language: "en".into(),
+        status: Some(reason.status()),
         status_sentence: reason.status().sentence(&because),
-        status_reason: reason,
+        status_reason: Some(reason),
         because,
         sentences,
         numbers: text.numbers,
@@ -133,7 +165,7 @@ impl<'a> Text<'a> {
     fn because(&mut self, reason: &StatusReason) -> String {
         use StatusReason as Reason;
         let phrases = &PHRASES.conclusion;
-        let (percent, mm) = ((1.0, 0, "%"), (MILLI, 0, "mm"));
+        let (percent, mm) = ((1.0, 0, "%"), CRUSH.shown());
         let at = |name: &str| format!("/verdict/status_reason/{name}");
         match reason {
             Reason::GoodTo { good_to_percent, prediction } | Reason::Beyond { good_to_percent, prediction } => {
@@ -232,7 +264,7 @@ impl<'a> Text<'a> {
         let phrases = &PHRASES.conclusion;
         match kind {
             Kind::NoModel => {
-                let diagnosis = concerns.iter().find(|concern| concern.severity == ConcernV1::NO_RESULT);
+                let diagnosis = concerns.iter().find(|concern| concern.is_no_result());
                 let reason = diagnosis.map_or("", |concern| concern.text.as_str());
                 let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
                 vec![fill(phrases.no_model, &[("reason", reason)]), fill(phrases.what_to_do, &[("remedy", remedy)])]
@@ -265,7 +297,7 @@ impl<'a> Text<'a> {
     }
 
     /// ` (739.8 to 759.1)` of an event; nothing without an interval.
-    fn interval_of_event(&mut self, name: &str, shown: (f64, usize)) -> String {
+    fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
         let mut intervals = self.run.events.iter().flat_map(|events| events.intervals.iter()).enumerate();
         let Some((index, found)) = intervals.find(|(_, interval)| interval.name == name) else { return String::new() };
         let EventIntervalV1 { low, high, .. } = found;
@@ -273,7 +305,7 @@ impl<'a> Text<'a> {
     }
 
     /// ` (739.8 to 759.1)`.
-    fn interval(&mut self, at: &str, low: f64, high: f64, (factor, places): (f64, usize)) -> String {
+    fn interval(&mut self, at: &str, low: f64, high: f64, (factor, places, _): (f64, usize, &str)) -> String {
         let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
         let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
         fill(PHRASES.conclusion.interval, &[("low", low), ("high", high)])
@@ -285,7 +317,7 @@ impl<'a> Text<'a> {
         let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
             return phrases.measured_only.to_owned();
         };
-        let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
+        let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
         let time = self.number("/events/time_of_dynamic_crush_s", time_s, in_ms(time_s));
         let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
             (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
@@ -305,7 +337,7 @@ impl<'a> Text<'a> {
     /// The change of velocity and its time.
     fn change_of_velocity(&mut self) -> Option<(String, Option<String>)> {
         let events = self.run.events.as_ref()?;
-        let change = self.number("/events/delta_v_m_per_s", events.delta_v_m_per_s?, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let change = self.number("/events/delta_v_m_per_s", events.delta_v_m_per_s?, DELTA_V.shown());
         let times = [
             ("/events/time_of_delta_v_s", events.time_of_delta_v_s),
             ("/events/time_of_rebound_s", events.time_of_rebound_s),
@@ -338,13 +370,13 @@ impl<'a> Text<'a> {
         let phrases = &PHRASES.conclusion;
         let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
         let (delta_v, peak, olc) = (metric("delta_v")?, metric("peak_acceleration"), metric("olc"));
-        let change = self.number("/metrics/delta_v/value", delta_v.1, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let change = self.number("/metrics/delta_v/value", delta_v.1, DELTA_V.shown());
         let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
             let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
             fill(phrases.within, &[("time", time)])
         });
         let mut in_g = |at: &str, found: Option<(&MetricV1, f64)>, template: &str, name: &str| {
-            let number = found.map(|(_, value)| self.number(at, value, (G_PER_M_PER_S2, 1, "g")));
+            let number = found.map(|(_, value)| self.number(at, value, PEAK.shown()));
             number.map_or_else(String::new, |number| fill(template, &[(name, number)]))
         };
         let peak = in_g("/metrics/peak_acceleration/value", peak, phrases.and_peak, "peak");
@@ -354,15 +386,12 @@ impl<'a> Text<'a> {
 
     fn occupant(&mut self) -> String {
         let mut criteria = Vec::new();
-        for (name, label, unit) in [
-            ("hic15", "HIC15", (1.0, 0, "")),
-            ("hic36", "HIC36", (1.0, 0, "")),
-            ("clip_3ms_contiguous", PHRASES.numbers.clip_3ms, (G_PER_M_PER_S2, 1, "g")),
-        ] {
+        for quantity in [HIC15, HIC36, CLIP_3MS] {
             // The summary has a name once, as the run finds it.
-            let Some((value, metric)) = self.run.metric(name).and_then(|m| m.value.zip(Some(m))) else { continue };
-            let number = self.number(&format!("/metrics/{name}/value"), value, unit);
-            criteria.push(format!("{label} {}{number}", sign_of(self.run, metric)));
+            let metric = self.run.metric(quantity.key).and_then(|metric| metric.value.zip(Some(metric)));
+            let Some((value, metric)) = metric else { continue };
+            let number = self.number(&format!("/metrics/{}/value", quantity.key), value, quantity.shown());
+            criteria.push(format!("{} {}{number}", quantity.symbol, sign_of(self.run, metric)));
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
         let place = self.run.channel().map_or("", |channel| channel.location.as_str());
@@ -376,12 +405,12 @@ impl<'a> Text<'a> {
     }
 
     fn recorded(&mut self) -> String {
-        let recorded = self.run.metric(RECORDED).and_then(|metric| Some((metric.value?, metric.from_s)));
+        let recorded = self.run.metric(MAXIMUM_DELTA_V.key).and_then(|metric| Some((metric.value?, metric.from_s)));
         let Some((value, from_s)) = recorded else { return String::new() };
-        let at = format!("/metrics/{RECORDED}");
-        let change = self.number(&format!("{at}/value"), value, (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+        let at = format!("/metrics/{}", MAXIMUM_DELTA_V.key);
+        let change = self.number(&format!("{at}/value"), value, MAXIMUM_DELTA_V.shown());
         let time = from_s.map_or_else(String::new, |time_s| {
-            let time = self.number(&format!("{at}/from_s"), time_s, (MILLI, 0, "ms"));
+            let time = self.number(&format!("{at}/from_s"), time_s, TIME_OF_MAXIMUM_DELTA_V.shown());
             fill(PHRASES.conclusion.reached, &[("time", time)])
         });
         fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
@@ -390,8 +419,8 @@ impl<'a> Text<'a> {
     fn recorder_use(&mut self) -> String {
         let phrases = &PHRASES.conclusion;
         let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
-            let crush = self.number("/events/dynamic_crush_m", crush_m, (MILLI, 0, "mm"));
-            let interval = self.interval_of_event("dynamic_crush_m", (MILLI, 0));
+            let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
+            let interval = self.interval_of_event("dynamic_crush_m", CRUSH.shown());
             fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
         });
         let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
@@ -462,9 +491,9 @@ impl<'a> Text<'a> {
         let metric = self.run.metric("average_stiffness")?;
         let value = metric.value.filter(|_| is_curve && best.record.parameters.contains_key("mass_kg"))?;
         let at = "/metrics/average_stiffness";
-        let mut stiffness = self.number(&format!("{at}/value"), value, (KILO, 0, "kN/m"));
+        let mut stiffness = self.number(&format!("{at}/value"), value, STIFFNESS.shown());
         if let Some((low, high)) = metric.low.zip(metric.high) {
-            stiffness.push_str(&self.interval(at, low, high, (KILO, 0)));
+            stiffness.push_str(&self.interval(at, low, high, STIFFNESS.shown()));
         }
         Some(fill(PHRASES.conclusion.one_spring, &[("stiffness", stiffness)]))
     }
@@ -501,9 +530,9 @@ impl<'a> Text<'a> {
         let (place, prediction) = answer(self.run, best)?;
         let crush_m = prediction.dynamic_crush_m?;
         let (at, scenario) = (format!("/predictions/{place}"), self.scenario(place));
-        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, (MILLI, 0, "mm"));
+        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, CRUSH.shown());
         let interval = interval_of_crush(prediction).map(|(j, &PredictedIntervalV1 { low, high, .. })| {
-            self.interval(&format!("{at}/intervals/{j}"), low, high, (MILLI, 0))
+            self.interval(&format!("{at}/intervals/{j}"), low, high, CRUSH.shown())
         });
         let texts = [("scenario", scenario), ("crush", crush), ("interval", interval.unwrap_or_default())];
         Some((prediction, texts))

@@ -2,7 +2,7 @@
 
 use crumple_signal::Sampled;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::findings::results::ranking::pairs_of_equals;
 use crate::findings::{CandidateResult, Ranking, Run};
@@ -19,7 +19,7 @@ pub const SAME_RESTITUTION: f64 = 0.01;
 const TOLD_APART: f64 = 10.0;
 
 /// A curve and the candidates that have it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct DistinctCurve {
     /// The candidate that stands for it: the recommended one, else the one with the fewest parameters.
     pub id: String,

@@ -1,32 +1,45 @@
 //! The numbers that people ask for first, each with its interval, its spread over sensors and why it is missing.
 
+use std::borrow::Cow;
+
 use crate::drawing::numbers::MILLI;
 use crate::phrases::PHRASES;
-use crumple_artifact::records::{EventsV1, MetricV1};
+use crate::phrases::words;
+use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
+use crumple_signal::key_quantities::{
+    CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, OLC, PEAK, RESTITUTION, TIME_OF_CRUSH,
+    TIME_OF_MAXIMUM_DELTA_V,
+};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::findings::Run;
 
 /// One of the first numbers of a run, SI.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(!default)]
 pub struct KeyNumber {
     /// Name, that of the metric where it is one.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Value; `None`: `absent_because` says why.
     pub value: Option<f64>,
     /// SI unit.
-    pub unit: &'static str,
-    /// Channel it is of.
+    pub unit: Cow<'static, str>,
+    /// Channel it is of; of several their ids joined.
     pub channel: String,
+    /// Every channel it is of.
+    pub channels: Vec<String>,
     /// Instant it belongs to, s after time zero.
     pub at_s: Option<f64>,
     /// Lower end of the interval that the uncertainty of the inputs or the resolution of the recorder gives.
     pub low: Option<f64>,
     /// Its upper end.
     pub high: Option<f64>,
-    /// How the interval was found.
+    /// How the interval was found, or why there is none.
     pub interval_by: Option<String>,
+    /// What the interval is made from.
+    pub interval_source: Option<IntervalSourceV1>,
     /// Range over the sensors at the same place, of which the interval knows nothing.
     pub spread: Option<Spread>,
     /// Whether the value is a lower bound: a sensor it was found with may be clipped, or the record ends before the
@@ -36,16 +49,11 @@ pub struct KeyNumber {
     pub absent_because: Option<String>,
 }
 
-/// Level, percent, of an interval that was found so: that of the inputs' uncertainty; a recorder's resolution has none.
-pub fn level_percent(interval_by: &str) -> Option<u8> {
-    interval_by.starts_with("5-95 %").then_some(90)
-}
-
 /// Before a lower bound.
 const AT_LEAST: &str = "\u{2265}\u{a0}";
 
 /// Range of a number over several sensors that measured the same.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spread {
     /// Lowest value.
     pub low: f64,
@@ -59,20 +67,6 @@ impl Spread {
     /// How many sensors it is over.
     pub fn sensors(&self) -> usize {
         self.channels.len()
-    }
-}
-
-/// The channels that a metric was found with, as its record joins them: `93+94`.
-pub(crate) fn channels_of(joined: &str) -> impl Iterator<Item = &str> {
-    joined.split('+')
-}
-
-/// Decimals of a first number in the unit of people: what is true of it.
-pub fn decimals(name: &str) -> usize {
-    match name {
-        "dynamic_crush" | "hic15" | "hic36" | "time_of_maximum_delta_v" => 0,
-        "coefficient_of_restitution" => 2,
-        _ => 1,
     }
 }
 
@@ -94,6 +88,25 @@ impl KeyNumber {
     /// What stands before the value.
     pub fn sign(&self) -> &'static str {
         if self.is_lower_bound { AT_LEAST } else { "" }
+    }
+
+    /// How it is called and shown.
+    pub fn quantity(&self) -> &'static KeyQuantity {
+        const UNKNOWN: &KeyQuantity =
+            &KeyQuantity { key: "", name: "", symbol: "", unit: "", factor: 1.0, decimals: 1 };
+        KeyQuantity::of(&self.name).unwrap_or(UNKNOWN)
+    }
+
+    /// Its value with the unit of people.
+    pub fn shown(&self, value: f64) -> String {
+        let (factor, decimals, unit) = self.quantity().shown();
+        words::quantity(factor * value, decimals, unit)
+    }
+
+    /// Two values of it, the unit behind the second.
+    pub fn range(&self, low: f64, high: f64) -> String {
+        let (factor, decimals, _) = self.quantity().shown();
+        words::between(&words::decimals(factor * low, decimals), &self.shown(high))
     }
 
     /// Whether the interval misses a value that another sensor at the same place gives.
@@ -123,47 +136,42 @@ pub fn key_numbers(run: &Run) -> Vec<KeyNumber> {
     }
 }
 
-/// Fields of the events that people ask for, in their order: the name of the metric, the field, the unit.
-const OF_EVENTS: [(&str, &str, &str); 4] = [
-    ("dynamic_crush", "dynamic_crush_m", "m"),
-    ("time_of_dynamic_crush", "time_of_dynamic_crush_s", "s"),
-    ("delta_v", "delta_v_m_per_s", "m/s"),
-    ("coefficient_of_restitution", "coefficient_of_restitution", "1"),
-];
-
 fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec<KeyNumber> {
-    let of_rebound = ["delta_v", "coefficient_of_restitution"];
-    let from_events = |(name, field, unit): (&'static str, &str, &'static str)| {
-        let (value, at_s) = match name {
-            "dynamic_crush" => (events.dynamic_crush_m, events.time_of_dynamic_crush_s),
-            "time_of_dynamic_crush" => (events.time_of_dynamic_crush_s, None),
-            "delta_v" => (events.delta_v_m_per_s, events.time_of_delta_v_s.or(events.time_of_rebound_s)),
-            _ => (events.coefficient_of_restitution, None),
-        };
+    let number = |quantity: &KeyQuantity, (field, unit): (&str, &'static str), value: Option<f64>| {
         let interval = events.intervals.iter().find(|interval| interval.name == field);
         let without = events.without_interval.iter().find(|without| without.name == field);
         KeyNumber {
-            name,
+            name: quantity.key.into(),
             value,
-            unit,
+            unit: unit.into(),
             channel: events.channel.clone(),
-            at_s: at_s.filter(|_| value.is_some()),
+            channels: vec![events.channel.clone()],
             low: interval.map(|interval| interval.low),
             high: interval.map(|interval| interval.high),
             interval_by: interval
                 .map(|interval| interval.interval_by.clone())
                 .or_else(|| without.map(|without| without.reason.clone())),
-            spread: spread(run, name, &events.channel),
-            is_lower_bound: value.is_some() && of_rebound.contains(&name) && run.is_rebound_cut(),
-            absent_because: value.is_none().then(|| why_no_event(run, name)),
+            interval_source: interval.and_then(EventIntervalV1::source),
+            spread: spread(run, quantity.key, &events.channel),
+            absent_because: value.is_none().then(|| why_no_event(run, quantity.key)),
+            ..KeyNumber::default()
         }
     };
-    let [crush, time, change, restitution] = OF_EVENTS.map(from_events);
+    let at =
+        |at_s: Option<f64>, number: KeyNumber| KeyNumber { at_s: at_s.filter(|_| number.value.is_some()), ..number };
+    let of_rebound =
+        |number: KeyNumber| KeyNumber { is_lower_bound: number.value.is_some() && run.is_rebound_cut(), ..number };
+    let crush = at(events.time_of_dynamic_crush_s, number(&CRUSH, ("dynamic_crush_m", "m"), events.dynamic_crush_m));
+    let time = number(&TIME_OF_CRUSH, ("time_of_dynamic_crush_s", "s"), events.time_of_dynamic_crush_s);
+    let change = number(&DELTA_V, ("delta_v_m_per_s", "m/s"), events.delta_v_m_per_s);
+    let change = of_rebound(at(events.time_of_delta_v_s.or(events.time_of_rebound_s), change));
+    let restitution =
+        of_rebound(number(&RESTITUTION, ("coefficient_of_restitution", "1"), events.coefficient_of_restitution));
     // Of what follows from a recorder's steps no interval knows their length.
-    let olc = run.metric("olc").filter(|_| recorded.is_none());
+    let olc = run.metric(OLC.key).filter(|_| recorded.is_none());
     // The maximum that a recorder kept goes before the change derived from its table.
     let change = recorded.cloned().unwrap_or(change);
-    let olc = olc.map(|metric| of_metric(run, "olc", "m/s^2", metric));
+    let olc = olc.map(|metric| of_metric(run, &OLC, metric));
     [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)].into_iter().flatten().collect()
 }
 
@@ -174,34 +182,32 @@ fn why_no_event(run: &Run, name: &str) -> String {
 
 /// What a pulse without a motion has: change of velocity, peak, OLC.
 fn of_pulse(run: &Run) -> Vec<KeyNumber> {
-    let metric = |name: &'static str, unit| {
-        let metric = run.metric(name).filter(|metric| metric.value.is_some())?;
-        Some(of_metric(run, name, unit, metric))
+    let metric = |quantity: &KeyQuantity| {
+        let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
+        Some(of_metric(run, quantity, metric))
     };
-    [metric("delta_v", "m/s"), peak(run), metric("olc", "m/s^2")].into_iter().flatten().collect()
+    [metric(&DELTA_V), peak(run), metric(&OLC)].into_iter().flatten().collect()
 }
 
 /// Criteria of the occupant whose sensor the pulse channel is.
 fn of_occupant(run: &Run) -> Vec<KeyNumber> {
     let Some(channel) = run.channel_id() else { return Vec::new() };
-    let of_pulse = |name: &str| {
-        run.metrics.iter().find(|metric| metric.name == name && channels_of(&metric.channel).any(|id| id == channel))
-    };
-    if of_pulse("hic15").is_none() {
+    let of_pulse =
+        |name: &str| run.metrics.iter().find(|metric| metric.name == name && metric.channels().contains(&channel));
+    if of_pulse(HIC15.key).is_none() {
         return Vec::new();
     }
-    let criteria = [("hic15", "1"), ("hic36", "1"), ("clip_3ms_contiguous", "m/s^2")];
-    let criterion = |(name, unit)| {
-        let metric = of_pulse(name)?;
+    let criterion = |quantity: KeyQuantity| {
+        let metric = of_pulse(quantity.key)?;
         let is_lower_bound = metric.value.is_some() && may_be_clipped(run, metric);
-        Some(KeyNumber { is_lower_bound, ..of_metric(run, name, unit, metric) })
+        Some(KeyNumber { is_lower_bound, ..of_metric(run, &quantity, metric) })
     };
-    criteria.into_iter().filter_map(criterion).collect()
+    [HIC15, HIC36, CLIP_3MS].into_iter().filter_map(criterion).collect()
 }
 
 /// Whether a sensor of a metric may be clipped. A criterion grows with the magnitude, and what is clipped is too small.
 fn may_be_clipped(run: &Run, metric: &MetricV1) -> bool {
-    channels_of(&metric.channel).any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
+    metric.channels().into_iter().any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
 }
 
 /// Before a criterion that is a lower bound.
@@ -211,27 +217,29 @@ pub(crate) fn sign_of(run: &Run, metric: &MetricV1) -> &'static str {
 
 /// What a recorder kept: the maximum change of velocity and its time. A table of a sample every 10 ms has no peak.
 fn of_recorder(run: &Run) -> Vec<KeyNumber> {
-    let kept = [("maximum_delta_v", "m/s"), ("time_of_maximum_delta_v", "s")];
+    let kept = [MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V];
     let mut numbers: Vec<KeyNumber> =
-        kept.into_iter().filter_map(|(name, unit)| Some(of_metric(run, name, unit, run.metric(name)?))).collect();
+        kept.iter().filter_map(|quantity| Some(of_metric(run, quantity, run.metric(quantity.key)?))).collect();
     if let [change, time, ..] = &mut numbers[..] {
         change.at_s = time.value;
     }
     numbers
 }
 
-fn of_metric(run: &Run, name: &'static str, unit: &'static str, metric: &MetricV1) -> KeyNumber {
+fn of_metric(run: &Run, quantity: &KeyQuantity, metric: &MetricV1) -> KeyNumber {
     KeyNumber {
-        name,
+        name: quantity.key.into(),
         value: metric.value,
-        unit,
+        unit: metric.unit.clone().into(),
         channel: metric.channel.clone(),
+        channels: metric.channels().into_iter().map(str::to_owned).collect(),
         // A moment, not a window.
         at_s: metric.from_s.filter(|from_s| metric.value.is_some() && metric.to_s == Some(*from_s)),
         low: metric.low.filter(|_| metric.value.is_some()),
         high: metric.high.filter(|_| metric.value.is_some()),
         interval_by: metric.interval_by.clone(),
-        spread: spread(run, name, &metric.channel),
+        interval_source: metric.source(),
+        spread: spread(run, quantity.key, &metric.channel),
         is_lower_bound: false,
         absent_because: metric.value.is_none().then(|| metric.definition.clone()),
     }
@@ -240,7 +248,7 @@ fn of_metric(run: &Run, name: &'static str, unit: &'static str, metric: &MetricV
 /// The range that the integrate stage states over the sensors at the place of this one.
 fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
     run.metrics.iter().filter(|metric| metric.name == name).find_map(|metric| {
-        let channels: Vec<String> = channels_of(&metric.channel).map(str::to_owned).collect();
+        let channels: Vec<String> = metric.channels().into_iter().map(str::to_owned).collect();
         let is_over_several = channels.len() > 1 && channels.iter().any(|id| id == channel);
         is_over_several.then_some(Spread { low: metric.low?, high: metric.high?, channels })
     })
@@ -252,28 +260,18 @@ fn peak(run: &Run) -> Option<KeyNumber> {
     let texts = &PHRASES.numbers;
     let acceleration = run.acceleration()?;
     let channel = run.channel_id().unwrap_or_default().to_owned();
-    let mut number = KeyNumber {
-        name: "peak_acceleration",
-        value: None,
-        unit: "m/s^2",
-        channel,
-        at_s: None,
-        low: None,
-        high: None,
-        interval_by: None,
-        spread: None,
-        is_lower_bound: false,
-        absent_because: None,
-    };
+    let channels = vec![channel.clone()];
+    let mut number =
+        KeyNumber { name: PEAK.key.into(), unit: "m/s^2".into(), channel, channels, ..KeyNumber::default() };
     let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");
-    let recorded = run.metrics.iter().any(|metric| metric.name == "maximum_delta_v");
+    let recorded = run.metrics.iter().any(|metric| metric.name == MAXIMUM_DELTA_V.key);
     if recorded {
         number.absent_because = Some(texts.peak_of_a_table.to_owned());
     } else if unfiltered {
         number.absent_because = Some(texts.peak_not_filtered.to_owned());
-    } else if let Some(metric) = run.metric("peak_acceleration").filter(|metric| metric.channel == number.channel) {
+    } else if let Some(metric) = run.metric(PEAK.key).filter(|metric| metric.channel == number.channel) {
         let at_s = run.metric("time_of_peak_acceleration").and_then(|metric| metric.value);
-        return Some(KeyNumber { at_s, ..of_metric(run, "peak_acceleration", "m/s^2", metric) });
+        return Some(KeyNumber { at_s, ..of_metric(run, &PEAK, metric) });
     } else {
         let largest = |&i: &usize, &k: &usize| {
             acceleration.samples()[i].abs().total_cmp(&acceleration.samples()[k].abs()).then(k.cmp(&i))

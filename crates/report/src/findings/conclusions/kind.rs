@@ -1,14 +1,15 @@
 //! What kind of record a run is of: what its verdict speaks about.
 
 use crate::phrases::PHRASES;
+use crumple_signal::key_quantities::MAXIMUM_DELTA_V;
 use crumple_signal::{ANOTHER_VEHICLE, part_of};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::findings::Run;
 
 /// What kind of record the verdict is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// A vehicle that was stopped: by a barrier, or as if by one.
@@ -30,6 +31,7 @@ pub enum Kind {
     /// No acceptable result.
     NoModel,
     /// Waves without models or motion: the stages of these did not run.
+    #[default]
     MeasuredOnly,
 }
 
@@ -41,7 +43,7 @@ pub fn kind_of(run: &Run) -> Kind {
     if run.joint.is_some() {
         return if run.without_result() { Kind::NoModel } else { Kind::SeveralTests };
     }
-    if run.metrics.iter().any(|metric| metric.name == RECORDED && metric.value.is_some()) {
+    if run.metrics.iter().any(|metric| metric.name == MAXIMUM_DELTA_V.key && metric.value.is_some()) {
         return Kind::Recorder;
     }
     if run.channel().is_some_and(|channel| part_of(channel).is_some() || !channel.may_be_on_vehicle()) {
@@ -75,6 +77,3 @@ pub fn not_stated(run: &Run) -> &'static str {
         _ => phrases.not_stated_speed,
     }
 }
-
-/// The metric of what a recorder kept.
-pub const RECORDED: &str = "maximum_delta_v";

@@ -5,19 +5,19 @@ use crate::phrases::words;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::drawing::numbers::{KILO, MILLI, digits_of_interval, unit};
+use crate::drawing::numbers::{MILLI, digits_of_interval};
 use crate::phrases::words::fill;
-use crumple_artifact::records::{Certainty, ConcernV1};
+use crumple_artifact::records::{Certainty, ConcernV1, IntervalSourceV1};
 use crumple_signal::About;
+use crumple_signal::key_quantities::{KeyQuantity, STIFFNESS};
 
 use crate::findings::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::findings::conclusions::conclusion::Conclusion;
-use crate::findings::conclusions::key_numbers::{decimals, key_numbers, level_percent};
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::status::{Status, StatusReason};
-use crate::findings::text::names::candidate_name;
-use crate::findings::text::parameters::{parameter, parameter_order};
-use crate::findings::{CandidateResult, Ranking, Run};
+use crate::findings::text::candidate_name;
+use crate::findings::text::{parameter, parameter_order};
+use crate::findings::{CandidateResult, Ranking, Run, Summary};
 
 /// Parameters of a curve of many knots are not listed beyond so many.
 const MOST_PARAMETERS: usize = 8;
@@ -37,8 +37,7 @@ pub struct OverviewLine {
 pub fn overview(
     run: &Run,
     ranking: &Ranking,
-    verdict: &Conclusion,
-    concerns: &[ConcernV1],
+    Summary { verdict, concerns, key_numbers, .. }: &Summary,
     folder: &Path,
 ) -> Vec<OverviewLine> {
     let phrases = &PHRASES.conclusion;
@@ -47,8 +46,8 @@ pub fn overview(
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
-    for number in key_numbers(run).iter().filter(|_| of_vehicle) {
-        let label = match number.name {
+    for number in key_numbers.iter().filter(|_| of_vehicle) {
+        let label = match &*number.name {
             "dynamic_crush" => crush,
             "time_of_dynamic_crush" => phrases.time_label,
             "delta_v" | "maximum_delta_v" => phrases.change_label,
@@ -57,23 +56,22 @@ pub fn overview(
             "coefficient_of_restitution" => phrases.restitution_label,
             _ => continue,
         };
-        let ((factor, unit), places) = (unit(number.unit), decimals(number.name));
         let Some(value) = number.value else { continue };
         let ends = number.low.zip(number.high);
-        let own = with_interval(run, value, ends, number.interval_by.as_deref(), (factor, places, unit));
+        let own = with_interval(value, ends, number.interval_source, number.quantity());
         let mut text = format!("{}{own}", number.sign());
         if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
             text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
-            let [low, high] = [spread.low, spread.high].map(|end| words::quantity(factor * end, places, ""));
-            let texts = [("count", spread.sensors().to_string()), ("range", words::between(&low, &high))];
+            let range = without_unit(spread.low, spread.high, number.quantity());
+            let texts = [("count", spread.sensors().to_string()), ("range", range)];
             text.push_str(&fill(phrases.over_sensors, &texts));
         }
         lines.push(line(label, text));
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
-        let label = if verdict.status == Status::DoNotUse { phrases.doubtful_label } else { phrases.model_label };
+        let label = if verdict.status == Some(Status::DoNotUse) { phrases.doubtful_label } else { phrases.model_label };
         lines.push(line(label, parameters(run, best, folder)));
     }
     let decisive = decisive_warning(run, concerns).is_some();
@@ -116,24 +114,31 @@ fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [Conc
         concerns.iter().find(|concern| concern.stage == "report" && concern.about == what)
     };
     let of_two = verdict.kind == Kind::TwoVehicles;
-    let names_sensors = matches!(verdict.status_reason, StatusReason::SensorsDiffer { .. });
+    let names_sensors = matches!(verdict.status_reason, Some(StatusReason::SensorsDiffer { .. }));
     let mut said: Vec<&ConcernV1> = about(&About::Motion).filter(|_| of_two || names_sensors).into_iter().collect();
     let best = ranking.best.as_deref().filter(|_| !of_two);
     said.extend(best.and_then(|id| about(&About::Model(id.to_owned())).or_else(|| about(&About::Predictions))));
     said
 }
 
+/// `741 to 759`.
+fn without_unit(low: f64, high: f64, quantity: &KeyQuantity) -> String {
+    let [low, high] = [low, high].map(|end| words::decimals(quantity.factor * end, quantity.decimals));
+    words::between(&low, &high)
+}
+
+/// `750 mm (90 %: 741 to 759)`.
 fn with_interval(
-    _run: &Run,
     value: f64,
     ends: Option<(f64, f64)>,
-    interval_by: Option<&str>,
-    (factor, places, unit): (f64, usize, &str),
+    source: Option<IntervalSourceV1>,
+    quantity: &KeyQuantity,
 ) -> String {
-    let number = words::quantity(factor * value, places, unit);
+    let (factor, decimals, unit) = quantity.shown();
+    let number = words::quantity(factor * value, decimals, unit);
     let Some((low, high)) = ends else { return number };
-    let [low, high] = [low, high].map(|end| words::quantity(factor * end, places, ""));
-    format!("{number} ({}{})", words::level(interval_by.and_then(level_percent)), words::between(&low, &high))
+    let level = words::level(source.and_then(IntervalSourceV1::level_percent));
+    format!("{number} ({level}{})", without_unit(low, high, quantity))
 }
 
 /// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
@@ -151,7 +156,7 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     });
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
-    let mut texts: Vec<String> = names.into_iter().map(|name| named_value(run, candidate, name)).collect();
+    let mut texts: Vec<String> = names.into_iter().map(|name| named_value(candidate, name)).collect();
     texts.extend(curve.map(|curve| format!("{curve}: just curve {}", folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
     format!("{}: {}{more}{}", candidate_name(&candidate.id), texts.join(", "), candidate.about_intervals())
@@ -159,14 +164,14 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
 
 /// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
 /// masses aside, is said to be given.
-fn named_value(run: &Run, candidate: &CandidateResult, name: &str) -> String {
+fn named_value(candidate: &CandidateResult, name: &str) -> String {
     let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
     let value = words::significant(value, 4);
-    format!("{symbol} {value} {unit}{}", how_sure(run, candidate, name)).trim_end().to_owned()
+    format!("{symbol} {value} {unit}{}", how_sure(candidate, name)).trim_end().to_owned()
 }
 
 /// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
-fn how_sure(_run: &Run, candidate: &CandidateResult, name: &str) -> String {
+fn how_sure(candidate: &CandidateResult, name: &str) -> String {
     let known = candidate.record.uncertainty.as_ref();
     let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
     let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
@@ -203,6 +208,6 @@ fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
     let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };
     let ends = metric.low.zip(metric.high);
-    let stiffness = with_interval(run, value, ends, metric.interval_by.as_deref(), (KILO, 0, "kN/m"));
+    let stiffness = with_interval(value, ends, metric.source(), &STIFFNESS);
     Some(format!("{}, {curve}", fill(phrases.as_one_spring, &[("stiffness", stiffness)])))
 }

@@ -54,7 +54,7 @@ impl Status {
 }
 
 /// The one reason of a status: what limits the results most. Numbers in SI; percentages of the value.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub enum StatusReason {

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 
-use crate::findings::text::names::candidate_name;
+use crate::findings::text::candidate_name;
 use crate::findings::{CandidateResult, Ranking, Run};
 
 /// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.

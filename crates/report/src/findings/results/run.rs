@@ -3,17 +3,17 @@
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
-    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, EventsV1, EvidenceV1, IdentificationV1, MatchingV1, MetricV1,
-    ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1, StabilizationV1,
-    TransferFunctionV1,
+    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, MatchingV1,
+    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1,
+    StabilizationV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::findings::results::joint::JointTests;
-use crate::findings::text::names::candidate_name;
+use crate::findings::text::candidate_name;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
@@ -210,9 +210,8 @@ impl CandidateResult {
     pub fn doubt(&self, name: &str) -> Option<&'static str> {
         let texts = &PHRASES.model;
         self.record.doubt(name).map(|doubt| match doubt {
-            "on a bound" => texts.on_a_bound,
-            "not determined" => texts.not_determined,
-            other => other,
+            Doubt::OnBound => texts.on_a_bound,
+            Doubt::NotDetermined => texts.not_determined,
         })
     }
 
@@ -252,15 +251,16 @@ impl CandidateResult {
     }
 
     /// How many of its numbers the record determines: what conclusion, picture, tables, console and summary count.
-    pub fn certainties(&self) -> Certainties<'_> {
-        let [mut open, order_of_magnitude] =
-            [Certainty::Open, Certainty::OrderOfMagnitude].map(|certainty| self.record.parameters_of(certainty));
+    pub fn certainties(&self) -> IdentifiabilityCounts {
+        let names = |certainty| self.record.parameters_of(certainty).into_iter().map(str::to_owned).collect();
+        let [mut open, order_of_magnitude]: [Vec<String>; 2] =
+            [Certainty::Open, Certainty::OrderOfMagnitude].map(names);
         if self.divides_by_formula() {
-            open.push("the division of the mass");
+            open.push("the division of the mass".to_owned());
         }
         let parameters = self.record.asked().count();
         let determined = parameters.saturating_sub(open.len() + order_of_magnitude.len());
-        Certainties { parameters, determined, order_of_magnitude, open }
+        IdentifiabilityCounts { parameters, determined, order_of_magnitude, open }
     }
 
     /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a
@@ -274,19 +274,19 @@ impl CandidateResult {
 }
 
 /// How sure a record is of the numbers of a candidate that were asked of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
-pub struct Certainties<'a> {
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct IdentifiabilityCounts {
     /// How many were asked of it.
     pub parameters: usize,
     /// How many of them it determines.
     pub determined: usize,
     /// Names of those known to an order of magnitude only.
-    pub order_of_magnitude: Vec<&'a str>,
+    pub order_of_magnitude: Vec<String>,
     /// What may be anything: names, and the division of the mass in words.
-    pub open: Vec<&'a str>,
+    pub open: Vec<String>,
 }
 
-impl Certainties<'_> {
+impl IdentifiabilityCounts {
     /// `3 of 4`.
     pub fn counts(&self) -> String {
         let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
@@ -424,7 +424,7 @@ impl Run {
 
     /// Whether a stage has said that it has no acceptable result and no reason why that is one.
     pub fn without_result(&self) -> bool {
-        self.without.is_none() && self.concerns.iter().any(|concern| concern.severity == ConcernV1::NO_RESULT)
+        self.without.is_none() && self.concerns.iter().any(ConcernV1::is_no_result)
     }
 
     /// Whether candidates were to be simulated and not one of them came through.

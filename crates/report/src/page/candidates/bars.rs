@@ -6,13 +6,10 @@ use std::collections::BTreeMap;
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, digits_of_interval};
-use crate::findings::{
-    CandidateResult,
-    parameters::{parameter, parameter_order},
-};
+use crate::findings::{CandidateResult, parameter, parameter_order};
 use crumple_artifact::records::Certainty;
 
-use crate::frame::heads::{Column, heads};
+use crate::frame::{Column, heads};
 
 /// Decades to either side of the value.
 const DECADES: f64 = 1.0;
@@ -58,7 +55,7 @@ fn row(candidate: &CandidateResult, name: &str) -> String {
         }
     };
     format!(
-        "<tr><th scope=\"row\"><span title=\"{}\">{}</span></th><td class=\"n\">{} {unit}</td>\
+        "<tr><th scope=\"row\"><span tabindex=\"0\" title=\"{}\">{}</span></th><td class=\"n\">{} {unit}</td>\
          <td class=\"n\">{words}</td><td>{bar}</td></tr>",
         html(name),
         html(&symbol),

@@ -3,14 +3,14 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::findings::{
-    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, distinct_curves, names::candidate_name,
+    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, candidate_name, distinct_curves,
 };
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 
 use super::bars;
 
@@ -88,9 +88,10 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
     let simulation = candidate.simulation.as_ref();
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let certainties = candidate.certainties();
-    let determined = certainties
-        .words()
-        .map_or_else(|| ABSENT.to_owned(), |words| format!("<span title=\"{words}\">{}</span>", certainties.counts()));
+    let determined = certainties.words().map_or_else(
+        || ABSENT.to_owned(),
+        |words| format!("<span tabindex=\"0\" title=\"{words}\">{}</span>", certainties.counts()),
+    );
     let evidence = if has_evidence {
         format!(
             "<td class=\"n\">{}</td>",
@@ -158,7 +159,7 @@ fn predicted_crush(run: &Run, curve: &DistinctCurve, speed: f64) -> String {
     let interval = interval.map_or_else(String::new, |interval| {
         let [low, high] = [interval.low, interval.high].map(|end| words::decimals(MILLI * end, 0));
         let ends = words::between(&low, &high);
-        format!("<br><span class=\"dual\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
+        format!("<br><span class=\"dual\" tabindex=\"0\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
     });
     format!("<td class=\"n\">{}{interval}</td>", words::decimals(MILLI * crush, 0))
 }

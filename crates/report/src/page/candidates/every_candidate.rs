@@ -2,17 +2,13 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
-use crate::findings::{
-    CandidateResult, Ranking, Run,
-    names::candidate_name,
-    parameters::{parameter, parameter_order},
-};
+use crate::findings::{CandidateResult, Ranking, Run, candidate_name, parameter, parameter_order};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::Certainty;
 
-use crate::frame::heads::{Column, table};
+use crate::frame::{Column, table};
 
 use super::uncertainty;
 
@@ -104,7 +100,7 @@ fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
     }
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let simulation = simulation.as_ref();
-    let star = format!("<span class=\"star\" title=\"{}\">★</span> ", texts.star);
+    let star = format!("<span class=\"star\" tabindex=\"0\" title=\"{}\">★</span> ", texts.star);
     let no = format!("<span class=\"no\">{}</span>", PHRASES.page.no);
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
@@ -185,7 +181,7 @@ fn parameters(candidate: &CandidateResult) -> String {
             };
             let interval = if on_bound { String::new() } else { interval(candidate, name) };
             format!(
-                "<span title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
+                "<span tabindex=\"0\" title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
                 html(name),
                 html(&symbol),
                 words::significant(shown, 4)

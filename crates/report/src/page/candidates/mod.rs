@@ -12,7 +12,7 @@ mod uncertainty;
 /// What the bars look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
 
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Status) {
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Option<Status>) {
     if run.candidates.is_empty() && run.recommendation.is_none() {
         return;
     }

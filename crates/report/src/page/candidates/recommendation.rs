@@ -2,19 +2,19 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Run, Status, names::candidate_name};
+use crate::findings::{CandidateResult, Run, Status, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
 
-use crate::frame::heads::{self, Column};
+use crate::frame::{self, Column};
 
 /// The three roles, who has them and why.
-pub(super) fn write_roles(out: &mut String, run: &Run, status: Status) {
+pub(super) fn write_roles(out: &mut String, run: &Run, status: Option<Status>) {
     let Some(choice) = &run.recommendation else { return };
     let texts = &PHRASES.candidates;
-    let recommended = if status == Status::DoNotUse { texts.in_doubt } else { texts.recommended };
+    let recommended = if status == Some(Status::DoNotUse) { texts.in_doubt } else { texts.recommended };
     out.push_str("<ul>\n");
     for (name, id, because) in [
         (recommended, &choice.recommended, &choice.recommended_because),
@@ -51,7 +51,7 @@ fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
     let priors: Vec<(String, String)> = choice.priors.iter().map(stated).collect();
     columns.extend(priors.iter().map(|(name, statement)| Column::number(name).means(statement)));
     columns.extend([Column::number(texts.with_priors), Column::text(texts.adequate)]);
-    out.push_str(&heads::table("", &columns));
+    out.push_str(&frame::table("", &columns));
     for rated in &choice.candidates {
         row(out, run, choice, rated);
     }

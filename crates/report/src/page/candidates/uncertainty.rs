@@ -1,10 +1,7 @@
 //! What profile likelihood, bootstrap and uncertain inputs say of a candidate's parameters, in words.
 
 use crate::drawing::numbers::NBSP;
-use crate::findings::{
-    CandidateResult,
-    parameters::{parameter, parameter_order},
-};
+use crate::findings::{CandidateResult, parameter, parameter_order};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;

@@ -7,10 +7,11 @@ mod svg;
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use crate::findings::{CandidateResult, Ranking, Run, Status, level_percent, names::candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, Status, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
+use crumple_artifact::records::IntervalSourceV1;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
@@ -21,7 +22,7 @@ use crate::page::how_well::grade;
 /// What the pictures look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
 
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Status) {
+pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Option<Status>) {
     let shown = shown(run, ranking);
     if shown.is_empty() {
         return;
@@ -34,7 +35,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Stat
     for (number, (role, candidate)) in shown.iter().enumerate() {
         // Nothing is recommended that is not to be used.
         let is_recommended = ranking.best.as_ref() == Some(&candidate.id);
-        let role = if status == Status::DoNotUse && is_recommended { &texts.in_doubt } else { role };
+        let role = if status == Some(Status::DoNotUse) && is_recommended { &texts.in_doubt } else { role };
         // What nobody is told to use waits.
         let (open, close) = match number {
             0 => (String::new(), ""),
@@ -145,7 +146,7 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let metric = run.metric("average_stiffness")?;
     let shown = |si: f64, unit: &str| words::quantity(KILO * si, 0, unit);
     let interval = metric.low.zip(metric.high).map(|(low, high)| {
-        let level = words::level(metric.interval_by.as_deref().and_then(level_percent));
+        let level = words::level(metric.source().and_then(IntervalSourceV1::level_percent));
         let ends = words::between(&shown(low, ""), &shown(high, "kN/m"));
         format!(" ({level}{ends})")
     });

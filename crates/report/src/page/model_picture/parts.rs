@@ -5,7 +5,7 @@ use crate::phrases::words;
 use std::collections::BTreeMap;
 
 use crate::drawing::numbers::{KILO, digits_of_interval};
-use crate::findings::{CandidateResult, parameters::parameter};
+use crate::findings::{CandidateResult, parameter};
 use crate::phrases::words::fill;
 use crumple_artifact::records::Certainty;
 use crumple_lumped::{

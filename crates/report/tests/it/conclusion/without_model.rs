@@ -9,7 +9,7 @@ pub fn without_result() -> Run {
     run.concerns = vec![
         concern("ingest", "pulse", 3, "the pulse is positive"),
         ConcernV1 {
-            severity: ConcernV1::NO_RESULT.to_owned(),
+            severity: SeverityV1::NoResult,
             remedy: Some("check the sign of the pulse".to_owned()),
             ..concern("parameter-solve", "model:", 3, "the vehicle moves further than its speed carries it")
         },
@@ -88,7 +88,7 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
     assert_eq!(texts[3], "dropouts");
     assert_eq!(texts.last(), Some(&"questionable"));
     assert_eq!(concerns[0].weight, 9);
-    assert_eq!((said.status, said.sentences.len()), (Status::DoNotUse, 1), "{said:?}");
+    assert_eq!((said.status, said.sentences.len()), (Some(Status::DoNotUse), 1), "{said:?}");
     let page = page_of(&run);
     let before_use = &page[page.find("class=\"before-use\"").unwrap()..];
     let before_use = &before_use[..before_use.find("</section>").unwrap()];
@@ -109,9 +109,9 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
 fn the_console_repeats_no_warning_that_the_verdict_says() {
     let warnings = |run: &Run| {
         let ranking = Ranking::of_run(run);
-        let (said, concerns) = conclusion(run, &ranking);
-        let lines = overview(run, &ranking, &said, &concerns, Path::new("runs/car"));
-        (said.sentences.join(" "), lines.into_iter().map(|line| line.text).collect::<Vec<_>>().join("\n"))
+        let said = summary(run, &ranking);
+        let lines = overview(run, &ranking, &said, Path::new("runs/car"));
+        (said.verdict.sentences.join(" "), lines.into_iter().map(|line| line.text).collect::<Vec<_>>().join("\n"))
     };
     // It extrapolates: the verdict says so, and the console not once more.
     let (said, lines) = warnings(&car());

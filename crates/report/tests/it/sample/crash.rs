@@ -63,6 +63,7 @@ pub(super) fn events() -> EventsV1 {
             low: crush - 0.008,
             high: crush + 0.008,
             interval_by: "5-95 % of 400 replicates".to_owned(),
+            interval_source: None,
         }],
         ..EventsV1::default()
     }

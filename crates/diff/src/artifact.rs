@@ -1,0 +1,383 @@
+//! Two artifacts: topics paired by name, each compared as what it is; waveforms, provenance.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crumple_artifact::records::{ConcernsV2, MetricsV2, ModesV2};
+use crumple_artifact::{
+    Artifact, JsonForm, Provenance, RawRecord, ReadError, Record, WAVE_PREFIX, Wave, blake3_text, same_type,
+};
+use serde_json::{Value, json};
+
+use crate::differences::{Difference, FileReport, Side, TopicReport};
+use crate::json::compare_json;
+use crate::tolerances::{Base, Unit};
+use crate::{CompareSettings, Tolerances};
+
+// Two artifacts: topics paired by name, each compared as what it is.
+
+/// Compares the content of two artifacts; `name` is what the report calls them.
+///
+/// Encodings, compression, chunking and the order of topics do not count. Equal content digests need no comparison of
+/// values. Errors: a record that does not decode.
+pub fn compare_artifacts(
+    name: &str,
+    a: &Artifact,
+    b: &Artifact,
+    settings: &CompareSettings,
+) -> Result<FileReport, ReadError> {
+    let provenance = compare_provenance(a.provenance(), b.provenance());
+    let topics = if a.digest() == b.digest() { quantities(a, b) } else { topics(a, b, settings)? };
+    let same = topics.iter().all(|topic| topic.same) && (provenance.is_empty() || !settings.provenance);
+    let digests = Some([a.digest().to_owned(), b.digest().to_owned()]);
+    Ok(FileReport { name: name.to_owned(), same, only_in: None, digests, topics, provenance })
+}
+
+/// What a waveform measures stands beside the messages, so the digest does not see it.
+fn quantities(a: &Artifact, b: &Artifact) -> Vec<TopicReport> {
+    let pairs = a.waves().iter().filter_map(|(id, wave)| Some((id, wave.quantity, b.waves().get(id)?.quantity)));
+    pairs
+        .filter(|(_, a, b)| a != b)
+        .map(|(id, a, b)| {
+            let mut report = TopicReport::new(&format!("{WAVE_PREFIX}{id}"));
+            let (a, b) = (Some(json!(a.name())), Some(json!(b.name())));
+            report.differs(Difference { place: "quantity".into(), a, b, ..Difference::default() });
+            report
+        })
+        .collect()
+}
+
+/// What stands under a topic. Records of other projects may stand there several times.
+enum Content<'a> {
+    Wave(&'a Wave),
+    Records(Vec<&'a RawRecord>),
+}
+
+impl Content<'_> {
+    fn kind(&self) -> String {
+        match self {
+            Self::Wave(wave) => format!("waveform of {} samples", wave.sampled.len()),
+            Self::Records(records) => match records.as_slice() {
+                [record] => record.schema.clone(),
+                more => format!("{} records", more.len()),
+            },
+        }
+    }
+}
+
+fn contents(artifact: &Artifact) -> BTreeMap<String, Content<'_>> {
+    let mut contents: BTreeMap<String, Content<'_>> = BTreeMap::new();
+    for raw in artifact.records() {
+        match contents.entry(raw.topic.clone()).or_insert_with(|| Content::Records(Vec::new())) {
+            Content::Records(records) => records.push(raw),
+            Content::Wave(_) => {}
+        }
+    }
+    contents.extend(artifact.waves().iter().map(|(id, wave)| (format!("{WAVE_PREFIX}{id}"), Content::Wave(wave))));
+    contents
+}
+
+fn topics(a: &Artifact, b: &Artifact, settings: &CompareSettings) -> Result<Vec<TopicReport>, ReadError> {
+    let (left, right) = (contents(a), contents(b));
+    let names: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
+    let mut reports = Vec::new();
+    for topic in names {
+        if settings.tolerances.tolerance_of(topic, "", None, None).is_any() {
+            continue;
+        }
+        reports.push(match (left.get(topic), right.get(topic)) {
+            (Some(Content::Wave(x)), Some(Content::Wave(y))) => compare_waves(topic, x, y, settings),
+            (Some(Content::Records(x)), Some(Content::Records(y))) if x.len() == y.len() => {
+                let mut report = TopicReport::new(topic);
+                for (x, y) in x.iter().zip(y) {
+                    append(&mut report, compare_records((a, x), (b, y), settings)?);
+                }
+                report
+            }
+            (Some(x), Some(y)) => {
+                let mut report = TopicReport::new(topic);
+                let (a, b) = (Some(json!(x.kind())), Some(json!(y.kind())));
+                report.differs(Difference { place: "type".into(), a, b, ..Difference::default() });
+                report
+            }
+            (Some(x), None) => TopicReport::only_in(topic, Side::A, &x.kind()),
+            (None, Some(y)) => TopicReport::only_in(topic, Side::B, &y.kind()),
+            (None, None) => continue,
+        });
+    }
+    Ok(reports)
+}
+
+fn append(report: &mut TopicReport, more: TopicReport) {
+    report.same &= more.same;
+    report.values += more.values;
+    report.different += more.different;
+    report.saw_rel(more.max_rel);
+    report.differences.extend(more.differences);
+    report.aside.extend(more.aside);
+}
+
+fn compare_records(
+    a: (&Artifact, &RawRecord),
+    b: (&Artifact, &RawRecord),
+    settings: &CompareSettings,
+) -> Result<TopicReport, ReadError> {
+    let topic = &a.1.topic;
+    if a.1.schema != b.1.schema && list_of(a.1).is_none_or(|list| list_of(b.1) != Some(list)) {
+        let mut report = TopicReport::new(topic);
+        let (a, b) = (Some(json!(a.1.schema)), Some(json!(b.1.schema)));
+        report.differs(Difference { place: "schema".into(), a, b, ..Difference::default() });
+        return Ok(report);
+    }
+    Ok(match (json_of(a.0, a.1)?, json_of(b.0, b.1)?) {
+        (Some(x), Some(y)) => compare_json(topic, &x, &y, settings),
+        _ => compare_bytes(a.1, b.1),
+    })
+}
+
+/// The list that the record is, and nothing besides: compared as that list, whatever its version.
+fn list_of(raw: &RawRecord) -> Option<&'static str> {
+    let lists = [(MetricsV2::SCHEMA, "metrics"), (ModesV2::SCHEMA, "modes"), (ConcernsV2::SCHEMA, "concerns")];
+    lists.into_iter().find(|(schema, _)| same_type(schema, &raw.schema)).map(|(_, name)| name)
+}
+
+/// The record as a value; `None` for an encoding that only its writer knows.
+fn json_of(artifact: &Artifact, raw: &RawRecord) -> Result<Option<Value>, ReadError> {
+    let message = |problem: String| ReadError::Message {
+        path: artifact.path().to_owned(),
+        topic: raw.topic.clone(),
+        problem: format!("JSON: {problem}"),
+    };
+    match artifact.json_text(raw, JsonForm::Line)? {
+        Some(text) => {
+            let mut value: Value = serde_json::from_str(&text).map_err(|error| message(error.to_string()))?;
+            let list = list_of(raw).and_then(|name| value.get_mut(name)).map(Value::take);
+            Ok(Some(list.unwrap_or(value)))
+        }
+        None if raw.encoding == "json" => {
+            serde_json::from_slice(&raw.payload).map(Some).map_err(|error| message(error.to_string()))
+        }
+        None => Ok(None),
+    }
+}
+
+fn compare_bytes(a: &RawRecord, b: &RawRecord) -> TopicReport {
+    let mut report = TopicReport::new(&a.topic);
+    report.values = 1;
+    if (&a.encoding, &a.payload) != (&b.encoding, &b.payload) {
+        let text = |raw: &RawRecord| {
+            json!(format!("{} bytes of {:?}, {}", raw.payload.len(), raw.encoding, blake3_text(&raw.payload)))
+        };
+        report.differs(Difference {
+            place: "bytes".into(),
+            a: Some(text(a)),
+            b: Some(text(b)),
+            ..Difference::default()
+        });
+    }
+    report
+}
+
+// Provenance: how two results were made, reported beside the differences.
+
+/// Stage, version, options and inputs that differ.
+pub(crate) fn compare_provenance(a: Option<&Provenance>, b: Option<&Provenance>) -> Vec<Difference> {
+    let (Some(a), Some(b)) = (a, b) else {
+        let name = |side: Option<&Provenance>| side.map(|p| json!(format!("{} {}", p.stage, p.stage_version)));
+        let only = Difference { a: name(a), b: name(b), ..Difference::default() };
+        return if a.is_none() && b.is_none() { Vec::new() } else { vec![only] };
+    };
+    let exact = CompareSettings {
+        tolerances: Tolerances { base: Base::Exact, ..Tolerances::default() },
+        ..CompareSettings::default()
+    };
+    let mut differences = compare_json("provenance", &to_json(a), &to_json(b), &exact).differences;
+    for difference in &mut differences {
+        // By how much an option differs says nothing.
+        (difference.abs, difference.rel) = (None, None);
+    }
+    differences
+}
+
+fn to_json(provenance: &Provenance) -> Value {
+    let config: Value =
+        serde_json::from_str(&provenance.config_json).unwrap_or_else(|_| provenance.config_json.clone().into());
+    // Several inputs of a kind are numbered, the digests being sorted already.
+    let mut inputs: BTreeMap<String, Value> = BTreeMap::new();
+    for input in &provenance.inputs {
+        let count = (1..).find(|n| !inputs.contains_key(&input_name(&input.kind, *n))).unwrap_or(1);
+        inputs.insert(input_name(&input.kind, count), json!(input.digest));
+    }
+    json!({
+        "stage": provenance.stage,
+        "stage_version": provenance.stage_version,
+        "config": config,
+        "input": inputs,
+    })
+}
+
+fn input_name(kind: &str, count: u32) -> String {
+    if count == 1 { kind.to_owned() } else { format!("{kind} {count}") }
+}
+
+// Waveforms: two series of samples on the same grid.
+
+/// Two grids are the same if no sample's time moves by more than this part of the sampling interval, plus the
+/// nanosecond to which the start is stored.
+const GRID_PART_OF_INTERVAL: f64 = 1e-6;
+
+const GRID_START_S: f64 = 1e-9;
+
+/// Compares two waveforms: quantity, grid and length first, then sample by sample.
+///
+/// Relative differences refer to the largest magnitude of both waveforms: a sample near a zero crossing came out of
+/// large ones and carries their rounding error. On different grids samples are not compared.
+pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareSettings) -> TopicReport {
+    let mut report = TopicReport::new(topic);
+    let unit = Unit::from_symbol(a.quantity.si_unit());
+    let tolerance = settings.tolerances.tolerance_of(topic, "", unit, None);
+    if tolerance.is_any() {
+        return report;
+    }
+    let mut frame = |place: &str, a: Value, b: Value| {
+        let (abs, rel) = distance(&a, &b);
+        report.differs(Difference { place: place.into(), a: Some(a), b: Some(b), abs, rel, ..Difference::default() });
+    };
+    if a.quantity != b.quantity {
+        frame("quantity", json!(a.quantity.name()), json!(b.quantity.name()));
+    }
+    let (x, y) = (&a.sampled, &b.sampled);
+    let slack = |part: f64, fixed: f64| {
+        if settings.tolerances.base == Base::Exact { 0.0 } else { part * x.dt_s() + fixed }
+    };
+    let steps = x.len().max(y.len()).max(1) as f64;
+    let same_interval = (x.dt_s() - y.dt_s()).abs() * steps <= slack(GRID_PART_OF_INTERVAL, 0.0);
+    let same_start = (x.t0_s() - y.t0_s()).abs() <= slack(GRID_PART_OF_INTERVAL, GRID_START_S);
+    if !same_interval {
+        frame("dt_s", json!(x.dt_s()), json!(y.dt_s()));
+    }
+    if !same_start {
+        frame("t0_s", json!(x.t0_s()), json!(y.t0_s()));
+    }
+    if x.len() != y.len() {
+        frame("number of samples", json!(x.len()), json!(y.len()));
+    }
+    if !(same_interval && same_start) {
+        return report;
+    }
+
+    let (x, y) = (x.samples(), y.samples());
+    let scale = x.iter().chain(y).fold(0.0_f64, |most, value| most.max(value.abs()));
+    let allowed = tolerance.abs + tolerance.rel * scale;
+    let (mut first, mut worst, mut count) = (None, (0, 0.0), 0_u64);
+    for (k, (p, q)) in x.iter().zip(y).enumerate() {
+        let distance = (p - q).abs();
+        if distance > worst.1 {
+            worst = (k, distance);
+        }
+        if distance > allowed || (settings.bits && p.to_bits() != q.to_bits()) {
+            first = first.or(Some(k));
+            count += 1;
+        }
+    }
+    let relative = |distance: f64| if distance == 0.0 { 0.0 } else { distance / scale };
+    report.values = x.len().min(y.len()) as u64;
+    report.max_abs = Some(worst.1);
+    report.max_rel = Some(relative(worst.1));
+    if let Some(first) = first {
+        let at = |k: usize| {
+            let distance = (x[k] - y[k]).abs();
+            Difference {
+                place: format!("sample {k}"),
+                a: Some(json!(x[k])),
+                b: Some(json!(y[k])),
+                abs: Some(distance),
+                rel: Some(relative(distance)),
+                sample: Some(k as u64),
+                time_s: Some(a.sampled.time_s(k)),
+            }
+        };
+        report.differs(at(first));
+        if worst.1 > (x[first] - y[first]).abs() {
+            report.differences.push(at(worst.0));
+        }
+        report.different += count - 1;
+    }
+    report
+}
+
+fn distance(a: &Value, b: &Value) -> (Option<f64>, Option<f64>) {
+    match (a.as_f64(), b.as_f64()) {
+        (Some(a), Some(b)) => (Some((a - b).abs()), Some((a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE))),
+        _ => (None, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tolerances;
+    use crumple_artifact::InputDigest;
+    use crumple_signal::{QuantityKind, Sampled};
+
+    #[test]
+    fn changed_options_versions_and_inputs_are_named() {
+        let make = |version: &str, cfc: u16, digest: &str| {
+            let input = InputDigest { kind: "ingest".into(), digest: digest.into() };
+            Provenance::new("filter", version, format!(r#"{{"cfc":{cfc}}}"#), vec![input])
+        };
+        let (a, b) = (make("0.1.0", 60, "blake3:00"), make("0.2.0", 180, "blake3:11"));
+        let places = |differences: Vec<Difference>| differences.into_iter().map(|d| d.place).collect::<Vec<_>>();
+        assert_eq!(places(compare_provenance(Some(&a), Some(&b))), ["config.cfc", "input.ingest", "stage_version"]);
+        assert!(compare_provenance(Some(&a), Some(&a)).is_empty());
+        assert_eq!(places(compare_provenance(Some(&a), None)), [""]);
+    }
+
+    fn wave(t0_s: f64, samples: Vec<f64>) -> Wave {
+        Wave { quantity: QuantityKind::Acceleration, sampled: Sampled::new(t0_s, 0.5, samples).unwrap() }
+    }
+
+    fn compare(a: &Wave, b: &Wave) -> TopicReport {
+        compare_waves("/wave/93", a, b, &CompareSettings::default())
+    }
+
+    #[test]
+    fn names_the_first_and_the_worst_sample() {
+        let a = wave(-1.0, vec![0.0, 100.0, -200.0, 50.0]);
+        let b = wave(-1.0, vec![0.0, 101.0, -200.0, 54.0]);
+        let report = compare(&a, &b);
+        assert_eq!((report.values, report.different), (4, 2));
+        assert_eq!((report.max_abs, report.max_rel), (Some(4.0), Some(0.02)));
+        let first = &report.differences[0];
+        assert_eq!((first.sample, first.time_s, first.abs, first.rel), (Some(1), Some(-0.5), Some(1.0), Some(0.005)));
+        assert_eq!((first.a.clone(), first.b.clone()), (Some(json!(100.0)), Some(json!(101.0))));
+        assert_eq!(report.differences[1].sample, Some(3));
+    }
+
+    #[test]
+    fn rounding_near_a_zero_crossing_is_no_difference_and_exact_sees_it() {
+        let (a, b) = (wave(0.0, vec![200.0, 1e-15]), wave(0.0, vec![200.0, -1e-15]));
+        let report = compare(&a, &b);
+        assert!(report.same);
+        assert_eq!(report.max_abs, Some(2e-15));
+        let exact = Tolerances { base: Base::Exact, ..Tolerances::default() };
+        let settings = CompareSettings { tolerances: exact, ..CompareSettings::default() };
+        assert_eq!(compare_waves("/wave/93", &a, &b, &settings).different, 1);
+    }
+
+    #[test]
+    fn another_grid_length_or_quantity_is_named() {
+        let a = wave(0.0, vec![1.0, 2.0]);
+        let places = |b: &Wave| compare(&a, b).differences.iter().map(|d| d.place.clone()).collect::<Vec<_>>();
+        assert_eq!(places(&wave(0.1, vec![1.0, 9.0])), ["t0_s"]);
+        assert_eq!(places(&wave(0.0, vec![1.0, 2.0, 3.0])), ["number of samples"]);
+        assert_eq!(places(&wave(0.0, vec![1.5])), ["number of samples", "sample 0"]);
+        let other = Wave { quantity: QuantityKind::Velocity, ..a.clone() };
+        assert_eq!(places(&other), ["quantity"]);
+        assert!(places(&wave(1e-10, vec![1.0, 2.0])).is_empty(), "below the resolution of the stored start");
+    }
+
+    #[test]
+    fn empty_waveforms_are_the_same() {
+        assert!(compare(&wave(0.0, vec![]), &wave(0.0, vec![])).same);
+    }
+}

@@ -1,7 +1,0 @@
-//! `crumple-study`: what a fleet says of its vehicles, see the library.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    crumple_stage::tool_main(crumple_fleet::study)
-}

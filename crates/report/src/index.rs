@@ -1,0 +1,358 @@
+//! Many runs on one page: a sortable table with a small pulse each, runs without a result by reason, figures of all.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crumple_signal::Sampled;
+
+use crate::drawing::escape::{address, html};
+use crate::drawing::{Drawing, Entry, Figure, sparkline, swatch};
+use crate::findings::model_name;
+use crate::findings::{ResultStatus, Summary};
+use crate::frame::framed;
+use crate::phrases::words::fill;
+use crate::phrases::{PHRASES, words};
+use crate::run_numbers::{CRUSH, DELTA_V, MASS, OLC, PEAK, RESTITUTION, RunNumber, SPEED, STIFFNESS, TIME_OF_CRUSH};
+
+// The page as a whole.
+
+const STYLE: &str = include_str!("index/style.css");
+
+const SORT: &str = include_str!("index/sort.js");
+
+/// Many runs on one page.
+#[derive(Debug)]
+pub struct RunIndex<'a> {
+    /// What the page is called; empty: an index of runs.
+    pub title: &'a str,
+    /// Files beside the page with all that is in it: what each is called, and its path.
+    pub tables: &'a [(&'a str, &'a str)],
+    /// The runs, in the order of the table.
+    pub runs: &'a [IndexedRun<'a>],
+    /// Figures of all runs.
+    pub figures: Vec<FiguresOfRuns>,
+}
+
+/// Figures of all runs with what to take from them.
+#[derive(Debug)]
+pub struct FiguresOfRuns {
+    /// Heading.
+    pub heading: &'static str,
+    /// What they show, plain text.
+    pub text: &'static str,
+    /// The figures; the panels of each stand side by side.
+    pub figures: Vec<Figure>,
+}
+
+impl RunIndex<'_> {
+    /// The page. The same runs give the same bytes.
+    pub fn to_html(&self) -> String {
+        let texts = &PHRASES.runs;
+        let title = if self.title.is_empty() { texts.index_title } else { self.title };
+        let mut body = format!(
+            "<header>\n<p class=\"brand\">{}</p>\n<h1>{}</h1>\n<p>{}.{}</p>\n</header>\n<main>\n{}",
+            texts.index_brand,
+            html(title),
+            self.counted(),
+            self.files(),
+            failures(self.runs)
+        );
+        self.figures.iter().for_each(|figures| write_figures(&mut body, figures));
+        body.push_str(&format!(
+            "<section id=\"runs\">\n<h2>{}</h2>\n<p class=\"caption\">{}<span class=\"script\">{}</span></p>\n{}\
+             </section>\n</main>\n",
+            texts.runs,
+            texts.index_caption,
+            texts.sorts,
+            table(self.runs)
+        ));
+        framed(title, STYLE, &body, SORT)
+    }
+
+    /// How many runs there are, and how many of them ended how.
+    pub fn counted(&self) -> String {
+        let count = |is: &dyn Fn(&IndexedRun<'_>) -> bool| self.runs.iter().filter(|run| is(run)).count();
+        let failed = count(&|run| !run.is_done());
+        let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.usable().is_some()));
+        let texts = &PHRASES.runs;
+        let runs = match self.runs.len() {
+            1 => texts.one_run.to_owned(),
+            n => fill(texts.several_runs, &[("count", n.to_string())]),
+        };
+        let mut words = fill(texts.with_model, &[("runs", runs), ("count", recommended.to_string())]);
+        if failed > 0 {
+            words.push_str(&fill(texts.without_result, &[("count", failed.to_string())]));
+        }
+        words
+    }
+
+    fn files(&self) -> String {
+        let link = |(name, path): &(&str, &str)| format!("<a href=\"{}\">{}</a>", address(path), html(name));
+        let links: Vec<String> = self.tables.iter().map(link).collect();
+        if links.is_empty() {
+            return String::new();
+        }
+        fill(PHRASES.runs.tables, &[("links", links.join(", "))])
+    }
+}
+
+/// Figures without boxes and cursor: of all runs at once there is nothing to hide.
+fn write_figures(out: &mut String, of_runs: &FiguresOfRuns) {
+    let figures: Vec<&Figure> = of_runs.figures.iter().filter(|figure| !figure.panels.is_empty()).collect();
+    let Some(first) = figures.first() else { return };
+    let (heading, text) = (html(of_runs.heading), html(of_runs.text));
+    out.push_str(&format!("<section>\n<h2>{heading}</h2>\n<p class=\"caption\">{text}</p>\n{}", legend(first)));
+    for figure in figures {
+        let id = figure.id;
+        out.push_str(&format!(
+            "<section class=\"small\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h3 id=\"{id}-title\">{}</h3>\n\
+             <div class=\"panels\">\n",
+            html(&figure.title)
+        ));
+        for (place, panel) in figure.panels.iter().enumerate() {
+            out.push_str(&Drawing::new(figure, panel).svg(&format!("{id}-{place}"), false));
+        }
+        out.push_str("</div>\n</section>\n");
+    }
+    out.push_str("</section>\n");
+}
+
+/// The legend that the figures of a section share; of one name there is nothing to tell apart.
+fn legend(figure: &Figure) -> String {
+    if figure.legend.len() < 2 {
+        return String::new();
+    }
+    let item = |entry: &Entry| {
+        let name = html(&entry.name);
+        format!("<li><svg viewBox=\"0 0 28 12\" aria-hidden=\"true\">{}</svg> {name}</li>\n", swatch(entry))
+    };
+    let items: String = figure.legend.iter().map(item).collect();
+    format!("<ul class=\"legend\">\n{items}</ul>\n")
+}
+
+// Runs without a result, by how they ended.
+
+/// Most runs that are named.
+const NAMED: usize = 20;
+
+/// Most characters of a reason.
+const SHOWN: usize = 200;
+
+/// A section of exit codes, the most frequent first, each with its runs and their reasons; empty where every run is
+/// done.
+fn failures(runs: &[IndexedRun<'_>]) -> String {
+    let texts = &PHRASES.runs;
+    let mut groups: BTreeMap<i32, Vec<&IndexedRun<'_>>> = BTreeMap::new();
+    for run in runs.iter().filter(|run| !run.is_done()) {
+        groups.entry(run.exit_code).or_default().push(run);
+    }
+    if groups.is_empty() {
+        return String::new();
+    }
+    let mut groups: Vec<_> = groups.into_iter().collect();
+    groups.sort_by_key(|(_, runs)| std::cmp::Reverse(runs.len()));
+    let mut out = format!("<section id=\"failures\">\n<h2>{}</h2>\n", texts.failures);
+    for (code, runs) in groups {
+        out.push_str(&format!("<details><summary>{} × {}</summary><ul>\n", runs.len(), status(code)));
+        for run in runs.iter().take(NAMED) {
+            let reason = html(&shortened(line_of(&run.error, texts.no_word), SHOWN));
+            out.push_str(&format!("<li>{}: {reason}</li>\n", run.linked()));
+        }
+        if runs.len() > NAMED {
+            let more = fill(texts.and_more, &[("count", (runs.len() - NAMED).to_string())]);
+            out.push_str(&format!("<li>{more}</li>\n"));
+        }
+        out.push_str("</ul></details>\n");
+    }
+    out.push_str("</section>\n");
+    out
+}
+
+/// The line of an error that says why.
+fn line_of<'a>(error: &'a str, no_word: &'a str) -> &'a str {
+    let says_why = |line: &&str| line.contains("caused by:") || line.contains("no acceptable result:");
+    let line = error.lines().find(says_why).or_else(|| error.lines().next()).unwrap_or(no_word);
+    line.split_once("caused by:").or_else(|| line.split_once("error: ")).map_or(line, |(_, cause)| cause).trim()
+}
+
+/// A text of at most so many characters, cut between words.
+fn shortened(text: &str, most: usize) -> String {
+    let Some((end, _)) = text.char_indices().nth(most) else { return text.to_owned() };
+    let cut = &text[..end];
+    // A word longer than half of the room is cut itself.
+    let cut = cut.rsplit_once(' ').map(|(before, _)| before).filter(|before| before.len() > end / 2).unwrap_or(cut);
+    format!("{}…", cut.trim_end_matches([',', ';', ':', ' ', '(']))
+}
+
+// A run as an index knows it.
+
+/// One run of an index.
+#[derive(Debug, Clone)]
+pub struct IndexedRun<'a> {
+    /// What it is called.
+    pub name: String,
+    /// Pipeline and settings, where they tell runs apart; else empty.
+    pub variant: String,
+    /// Path of its report from the folder of the page; `None`: there is none.
+    pub report: Option<String>,
+    /// Exit code of the run; 4 is a result that is not acceptable.
+    pub exit_code: i32,
+    /// What was said of it where the code is not 0.
+    pub error: String,
+    /// What it found, where it has a result.
+    pub summary: Option<&'a Summary>,
+    /// Its pulse as a small line, HTML; empty: none.
+    pub pulse: String,
+}
+
+impl IndexedRun<'_> {
+    /// Exit code and reason of a run folder, by its summary alone.
+    pub fn ending(summary: &Summary) -> (i32, String) {
+        let verdict = &summary.verdict;
+        match (verdict.standing, &verdict.reason) {
+            (ResultStatus::NoResult, Some(reason)) => (4, reason.clone()),
+            (ResultStatus::NoResult, None) => (4, PHRASES.runs.no_word.to_owned()),
+            _ => (0, String::new()),
+        }
+    }
+
+    /// Its name, HTML: a link to its report where there is one.
+    pub(crate) fn linked(&self) -> String {
+        match &self.report {
+            Some(report) => format!("<a href=\"{}\">{}</a>", address(report), html(&self.name)),
+            None => html(&self.name),
+        }
+    }
+
+    /// Whether there is what was asked for.
+    pub(crate) fn is_done(&self) -> bool {
+        self.exit_code == 0
+    }
+}
+
+/// An exit code in words.
+pub fn status(exit_code: i32) -> &'static str {
+    let texts = &PHRASES.runs;
+    match exit_code {
+        0 => texts.done,
+        2 => texts.usage,
+        3 => texts.refused,
+        4 => texts.not_acceptable,
+        _ => texts.failed,
+    }
+}
+
+// The pulse of a run as a small line.
+
+/// Time that is shown after time zero: the same for all runs, so that lines compare.
+pub const SHOWN_S: f64 = 0.15;
+
+/// An acceleration over the first 150 ms after time zero, upwards as the vehicle slows down, each run to its own peak;
+/// empty where there is nothing to draw.
+pub fn pulse_line(acceleration: &Sampled, time_zero_s: f64) -> String {
+    let samples = acceleration.samples().iter().enumerate();
+    let points: Vec<[f64; 2]> = samples.map(|(k, a)| [acceleration.time_s(k) - time_zero_s, -a]).collect();
+    sparkline(&points, [0.0, SHOWN_S]).unwrap_or_default()
+}
+
+// One row a run. The script makes buttons of the heads of its columns, which sort.
+
+/// Columns of numbers.
+const NUMBERS: [RunNumber; 9] = [SPEED, MASS, CRUSH, TIME_OF_CRUSH, DELTA_V, PEAK, OLC, RESTITUTION, STIFFNESS];
+
+/// Digits of a number: hundreds of rows are compared, none is taken from here.
+const DIGITS: usize = 3;
+
+/// Most characters of a warning and of the name of a vehicle: the report has all.
+const OF_WARNING: usize = 100;
+
+const OF_VEHICLE: usize = 60;
+
+/// The table. End tags that HTML does not ask for are left out: there are hundreds of rows.
+fn table(runs: &[IndexedRun<'_>]) -> String {
+    let texts = &PHRASES.runs;
+    let several = runs.iter().any(|run| !run.variant.is_empty());
+    let mut out = format!(
+        "<div class=\"scroll\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n\
+         <table class=\"index\">\n<thead><tr><th scope=col>{}<th scope=col>{}",
+        texts.runs, texts.run, texts.vehicle_or_test
+    );
+    for quantity in NUMBERS {
+        let _ = write!(out, "<th scope=col abbr=\"{}\">{}", quantity.name, quantity.head());
+    }
+    let _ = write!(
+        out,
+        "<th scope=col>{}<th scope=col>{}<th scope=col data-fixed>{}<th scope=col>{}",
+        texts.recommended, texts.numbers_of_it, texts.pulse, texts.first_warning
+    );
+    if several {
+        let _ = write!(out, "<th scope=col>{}", texts.pipeline_head);
+    }
+    out.push_str("</thead>\n<tbody>\n");
+    runs.iter().for_each(|run| row(&mut out, run, several));
+    out.push_str("</tbody></table>\n</div>\n");
+    out
+}
+
+fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
+    let texts = &PHRASES.runs;
+    let summary = run.summary;
+    let test = summary.map(|summary| &summary.test);
+    let vehicle = test.map(|test| test.vehicle.as_ref().filter(|name| !name.trim().is_empty()).unwrap_or(&test.title));
+    // Writing to a string does not fail.
+    let _ = write!(out, "<tr><th>{}<td>{}", run.linked(), html(&shortened(vehicle.map_or("", |v| v), OF_VEHICLE)));
+    for quantity in NUMBERS {
+        let value = summary.and_then(|summary| quantity.value(summary));
+        let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| words::significant(value, DIGITS)));
+    }
+    let certainty = summary.and_then(|summary| summary.verdict.certainty()).unwrap_or_default();
+    let _ = match summary.filter(|_| run.is_done()) {
+        Some(summary) => {
+            let model = summary.usable().map(|candidate| model_name(&candidate.model));
+            let word = summary.verdict.status.map(|status| status.word().to_owned());
+            let said: Vec<String> = word.into_iter().chain(model).collect();
+            let said = if said.is_empty() { texts.none.to_owned() } else { said.join(": ") };
+            write!(out, "<td tabindex=\"0\" title=\"{}\">{}", html(&summary.verdict.status_sentence), html(&said))
+        }
+        None if run.is_done() => write!(out, "<td>{}", texts.none),
+        None => write!(out, "<td><b>{}</b>", status(run.exit_code)),
+    };
+    let warning = match summary.and_then(|summary| summary.concerns.first()) {
+        Some(concern) if run.is_done() => &concern.text,
+        _ if run.is_done() => "",
+        _ => line_of(&run.error, texts.no_word),
+    };
+    let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(&shortened(warning, OF_WARNING)));
+    if several {
+        let _ = write!(out, "<td>{}", html(&run.variant));
+    }
+    out.push('\n');
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    #[test]
+    fn the_script_cannot_end_its_element() {
+        assert!(!SORT.contains("</script") && !SORT.contains("<!--") && SORT.len() < 2_000);
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_words() {
+        assert_eq!(shortened("the pulse is short", 18), "the pulse is short");
+        assert_eq!(shortened("the pulse is, short", 14), "the pulse is…");
+        assert_eq!(shortened(&"ä".repeat(30), 10), format!("{}…", "ä".repeat(10)));
+    }
+
+    #[test]
+    fn a_pulse_is_drawn_upwards_from_time_zero() {
+        let samples: Vec<f64> = (0..400).map(|k| if (100..200).contains(&k) { -50.0 } else { 0.0 }).collect();
+        let acceleration = Sampled::new(-0.05, 1e-3, samples).unwrap();
+        // Contact is 50 ms after the record's own zero: at the left edge.
+        let line = pulse_line(&acceleration, 0.05);
+        assert!(line.contains("d=\"M0 1l") && line.contains(" 18"), "{line}");
+        assert_eq!(pulse_line(&acceleration, 1.0), "");
+    }
+}

@@ -1,0 +1,7 @@
+//! `crumple-study`: what a fleet says of its vehicles, see the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    crumple_stage::tool_main(crumple_run::fleet::study)
+}

@@ -1,0 +1,442 @@
+//! The command line: options, the stages with their programs, the pipeline file.
+
+use std::ffi::OsString;
+use std::ops::Deref;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::{env, fs};
+
+use anyhow::Context;
+use crumple_stage::{ChainStage, Usage, chain};
+
+// The command line of `crumple-run`.
+
+/// Runs the stages of a pipeline on a record, one after another, into one run folder.
+///
+/// The recipe `run` of the justfile calls it. Which stage reads and writes what stands in `pipelines/chain`; each is
+/// started as `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. CRUMPLE_FILTER in
+/// the environment is the command of the stage filter where it is not the program of the project, and so on.
+/// A stage whose result is up to date leaves it alone; all that was made from an old result is removed before a new one
+/// appears.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-run",
+    version,
+    after_help = "One run at a time works in a folder; a second one waits and says for which.\n\
+                  Exit codes: 0 done, 1 a stage failed unforeseen, 2 usage, 3 record refused, 4 no acceptable result \
+                  (the report shows the diagnosis)."
+)]
+pub struct Options {
+    /// Folder with `pipelines/` and `runs/`.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub(crate) project: PathBuf,
+
+    /// Pipeline: a file below `pipelines/` without its ending, or the path of a file elsewhere.
+    #[arg(long, value_name = "NAME|FILE", default_value = "default", allow_hyphen_values = true)]
+    pub(crate) pipeline: String,
+
+    /// Run folder [default: runs/NAME-OF-RECORD/NAME-OF-PIPELINE in the project].
+    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true)]
+    pub(crate) out: Option<OsString>,
+
+    /// Predicts again in the folder of a run that was made; behind `--` stand flags of the stage predict.
+    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
+    pub(crate) again: Option<PathBuf>,
+
+    /// Flags for every stage, as one would type them.
+    #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
+    pub(crate) flags: Words,
+
+    /// Flags for the last stage alone.
+    #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
+    pub(crate) flags_of_last: Words,
+
+    /// One option of a stage, over the pipeline: `filter.cfc=180`, `identify.methods=era,arx`. Several; it may stand
+    /// behind the record too.
+    #[arg(long, value_name = "STAGE.OPTION=VALUE", conflicts_with = "again")]
+    pub(crate) set: Vec<String>,
+
+    /// The record, and flags of the stage that reads it.
+    #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
+    pub(crate) record: Vec<OsString>,
+}
+
+impl Options {
+    /// Takes the options set behind `--` from among the flags of the first stage.
+    pub(crate) fn take_set(&mut self) -> Result<(), Usage> {
+        if self.again.is_some() {
+            return Ok(());
+        }
+        let mut words = std::mem::take(&mut self.record).into_iter();
+        while let Some(word) = words.next() {
+            match word.to_str().and_then(|text| text.strip_prefix("--set")) {
+                Some("") => {
+                    let typed = words.next().and_then(|word| word.into_string().ok());
+                    self.set.push(typed.ok_or_else(|| Usage::new("--set needs STAGE.OPTION=VALUE behind it"))?);
+                }
+                Some(typed) if typed.starts_with('=') => self.set.push(typed[1..].to_owned()),
+                _ => self.record.push(word),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a flag for every stage keeps it quiet.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.flags.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"))
+    }
+
+    /// The run folder: what `--out` says, else one below `runs/` by the names of record and pipeline.
+    pub(crate) fn folder(&self, pipeline: &Pipeline) -> anyhow::Result<PathBuf> {
+        let out = self.out.as_deref().filter(|out| !out.is_empty()).map(Path::new);
+        if let Some(out) = out {
+            // Stages must not take it for a flag.
+            let looks_like_a_flag = out.as_os_str().as_encoded_bytes().starts_with(b"-");
+            return Ok(if looks_like_a_flag { Path::new(".").join(out) } else { out.to_owned() });
+        }
+        let stem = self.record.first().and_then(|record| Path::new(record).file_stem());
+        let stem =
+            stem.context(Usage::new("the record has no file name").hint("say where to: just out=DIR run RECORD"))?;
+        Ok(self.project.join("runs").join(stem).join(&pipeline.name))
+    }
+
+    /// The flags of the first stage: all that stands behind the record.
+    pub(crate) fn flags_of_the_first(&self) -> &[OsString] {
+        if self.again.is_some() { &self.record } else { self.record.get(1..).unwrap_or_default() }
+    }
+
+    /// Whether they ask what the first stage prints about itself or the record.
+    pub(crate) fn asks_for_information(&self) -> bool {
+        request_for_information(self.flags_of_the_first().iter().map(|flag| flag.to_string_lossy())).is_some()
+    }
+}
+
+// Which pipeline file is meant, and its name.
+
+/// The pipeline of a run in its folder.
+pub(crate) const PIPELINE_OF_A_RUN: &str = "0-pipeline.toml";
+
+/// A pipeline file and the name that its run folders have.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pipeline {
+    /// The file.
+    pub file: PathBuf,
+    /// `default`, `papers/civic`.
+    pub name: String,
+}
+
+impl Pipeline {
+    /// The path of a file is that file; all else is a name below `pipelines/` of the project.
+    pub fn resolve(text: &str, project: &Path) -> Self {
+        let below = text.strip_prefix("pipelines/").unwrap_or(text);
+        let name = below.strip_suffix(".toml").unwrap_or(below);
+        let is_path = text.starts_with(['/', '.']) || (text.ends_with(".toml") && Path::new(text).is_file());
+        if !is_path {
+            let file = project.join("pipelines").join(format!("{name}.toml"));
+            return Self { file, name: name.to_owned() };
+        }
+        let last = name.rsplit('/').next().unwrap_or(name);
+        Self { file: PathBuf::from(text), name: if below == text { last } else { name }.to_owned() }
+    }
+}
+
+impl Pipeline {
+    /// The file with what it is laid over, the default pipeline of the project, and with options set beside it.
+    pub(crate) fn read(&self, project: &Path, set: &[String]) -> anyhow::Result<crumple_stage::Pipeline> {
+        let default = Some(project.join("pipelines/default.toml")).filter(|path| path.is_file());
+        let mut read = crumple_stage::Pipeline::read(&self.file, default.as_deref())?;
+        set.iter().try_for_each(|typed| read.set(typed))?;
+        Ok(read)
+    }
+
+    /// Whether it lies below `pipelines/` of the project.
+    pub(crate) fn is_of(&self, project: &Path) -> bool {
+        self.file.starts_with(project.join("pipelines"))
+    }
+
+    /// The pipeline of a run that was made: what it was run with, else that of its summary where the project has it,
+    /// else what is typed.
+    pub(crate) fn of_run(folder: &Path, typed: &str, project: &Path) -> Self {
+        let file = folder.join(PIPELINE_OF_A_RUN);
+        if let Some(name) = crumple_stage::Pipeline::read(&file, None).ok().as_ref().and_then(|made| made.name()) {
+            return Self { name: name.to_owned(), file };
+        }
+        let summary = fs::read_to_string(folder.join("summary.json")).ok();
+        let summary: Option<serde_json::Value> = summary.and_then(|text| serde_json::from_str(&text).ok());
+        let name = summary.as_ref().and_then(|summary| summary["pipeline"].as_str());
+        let made = name.map(|name| Self::resolve(name, project)).filter(|made| made.file.is_file());
+        made.unwrap_or_else(|| Self::resolve(typed, project))
+    }
+}
+
+// The program of a stage.
+
+/// The program of a stage with flags of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Program {
+    /// As it was typed.
+    pub(crate) typed: String,
+    /// Its words but the first.
+    pub(crate) flags: Vec<String>,
+    /// The file that is started.
+    pub(crate) file: PathBuf,
+    /// Whether it is that of the project, under whatever name.
+    pub(crate) is_own: bool,
+}
+
+impl Program {
+    /// That of a stage. Errors: there is no such program, or it is one of the project with a flag of its own, or one of
+    /// every stage, that makes it print and compute nothing, while an old result passes for its own.
+    pub(crate) fn of_stage(stage: &str, flags: &Words) -> Result<Self, Usage> {
+        let program = Self::find(stage, typed_command(stage))?;
+        let place = format!("the command of the stage {stage}");
+        for (place, words) in [(place.as_str(), &program.flags), ("flags", &flags.0)] {
+            if let Some(flag) = request_for_information(words.iter()).filter(|_| program.is_own) {
+                let problem =
+                    format!("{flag} in {place}: crumple-{stage} would print and compute nothing; nothing was run");
+                return Err(Usage::new(problem).hint(format!("call the program by itself: crumple-{stage} {flag}")));
+            }
+        }
+        Ok(program)
+    }
+
+    fn find(stage: &str, typed: String) -> Result<Self, Usage> {
+        let refused = |problem: String| Usage::new(format!("{problem}; nothing was run"));
+        let words: Words =
+            typed.parse().map_err(|error| refused(format!("the command of the stage {stage}: {error}: {typed}")))?;
+        let Some((first, flags)) = words.split_first() else {
+            return Err(refused(format!("the command of the stage {stage} is empty"))
+                .hint(format!("leave {}= out for the program of the project", stage.replace('-', "_"))));
+        };
+        let file = find(first).ok_or_else(|| {
+            refused(format!("{first}: no such program")).hint(match first.starts_with(".venv/") {
+                true => "scripts/setup.sh test makes the Python environment .venv".to_owned(),
+                false => format!("it is the command of the stage {stage}; for what only a shell can do: sh -c '...'"),
+            })
+        })?;
+        let is_own = matches!((file.canonicalize(), own_program(stage).canonicalize()), (Ok(a), Ok(b)) if a == b);
+        Ok(Self { flags: flags.to_vec(), file, is_own, typed })
+    }
+}
+
+/// A program of the project: beside this one.
+pub fn own_program(stage: &str) -> PathBuf {
+    env::current_exe().unwrap_or_default().with_file_name(format!("crumple-{stage}"))
+}
+
+/// The command of a stage as typed: `CRUMPLE_PARAMETER_SOLVE` in the environment, else the program of the project.
+fn typed_command(stage: &str) -> String {
+    let variable = format!("CRUMPLE_{}", stage.to_ascii_uppercase().replace('-', "_"));
+    env::var_os(variable).map_or_else(|| format!("crumple-{stage}"), |typed| typed.to_string_lossy().into_owned())
+}
+
+/// The commands of all stages as they were typed.
+pub fn typed_commands() -> Vec<String> {
+    chain().map(|stage| typed_command(stage.name)).collect()
+}
+
+/// A program of the project is beside this one; any other is where a shell would look.
+fn find(word: &str) -> Option<PathBuf> {
+    let is_program = |path: &Path| fs::metadata(path).is_ok_and(|m| m.is_file() && m.permissions().mode() & 0o111 != 0);
+    if word.contains('/') {
+        return Some(PathBuf::from(word)).filter(|path| is_program(path));
+    }
+    let own = word.strip_prefix("crumple-").map(own_program);
+    let folders = env::var_os("PATH").unwrap_or_default();
+    let in_path = env::split_paths(&folders).map(|folder| folder.join(word));
+    own.into_iter().chain(in_path).find(|path| !word.is_empty() && is_program(path))
+}
+
+// The stages of a run.
+
+/// Stands for the record and the flags after it among the inputs of a stage.
+pub(crate) const RECORD: &str = "RECORD";
+
+/// The stage from which on a run is made again.
+const FIRST_AGAIN: &str = "predict";
+
+/// One stage of the run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Stage {
+    /// Its name in the chain.
+    pub(crate) name: &'static str,
+    /// Its program.
+    pub(crate) program: Program,
+    /// Names in the run folder, or [`RECORD`].
+    pub(crate) inputs: Vec<&'static str>,
+    /// Names in the run folder; the program is told the first.
+    pub(crate) outputs: Vec<&'static str>,
+}
+
+impl Stage {
+    /// Its output.
+    pub(crate) fn output(&self) -> &'static str {
+        self.outputs.first().copied().unwrap_or_default()
+    }
+
+    /// Whether it writes an artifact, not a report.
+    pub(crate) fn writes_an_artifact(&self) -> bool {
+        self.output().ends_with(".mcap")
+    }
+}
+
+/// The lines of the chain from the first stage of the run on.
+pub(crate) fn chain_of(options: &Options) -> impl Iterator<Item = ChainStage> {
+    let again = options.again.is_some();
+    chain().skip_while(move |stage| again && stage.name != FIRST_AGAIN)
+}
+
+/// The stages of the run, without what the others would have written among their inputs; and the outputs of the others.
+/// Errors: a program that does not exist, or would only print.
+pub(crate) fn stages_of(
+    options: &Options,
+    pipeline: &crumple_stage::Pipeline,
+) -> anyhow::Result<(Vec<Stage>, Vec<&'static str>)> {
+    let again = options.again.is_some();
+    let in_use = |stage: &ChainStage| again || !stage.is_optional || pipeline.table(stage.name).is_some();
+    let (used, others): (Vec<ChainStage>, Vec<ChainStage>) = chain_of(options).partition(in_use);
+    let left_out: Vec<&str> = others.into_iter().flat_map(|stage| stage.outputs).collect();
+    let with_program = |stage: ChainStage| -> anyhow::Result<Stage> {
+        let program = Program::of_stage(stage.name, &options.flags)?;
+        let mut inputs: Vec<&str> = stage.inputs.into_iter().filter(|input| !left_out.contains(input)).collect();
+        if again && stage.name == FIRST_AGAIN {
+            inputs.push(RECORD);
+        }
+        Ok(Stage { name: stage.name, program, inputs, outputs: stage.outputs })
+    };
+    let mut stages = used.into_iter().map(with_program).collect::<anyhow::Result<Vec<Stage>>>()?;
+    if let Some(last) = stages.last_mut() {
+        last.program.flags.extend_from_slice(&options.flags_of_last);
+    }
+    Ok((stages, left_out))
+}
+
+/// Names of what is made from the output of a stage, directly or not, in the order in which it is to be removed: the
+/// report first, which says the most, then the artifacts from the last one on.
+pub(crate) fn dependents(stages: &[Stage], number: usize) -> impl Iterator<Item = &'static str> {
+    stages.iter().skip(number + 1).rev().flat_map(|later| later.outputs.iter().copied())
+}
+
+// Words as a person types them for a shell.
+
+/// Flags, as one would type them: quotes hold a word together, nothing is put in place of anything.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Words(pub(crate) Vec<String>);
+
+impl FromStr for Words {
+    type Err = shell_words::ParseError;
+
+    fn from_str(typed: &str) -> Result<Self, Self::Err> {
+        shell_words::split(typed).map(Self)
+    }
+}
+
+impl std::fmt::Display for Words {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&shell_words::join(&self.0))
+    }
+}
+
+impl Deref for Words {
+    type Target = [String];
+
+    fn deref(&self) -> &[String] {
+        &self.0
+    }
+}
+
+/// The first of the arguments that makes a program of the project print something instead of computing.
+pub(crate) fn request_for_information<T: AsRef<str>>(arguments: impl Iterator<Item = T>) -> Option<T> {
+    arguments.take_while(|word| word.as_ref() != "--").find(|word| match word.as_ref() {
+        "--help" | "--version" | "--list" | "--generate" => true,
+        long if long.starts_with("--") => long.starts_with("--generate="),
+        // `-qh` is `-q -h`; behind any other letter stands its value.
+        word => word.strip_prefix('-').is_some_and(|short| short.trim_start_matches('q').starts_with(['h', 'V'])),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    #[test]
+    fn names_lie_below_the_project_and_paths_anywhere() {
+        let resolved = |text: &str| {
+            let pipeline = Pipeline::resolve(text, Path::new("/project"));
+            (pipeline.file.to_str().unwrap().to_owned(), pipeline.name)
+        };
+        let pair = |file: &str, name: &str| (file.to_owned(), name.to_owned());
+        assert_eq!(resolved("default"), pair("/project/pipelines/default.toml", "default"));
+        assert_eq!(resolved("papers/civic"), pair("/project/pipelines/papers/civic.toml", "papers/civic"));
+        assert_eq!(
+            resolved("pipelines/papers/civic.toml"),
+            pair("/project/pipelines/papers/civic.toml", "papers/civic")
+        );
+        assert_eq!(resolved("none.toml"), pair("/project/pipelines/none.toml", "none"));
+        assert_eq!(resolved("./my own.toml"), pair("./my own.toml", "my own"));
+        assert_eq!(resolved("/else/where/p.toml"), pair("/else/where/p.toml", "p"));
+    }
+
+    #[test]
+    fn the_pipeline_of_a_run_is_in_its_folder_or_named_by_its_summary() {
+        let project = tempfile::tempdir().unwrap();
+        let folder = project.path().join("pipelines");
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join("a.toml"), "[predict]\n").unwrap();
+        fs::write(folder.join("b.toml"), "base = 'none'\n[ingest]\n").unwrap();
+        let has = |name: &str, set: &[String]| {
+            let read = Pipeline::resolve(name, project.path()).read(project.path(), set);
+            read.map(|pipeline| pipeline.table("predict").is_some()).ok()
+        };
+        assert_eq!([has("a", &[]), has("b", &[]), has("missing", &[])], [Some(true), Some(false), None]);
+        assert_eq!(has("a", &["predict=false".to_owned()]), Some(false));
+        let of_run = || Pipeline::of_run(project.path(), "a", project.path()).name;
+        assert_eq!(of_run(), "a");
+        fs::write(project.path().join("summary.json"), "{\"pipeline\": \"b\"}").unwrap();
+        assert_eq!(of_run(), "b");
+        fs::write(project.path().join("summary.json"), "{\"pipeline\": \"elsewhere\"}").unwrap();
+        assert_eq!(of_run(), "a");
+        fs::write(project.path().join(PIPELINE_OF_A_RUN), "[run]\nname = 'mine'\n").unwrap();
+        assert_eq!(of_run(), "mine");
+    }
+
+    #[test]
+    fn programs_are_found_in_path_and_by_path_and_no_shell_is_guessed() {
+        let found = |typed: &str| Program::find("identify", typed.to_owned()).map_err(|error| error.to_string());
+        let shell = found("sh -c 'exit 3'").unwrap();
+        assert_eq!((shell.flags, shell.is_own), (vec!["-c".to_owned(), "exit 3".to_owned()], false));
+        assert!(shell.file.ends_with("sh") && found("/bin/sh").is_ok());
+        for (typed, problem) in [
+            ("no-such-program --flag", "no-such-program: no such program"),
+            ("/etc/passwd", "/etc/passwd: no such program"),
+            ("ulimit -v 8000000; x/crumple-identify", "ulimit: no such program"),
+            ("A=1 sh", "A=1: no such program"),
+            ("'' x", ": no such program"),
+            (" ", "the command of the stage identify is empty"),
+            ("sh 'x", "the command of the stage identify: missing closing quote: sh 'x"),
+        ] {
+            assert_eq!(found(typed), Err(format!("{problem}; nothing was run")), "{typed}");
+        }
+    }
+
+    #[test]
+    fn words_are_split_at_blanks_outside_of_quotes_and_joined_again() {
+        let words: Words = r#"-q 'a b' "c 'd'" e\ f $x"#.parse().unwrap();
+        assert_eq!(*words, ["-q", "a b", "c 'd'", "e f", "$x"]);
+        assert_eq!(words.to_string().parse::<Words>().unwrap(), words);
+        assert!("'open".parse::<Words>().is_err());
+    }
+
+    #[test]
+    fn flags_that_print_are_known_in_any_form() {
+        let request = |text: &str| request_for_information(text.split(' ').map(str::to_owned));
+        for flag in ["-h", "--help", "-V", "--version", "--generate", "--generate=man", "--list", "-qV"] {
+            assert_eq!(request(&format!("-q --cfc 180 {flag} x")).as_deref(), Some(flag));
+        }
+        for text in ["-q --force", "-p.hV", "--cfc=-h", "-- --help", "help", ""] {
+            assert_eq!(request(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,267 @@
+//! One stage: how it is started, how it ended, how the result of a program from elsewhere is taken over.
+
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, process};
+
+use anyhow::Context;
+use crumple_artifact::remove_in_order;
+use crumple_stage::{ExitStatus, say};
+
+use crate::command::{Program, RECORD, Stage};
+use crate::folder::content::{Content, content_of, is_artifact};
+use crate::folder::lock::LockedFolder;
+
+// How a stage ended.
+
+/// How a stage ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum StageExit {
+    /// With a result: [`ExitStatus::Done`] or [`ExitStatus::NoAcceptableResult`].
+    WithResult(ExitStatus),
+    /// Without a result, by an exit code that says so: 1, 2 or 3.
+    Failed(ExitStatus),
+    /// In a way that the contract of a stage does not know.
+    Unforeseen(Unforeseen),
+}
+
+/// What breaks the contract of a stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Unforeseen {
+    /// An exit code without a meaning.
+    Code(i32),
+    /// The end by a signal.
+    Signal(i32),
+    /// A result was announced, and the output of this number is missing or empty.
+    NothingWritten(usize),
+    /// The output of this number is no artifact.
+    NoArtifact(usize),
+}
+
+impl StageExit {
+    /// What the exit code says.
+    pub(crate) fn of(status: process::ExitStatus) -> Self {
+        match (status.code(), status.signal()) {
+            (Some(0), _) => Self::WithResult(ExitStatus::Done),
+            (Some(1), _) => Self::Failed(ExitStatus::Failure),
+            (Some(2), _) => Self::Failed(ExitStatus::Usage),
+            (Some(3), _) => Self::Failed(ExitStatus::Refused),
+            (Some(4), _) => Self::WithResult(ExitStatus::NoAcceptableResult),
+            // So a shell tells that its program was ended by a signal.
+            (Some(code), _) if signal_name(code - 128).is_some() => Self::Unforeseen(Unforeseen::Signal(code - 128)),
+            (Some(code), _) => Self::Unforeseen(Unforeseen::Code(code)),
+            (None, signal) => Self::Unforeseen(Unforeseen::Signal(signal.unwrap_or_default())),
+        }
+    }
+
+    /// The exit status of what rests on it; an end that the contract does not know is a failure, and named.
+    pub(crate) fn status_of(self, program: &Path) -> ExitStatus {
+        match self {
+            Self::WithResult(status) | Self::Failed(status) => status,
+            Self::Unforeseen(_) => {
+                say(format_args!("error: {} ended in an unforeseen way", program.display()));
+                ExitStatus::Failure
+            }
+        }
+    }
+
+    /// The same, unless one of the outputs that it speaks of is not in the folder.
+    pub(crate) fn checked(self, folder: &Path, outputs: &[&str]) -> Self {
+        if !matches!(self, Self::WithResult(_)) {
+            return self;
+        }
+        for (number, name) in outputs.iter().enumerate() {
+            match content_of(&folder.join(name)) {
+                Content::Nothing => return Self::Unforeseen(Unforeseen::NothingWritten(number)),
+                Content::Other if is_artifact(name) => return Self::Unforeseen(Unforeseen::NoArtifact(number)),
+                _ => {}
+            }
+        }
+        self
+    }
+}
+
+/// Name of a signal that ends programs.
+pub(crate) fn signal_name(signal: i32) -> Option<&'static str> {
+    const NAMES: [(i32, &str); 14] = [
+        (1, "SIGHUP"),
+        (2, "SIGINT"),
+        (3, "SIGQUIT"),
+        (4, "SIGILL"),
+        (5, "SIGTRAP"),
+        (6, "SIGABRT"),
+        (7, "SIGBUS"),
+        (8, "SIGFPE"),
+        (9, "SIGKILL"),
+        (11, "SIGSEGV"),
+        (13, "SIGPIPE"),
+        (15, "SIGTERM"),
+        (24, "SIGXCPU"),
+        (31, "SIGSYS"),
+    ];
+    NAMES.iter().find(|(number, _)| *number == signal).map(|(_, name)| *name)
+}
+
+// Starting a stage.
+
+/// Settings of the allocator of glibc: the heap grows by 8 MiB at a time, in pages of 2 MiB where the system has them.
+/// A page of 4 KiB is taken from the system at its first use, and a stage that writes a megabyte used some thousand.
+const ALLOCATOR: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1:glibc.malloc.top_pad=8388608");
+
+/// Runs the program of a stage: flags of its own, these arguments, flags of every stage.
+pub(crate) fn start(
+    program: &Program,
+    arguments: &[OsString],
+    flags: &[String],
+) -> anyhow::Result<process::ExitStatus> {
+    let own = program.flags.iter().map(OsString::from);
+    let words: Vec<OsString> = own.chain(arguments.iter().cloned()).chain(flags.iter().map(OsString::from)).collect();
+    run_program(&program.file, &words)
+}
+
+/// Runs a program.
+pub(crate) fn run_program(file: &Path, arguments: &[OsString]) -> anyhow::Result<process::ExitStatus> {
+    let mut process = Command::new(file);
+    if env::var_os(ALLOCATOR.0).is_none() {
+        process.env(ALLOCATOR.0, ALLOCATOR.1);
+    }
+    process.args(arguments).status().with_context(|| format!("cannot start {}", file.display()))
+}
+
+/// The arguments of a stage: its inputs, the pipeline file, its output.
+pub(crate) fn arguments(
+    stage: &Stage,
+    folder: &LockedFolder,
+    record: &[OsString],
+    pipeline: &OsStr,
+    output: OsString,
+) -> Vec<OsString> {
+    let mut arguments = Vec::new();
+    for input in &stage.inputs {
+        if *input == RECORD {
+            arguments.extend_from_slice(record);
+        } else {
+            arguments.push(folder.path().join(input).into());
+        }
+    }
+    arguments.extend(["--pipeline".into(), pipeline.to_owned(), "-o".into(), output]);
+    arguments
+}
+
+// Taking over what a program from elsewhere wrote.
+//
+// Only the stages of the project know by themselves whether their output is up to date, and remove what was made from
+// the old one before the new one appears. Any other program writes into a folder of its own, and this is done for it.
+
+/// Moves new results from one folder to another.
+///
+/// Results that are the same as the old ones leave these alone. Else `dependents`, made from the old ones, go first,
+/// and of several results that belong together no old one stands beside a new one at any moment.
+pub(crate) fn install_outputs(from: &Path, to: &Path, names: &[&str], dependents: &[PathBuf]) -> io::Result<()> {
+    let written: Vec<&&str> = names.iter().filter(|name| from.join(name).exists()).collect();
+    let mut unchanged = written.len() == names.len();
+    for name in &written {
+        unchanged = unchanged && same_bytes(&from.join(name), &to.join(name))?;
+    }
+    if unchanged {
+        return Ok(());
+    }
+    for name in &written {
+        // To the disk before the move: after a power cut the name must not point at an empty file.
+        File::open(from.join(name))?.sync_data()?;
+    }
+    remove_in_order(dependents)?;
+    if names.len() > 1 {
+        remove_in_order(&names.iter().map(|name| to.join(name)).collect::<Vec<_>>())?;
+    }
+    for name in written {
+        fs::rename(from.join(name), to.join(name))?;
+    }
+    Ok(())
+}
+
+/// Whether two files hold the same; one that does not exist holds nothing.
+fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
+    let (Ok(length_a), Ok(length_b)) = (fs::metadata(a), fs::metadata(b)) else { return Ok(false) };
+    if length_a.len() != length_b.len() {
+        return Ok(false);
+    }
+    let (mut a, mut b) = (BufReader::new(File::open(a)?), BufReader::new(File::open(b)?));
+    let (mut of_a, mut of_b) = ([0; 1 << 16], [0; 1 << 16]);
+    loop {
+        let read = a.read(&mut of_a)?;
+        if read == 0 {
+            return Ok(true);
+        }
+        b.read_exact(&mut of_b[..read])?;
+        if of_a[..read] != of_b[..read] {
+            return Ok(false);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+
+    fn ending(command: &str) -> StageExit {
+        StageExit::of(Command::new("sh").args(["-c", command]).status().unwrap())
+    }
+
+    #[test]
+    fn exit_codes_of_stages_and_all_others() {
+        assert_eq!(ending("exit 0"), StageExit::WithResult(ExitStatus::Done));
+        assert_eq!(ending("exit 3"), StageExit::Failed(ExitStatus::Refused));
+        assert_eq!(ending("exit 4"), StageExit::WithResult(ExitStatus::NoAcceptableResult));
+        assert_eq!(ending("exit 77"), StageExit::Unforeseen(Unforeseen::Code(77)));
+        assert_eq!(ending("exit 127"), StageExit::Unforeseen(Unforeseen::Code(127)));
+        assert_eq!(ending("kill -SEGV $$"), StageExit::Unforeseen(Unforeseen::Signal(11)));
+        assert_eq!(ending("exit 139"), StageExit::Unforeseen(Unforeseen::Signal(11)));
+    }
+
+    #[test]
+    fn all_results_must_be_there_and_artifacts_be_artifacts() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &[u8]| fs::write(folder.path().join(name), text).unwrap();
+        let done = StageExit::WithResult(ExitStatus::Done);
+        let checked = |names: &[&str]| done.checked(folder.path(), names);
+        assert_eq!(checked(&["x.mcap"]), StageExit::Unforeseen(Unforeseen::NothingWritten(0)));
+        write("x.mcap", b"text");
+        assert_eq!(checked(&["x.mcap"]), StageExit::Unforeseen(Unforeseen::NoArtifact(0)));
+        write("x.mcap", b"\x89MCAP0\r\n");
+        assert_eq!(checked(&["x.mcap"]), done);
+        write("report.html", b"text");
+        assert_eq!(checked(&["report.html"]), done);
+        assert_eq!(checked(&["report.html", "summary.json"]), StageExit::Unforeseen(Unforeseen::NothingWritten(1)));
+        let failed = StageExit::Failed(ExitStatus::Refused);
+        assert_eq!(failed.checked(folder.path(), &["none"]), failed);
+    }
+
+    #[test]
+    fn the_same_result_changes_nothing_and_another_takes_the_dependents_away() {
+        let root = tempfile::tempdir().unwrap();
+        let (from, to) = (root.path().join("new"), root.path().join("run"));
+        let names = ["report.html", "summary.json"];
+        let dependent = to.join("later");
+        for folder in [&from, &to] {
+            fs::create_dir(folder).unwrap();
+            names.iter().for_each(|name| fs::write(folder.join(name), "old").unwrap());
+        }
+        fs::write(&dependent, "x").unwrap();
+        let take = || install_outputs(&from, &to, &names, std::slice::from_ref(&dependent)).unwrap();
+        take();
+        assert!(dependent.exists());
+
+        // Of two results only one is written: the other is not that of an older run.
+        fs::remove_file(from.join("summary.json")).unwrap();
+        fs::write(from.join("report.html"), "new").unwrap();
+        take();
+        assert!(!dependent.exists() && !to.join("summary.json").exists());
+        assert_eq!(fs::read(to.join("report.html")).unwrap(), b"new");
+    }
+}

@@ -1,0 +1,109 @@
+//! The numbers that people ask for first: what they are called and how they are shown. Console, page, index, comparison
+//! and diff read this table.
+
+use crate::STANDARD_GRAVITY_M_PER_S2;
+
+/// m/s² in g.
+pub const G_PER_M_PER_S2: f64 = 1.0 / STANDARD_GRAVITY_M_PER_S2;
+/// m/s in km/h.
+pub const KM_PER_H_PER_M_PER_S: f64 = 3.6;
+/// m in mm, s in ms.
+pub const MILLI: f64 = 1e3;
+/// N in kN, J in kJ, N/m in kN/m.
+pub const KILO: f64 = 1e-3;
+
+/// A number of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyQuantity {
+    /// Its name in records, that of the metric where it is one.
+    pub key: &'static str,
+    /// In words.
+    pub name: &'static str,
+    /// As the head of a column has it.
+    pub symbol: &'static str,
+    /// Unit that people use; empty: none.
+    pub unit: &'static str,
+    /// From SI to that unit.
+    pub factor: f64,
+    /// Decimals that are true of it.
+    pub decimals: usize,
+}
+
+const fn quantity(
+    [key, name, symbol]: [&'static str; 3],
+    (factor, decimals, unit): (f64, usize, &'static str),
+) -> KeyQuantity {
+    KeyQuantity { key, name, symbol, unit, factor, decimals }
+}
+
+/// Test mass.
+pub const MASS: KeyQuantity = quantity(["mass", "test mass", "mass"], (1.0, 0, "kg"));
+/// Impact speed.
+pub const SPEED: KeyQuantity = quantity(["impact_speed", "impact speed", "speed"], (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+/// Model year.
+pub const YEAR: KeyQuantity = quantity(["model_year", "model year", "year"], (1.0, 0, ""));
+/// Dynamic crush.
+pub const CRUSH: KeyQuantity = quantity(["dynamic_crush", "dynamic crush", "C"], (MILLI, 0, "mm"));
+/// Time of dynamic crush.
+pub const TIME_OF_CRUSH: KeyQuantity =
+    quantity(["time_of_dynamic_crush", "time of dynamic crush", "tₘ"], (MILLI, 1, "ms"));
+/// Change of velocity over the event.
+pub const DELTA_V: KeyQuantity = quantity(["delta_v", "change of velocity", "Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+/// The largest change of velocity that a recorder kept.
+pub const MAXIMUM_DELTA_V: KeyQuantity =
+    quantity(["maximum_delta_v", "maximum change of velocity", "Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+/// When it was reached.
+pub const TIME_OF_MAXIMUM_DELTA_V: KeyQuantity =
+    quantity(["time_of_maximum_delta_v", "time of the maximum change of velocity", "t"], (MILLI, 0, "ms"));
+/// Largest deceleration of the filtered pulse.
+pub const PEAK: KeyQuantity = quantity(["peak_acceleration", "peak deceleration", "peak"], (G_PER_M_PER_S2, 1, "g"));
+/// Occupant load criterion.
+pub const OLC: KeyQuantity = quantity(["olc", "occupant load criterion", "OLC"], (G_PER_M_PER_S2, 1, "g"));
+/// Coefficient of restitution.
+pub const RESTITUTION: KeyQuantity =
+    quantity(["coefficient_of_restitution", "coefficient of restitution", "e"], (1.0, 2, ""));
+/// Head injury criterion over 15 ms.
+pub const HIC15: KeyQuantity = quantity(["hic15", "head injury criterion, 15 ms", "HIC15"], (1.0, 0, ""));
+/// Head injury criterion over 36 ms.
+pub const HIC36: KeyQuantity = quantity(["hic36", "head injury criterion, 36 ms", "HIC36"], (1.0, 0, ""));
+/// Acceleration that lasts 3 ms.
+pub const CLIP_3MS: KeyQuantity = quantity(["clip_3ms_contiguous", "3 ms clip", "3 ms clip"], (G_PER_M_PER_S2, 1, "g"));
+/// Stiffness: of the Kelvin model, of a curve as one spring.
+pub const STIFFNESS: KeyQuantity = quantity(["stiffness", "Kelvin stiffness", "k"], (KILO, 0, "kN/m"));
+
+/// Those that a report has among its key numbers.
+const OF_REPORTS: [KeyQuantity; 11] = [
+    CRUSH,
+    TIME_OF_CRUSH,
+    DELTA_V,
+    MAXIMUM_DELTA_V,
+    TIME_OF_MAXIMUM_DELTA_V,
+    PEAK,
+    OLC,
+    RESTITUTION,
+    HIC15,
+    HIC36,
+    CLIP_3MS,
+];
+
+impl KeyQuantity {
+    /// The key number of this name.
+    pub fn of(key: &str) -> Option<&'static Self> {
+        OF_REPORTS.iter().find(|quantity| quantity.key == key)
+    }
+
+    /// Factor, decimals and unit.
+    pub const fn shown(&self) -> (f64, usize, &'static str) {
+        (self.factor, self.decimals, self.unit)
+    }
+
+    /// Name and unit, as the title of an axis has them.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() { self.name.to_owned() } else { format!("{}, {}", self.name, self.unit) }
+    }
+
+    /// Symbol and unit, as the head of a column has them.
+    pub fn head(&self) -> String {
+        if self.unit.is_empty() { self.symbol.to_owned() } else { format!("{}, {}", self.symbol, self.unit) }
+    }
+}
