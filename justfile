@@ -14,8 +14,8 @@ export flags := ""
 export profile := env("CRUMPLE_PROFILE", "release")
 # Where the programs are.
 export bin := env("CARGO_TARGET_DIR", justfile_directory() / "target") / if profile == "dev" { "debug" } else { profile }
-# What is built: in dev the tests too, so that both have the same features of every package.
-targets := if profile == "dev" { "--bins --tests" } else { "--exclude crumple-testkit --bins" }
+# How they are built: in dev with the tests, so that nothing is compiled twice.
+compile := if profile == "dev" { "cargo nextest run --no-run" } else { "cargo build --profile " + profile + " --exclude crumple-testkit --bins" }
 export project := justfile_directory()
 
 # The chain, one line a stage with what it reads and writes, is pipelines/chain: `just chain`.
@@ -146,7 +146,7 @@ build:
     if [ ! -e "$stamp" ] || [ -n "$(find Cargo.toml Cargo.lock rust-toolchain.toml crates pipelines/chain \
         -type d \( -name tests -o -name testkit \) -prune -o -newer "$stamp" -print -quit)" ]; then \
         mkdir -p "$bin"; touch "$stamp.$$"; \
-        cargo build --profile "$profile" --workspace {{ targets }}; \
+        {{ compile }} --workspace; \
         mv "$stamp.$$" "$stamp"; \
     fi
 

@@ -248,8 +248,8 @@ pub struct MetricV1 {
     pub low: Option<f64>,
     /// Its upper end.
     pub high: Option<f64>,
-    /// How the interval was found, in words, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one why
-    /// there is none, where one was to be expected.
+    /// How the interval was found, in words, e.g. `5-95 % of 400 replicates` or `range over 4 channels`; without one
+    /// why there is none, where one was to be expected.
     pub interval_by: Option<String>,
     /// What the interval is made from.
     #[serde(default)]

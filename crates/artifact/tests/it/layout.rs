@@ -146,6 +146,10 @@ fn freeze_measured() {
         }],
         closing_speed_m_per_s: Some(12.5),
     });
+    freeze_filtered();
+}
+
+fn freeze_filtered() {
     freeze(&ChannelFilterV1 {
         cfc: Some(60),
         mode: "iso6487".into(),

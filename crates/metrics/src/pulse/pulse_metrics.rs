@@ -102,18 +102,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         Some(change) => delta_v_from_rest(change),
         None => lower(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0))),
     };
-    let delta_v = match pulse.events.unstopped {
-        Some(unstopped) => {
-            let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
-            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}");
-            let delta_v = delta_v.over(0.0, unstopped.time_s);
-            match unstopped.end {
-                EventEnd::Quiet => delta_v.remarked(&remark),
-                EventEnd::Record => delta_v.as_lower_bound(&format!("{remark}: lower bound, it still changes there")),
-            }
-        }
-        None => delta_v,
-    };
+    let delta_v = delta_v_of_unstopped(delta_v, pulse);
     let drift = match rebound {
         Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
         None => Metric::absent(&SEPARATION, &no_crush),
@@ -149,6 +138,22 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         loading(metric(&CLOSURE, work.map(|w| w / (v0 * v0 / 2.0) - 1.0))),
         drift,
     ])
+}
+
+/// Delta-v of a motion that never reaches zero, with the end of its event as a remark; any other as it is.
+fn delta_v_of_unstopped(delta_v: Metric, pulse: &Pulse<'_>) -> Metric {
+    match pulse.events.unstopped {
+        Some(unstopped) => {
+            let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
+            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}");
+            let delta_v = delta_v.over(0.0, unstopped.time_s);
+            match unstopped.end {
+                EventEnd::Quiet => delta_v.remarked(&remark),
+                EventEnd::Record => delta_v.as_lower_bound(&format!("{remark}: lower bound, it still changes there")),
+            }
+        }
+        None => delta_v,
+    }
 }
 
 /// Delta-v of a motion from rest: its largest velocity and when that is, with its direction as a remark.

@@ -26,8 +26,8 @@ fn style() -> String {
     [model_picture::STYLE, candidates::STYLE, what_if::STYLE].concat()
 }
 
-/// Writes what the pages of [`Page::of`] with a folder have in common into a folder, each file in one piece, where it is not
-/// there yet. A name has a digest of the content: a file of this name is this file.
+/// Writes what the pages of [`Page::of`] with a folder have in common into a folder, each file in one piece, where it
+/// is not there yet. A name has a digest of the content: a file of this name is this file.
 pub fn write_shared_files(folder: &Path) -> io::Result<()> {
     let style = style();
     let style = PageFiles { style: &style, folder: None }.style_file();
@@ -50,8 +50,8 @@ impl Page {
         Self::of(run, ranking, &summary(run, ranking), None)
     }
 
-    /// The same of a run that is summed up; with `folder` style and scripts are in a folder, at this address as the page
-    /// sees it, that has the files of [`write_shared_files`].
+    /// The same of a run that is summed up; with `folder` style and scripts are in a folder, at this address as the
+    /// page sees it, that has the files of [`write_shared_files`].
     pub fn of(run: &Run, ranking: &Ranking, summary: &Summary, folder: Option<&str>) -> Self {
         let style = style();
         let files = PageFiles { style: &style, folder };

@@ -74,7 +74,8 @@ fn unlike_pulse(out: &mut String, run: &Run) {
             None => format!("{ABSENT} ({})", metric.definition),
         };
         out.push_str(&format!(
-            "<tr><th scope=\"row\">{}</th><td><abbr tabindex=\"0\" title=\"{}\">{}</abbr></td><td class=\"n\">{}</td></tr>\n",
+            "<tr><th scope=\"row\">{}</th><td><abbr tabindex=\"0\" title=\"{}\">{}</abbr></td>\
+             <td class=\"n\">{}</td></tr>\n",
             html(&place(run, metric)),
             html(&definition(metric)),
             html(&words::metric(&metric.name)),

@@ -203,7 +203,8 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
                 format!("<details><summary>{}</summary><code>{}</code></details>", texts.show, html(&record.settings))
             };
             out.push_str(&format!(
-                "<tr><td>{}</td><td>{}</td><td><code tabindex=\"0\" title=\"{}\">{}</code></td><td>{}</td><td>{settings}</td></tr>\n",
+                "<tr><td>{}</td><td>{}</td><td><code tabindex=\"0\" title=\"{}\">{}</code></td><td>{}</td>\
+                 <td>{settings}</td></tr>\n",
                 html(&record.stage),
                 html(&record.version),
                 html(&record.digest),

@@ -25,7 +25,8 @@ case "$content" in
 esac
 mkdir -p "$out"
 printf '%s\n' "$arguments" > "$out/arguments"
-printf '{"schema": "crumple.summary.v1", "test": {"title": "t", "mass_kg": %s, "impact_speed_m_per_s": 10, "channel": "a", "sample_rate_hz": 1000},
+printf '{"schema": "crumple.summary.v1", "test": {"title": "t", "mass_kg": %s, "impact_speed_m_per_s": 10,
+    "channel": "a", "sample_rate_hz": 1000},
     "metrics": {"olc": {"value": 98.0665, "unit": "m/s^2"}},
     "candidates": [{"id": "kelvin/direct-fit/1", "model": "kelvin", "method": "direct-fit", "physical": true,
         "parameters": {"stiffness_n_per_m": 5e5}}],

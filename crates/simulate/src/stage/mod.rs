@@ -6,7 +6,7 @@ mod records;
 
 use std::path::PathBuf;
 
-use crumple_lumped::{LumpedError, Model};
+use crumple_lumped::{LumpedError, Model, ModelKind};
 use crumple_lumped_fit::WallForce;
 use crumple_numerics::estimation::statistics::effective_samples;
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
@@ -160,10 +160,8 @@ impl Candidate {
 /// Refuses a stated chain that has the name of a fitted one.
 fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[Candidate]) -> anyhow::Result<()> {
     for stated in chains {
-        let is_fitted = |candidate: &Candidate| {
-            matches!(candidate.model, Ok(Model::Chain(_))) && candidate.record.method == stated.name
-        };
-        if candidates.iter().any(is_fitted) {
+        let fitted = format!("{}/{}/", ModelKind::Chain, stated.name);
+        if candidates.iter().any(|candidate| candidate.id.starts_with(&fitted)) {
             let problem = format!("[simulate.chain.{}]: parameter-solve has fitted a chain of that name", stated.name);
             return Err(Usage::new(problem).hint("give one of them another name").into());
         }

@@ -6,15 +6,13 @@ use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
 use crumple_signal::About;
-use crumple_signal::key_quantities::{
-    CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, MAXIMUM_DELTA_V, PEAK, STIFFNESS, TIME_OF_MAXIMUM_DELTA_V,
-};
+use crumple_signal::key_quantities::{CRUSH, DELTA_V, PEAK, STIFFNESS};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 
 use crate::findings::conclusions::concerns::concerns;
-use crate::findings::conclusions::key_numbers::{in_ms, sign_of};
+use crate::findings::conclusions::key_numbers::in_ms;
 use crate::findings::conclusions::kind::{Kind, kind_of, lacks_mass_or_speed, not_stated};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
 use crate::findings::conclusions::status::{
@@ -147,15 +145,15 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) 
 }
 
 /// Text on its way, with the numbers it has taken.
-struct Text<'a> {
-    run: &'a Run,
+pub(super) struct Text<'a> {
+    pub(super) run: &'a Run,
     ranking: &'a Ranking,
     numbers: Vec<Number>,
 }
 
 impl<'a> Text<'a> {
     /// A number of the summary, shown by `factor`, so many decimals and the unit.
-    fn number(&mut self, at: &str, value: f64, (factor, places, unit): (f64, usize, &str)) -> String {
+    pub(super) fn number(&mut self, at: &str, value: f64, (factor, places, unit): (f64, usize, &str)) -> String {
         let shown = words::quantity(factor * value, places, unit);
         self.numbers.push(Number { at: at.to_owned(), value, shown: shown.clone() });
         shown
@@ -292,12 +290,12 @@ impl<'a> Text<'a> {
         }
     }
 
-    fn best(&self) -> Option<&'a CandidateResult> {
+    pub(super) fn best(&self) -> Option<&'a CandidateResult> {
         self.run.candidate(self.ranking.best.as_deref()?)
     }
 
     /// ` (739.8 to 759.1)` of an event; nothing without an interval.
-    fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
+    pub(super) fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
         let mut intervals = self.run.events.iter().flat_map(|events| events.intervals.iter()).enumerate();
         let Some((index, found)) = intervals.find(|(_, interval)| interval.name == name) else { return String::new() };
         let EventIntervalV1 { low, high, .. } = found;
@@ -382,49 +380,6 @@ impl<'a> Text<'a> {
         let peak = in_g("/metrics/peak_acceleration/value", peak, phrases.and_peak, "peak");
         let olc = in_g("/metrics/olc/value", olc, phrases.and_olc, "olc");
         Some(fill(phrases.changed, &[("change", change), ("time", time), ("peak", peak), ("olc", olc)]))
-    }
-
-    fn occupant(&mut self) -> String {
-        let mut criteria = Vec::new();
-        for quantity in [HIC15, HIC36, CLIP_3MS] {
-            // The summary has a name once, as the run finds it.
-            let metric = self.run.metric(quantity.key).and_then(|metric| metric.value.zip(Some(metric)));
-            let Some((value, metric)) = metric else { continue };
-            let number = self.number(&format!("/metrics/{}/value", quantity.key), value, quantity.shown());
-            criteria.push(format!("{} {}{number}", quantity.symbol, sign_of(self.run, metric)));
-        }
-        let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
-        let place = self.run.channel().map_or("", |channel| channel.location.as_str());
-        fill(PHRASES.conclusion.occupant, &[("place", place), ("criteria", &criteria)])
-    }
-
-    fn occupant_use(&self, concerns: &[ConcernV1]) -> String {
-        let phrases = &PHRASES.conclusion;
-        let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
-        fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })])
-    }
-
-    fn recorded(&mut self) -> String {
-        let recorded = self.run.metric(MAXIMUM_DELTA_V.key).and_then(|metric| Some((metric.value?, metric.from_s)));
-        let Some((value, from_s)) = recorded else { return String::new() };
-        let at = format!("/metrics/{}", MAXIMUM_DELTA_V.key);
-        let change = self.number(&format!("{at}/value"), value, MAXIMUM_DELTA_V.shown());
-        let time = from_s.map_or_else(String::new, |time_s| {
-            let time = self.number(&format!("{at}/from_s"), time_s, TIME_OF_MAXIMUM_DELTA_V.shown());
-            fill(PHRASES.conclusion.reached, &[("time", time)])
-        });
-        fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
-    }
-
-    fn recorder_use(&mut self) -> String {
-        let phrases = &PHRASES.conclusion;
-        let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
-            let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
-            let interval = self.interval_of_event("dynamic_crush_m", CRUSH.shown());
-            fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
-        });
-        let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
-        fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)])
     }
 
     /// The identified model that follows the record closest.

@@ -5,6 +5,7 @@ pub mod conclusion;
 pub mod distinct_curves;
 pub mod key_numbers;
 pub mod kind;
+mod occupants;
 pub mod overview;
 pub mod several_tests;
 pub mod status;

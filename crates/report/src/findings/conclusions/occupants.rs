@@ -1,0 +1,54 @@
+//! What the verdict says of occupants and of event data recorders.
+
+use crumple_artifact::records::ConcernV1;
+use crumple_signal::key_quantities::{CLIP_3MS, CRUSH, HIC15, HIC36, MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V};
+
+use crate::findings::conclusions::conclusion::Text;
+use crate::findings::conclusions::key_numbers::sign_of;
+use crate::phrases::PHRASES;
+use crate::phrases::words::fill;
+
+impl Text<'_> {
+    pub(super) fn occupant(&mut self) -> String {
+        let mut criteria = Vec::new();
+        for quantity in [HIC15, HIC36, CLIP_3MS] {
+            // The summary has a name once, as the run finds it.
+            let metric = self.run.metric(quantity.key).and_then(|metric| metric.value.zip(Some(metric)));
+            let Some((value, metric)) = metric else { continue };
+            let number = self.number(&format!("/metrics/{}/value", quantity.key), value, quantity.shown());
+            criteria.push(format!("{} {}{number}", quantity.symbol, sign_of(self.run, metric)));
+        }
+        let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
+        let place = self.run.channel().map_or("", |channel| channel.location.as_str());
+        fill(PHRASES.conclusion.occupant, &[("place", place), ("criteria", &criteria)])
+    }
+
+    pub(super) fn occupant_use(&self, concerns: &[ConcernV1]) -> String {
+        let phrases = &PHRASES.conclusion;
+        let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
+        fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })])
+    }
+
+    pub(super) fn recorded(&mut self) -> String {
+        let recorded = self.run.metric(MAXIMUM_DELTA_V.key).and_then(|metric| Some((metric.value?, metric.from_s)));
+        let Some((value, from_s)) = recorded else { return String::new() };
+        let at = format!("/metrics/{}", MAXIMUM_DELTA_V.key);
+        let change = self.number(&format!("{at}/value"), value, MAXIMUM_DELTA_V.shown());
+        let time = from_s.map_or_else(String::new, |time_s| {
+            let time = self.number(&format!("{at}/from_s"), time_s, TIME_OF_MAXIMUM_DELTA_V.shown());
+            fill(PHRASES.conclusion.reached, &[("time", time)])
+        });
+        fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
+    }
+
+    pub(super) fn recorder_use(&mut self) -> String {
+        let phrases = &PHRASES.conclusion;
+        let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
+            let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
+            let interval = self.interval_of_event("dynamic_crush_m", CRUSH.shown());
+            fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
+        });
+        let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
+        fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)])
+    }
+}
