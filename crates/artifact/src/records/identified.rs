@@ -209,6 +209,9 @@ pub struct IdentificationV1 {
     pub output_fits_percent: Vec<Option<f64>>,
     /// Time by which the input acts late, s; `null`: no delay.
     pub delay_s: Option<f64>,
+    /// Channels that drive the model; empty: none does, or an earlier artifact does not say it.
+    #[serde(default)]
+    pub inputs: Vec<String>,
 }
 
 // Records: identified models (state space, transfer function, exponential sum) and their modes.

@@ -249,6 +249,7 @@ fn freeze_identification() {
         notes: vec![],
         output_fits_percent: vec![],
         delay_s: Some(1e-3),
+        inputs: vec!["93".into()],
     });
     freeze(&EvidenceV1 {
         input: Some("93".into()),

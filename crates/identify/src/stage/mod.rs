@@ -27,7 +27,7 @@ impl Stage for Identify {
     const NAME: &'static str = "identify";
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str =
-        "Identifies linear models from a crash pulse: poles, natural frequencies, damping, and the evidence for them";
+        "Identifies linear models from records: poles, natural frequencies, damping, and the evidence for them";
     type Options = Options;
     type Settings = Settings;
     type Input = Inputs;

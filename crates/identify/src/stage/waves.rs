@@ -31,6 +31,8 @@ pub struct WindowedWave {
     pub kept: Vec<f64>,
     /// Edges of the filter it went through, if known: that of the channel it was made from.
     pub edges: Vec<FilterEdge>,
+    /// Level that was subtracted from all samples.
+    pub removed_mean: f64,
 }
 
 impl WindowedWave {
@@ -45,7 +47,7 @@ impl WindowedWave {
         let cfc = source.test.channel(&id).or_else(|| source.test.channel(channel)).and_then(|c| c.cfc);
         // Without a filter of ours, the class that the record came with.
         let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
-        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id })
+        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id, removed_mean: 0.0 })
     }
 
     /// All samples, those kept for validation too.
@@ -69,6 +71,7 @@ impl WindowedWave {
         let centred = self.sampled.samples().iter().map(|x| x - mean).collect();
         self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
         self.kept.iter_mut().for_each(|x| *x -= mean);
+        self.removed_mean = mean;
         Ok(format!(
             "the mean of the samples identified from, {mean:.6e} {}, was removed from {}",
             self.quantity.si_unit(),

@@ -7,9 +7,10 @@ use std::f64::consts::TAU;
 use crate::drawing::Figure;
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{Model, PoleStability, Run, is_of_a_failed_method};
+use crate::findings::{Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crate::phrases::words::fill;
-use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
+use crumple_artifact::records::{ConcernV1, EvidenceV1, IdentificationV1, ModeV1, OtherPoleKindV1, SpreadV1};
+use crumple_signal::{Note, Severity};
 
 use crate::frame::{Column, table};
 use crate::page::figures;
@@ -55,33 +56,154 @@ fn write_failed_methods(out: &mut String, concerns: &[ConcernV1]) {
 fn write_model(out: &mut String, model: &Model) {
     let texts = &PHRASES.identification;
     out.push_str(&format!("<h3><code>{}</code></h3>\n", html(&model.id)));
-    if let Some(i) = &model.identification {
-        let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
-        // Between inputs and outputs a channel is what it is.
-        let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
-        let stretch = [("times", words::times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
-        let mut facts = vec![
-            fill(texts.method, &[("method", &i.method)]),
-            fill(texts.order, &[("order", i.order.to_string())]),
-            fill(template, &taken_for),
-            fill(texts.stretch, &stretch),
-        ];
-        if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
-            facts.push(fill(texts.hankel, &[("rows", rows.to_string()), ("columns", columns.to_string())]));
-        }
-        if let Some(fit) = i.fit_percent {
-            facts.push(fill(texts.fit, &[("fit", format!("{} %", words::decimals(fit, 2)))]));
-        }
-        if let Some(fit) = model.unseen_fit_percent() {
-            facts.push(fill(texts.unseen_fit, &[("fit", format!("{} %", words::decimals(fit, 2)))]));
-        }
-        out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts.join("; ")))));
-        if !i.notes.is_empty() {
-            let items: String = i.notes.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
-            out.push_str(&format!("<ul class=\"remarks\">{items}</ul>\n"));
-        }
+    let notes: Vec<Note> = model.identification.iter().flat_map(|i| &i.notes).map(|text| Note::parse(text)).collect();
+    let list = |severity: Severity| -> String {
+        let of_severity = notes.iter().filter(|note| note.severity == severity);
+        of_severity.map(|note| format!("<li>{}</li>", html(&note.to_string()))).collect()
+    };
+    let warnings = list(Severity::Warning);
+    if !warnings.is_empty() {
+        out.push_str(&format!("<ul class=\"remarks\">{warnings}</ul>\n"));
     }
+    if let Some(i) = &model.identification {
+        out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts(model, i).join("; ")))));
+    }
+    write_outputs(out, model);
+    write_form(out, model);
     write_poles(out, model);
+    let infos = list(Severity::Info);
+    if !infos.is_empty() {
+        let count = fill(
+            texts.notes_of_model,
+            &[("count", notes.iter().filter(|n| n.severity == Severity::Info).count().to_string())],
+        );
+        out.push_str(&format!("<details><summary>{count}</summary>\n<ul class=\"remarks\">{infos}</ul>\n</details>\n"));
+    }
+}
+
+/// How a model was identified and why the search for it stopped.
+fn facts(model: &Model, i: &IdentificationV1) -> Vec<String> {
+    let texts = &PHRASES.identification;
+    let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
+    // Between inputs and outputs a channel is what it is.
+    let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
+    let stretch = [("times", words::times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
+    let mut facts = vec![
+        fill(texts.method, &[("method", &i.method)]),
+        fill(texts.order, &[("order", i.order.to_string())]),
+        fill(template, &taken_for),
+        fill(texts.stretch, &stretch),
+    ];
+    if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
+        facts.push(fill(texts.hankel, &[("rows", rows.to_string()), ("columns", columns.to_string())]));
+    }
+    if let Some(reason) = model.evidence.as_ref().and_then(|evidence| evidence.stop_reason.as_ref()) {
+        facts.push(fill(texts.stopped, &[("reason", reason.replace('-', " "))]));
+    }
+    facts
+}
+
+/// Fit and validation of every output, and whether its errors are correlated.
+fn write_outputs(out: &mut String, model: &Model) {
+    if model.outputs.is_empty() {
+        return;
+    }
+    let texts = &PHRASES.identification;
+    let columns = [
+        Column::text(texts.output_column),
+        Column::number(texts.fit_column).means(texts.fit_definition),
+        Column::number(texts.restarted_column).means(texts.restarted_definition),
+        Column::number(texts.run_on_column).means(texts.run_on_definition),
+        Column::number(texts.lag_one_column).means(texts.lag_one_definition),
+        Column::number(texts.effective_column).means(texts.effective_definition),
+    ];
+    out.push_str(&table("", &columns));
+    for ModelOutput { channel, fit_percent, evidence, .. } in &model.outputs {
+        let number =
+            |value: Option<f64>, digits: usize| value.map_or(ABSENT.to_owned(), |x| words::decimals(x, digits));
+        let known = |of: fn(&EvidenceV1) -> Option<f64>| evidence.as_ref().and_then(of);
+        let cells = [
+            number(*fit_percent, 2),
+            number(known(|e| e.validation_restarted_fit_percent), 2),
+            number(known(|e| e.validation_fit_percent), 2),
+            number(known(|e| e.residual_lag_one), 3),
+            number(known(|e| e.effective_samples), 0),
+        ];
+        let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
+        out.push_str(&format!("<tr><td>{}</td>{cells}</tr>\n", html(channel)));
+    }
+    out.push_str("</tbody>\n</table></div>\n");
+}
+
+/// Numerators of more paths are left to the artifact.
+const MOST_NUMERATORS: usize = 4;
+
+/// The polynomials of transfer functions with their deviations, or the sizes of a state space.
+fn write_form(out: &mut String, model: &Model) {
+    let texts = &PHRASES.identification;
+    if !model.is_transfer_function() {
+        let Some(states) = &model.state_space else { return };
+        let sampled = match states.sample_time_s {
+            0.0 => texts.continuous.to_owned(),
+            dt_s => fill(texts.sampled, &[("time", words::significant(dt_s, 4))]),
+        };
+        let sizes = [
+            ("states", states.a.len().to_string()),
+            ("inputs", states.b.first().map_or(0, Vec::len).to_string()),
+            ("outputs", states.c.len().to_string()),
+            ("sampled", sampled),
+        ];
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.sizes, &sizes)));
+        return;
+    }
+    let per_output = model.paths.len() / model.outputs.len().max(1);
+    let mut lines = Vec::new();
+    for (place, path) in model.paths.iter().enumerate().take(MOST_NUMERATORS) {
+        let evidence = model.outputs.get(place / per_output.max(1)).and_then(|output| output.evidence.as_ref());
+        let all = evidence.map_or(&[][..], |evidence| &evidence.numerator_deviations);
+        let each = all.len() / per_output.max(1);
+        let own = &all[(place % per_output.max(1)) * each..][..each];
+        let name = match model.paths.len() {
+            1 => texts.numerator.to_owned(),
+            _ => fill(texts.numerator_of, &[("input", html(&path.input)), ("output", html(&path.output))]),
+        };
+        lines.push(format!("{name}: {}", polynomial(&path.numerator, own)));
+    }
+    if model.paths.len() > MOST_NUMERATORS {
+        lines.push(fill(texts.more_numerators, &[("count", (model.paths.len() - MOST_NUMERATORS).to_string())]));
+    }
+    if let Some(path) = model.paths.first() {
+        let deviations = model.evidence.as_ref().map_or(&[][..], |evidence| &evidence.denominator_deviations);
+        lines.push(format!("{}: {}", texts.denominator, polynomial(&path.denominator, deviations)));
+    }
+    out.push_str(&format!("<p>{}</p>\n", lines.join("<br>\n")));
+}
+
+/// `(0.63 ± 0.29) s + 0.98`, three significant digits; deviations belong to the last coefficients.
+fn polynomial(coefficients: &[f64], deviations: &[f64]) -> String {
+    let count = coefficients.len();
+    let deviation_of = |k: usize| (k + deviations.len()).checked_sub(count).and_then(|k| deviations.get(k));
+    let terms = coefficients.iter().enumerate().map(|(k, value)| {
+        let number = words::significant(*value, 3);
+        let number = match deviation_of(k) {
+            Some(deviation) => format!("({number} ± {})", words::significant(*deviation, 3)),
+            None => number,
+        };
+        let is_one = *value == 1.0 && deviation_of(k).is_none();
+        match count - 1 - k {
+            0 => number,
+            1 => {
+                if is_one {
+                    "<i>s</i>".to_owned()
+                } else {
+                    format!("{number} <i>s</i>")
+                }
+            }
+            power if is_one => format!("<i>s</i><sup>{power}</sup>"),
+            power => format!("{number} <i>s</i><sup>{power}</sup>"),
+        }
+    });
+    terms.collect::<Vec<_>>().join(" + ")
 }
 
 /// What the table of poles has of one pole, or of a conjugate pair.
@@ -139,13 +261,17 @@ fn write_poles(out: &mut String, model: &Model) {
 }
 
 /// Natural frequency, damping ratio, coherence and share of every pole, in the order of [`Model::poles`], and in words
-/// where their uncertainty is from: the covariance of the fit, else the bootstrap, else nowhere.
+/// where their uncertainty is from: the bootstrap, else the covariance of the fit, else nowhere.
 fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
     let texts = &PHRASES.identification;
-    let number = |value: Option<f64>, deviation: Option<f64>, factor: f64| {
+    let number = |value: Option<f64>, deviation: Option<f64>, factor: f64, ends: Option<[f64; 2]>| {
         let Some(value) = value else { return ABSENT.to_owned() };
         let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", words::significant(factor * d, 2)));
-        format!("{}{deviation}", words::significant(factor * value, 4))
+        let ends = ends.map_or_else(String::new, |ends| {
+            let [low, high] = ends.map(|end| words::significant(factor * end, 4));
+            format!(" ({})", words::between(&low, &high))
+        });
+        format!("{}{deviation}{ends}", words::significant(factor * value, 4))
     };
     let evidence = model.evidence.as_ref();
     let by_covariance =
@@ -155,16 +281,22 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
             .map(|spreads| spreads.iter().map(|spread| spread.as_ref().map(|spread| spread.deviation)).collect())
     };
     let is_known = |deviations: &[Vec<Option<f64>>; 2]| deviations.iter().flatten().any(Option::is_some);
-    let sources = [(evidence.map(by_covariance), texts.deviation), (evidence.map(by_bootstrap), texts.spread)];
+    let sources = [(evidence.map(by_bootstrap), texts.spread), (evidence.map(by_covariance), texts.deviation)];
     let known = sources.into_iter().find_map(|(deviations, words)| Some((deviations.filter(is_known)?, words)));
     let ([frequency, damping], words) = known.unwrap_or(([Vec::new(), Vec::new()], texts.no_deviation));
     let deviation = |of_modes: &[Option<f64>], place: usize| of_modes.get(place).copied().flatten();
+    let ends = |spreads: fn(&EvidenceV1) -> &[Option<SpreadV1>], place: usize| {
+        let spread = spreads(evidence?).get(place)?.as_ref()?;
+        Some([spread.lower, spread.upper])
+    };
     let modes = model.modes.iter().enumerate().map(|(place, mode): (usize, &ModeV1)| {
+        let frequency_ends = ends(|evidence| &evidence.frequency_spreads, place);
+        let damping_ends = ends(|evidence| &evidence.damping_spreads, place);
         [
-            number(Some(mode.natural_frequency_rad_per_s), deviation(&frequency, place), 1.0 / TAU),
-            number(mode.damping_ratio, deviation(&damping, place), 100.0),
-            number(mode.modal_amplitude_coherence, None, 1.0),
-            number(mode.mode_singular_value, None, 1.0),
+            number(Some(mode.natural_frequency_rad_per_s), deviation(&frequency, place), 1.0 / TAU, frequency_ends),
+            number(mode.damping_ratio, deviation(&damping, place), 100.0, damping_ends),
+            number(mode.modal_amplitude_coherence, None, 1.0, None),
+            number(mode.mode_singular_value, None, 1.0, None),
         ]
     });
     let others = model.other_poles.iter().map(|pole| {

@@ -12,7 +12,26 @@ texts! { IdentificationTexts
     channel_taken_for: "channel {channel} taken for {what}";
     stretch: "{times}, {count} samples";
     hankel: "Hankel matrix {rows} × {columns}";
-    fit: "fit {fit}";
+    stopped: "search stopped: {reason}";
+    output_column: "Output";
+    fit_column: "Fit, %";
+    fit_definition: "Of the simulated output, with its start fitted, on the samples identified from.";
+    restarted_column: "Unseen, %";
+    restarted_definition: "Fit of the samples kept for validation, with the start fitted to them.";
+    run_on_column: "Run on, %";
+    run_on_definition: "The same from the state at the end of the samples identified from.";
+    lag_one_column: "Errors at lag one";
+    lag_one_definition: "Autocorrelation of the errors of the simulation one sample apart; near 0: white.";
+    effective_column: "Worth";
+    effective_definition: "Number of independent samples that the correlated errors are worth.";
+    continuous: "continuous";
+    sampled: "sampled every {time} s";
+    sizes: "State space: {states} states, {inputs} inputs, {outputs} outputs, {sampled}.";
+    numerator: "Numerator";
+    numerator_of: "Numerator from {input} to {output}";
+    more_numerators: "{count} more numerators are in the artifact.";
+    denominator: "Denominator";
+    notes_of_model: "{count} notes on this model";
     poles_and_pairs: "{count} poles and pairs";
     pole: "Pole, 1/s";
     natural_frequency: "Natural frequency, Hz";
@@ -27,16 +46,37 @@ texts! { IdentificationTexts
         "Mode singular value relative to the largest: the mode's share of the response.";
     unstable: "unstable";
     deviation:
-        "± one standard deviation, from the covariance of the fit.";
+        "± one standard deviation, from the covariance of the linearised fit.";
     no_deviation:
         "No uncertainty of these poles is known.";
     spread:
-        "± one standard deviation, from the bootstrap.";
+        "± one standard deviation, and the 90 % interval, from the bootstrap.";
     integrator: "no mode: near zero";
     beyond_nyquist: "no mode: beyond the sampling";
     marginal: "marginal";
-    unseen_fit: "unseen samples {fit}";
     failed_methods: "Not identified";
+    compare: "Measured and simulated";
+    measured: "measured";
+    legend_fit: "{model}, {fit}";
+    legend_unseen: "{model}, {fit}, unseen {unseen}";
+    time_of_record: "time, {unit}";
+    compare_caption:
+        "The record and the outputs that the models answer the recorded inputs with.";
+    compare_unseen:
+        " Shaded: unseen samples, with the start of the model fitted to them.";
+    compare_cut:
+        " The axis of time shows {shown} of {all} samples at first.";
+    more_outputs: " {count} more outputs are in the artifact.";
+    errors: "Errors of the simulation";
+    limits_of_white: "95 % limits of white errors";
+    own_correlation: "errors of {channel}";
+    input_correlation: "errors of {channel} with {input}";
+    lag: "lag, samples";
+    errors_caption:
+        "Autocorrelation of the errors, and their correlation with the inputs; a negative lag is an input after the \
+         error. Errors outside the limits are correlated: deviations that assume white ones are wrong.";
+    errors_outside:
+        " {model}, {channel}: {outside} of {lags} lags are outside.";
     poles: "Poles and zeros of the identified models";
     real_part: "real part, 1/s";
     imaginary_part: "imaginary part, rad/s";

@@ -9,7 +9,7 @@ use crumple_numerics::lti::{
 use crumple_signal::Notes;
 use crumple_stage::records::{EvidenceV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
-    BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+    BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap_equation_errors, bootstrap_outputs,
 };
 
 use crate::stage::options::settings::BootstrapSettings;
@@ -223,37 +223,15 @@ pub struct Equation {
 /// An output from equation errors.
 pub type WithErrors = Box<dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync>;
 
-/// Notes what is not written for a model of several inputs or outputs; `bootstrap` where that is among it.
-pub fn note_limits(
-    id: &str,
-    (inputs, outputs): (usize, usize),
-    bootstrap: Option<&BootstrapSettings>,
-    notes: &mut Notes,
-) {
+/// Notes what is not written for a model of several inputs or outputs.
+pub fn note_limits(id: &str, (inputs, outputs): (usize, usize), notes: &mut Notes) {
     if inputs > 1 || outputs > 1 {
         notes.info(format!("{id}: responses are written for models of one input and one output only"));
     }
-    if bootstrap.is_some() && outputs > 1 {
-        notes.warning(format!("{id}: no bootstrap: it is made for models of one output"));
-    }
 }
 
-/// Fits again as often as asked for; `None` without a bootstrap or where too few fits succeeded (a note tells).
-pub fn spread(
-    settings: Option<&BootstrapSettings>,
-    (id, sample): (&str, &Sample),
-    (record, simulated): (&[f64], &[f64]),
-    parameters: usize,
-    notes: &mut Notes,
-    refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<ResidualBootstrap> {
-    let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
-    run_bootstrap(settings, (id, sample), notes, |options| {
-        bootstrap(sample, simulated, &residual, parameters, options, refit)
-    })
-}
-
-/// The same of a model with any number of outputs, by record and simulation of each.
+/// Fits again as often as asked for, by record and simulation of every output; `None` without a bootstrap or where too
+/// few fits succeeded (a note tells).
 pub fn spread_of_outputs(
     settings: Option<&BootstrapSettings>,
     (id, sample): (&str, &Sample),

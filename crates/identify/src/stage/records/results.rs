@@ -1,10 +1,8 @@
 //! All models of a run: what each came to, and which of them the record supports.
 
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::fmt;
 
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::{About, Note, Notes, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, SelectionModelV1, SelectionV1};
 use crumple_sysid::{Contender, select};
@@ -13,111 +11,81 @@ use crumple_sysid::{Contender, select};
 pub struct Results<'a> {
     /// Compares models of one output once all are there.
     comparison: Comparison,
-    /// How the models do on samples that they have not seen, where such were kept.
-    unseen: Vec<Unseen>,
+    /// What unseen samples say against models, in their order.
+    contradicted: Vec<String>,
+    /// Whether a model holds on samples that it has not seen.
+    one_holds: bool,
     /// Records, notes and the summary.
     pub out: &'a mut Output,
-}
-
-/// A model on the samples that it has not seen.
-struct Unseen {
-    id: String,
-    from_s: f64,
-    fit_percent: Option<f64>,
-    /// The lower of two: run on from the state at the end of the samples it was identified from, and with the state
-    /// fitted to them.
-    unseen_fit_percent: f64,
-    holds: bool,
 }
 
 /// A fit of unseen samples that lies further (percent) below the fit of those that a model was identified from is that
 /// of another system.
 const LARGEST_LOSS_PERCENT: f64 = 30.0;
 
+/// The fit of unseen samples that counts: with the start fitted, where the method can.
+fn validation_percent(evidence: &EvidenceV1) -> Option<f64> {
+    evidence.validation_restarted_fit_percent.or(evidence.validation_fit_percent)
+}
+
 /// Whether a model holds on samples that it has not seen, as [`EvidenceV1::holds_on_unseen`] states.
 fn holds_on_unseen(evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<bool> {
-    let holds = |unseen: f64| unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT);
-    let restarted = evidence.validation_restarted_fit_percent.is_none_or(holds);
-    Some(holds(evidence.validation_fit_percent?) && restarted)
+    let unseen = validation_percent(evidence)?;
+    Some(unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT))
 }
 
-impl Unseen {
-    /// `None`: the model has seen all samples of this output.
-    fn new(id: &str, evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<Self> {
-        let run_on = evidence.validation_fit_percent?;
-        Some(Self {
-            id: id.to_owned(),
-            from_s: evidence.validation_from_s?,
-            fit_percent,
-            unseen_fit_percent: evidence.validation_restarted_fit_percent.map_or(run_on, |fit| fit.min(run_on)),
-            holds: evidence.holds_on_unseen?,
-        })
-    }
-
-    /// Those that do not hold first, then by the fit of the unseen samples, the smallest first.
-    fn compare(&self, other: &Self) -> Ordering {
-        self.holds.cmp(&other.holds).then(self.unseen_fit_percent.total_cmp(&other.unseen_fit_percent))
-    }
-}
-
-/// `arx-4 (fit 66 %, on unseen samples below 0)`.
-impl fmt::Display for Unseen {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { id, fit_percent, unseen_fit_percent, .. } = self;
-        let fit = fit_percent.map_or("not defined".to_owned(), |fit| format!("{fit:.0} %"));
-        let unseen = match unseen_fit_percent {
-            ..0.0 => "below 0".to_owned(),
-            unseen => format!("{unseen:.0} %"),
-        };
-        write!(f, "{id} (fit {fit}, on unseen samples {unseen})")
-    }
+/// `arx-4: unseen samples from 2000 ms on contradict it: validation -12.0 % with the start fitted, fit 65.7 %`; of
+/// several outputs the one that is worst on unseen samples speaks. `None`: none is contradicted.
+fn contradiction(id: &str, evidence: &[EvidenceV1], fits: &[Option<f64>]) -> Option<String> {
+    let failing = evidence.iter().zip(fits).filter(|(evidence, _)| evidence.holds_on_unseen == Some(false));
+    let of_output = failing.filter_map(|(evidence, fit)| Some((evidence, fit, validation_percent(evidence)?)));
+    let (worst, fit, unseen) = of_output.min_by(|a, b| a.2.total_cmp(&b.2))?;
+    let name = if evidence.len() > 1 { format!(" of {}", worst.output) } else { String::new() };
+    let started = if worst.validation_restarted_fit_percent.is_some() { " with the start fitted" } else { "" };
+    let fit = fit.map_or_else(|| "no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
+    Some(format!(
+        "{id}: unseen samples{name} from {:.0} ms on contradict it: validation {unseen:.1} %{started}, {fit}",
+        1e3 * worst.validation_from_s?
+    ))
 }
 
 impl<'a> Results<'a> {
     /// No model yet.
     pub fn new(out: &'a mut Output) -> Self {
-        Self { comparison: Comparison::default(), unseen: Vec::new(), out }
+        Self { comparison: Comparison::default(), contradicted: Vec::new(), one_holds: false, out }
     }
 
     /// Enters a model and writes the evidence of every output: `/evidence/<id>`, of several outputs
-    /// `/evidence/<id>/<number>`. Of several outputs the one that is worst on unseen samples counts.
-    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &mut [EvidenceV1]) -> anyhow::Result<()> {
+    /// `/evidence/<id>/<number>`. Returns the warning where unseen samples contradict it.
+    pub fn enter(
+        &mut self,
+        id: &str,
+        model: &IdentificationV1,
+        evidence: &mut [EvidenceV1],
+    ) -> anyhow::Result<Option<Note>> {
         self.comparison.enter(id, usize::try_from(model.samples).unwrap_or(usize::MAX), evidence);
         let single = evidence.len() == 1;
-        let fits = match &model.output_fits_percent {
-            fits if fits.len() == evidence.len() => fits.clone(),
-            _ => vec![model.fit_percent; evidence.len()],
-        };
-        let mut outputs = Vec::new();
-        for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(fits).enumerate() {
-            output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, fit_percent);
+        let fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
+        for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(&fits).enumerate() {
+            output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, *fit_percent);
             let place = if single { String::new() } else { format!("/{}", number + 1) };
             self.out.put(&format!("/evidence/{id}{place}"), output_evidence)?;
-            outputs.extend(Unseen::new(id, output_evidence, fit_percent));
         }
-        self.unseen.extend(outputs.into_iter().min_by(Unseen::compare));
-        Ok(())
+        self.one_holds |= evidence.iter().all(|evidence| evidence.holds_on_unseen == Some(true));
+        let text = contradiction(id, evidence, &fits);
+        self.contradicted.extend(text.clone());
+        Ok(text.map(Note::warning))
     }
 
     /// Writes what the comparison says, and which models unseen samples contradict, before all other notes.
     pub fn conclude(self) -> anyhow::Result<()> {
-        let Self { comparison, unseen, out } = self;
-        let failing: Vec<String> = unseen.iter().filter(|model| !model.holds).map(Unseen::to_string).collect();
-        if let Some(first) = unseen.first().filter(|_| !failing.is_empty()) {
-            let best = unseen.iter().filter(|model| model.holds).max_by(|a, b| a.compare(b));
-            let instead = best.map_or_else(String::new, |model| format!(". Use {model}"));
-            let text = format!(
-                "not to be used beyond the samples up to {:.0} ms that they were identified from: {}{instead}",
-                1e3 * first.from_s,
-                failing.join(", "),
-            );
-            // Where one holds it is the one to use.
-            let weight = if best.is_some() { Weight::Marked } else { Weight::Decisive };
-            let mut notes = Notes::new();
-            notes.concern(About::IdentifiedModels, weight, text);
-            notes.extend(std::mem::take(out.notes()));
-            *out.notes() = notes;
-        }
+        let Self { comparison, contradicted, one_holds, out } = self;
+        // Where one holds it is the one to use.
+        let weight = if one_holds { Weight::Marked } else { Weight::Decisive };
+        let mut notes = Notes::new();
+        contradicted.into_iter().for_each(|text| notes.concern(About::IdentifiedModels, weight, text));
+        notes.extend(std::mem::take(out.notes()));
+        *out.notes() = notes;
         comparison.put(out)
     }
 }

@@ -40,6 +40,7 @@ pub(super) fn identification(order: u32) -> IdentificationV1 {
         notes: vec!["the record is treated as an impulse response".to_owned()],
         output_fits_percent: Vec::new(),
         delay_s: None,
+        inputs: Vec::new(),
     }
 }
 
