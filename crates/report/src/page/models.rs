@@ -9,7 +9,9 @@ use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crate::phrases::words::fill;
-use crumple_artifact::records::{ConcernV1, EvidenceV1, IdentificationV1, ModeV1, OtherPoleKindV1, SpreadV1};
+use crumple_artifact::records::{
+    ConcernV1, EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, SpreadV1,
+};
 use crumple_signal::{Note, Severity};
 
 use crate::frame::{Column, table};
@@ -133,6 +135,37 @@ fn write_outputs(out: &mut String, model: &Model) {
         out.push_str(&format!("<tr><td>{}</td>{cells}</tr>\n", html(channel)));
     }
     out.push_str("</tbody>\n</table></div>\n");
+    let evidence = || model.outputs.iter().filter_map(|output| output.evidence.as_ref());
+    let is_correlated =
+        |e: &&EvidenceV1| e.simulation_whiteness.zip(e.whiteness_limit).is_some_and(|(q, limit)| q > limit);
+    if let Some(worst) = evidence().find(is_correlated) {
+        let (count, all) = (evidence().filter(is_correlated).count(), evidence().count());
+        let counts = [
+            ("count", count.to_string()),
+            ("all", all.to_string()),
+            ("statistic", words::significant(worst.simulation_whiteness.unwrap_or_default(), 3)),
+            ("limit", words::significant(worst.whiteness_limit.unwrap_or_default(), 3)),
+            ("effect", effect_of_correlation(worst)),
+        ];
+        let template = if all > 1 { texts.correlated_of } else { texts.correlated };
+        out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(template, &counts)));
+    }
+}
+
+/// What correlated errors do to the deviations of a model.
+fn effect_of_correlation(evidence: &EvidenceV1) -> String {
+    let texts = &PHRASES.identification;
+    let has_spreads = evidence.frequency_spreads.iter().any(Option::is_some);
+    let is_linearised = !evidence.frequency_deviations.is_empty() || !evidence.denominator_deviations.is_empty();
+    match (&evidence.noise, evidence.effective_samples) {
+        (Some(noise), _) if has_spreads && noise.is_white => match noise.model {
+            NoiseModelV1::OutputError => fill(texts.drawn_from_ar, &[("order", noise.ar_order.to_string())]),
+            NoiseModelV1::Arx => texts.drawn_from_arx.to_owned(),
+        },
+        (Some(noise), _) if !noise.is_white => texts.unexplained.to_owned(),
+        (_, Some(effective)) if is_linearised => fill(texts.counted, &[("count", words::decimals(effective, 0))]),
+        _ => texts.too_small.to_owned(),
+    }
 }
 
 /// Numerators of more paths are left to the artifact.

@@ -24,6 +24,15 @@ texts! { IdentificationTexts
     lag_one_definition: "Autocorrelation of the errors of the simulation one sample apart; near 0: white.";
     effective_column: "Worth";
     effective_definition: "Number of independent samples that the correlated errors are worth.";
+    correlated:
+        "The errors of the simulation are correlated (Q {statistic}, {limit} allowed): {effect}.";
+    correlated_of:
+        "The errors of {count} of {all} outputs are correlated (Q {statistic}, {limit} allowed): {effect}.";
+    drawn_from_ar: "intervals are drawn from noise of an autoregression of order {order}";
+    drawn_from_arx: "intervals are drawn from noise that goes through the poles of the system";
+    unexplained: "no noise model explains them, deviations would be too small, and intervals are left out";
+    counted: "the deviations count as many independent samples as they are worth, {count}";
+    too_small: "deviations that take them for white would be too small";
     continuous: "continuous";
     sampled: "sampled every {time} s";
     sizes: "State space: {states} states, {inputs} inputs, {outputs} outputs, {sampled}.";

@@ -149,6 +149,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             models,
             best_by_bic: by_bic.map(name),
             best_by_aicc: by_aicc.map(name),
+            at_edge: by_bic.map_or_else(Vec::new, |best| ranges.edges(&orders[best])),
         },
     )?;
     match (by_bic, fits.into_iter().find_map(Result::err)) {

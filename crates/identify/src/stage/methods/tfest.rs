@@ -115,9 +115,7 @@ fn unknown_coefficients(fit: &TransferFunctionFit) -> Vec<String> {
     let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
     let powers = (0..numerator.len()).rev();
     let unknown = powers.zip(numerator.iter().zip(shown)).filter(|(_, (b, deviation))| 1.96 * **deviation > b.abs());
-    unknown
-        .map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation))))
-        .collect()
+    unknown.map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation)))).collect()
 }
 
 /// One warning where coefficients are not known: those of either sign, and the condition of all.

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crumple_stage::records::ScanEdgeV1;
 use crumple_sysid::{ArxOrder, Order};
 use serde::{Deserialize, Serialize};
 
@@ -126,6 +127,21 @@ impl ArxRanges {
             .flat_map(|na| over(self.nb).flat_map(move |nb| over(self.nk).map(move |nk| ArxOrder { na, nb, nk })))
             .filter(|order| order.na + order.nb > 0)
             .collect()
+    }
+}
+
+impl ArxRanges {
+    /// Which numbers of a structure stand at the end of a range of more than one, and could go beyond.
+    pub fn edges(&self, order: &ArxOrder) -> Vec<ScanEdgeV1> {
+        let at_edge =
+            |(low, high): (usize, usize), n: usize, least: usize| low < high && (n == high || (n == low && n > least));
+        let Self { na, nb, nk } = *self;
+        let all = [
+            (ScanEdgeV1::PastOutputs, at_edge(na, order.na, 0)),
+            (ScanEdgeV1::Inputs, at_edge(nb, order.nb, 1)),
+            (ScanEdgeV1::Delay, at_edge(nk, order.nk, 0)),
+        ];
+        all.into_iter().filter_map(|(edge, is_there)| is_there.then_some(edge)).collect()
     }
 }
 

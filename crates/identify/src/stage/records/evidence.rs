@@ -85,6 +85,7 @@ pub fn entry(mode: &Mode, discrete: Option<Complex>) -> ModeV1 {
         mode_singular_value: None,
         discrete_re: discrete.map(|z| z.re),
         discrete_im: discrete.map(|z| z.im),
+        kind: None,
     }
 }
 
@@ -156,6 +157,10 @@ pub fn simulation_evidence(
         parameter_correlations: Vec::new(),
         denominator_covariance: Vec::new(),
         holds_on_unseen: None,
+        simulation_whiteness: tests.map(|t| t.whiteness),
+        noise: None,
+        no_interval: None,
+        no_spreads: Vec::new(),
     }
 }
 

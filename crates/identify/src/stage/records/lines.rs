@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crumple_numerics::lti::Complex;
 use crumple_signal::Note;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV2, OtherPoleKindV1, SpreadV1};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV2, NoiseModelV1, OtherPoleKindV1, SpreadV1};
 use crumple_sysid::weak_fit;
 
 use crate::stage::records::model::Forms;
@@ -254,23 +254,24 @@ impl ModelFacts<'_> {
     }
 
     /// Whether the errors of the simulation are correlated, and what that does to the deviations.
-    fn errors(&self) -> Option<String> {
-        let samples = self.identification.samples as f64;
-        let of_output = |evidence: &EvidenceV1| {
-            let lag_one = evidence.residual_lag_one?;
-            // The 95 % limit of the autocorrelation of white errors.
-            let text = if lag_one.abs() <= 1.96 / samples.sqrt() {
-                "white at lag one".to_owned()
-            } else {
-                let worth = evidence.effective_samples.map_or_else(String::new, |n| {
-                    format!(": {samples} samples tell as much as {:.0} independent ones", n.max(1.0))
-                });
-                format!("correlated, {lag_one:.3} at lag one{worth}")
-            };
-            Some(if self.evidence.len() > 1 { format!("{}: {text}", evidence.output) } else { text })
+    pub fn errors(&self) -> Option<String> {
+        let tested: Vec<(&EvidenceV1, f64, f64)> = self
+            .evidence
+            .iter()
+            .filter_map(|evidence| Some((evidence, evidence.simulation_whiteness?, evidence.whiteness_limit?)))
+            .collect();
+        let of = |(_, statistic, limit): &&(&EvidenceV1, f64, f64)| statistic > limit;
+        let Some((first, statistic, limit)) = tested.iter().filter(of).max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return (!tested.is_empty()).then(|| "white, as deviations and intervals assume".to_owned());
         };
-        let all: Vec<String> = self.evidence.iter().filter_map(of_output).collect();
-        (!all.is_empty()).then(|| named(all))
+        let count = tested.iter().filter(of).count();
+        let where_ = if tested.len() > 1 { format!(" in {count} of {} outputs", tested.len()) } else { String::new() };
+        let effect = effect_of_correlation(first, self.identification.samples);
+        Some(format!(
+            "correlated{where_} (Q {}, {} allowed): {effect}",
+            significant(*statistic, 3),
+            significant(*limit, 3)
+        ))
     }
 
     /// What to use the model for.
@@ -301,8 +302,35 @@ impl ModelFacts<'_> {
         } else {
             "all its poles are stable"
         };
-        let seen = if holds.is_empty() { "judged by seen samples alone (--validate-from keeps some)" } else { "holds on unseen samples" };
+        let seen = if holds.is_empty() {
+            "judged by seen samples alone (--validate-from keeps some)"
+        } else {
+            "holds on unseen samples"
+        };
         format!("{use_it}; {seen}")
+    }
+}
+
+/// What correlated errors do to the deviations of a model.
+fn effect_of_correlation(evidence: &EvidenceV1, samples: u64) -> String {
+    let has_spreads = evidence.frequency_spreads.iter().any(Option::is_some);
+    let is_linearised =
+        [&evidence.frequency_deviations, &evidence.damping_deviations].iter().any(|all| !all.is_empty())
+            || !evidence.denominator_deviations.is_empty();
+    match (&evidence.noise, evidence.effective_samples) {
+        (Some(noise), _) if has_spreads && noise.is_white => match noise.model {
+            NoiseModelV1::OutputError => {
+                format!("intervals are drawn from noise of an autoregression of order {}", noise.ar_order)
+            }
+            NoiseModelV1::Arx => "intervals are drawn from noise that goes through the poles of the system".to_owned(),
+        },
+        (Some(noise), _) if !noise.is_white => {
+            "no noise model explains them: deviations would be too small, and intervals are left out".to_owned()
+        }
+        (_, Some(effective)) if is_linearised => {
+            format!("the deviations count {effective:.0} independent samples of {samples}")
+        }
+        _ => "deviations that take them for white would be too small".to_owned(),
     }
 }
 

@@ -242,8 +242,12 @@ pub fn put_diagram(
                 damping_ratio: cluster.damping_ratio.median,
                 damping_ratio_lower: cluster.damping_ratio.lower,
                 damping_ratio_upper: cluster.damping_ratio.upper,
+                halves_rad_per_s: Vec::new(),
+                shape_re: Vec::new(),
+                shape_im: Vec::new(),
             })
             .collect(),
+        not_in_both_halves: None,
     };
     let highest = diagram.orders.last().copied().unwrap_or(0);
     let names: Vec<String> = diagram

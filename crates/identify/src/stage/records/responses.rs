@@ -305,7 +305,8 @@ fn note_scatter(id: &str, sample: &Sample, bootstrap: &ResidualBootstrap, notes:
 /// Puts the spreads into the evidence.
 pub fn put_spreads(bootstrap: &ResidualBootstrap, output_evidence: &mut EvidenceV1) {
     let record = |spreads: &[Option<Spread>]| {
-        let spread_record = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper };
+        let spread_record =
+            |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper, bias: None };
         spreads.iter().map(|spread| spread.as_ref().map(spread_record)).collect::<Vec<_>>()
     };
     output_evidence.bootstrap_replicates = u32::try_from(bootstrap.replicates).ok();

@@ -156,12 +156,17 @@ impl Comparison {
                         aicc_difference: r.aicc_difference,
                         bic_difference: r.bic_difference,
                         validation_fit_percent: r.contender.validation_fit_percent,
+                        order: None,
+                        validation_restarted_fit_percent: None,
                     })
                     .collect(),
                 best_by_aicc,
                 best_by_bic: selection.best_by_bic,
                 best_by_validation: selection.best_by_validation,
                 near_equal: selection.near_equal,
+                recommended: None,
+                recommended_because: None,
+                passed_over: None,
             };
             out.put(&topic, &record)?;
         }
