@@ -72,11 +72,10 @@ impl WindowedWave {
         self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
         self.kept.iter_mut().for_each(|x| *x -= mean);
         self.removed_mean = mean;
-        Ok(format!(
-            "the mean of the samples identified from, {mean:.6e} {}, was removed from {}",
-            self.quantity.si_unit(),
-            self.id
-        ))
+        // A number without a unit has the unit 1.
+        let unit = Some(self.quantity.si_unit()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
+        let unit = unit.unwrap_or_default();
+        Ok(format!("the mean of the samples identified from, {mean:.6}{unit}, was removed from {}", self.id))
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.

@@ -83,7 +83,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     {
         let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
         let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
-        if of_motion && numerator_is_known {
+        let is_there = deviation.is_some_and(|(re, _)| zero.re > 1.96 * re);
+        if of_motion && numerator_is_known && is_there {
             notes.warning(format!(
                 "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this \
                  model is impossible"
@@ -109,13 +110,15 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     notes
 }
 
-/// Coefficients of the numerator that may have either sign at 95 %, in words.
+/// Coefficients of a numerator of which each may have either sign at 95 %, in words; none where one is known.
 fn unknown_coefficients(fit: &TransferFunctionFit) -> Vec<String> {
     let numerator = fit.transfer_function.numerator();
     let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
     let powers = (0..numerator.len()).rev();
     let unknown = powers.zip(numerator.iter().zip(shown)).filter(|(_, (b, deviation))| 1.96 * **deviation > b.abs());
-    unknown.map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation)))).collect()
+    let unknown: Vec<String> =
+        unknown.map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation)))).collect();
+    if unknown.len() < numerator.len() { Vec::new() } else { unknown }
 }
 
 /// One warning where coefficients are not known: those of either sign, and the condition of all.
