@@ -96,7 +96,7 @@ pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[F
             notes.warning(format!("{model}: the pole {} grows: the model is unstable", describe(&mode)));
         }
         match kind {
-            PoleKind::Mode => mode_caveats(model, &mode, dt_s, edges, &mut notes),
+            PoleKind::Mode | PoleKind::Real | PoleKind::Growing => mode_caveats(model, &mode, dt_s, edges, &mut notes),
             PoleKind::BeyondNyquist => notes.warning(format!(
                 "{model}: the pole {} is no mode: it lies at or beyond the Nyquist frequency ({:.4} Hz), an artefact \
                  of sampling or of too high an order",
