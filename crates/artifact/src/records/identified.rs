@@ -171,9 +171,9 @@ pub struct EvidenceV1 {
     /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not
     /// known.
     pub denominator_covariance: Vec<Vec<f64>>,
-    /// Whether the model holds on the samples kept for validation, run on and with its state fitted to them: a fit of
-    /// at least 0, and at most 30 points below that of the samples of this output that it was identified from. `null`:
-    /// it has seen all.
+    /// Whether the model holds on the samples kept for validation, with its state fitted to them where the method gives
+    /// that, else run on: a fit of at least 0, and at most 30 points below that of the samples of this output that it
+    /// was identified from. `null`: it has seen all.
     #[serde(default)]
     pub holds_on_unseen: Option<bool>,
     /// Box-Pierce statistic over 20 lags of the errors of the simulation, whatever `whiteness` is of; above

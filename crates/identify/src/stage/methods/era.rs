@@ -126,7 +126,7 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
                 sampled: wave.sampled.slice(0, samples),
                 kept: Vec::new(),
                 edges: wave.edges.clone(),
-                removed_mean: wave.removed_mean,
+                removed: wave.removed,
             })
             .collect();
         let available = shorter[0].sampled.len();

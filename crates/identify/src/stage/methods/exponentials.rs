@@ -176,7 +176,7 @@ fn fit_sum(
         },
         band: None,
         bootstrap: settings.bootstrap.as_ref(),
-        equation: None,
+        hold: None,
         refit: Box::new(refit),
         notes,
     };

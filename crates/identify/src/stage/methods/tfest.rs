@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use crumple_numerics::lti::{Complex, Mode, StateSpace, TransferFunction};
+use crumple_numerics::lti::{Complex, InputHold, Mode, StateSpace, TransferFunction};
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
-    InitialConditions, IoData, PoleKind, SearchOutcome, Stop, TransferFunctionArray, TransferFunctionFit,
+    Hold, InitialConditions, IoData, PoleKind, SearchOutcome, Stop, TransferFunctionArray, TransferFunctionFit,
     TransferFunctionOptions, pole_kinds, response_deviations, sampled, transfer_function_array, transfer_function_fit,
 };
 use nalgebra::DVector;
@@ -270,7 +270,10 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
         responses,
         band,
         bootstrap: settings.bootstrap.as_ref(),
-        equation: None,
+        hold: (!record.inputs.is_empty()).then_some(match options.hold {
+            Hold::Zero => InputHold::Zero,
+            Hold::First => InputHold::First,
+        }),
         refit: Box::new(refit),
         notes,
     }

@@ -12,7 +12,7 @@ use crate::stage::options::settings::BootstrapSettings;
 use crate::stage::records::evidence::{Poles, notes_on_poles, pole_record, prediction_tests};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
 use crate::stage::records::realization::shapes;
-use crate::stage::records::responses::{Equation, ModelResponses, zeros_of};
+use crate::stage::records::responses::{ModelResponses, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, WindowedWave};
 
@@ -28,8 +28,6 @@ pub struct DiscreteModel {
     pub predicted: Vec<Vec<f64>>,
     /// First sample that is predicted; those before are the measured ones.
     pub predicted_from: usize,
-    /// The equation, where the model is a regression of one output.
-    pub equation: Option<Equation>,
     /// Why an iterative fit stopped.
     pub stop_reason: Option<&'static str>,
     /// Condition number of the sensitivities of an iterative fit.
@@ -71,7 +69,6 @@ impl DiscreteModel {
             singular_values: Vec::new(),
             predicted: Vec::new(),
             predicted_from: 0,
-            equation: None,
             stop_reason: None,
             condition: None,
             losses: Vec::new(),
@@ -113,6 +110,10 @@ pub fn simulate_accepted(
     data: &IoData,
 ) -> Result<(Vec<Vec<f64>>, DiscreteModel), IdentifyError> {
     let simulated = simulate_fitted(&model.state_space, data)?.0;
+    if data.inputs().is_empty() && data.outputs().len() > 1 {
+        // Of motion that nobody measured the cause of, a simulation is no verdict.
+        return Ok((simulated, model));
+    }
     for (measured, response) in data.outputs().iter().zip(&simulated) {
         let fit = match fit_measures(measured, response) {
             Some(fit) => fit,
@@ -212,11 +213,6 @@ pub fn put_discrete_model(
             Simulated::all_used(used)
         }
     };
-    // Noise added to the outputs of a regression would bias its replicates.
-    let regression = method == Method::Arx && model.equation.is_none();
-    if regression && task.bootstrap.is_some() {
-        notes.warning(format!("{id}: no bootstrap: of arx it is made for one output"));
-    }
     let (answer, delay, hold) = (&record.outputs[0], task.delay(), task.input_hold());
     let refit = |y: &[Vec<f64>], grid: &[f64]| {
         let refitted = (task.refit)(y)?;
@@ -241,8 +237,8 @@ pub fn put_discrete_model(
         singular_values: model.singular_values.clone(),
         responses,
         band: None,
-        bootstrap: task.bootstrap.filter(|_| !regression),
-        equation: model.equation.as_ref(),
+        bootstrap: task.bootstrap,
+        hold: (!record.inputs.is_empty()).then_some(hold),
         refit: Box::new(refit),
         notes,
     }
@@ -356,7 +352,8 @@ fn fill_evidence(
     let deviations = model.deviations.as_ref().map(|deviations| deviations(poles)).unwrap_or_default();
     let no_deviations = model.deviations.is_none().then(|| match method {
         Method::Arx => {
-            "arx of several outputs has neither a covariance of its poles that is known nor a bootstrap".to_owned()
+            "arx of several outputs has no covariance of its poles that is known; --bootstrap 200 gives their spread"
+                .to_owned()
         }
         _ => format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread"),
     });

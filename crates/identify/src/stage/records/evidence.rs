@@ -2,13 +2,14 @@
 
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
-use crumple_stage::records::{EvidenceV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeKindV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1};
 use crumple_sysid::{
     InformationCriteria, PoleKind, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples,
     fit_measures, pole_kinds, pole_notes, residual_tests,
 };
 
 use crate::stage::options::choices::{Hold, Paper};
+use crate::stage::records::lines::AMBIENT;
 use crate::stage::waves::{WindowedWave, filter_edges};
 
 /// All poles of a model that was identified from a record, one entry each, and what each is.
@@ -19,9 +20,17 @@ pub struct Poles {
 
 impl Poles {
     /// Of entries with whatever the method knows of each.
-    pub fn new(entries: Vec<ModeV1>, record: PoleRecord) -> Self {
+    pub fn new(mut entries: Vec<ModeV1>, record: PoleRecord) -> Self {
         let poles: Vec<Complex> = entries.iter().map(|pole| Complex::new(pole.re_per_s, pole.im_rad_per_s)).collect();
         let kinds = pole_kinds(&poles, record);
+        for (entry, kind) in entries.iter_mut().zip(&kinds) {
+            entry.kind = match kind {
+                PoleKind::Growing => Some(ModeKindV1::Growing),
+                PoleKind::Real => Some(ModeKindV1::Real),
+                PoleKind::Mode => Some(ModeKindV1::Mode),
+                PoleKind::Integrator | PoleKind::BeyondNyquist => None,
+            };
+        }
         Self { entries, kinds }
     }
 
@@ -32,7 +41,7 @@ impl Poles {
 
     /// Whether each is a mode, in their order.
     pub fn are_modes(&self) -> impl Iterator<Item = bool> {
-        self.kinds.iter().map(|kind| *kind == PoleKind::Mode)
+        self.kinds.iter().map(|kind| kind.is_motion())
     }
 
     /// The modes alone.
@@ -44,7 +53,7 @@ impl Poles {
     pub fn record(&self) -> ModesV2 {
         let others = self.entries.iter().zip(&self.kinds).filter_map(|(pole, kind)| {
             let kind = match kind {
-                PoleKind::Mode => return None,
+                PoleKind::Mode | PoleKind::Real | PoleKind::Growing => return None,
                 PoleKind::Integrator => OtherPoleKindV1::Integrator,
                 PoleKind::BeyondNyquist => OtherPoleKindV1::BeyondNyquist,
             };
@@ -56,8 +65,16 @@ impl Poles {
 
     /// Leaves deviations and spreads of the modes alone where the evidence has one of every pole.
     pub fn keep_those_of_modes(&self, evidence: &mut [EvidenceV1]) {
-        for EvidenceV1 { frequency_deviations, damping_deviations, frequency_spreads, damping_spreads, .. } in evidence
+        for EvidenceV1 {
+            frequency_deviations,
+            damping_deviations,
+            frequency_spreads,
+            damping_spreads,
+            no_spreads,
+            ..
+        } in evidence
         {
+            self.keep(no_spreads);
             self.keep(frequency_deviations);
             self.keep(damping_deviations);
             self.keep(frequency_spreads);
@@ -185,6 +202,20 @@ pub fn pole_record(waves: &[&WindowedWave]) -> PoleRecord {
     let quantities: Vec<QuantityKind> = waves.iter().map(|wave| wave.quantity).collect();
     let of_motion = quantities == [QuantityKind::Displacement, QuantityKind::Acceleration];
     PoleRecord { dt_s, duration_s: dt_s * samples as f64, of_motion }
+}
+
+/// Takes the figures of a simulation out, which are no verdict on a record that nobody knows the input of.
+pub fn without_simulation(whole: &mut IdentificationV1, evidence: &mut [EvidenceV1]) {
+    whole.treated_as = AMBIENT.to_owned();
+    (whole.fit_percent, whole.rmse) = (None, None);
+    whole.output_fits_percent.iter_mut().for_each(|fit| *fit = None);
+    for output_evidence in evidence {
+        (output_evidence.loss, output_evidence.vaf_percent, output_evidence.final_prediction_error) =
+            (None, None, None);
+        (output_evidence.aic, output_evidence.aicc, output_evidence.bic) = (None, None, None);
+        (output_evidence.minimum_description_length, output_evidence.simulation_whiteness) = (None, None);
+        (output_evidence.whiteness, output_evidence.residual_lag_one) = (None, None);
+    }
 }
 
 /// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.

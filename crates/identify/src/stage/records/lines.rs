@@ -24,6 +24,9 @@ const GROWTH: f64 = 1e-6;
 /// Above this condition number of the sensitivities of a fit single coefficients mean little.
 pub const ILL_CONDITIONED: f64 = 1e8;
 
+/// What the samples of a record are taken for whose input nobody knows.
+pub const AMBIENT: &str = "ambient";
+
 /// Columns of the names of lines.
 const LABEL: usize = 13;
 
@@ -123,19 +126,29 @@ impl ModelFacts<'_> {
         put("poles", self.poles());
         put("zeros", self.zeros());
         put("search", self.search());
-        put("errors", self.errors());
-        put("verdict", Some(self.verdict()));
+        if !self.is_ambient() {
+            put("errors", self.errors());
+            put("verdict", Some(self.verdict()));
+        }
         lines
     }
 
     fn headline(&self) -> String {
         let Self { id, identification, evidence, .. } = *self;
         let IdentificationV1 { samples, fit_percent, .. } = identification;
+        if self.is_ambient() {
+            return format!("{id}: of an ambient record of {samples} samples, not judged by a fit");
+        }
         if evidence.len() > 1 {
             return format!("{id}: worst fit {} of {samples} samples", percent(*fit_percent));
         }
         let (name, unseen) = evidence.first().map_or((String::new(), String::new()), |e| (e.output.clone(), unseen(e)));
         format!("{id}: fit {} of {name}, {samples} samples{unseen}", percent(*fit_percent))
+    }
+
+    /// Whether nobody knows what drove the record.
+    fn is_ambient(&self) -> bool {
+        self.identification.treated_as == AMBIENT
     }
 
     /// Fit and validation of each output, where there are several.

@@ -1,21 +1,21 @@
 //! One fitted model of any method: its records, its simulated outputs, its lines on the screen.
 
-use crumple_numerics::lti::StateSpace;
+use crumple_numerics::lti::{InputHold, StateSpace, to_continuous};
 use crumple_signal::{Note, Notes, Sampled, Severity};
 use crumple_stage::Output;
 use crumple_stage::records::{
     EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
-use crumple_sysid::{IdentifyError, IoData, ResidualBootstrap, Sample, continued, fit_measures, simulate_fitted};
+use crumple_sysid::{
+    Bootstrap, IdentifyError, IoData, NoiseModel, Sample, continued, fit_measures, simulate_fitted, weak_fit,
+};
 use nalgebra::DMatrix;
 
 use crate::stage::options::choices::Method;
 use crate::stage::options::settings::BootstrapSettings;
-use crate::stage::records::evidence::{Poles, simulation_evidence};
+use crate::stage::records::evidence::{Poles, simulation_evidence, without_simulation};
 use crate::stage::records::lines;
-use crate::stage::records::responses::{
-    Band, Equation, ModelResponses, note_limits, put_spreads, spread_of_equation, spread_of_outputs,
-};
+use crate::stage::records::responses::{Band, IntervalTask, ModelResponses, note_limits, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, WindowedWave};
 
@@ -117,8 +117,8 @@ pub struct FittedModel<'a> {
     pub band: Option<Band>,
     /// Bootstrap, if asked for and possible.
     pub bootstrap: Option<&'a BootstrapSettings>,
-    /// The equation of a regression, whose errors a bootstrap draws from.
-    pub equation: Option<&'a Equation>,
+    /// Hold that its continuous form is made for; `None` without an input.
+    pub hold: Option<InputHold>,
     /// The same fit of another record.
     pub refit: Refit<'a>,
     /// What a reader should know.
@@ -136,10 +136,16 @@ impl FittedModel<'_> {
         }
         self.put_responses(results.out)?;
         self.put_waves(results.out)?;
-        self.validate();
+        let ambient = self.is_ambient();
+        if !ambient {
+            self.validate();
+        }
         let mut evidence = std::mem::take(&mut self.evidence);
         self.poles.keep_those_of_modes(&mut evidence);
         let mut identification = self.identification();
+        if ambient {
+            without_simulation(&mut identification, &mut evidence);
+        }
         let contradiction = results.enter(self.id, &identification, &mut evidence)?;
         let own = std::mem::take(&mut self.notes);
         let notes: Vec<Note> = contradiction.into_iter().chain(own.iter().cloned()).collect();
@@ -203,9 +209,6 @@ impl FittedModel<'_> {
             && self.forms.state_spaces.first().is_some_and(|(_, model, _)| model.b.ncols() == 1);
         let grid = if single { self.responses.grid_hz() } else { Vec::new() };
         let spreads = self.spreads(&grid);
-        if let Some(spreads) = &spreads {
-            self.evidence.iter_mut().for_each(|evidence| put_spreads(spreads, evidence));
-        }
         let band = spreads.as_ref().map(Band::from_bootstrap).or(self.band.take());
         let response = self.responses.response(&self.input, &self.output(), band.as_ref());
         if let Some(response) = response.filter(|_| single) {
@@ -214,19 +217,47 @@ impl FittedModel<'_> {
         Ok(())
     }
 
-    fn spreads(&mut self, grid: &[f64]) -> Option<ResidualBootstrap> {
-        let sample = self.responses.sample(grid);
-        let nominal = (self.id, &sample);
-        if let Some(equation) = self.equation {
-            return spread_of_equation(self.bootstrap, nominal, equation, &mut self.notes, |y| {
-                (self.refit)(&[y.to_vec()], grid)
-            });
-        }
-        let measured: Vec<Vec<f64>> = self.outputs.iter().map(|wave| wave.sampled.samples().to_vec()).collect();
-        let parameters = self.evidence.first().map_or(0, |evidence| evidence.parameters);
-        let parameters = usize::try_from(parameters).unwrap_or(usize::MAX);
-        let signals = (&measured[..], &self.simulated.used[..]);
-        spread_of_outputs(self.bootstrap, nominal, signals, parameters, &mut self.notes, |y| (self.refit)(y, grid))
+    fn spreads(&mut self, grid: &[f64]) -> Option<Bootstrap> {
+        self.bootstrap?;
+        let signals = |waves: &[WindowedWave]| waves.iter().map(|wave| wave.sampled.samples().to_vec()).collect();
+        let dt_s = self.outputs[0].sampled.dt_s();
+        let data = IoData::new(signals(self.inputs), signals(self.outputs), dt_s).ok()?.delayed(self.responses.delay);
+        let estimate = self.responses.sample(grid);
+        let task = IntervalTask {
+            id: self.id,
+            settings: self.bootstrap,
+            data: &data,
+            delay: self.responses.delay,
+            order: self.order,
+            estimate: &estimate,
+        };
+        let (mut evidence, mut notes) = (std::mem::take(&mut self.evidence), std::mem::take(&mut self.notes));
+        let refit = |y: &[Vec<f64>]| (self.refit)(y, grid);
+        let spreads = task.intervals(&mut evidence, &mut notes, |noise| self.described(noise, grid), refit);
+        (self.evidence, self.notes) = (evidence, notes);
+        spreads
+    }
+
+    /// The system of a noise model in the terms of this model.
+    fn described(&self, noise: &NoiseModel, grid: &[f64]) -> Sample {
+        let poles = noise.poles.clone();
+        let Some(hold) = self.hold.filter(|_| !grid.is_empty()) else { return Sample { poles, ..Sample::default() } };
+        let continuous = to_continuous(&noise.model, hold).ok().map(|result| result.model);
+        let continuous = continuous.as_ref().filter(|_| self.responses.continuous.is_some());
+        let zeros = continuous.map(zeros_of).unwrap_or_default();
+        let ModelResponses { dt_s, samples, delay, .. } = self.responses;
+        ModelResponses { continuous, discrete: Some(&noise.model), poles, zeros, dt_s, samples, delay }.sample(grid)
+    }
+
+    /// Whether the record moves by what nobody measured: then the free motion from its start says little, and its fit
+    /// is no verdict on a model.
+    fn is_ambient(&self) -> bool {
+        let says_little = |(wave, yh): (&WindowedWave, &Vec<f64>)| {
+            let fit = fit_measures(wave.sampled.samples(), yh).and_then(|fit| fit.fit_percent);
+            fit.is_none_or(|fit| weak_fit(fit).is_some())
+        };
+        let of_subspace = self.method.weighting().is_some() && self.inputs.is_empty() && self.outputs.len() > 1;
+        of_subspace && self.outputs.iter().zip(&self.simulated.used).any(says_little)
     }
 
     /// Writes the simulated outputs, those over kept samples with the start fitted to them, at the level of the record:
@@ -234,7 +265,9 @@ impl FittedModel<'_> {
     fn put_waves(&self, out: &mut Output) -> anyhow::Result<()> {
         for (i, (wave, used)) in self.outputs.iter().zip(&self.simulated.used).enumerate() {
             let unseen = self.simulated.unseen().get(i).into_iter().flatten();
-            let samples: Vec<f64> = used.iter().chain(unseen).map(|y| y + wave.removed_mean).collect();
+            let (level, slope) = wave.removed;
+            let all = used.iter().chain(unseen).enumerate();
+            let samples: Vec<f64> = all.map(|(k, y)| y + level + slope * k as f64).collect();
             // A model that grows beyond all numbers has no curve.
             if samples.iter().any(|y| !y.is_finite()) {
                 continue;

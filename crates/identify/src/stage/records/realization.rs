@@ -108,7 +108,7 @@ pub fn put_realization(
         responses: responses_of(model, wave),
         band: None,
         bootstrap: task.bootstrap,
-        equation: None,
+        hold: None,
         refit: Box::new(|y, grid| Some(responses_of(&(task.refit)(y)?, wave).sample(grid))),
         notes,
     }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crumple_signal::{About, Note, Notes, Weight};
 use crumple_stage::Output;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, SelectionModelV1, SelectionV1};
-use crumple_sysid::{Contender, select};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, RecommendedBecauseV1, SelectionModelV1, SelectionV1};
+use crumple_sysid::{Contender, OnUnseen, Ranked, Recommendable, Selection, recommended, select};
 
 /// The artifact, and what every model of the run is entered into.
 pub struct Results<'a> {
@@ -19,10 +19,6 @@ pub struct Results<'a> {
     pub out: &'a mut Output,
 }
 
-/// A fit of unseen samples that lies further (percent) below the fit of those that a model was identified from is that
-/// of another system.
-const LARGEST_LOSS_PERCENT: f64 = 30.0;
-
 /// The fit of unseen samples that counts: with the start fitted, where the method can.
 fn validation_percent(evidence: &EvidenceV1) -> Option<f64> {
     evidence.validation_restarted_fit_percent.or(evidence.validation_fit_percent)
@@ -30,8 +26,7 @@ fn validation_percent(evidence: &EvidenceV1) -> Option<f64> {
 
 /// Whether a model holds on samples that it has not seen, as [`EvidenceV1::holds_on_unseen`] states.
 fn holds_on_unseen(evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<bool> {
-    let unseen = validation_percent(evidence)?;
-    Some(unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT))
+    Some(OnUnseen::of(fit_percent, validation_percent(evidence)?) == OnUnseen::Holds)
 }
 
 /// `arx-4: unseen samples from 2000 ms on contradict it: validation -12.0 % with the start fitted, fit 65.7 %`; of
@@ -63,9 +58,11 @@ impl<'a> Results<'a> {
         model: &IdentificationV1,
         evidence: &mut [EvidenceV1],
     ) -> anyhow::Result<Option<Note>> {
-        self.comparison.enter(id, usize::try_from(model.samples).unwrap_or(usize::MAX), evidence);
+        self.comparison.enter(id, model, evidence);
         let single = evidence.len() == 1;
-        let fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
+        let mut fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
+        // An ambient record has no fits.
+        fits.resize(evidence.len(), None);
         for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(&fits).enumerate() {
             output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, *fit_percent);
             let place = if single { String::new() } else { format!("/{}", number + 1) };
@@ -78,7 +75,9 @@ impl<'a> Results<'a> {
     }
 
     /// Writes what the comparison says, and which models unseen samples contradict, before all other notes.
-    pub fn conclude(self) -> anyhow::Result<()> {
+    ///
+    /// Returns the number of states of the model to use of the first output, or of its only one.
+    pub fn conclude(self) -> anyhow::Result<Option<usize>> {
         let Self { comparison, contradicted, one_holds, out } = self;
         // Where one holds it is the one to use.
         let weight = if one_holds { Weight::Marked } else { Weight::Decisive };
@@ -86,7 +85,9 @@ impl<'a> Results<'a> {
         contradicted.into_iter().for_each(|text| notes.concern(About::IdentifiedModels, weight, text));
         notes.extend(std::mem::take(out.notes()));
         *out.notes() = notes;
-        comparison.put(out)
+        let order = comparison.order();
+        comparison.put(out)?;
+        Ok(order)
     }
 }
 
@@ -94,13 +95,32 @@ impl<'a> Results<'a> {
 #[derive(Default)]
 pub struct Comparison(BTreeMap<(String, u64), Vec<Contender>>);
 
+/// The id of the model to use, and of the one with the smallest BIC where that was passed over.
+fn best_of(selection: &Selection) -> Option<(String, Option<String>)> {
+    let model = |Ranked { contender, bic_difference, .. }: &Ranked| Recommendable {
+        id: contender.id.clone(),
+        order: contender.order,
+        bic: *bic_difference,
+        validation_percent: contender.restarted_fit_percent,
+    };
+    let models: Vec<Recommendable> = selection.ranked.iter().map(model).collect();
+    recommended(&models).map(|(best, passed_over)| (best.id.clone(), passed_over.map(|model| model.id.clone())))
+}
+
 impl Comparison {
+    /// The number of states of the model to use of the first output, or of its only one.
+    fn order(&self) -> Option<usize> {
+        let contenders = self.0.values().next()?;
+        let id = select(contenders).and_then(|selection| Some(best_of(&selection)?.0));
+        contenders.iter().find(|contender| id.as_ref().is_none_or(|id| contender.id == *id)).map(|best| best.order)
+    }
+
     /// Enters a model of so many samples, with the evidence of every output.
     ///
     /// Of several outputs the losses are multiplied (their geometric mean is taken) and the independent samples added:
     /// the likelihood of noises that are independent of each other. Such models are compared among themselves, for
     /// their parameters serve all outputs.
-    pub fn enter(&mut self, id: &str, samples: usize, evidence: &[EvidenceV1]) {
+    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &[EvidenceV1]) {
         let Some(first) = evidence.first() else { return };
         let known: Vec<(f64, f64)> = evidence.iter().filter_map(|s| Some((s.loss?, s.effective_samples?))).collect();
         if known.len() < evidence.len() {
@@ -112,7 +132,10 @@ impl Comparison {
         };
         let output = evidence.iter().map(|s| s.output.as_str()).collect::<Vec<_>>().join(", ");
         let validations: Option<Vec<f64>> = evidence.iter().map(|s| s.validation_fit_percent).collect();
-        self.0.entry((output, samples as u64)).or_default().push(Contender {
+        let restarted: Option<Vec<f64>> = evidence.iter().map(validation_percent).collect();
+        self.0.entry((output, model.samples)).or_default().push(Contender {
+            order: model.order as usize,
+            restarted_fit_percent: restarted.map(|fits| fits.iter().sum::<f64>() / fits.len() as f64),
             id: id.to_owned(),
             parameters: usize::try_from(first.parameters).unwrap_or(usize::MAX),
             loss,
@@ -143,6 +166,14 @@ impl Comparison {
                     selection.effective_samples
                 ));
             }
+            let best = best_of(&selection);
+            if let Some((id, passed_over)) = &best {
+                let why = match passed_over {
+                    Some(other) => format!("follows unseen samples better than {other}, which has the smallest BIC"),
+                    None => "the smallest BIC".to_owned(),
+                };
+                out.summary(format!("recommended of {}: {id} ({why})", contenders.len()));
+            }
             let record = SelectionV1 {
                 output,
                 effective_samples: selection.effective_samples,
@@ -156,17 +187,20 @@ impl Comparison {
                         aicc_difference: r.aicc_difference,
                         bic_difference: r.bic_difference,
                         validation_fit_percent: r.contender.validation_fit_percent,
-                        order: None,
-                        validation_restarted_fit_percent: None,
+                        order: u32::try_from(r.contender.order).ok(),
+                        validation_restarted_fit_percent: r.contender.restarted_fit_percent,
                     })
                     .collect(),
                 best_by_aicc,
                 best_by_bic: selection.best_by_bic,
                 best_by_validation: selection.best_by_validation,
                 near_equal: selection.near_equal,
-                recommended: None,
-                recommended_because: None,
-                passed_over: None,
+                recommended_because: best.as_ref().map(|(_, passed_over)| match passed_over {
+                    Some(_) => RecommendedBecauseV1::ValidatesBetter,
+                    None => RecommendedBecauseV1::SmallestBic,
+                }),
+                passed_over: best.as_ref().and_then(|(_, passed_over)| passed_over.clone()),
+                recommended: best.map(|(id, _)| id),
             };
             out.put(&topic, &record)?;
         }

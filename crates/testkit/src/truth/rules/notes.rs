@@ -138,6 +138,18 @@ pub const RULES: &[Rule] = &[
         &[("place", Number)],
         |said, spot| real_pole(said, spot, |place| place > 0.0),
     ),
+    says(
+        "note.growing-poles",
+        "{id}: {count} poles grow, {places}: the model is unstable",
+        &[("count", Number)],
+        |said, spot| {
+            let model = spot.made.list("/models").iter().find(|model| model["id"].as_str() == Some(said.text("id")));
+            let poles = model.and_then(|model| model["poles"].as_array()).map(Vec::as_slice).unwrap_or_default();
+            let part = |pole: &serde_json::Value, name: &str| pole[name].as_f64().unwrap_or_default();
+            let growing = poles.iter().filter(|p| part(p, "re_per_s") > 0.0 && part(p, "im_rad_per_s") >= 0.0).count();
+            shows(said, "count", Some(growing as f64), "the count of growing poles")
+        },
+    ),
     says("note.one-near-zero", "{id}: one pole lies at or near zero: {more}", &[], is_identified),
     says(
         "note.zero-on-the-right",
