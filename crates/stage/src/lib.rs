@@ -20,6 +20,7 @@ pub use artifacts::several_tests::{Tests, load_tests};
 pub use chain_table::total_mass_remark;
 pub use chain_table::typed;
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain};
+pub use command_line::left_out::LeftOut;
 pub use command_line::memory_limit::{keep_budget, memory_limit_flag};
 pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;

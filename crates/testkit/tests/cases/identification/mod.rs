@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_sysid::{
-    AmbientOptions, ArxOrder, Constants, Hold, InitialConditions, IoData, NoiseKind, NoiseModel, NoiseOptions,
-    OnUnseen, OutputErrorOptions, PoleKind, PoleRecord, PolynomialForm, Recommendable, Spread, TransferFunctionOptions,
+    AmbientOptions, ArxOrder, Constants, Hold, InitialConditions, NoiseKind, NoiseModel, NoiseOptions, OnUnseen,
+    OutputErrorOptions, PoleKind, PoleRecord, PolynomialForm, Recommendable, Spread, TransferFunctionOptions,
     ambient_modes, arx, arx_orders, delay_scan, fit_measures, modal_assurance, mode_shapes, noise_model,
     noise_of_orders, outliers, output_error, phase_collinearity, pole_kinds, recommended, smallest, straight_line,
     transfer_function_array, trend,
@@ -125,7 +125,8 @@ fn noise_name(kind: NoiseKind) -> &'static str {
 
 fn by_output_error(input: &Value) -> Value {
     let data = record(input);
-    let options = OutputErrorOptions { from_rest: true, ..OutputErrorOptions::new(integer(input, "order")) };
+    let initial = InitialConditions::Zero;
+    let options = OutputErrorOptions { initial, ..OutputErrorOptions::new(integer(input, "order")) };
     let fit = output_error(&data, options).unwrap();
     let form = PolynomialForm::new(&fit.model).unwrap();
     let (y, yh) = (&data.outputs()[0], &fit.simulated[0]);
