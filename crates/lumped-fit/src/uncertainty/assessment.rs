@@ -16,15 +16,14 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::FitQuantity;
-use crate::assessed::{Assessment, BlockBootstrap, Intervals, Profile};
-use crate::candidate::Minimum;
+use crate::candidate::{Assessment, BlockBootstrap, Intervals, Minimum, Profile};
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::record::observation::Observation;
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends, holding};
 use crate::uncertainty::curve_posterior::curve_intervals;
-use crate::uncertainty::profile_likelihood::Profiled;
+use crate::uncertainty::mass_division::Profiled;
 
 /// Parameters whose part of the weakest direction is below this share of the largest part are not named.
 const WORTH_NAMING: f64 = 0.2;

@@ -9,12 +9,10 @@ use std::ops::Range;
 
 use crate::motion::collision::{Meeting, MeetingState};
 use crate::response::collisions::CollisionQuestions;
-use crate::response::events::meeting;
-use crate::structure::connected_masses::{Connection, Node, Structure};
-use crate::structure::element::Element;
-use crate::structure::elements::force_deflection::ForceDeflection;
-use crate::structure::elements::in_series::InSeries;
-use crate::structure::form::Strain;
+use crate::response::motions::meeting;
+use crate::structure::connected_masses::{Connection, Element, Node, Strain, Structure};
+use crate::structure::crush_curve::InSeries;
+use crate::structure::force_deflection::ForceDeflection;
 use crate::{Drive, LumpedError, Start};
 
 /// Mass between two fronts that are no element in series, as a share of the lighter structure: what it changes in a

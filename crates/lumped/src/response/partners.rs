@@ -1,10 +1,10 @@
 //! Two vehicles, one mass each, front against front; a moving barrier is one of them.
 
 use crate::motion::collision::ElementEvent;
-use crate::motion::drive::HORIZON_S;
+use crate::motion::mass_motion::HORIZON_S;
 use crate::response::collisions::CollisionQuestions;
 use crate::structure::connected_masses::{Connection, Node, Structure};
-use crate::structure::elements::force_deflection::ForceDeflection;
+use crate::structure::force_deflection::ForceDeflection;
 use crate::{Drive, LumpedError, Start};
 
 /// A vehicle or a moving barrier.

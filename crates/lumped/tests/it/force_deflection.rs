@@ -2,10 +2,9 @@
 
 use crumple_lumped::{
     Collision, CollisionQuestions, CrashPulse, Damper, Drive, Elastoplastic, Element, ElementEvent, Extrapolation,
-    ForceDeflection, ForceDeflectionParameter, Leg, Model, Motion, Node, Occupant, Partner, PiecewiseLinear, Place,
-    SeriesSpringDamper, Start, Structure, collide, lead,
+    ForceDeflection, ForceDeflectionParameter, Instants, Leg, LumpedError, Model, Motion, Node, Occupant, Partner,
+    PiecewiseLinear, Place, SeriesSpringDamper, Start, Structure, collide, lead,
 };
-use crumple_lumped::{Instants, LumpedError};
 use proptest::prelude::*;
 
 /// A curve that buckles and rises, scaled.
