@@ -106,8 +106,7 @@ pub use crumple_signal::{Distribution, IntegrationRule, Measurement, TwoPassFilt
 pub use error::SolveError;
 pub use extraction::extract::{extract, hats};
 pub use extraction::problem::{
-    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall, RatePrior,
-    extract_with_rate,
+    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall,
 };
 pub use fit::as_measured::fit_as_measured;
 pub use fit::nonlinear::{fit_nonlinear1, search_nonlinear2};

@@ -76,7 +76,6 @@ mod response {
     pub mod element_paths;
     pub mod front_to_front;
     pub mod motions;
-    pub mod partners;
 }
 mod series {
     //! Motions of any structure by Taylor series from event to event, with their derivatives.
@@ -86,7 +85,7 @@ mod series {
     pub mod walk;
 }
 mod structure {
-    //! What a model is made of: masses, and elements between any two nodes. An element is one file in `elements/`.
+    //! What a model is made of: masses, and elements between any two nodes.
 
     pub mod connected_masses;
     pub mod crush_curve;
@@ -116,7 +115,6 @@ pub use motion::mass_motion::{
 pub use response::collisions::{CollisionQuestions, Occupant, OccupantMotion, OccupantStop};
 pub use response::element_paths::{Leg, PathPoint, lead};
 pub use response::front_to_front::{CONTACT_SHARE, FrontToFront};
-pub use response::partners::{Partner, PartnerCollision, PartnerOutcome, collide};
 pub use structure::connected_masses::{Connection, Element, Node, Place, Structure};
 pub use structure::crush_curve::{Extrapolation, InSeries};
 pub use structure::elements::{Damper, PlasticSpring, SeriesSpringDamper, Spring};

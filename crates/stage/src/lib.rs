@@ -31,6 +31,6 @@ pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
-pub use names::{ChainStage, chain, nearest, told_apart};
+pub use names::{ChainStage, chain, errors_in_words, nearest, told_apart};
 pub use process::{Outcome, Stage, main, tool_main};
 pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};

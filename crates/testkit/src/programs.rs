@@ -186,24 +186,15 @@ pub struct Steps<'a> {
 }
 
 /// Why a step could not be made.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum StepError {
     /// A program did not start, or a file could not be written.
+    #[error("{path}: {error}", path = .0.display(), error = .1)]
     File(PathBuf, io::Error),
     /// A program ended badly on a good record.
+    #[error("{0}")]
     Program(String),
 }
-
-impl std::fmt::Display for StepError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::File(path, error) => write!(f, "{}: {error}", path.display()),
-            Self::Program(said) => f.write_str(said),
-        }
-    }
-}
-
-impl std::error::Error for StepError {}
 
 impl Steps<'_> {
     /// Writes a file below the folder, made with all above it. Errors: it cannot be written.

@@ -382,11 +382,11 @@ impl AtMinimum<'_> {
                 noises.map_or_else(|| rows.tr_mul(rows), |of| of[k].0.projected_noise_covariance(&waves[k], rows))
             }
         };
-        let middles: Vec<_> = (0..waves.len()).map(middle_of).collect();
+        let projected: Vec<_> = (0..waves.len()).map(middle_of).collect();
         let sensor = |k: usize| {
             let (noise, explains_residuals) = &noises?[k];
             let explains_residuals = *explains_residuals;
-            Some(SensorError { middle: &middles[k], freedom: noise.freedom, explains_residuals })
+            Some(SensorError { projected_noise_covariance: &projected[k], freedom: noise.freedom, explains_residuals })
         };
         let blocks = self.observed.blocks().into_iter().enumerate();
         let blocks: Vec<Block<'_>> =

@@ -190,7 +190,7 @@ proptest! {
     }
 }
 
-const BEGIN: &str = "<!-- catalogue: generated, see crates/metrics/tests/it/catalogue.rs -->\n";
+const BEGIN: &str = "<!-- catalogue: generated, see crates/metrics/tests/it/properties.rs -->\n";
 
 const END: &str = "<!-- end of catalogue -->\n";
 

@@ -10,7 +10,7 @@ use crumple_report::OF_SEVERAL_TESTS;
 use crumple_stage::records::{
     AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, TestsV1,
 };
-use crumple_stage::{Refused, load_artifacts, say};
+use crumple_stage::{Refused, errors_in_words, load_artifacts, say};
 use serde::{Deserialize, Serialize};
 
 use crate::together::joint_run::{PREDICTED, SOLVED, SUMMARY};
@@ -146,17 +146,9 @@ fn line(left_out: &LeftOut) -> String {
 }
 
 fn errors(against: &AgainstTestV1) -> String {
-    let percent = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.1} %"));
-    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.3}"));
-    let score = against.iso18571_score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
+    let [crush, time, peak, restitution, score] = errors_in_words(against);
     let held = if against.held.iter().any(|name| name == "dynamic_crush_m") { "crush" } else { "-" };
-    format!(
-        "{:>8} {:>8} {:>8} {:>8} {score:>9}  {held:<7}",
-        percent(against.dynamic_crush_error_percent),
-        percent(against.time_of_dynamic_crush_error_percent),
-        percent(against.peak_acceleration_error_percent),
-        number(against.coefficient_of_restitution_error),
-    )
+    format!("{crush:>8} {time:>8} {peak:>8} {restitution:>8} {score:>9}  {held:<7}")
 }
 
 /// How the folders begin in which one test is left out.

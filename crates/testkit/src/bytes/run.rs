@@ -192,27 +192,18 @@ pub fn compare<'a>(first: &'a str, second: &'a str) -> Result<Vec<(&'a str, Diff
 }
 
 /// Why there is no list.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum BytesError {
     /// A program that could not be started.
+    #[error("cannot start {path}: {error}", path = .0.display(), error = .1)]
     Program(PathBuf, io::Error),
     /// A folder or file, and what was wrong with it.
+    #[error("{path}: {error}", path = .0.display(), error = .1)]
     File(PathBuf, io::Error),
     /// An artifact or summary that cannot be read.
+    #[error("{0}")]
     Unreadable(String),
 }
-
-impl fmt::Display for BytesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Program(path, error) => write!(f, "cannot start {}: {error}", path.display()),
-            Self::File(path, error) => write!(f, "{}: {error}", path.display()),
-            Self::Unreadable(problem) => f.write_str(problem),
-        }
-    }
-}
-
-impl std::error::Error for BytesError {}
 
 /// Digests by file.
 type Lines = BTreeMap<String, Digests>;

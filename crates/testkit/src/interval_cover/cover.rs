@@ -19,44 +19,17 @@ const INTERVAL_S: f64 = 1e-3;
 const INSTANTS: usize = 101;
 
 /// Why a trial could not be made.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum CoverError {
     /// A program or a file.
-    Step(StepError),
+    #[error("{0}")]
+    Step(#[from] StepError),
     /// The car has no motion.
-    Model(LumpedError),
+    #[error("{0}")]
+    Model(#[from] LumpedError),
     /// A candidate that is none.
-    Record(serde_json::Error),
-}
-
-impl std::fmt::Display for CoverError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Step(error) => error.fmt(f),
-            Self::Model(error) => error.fmt(f),
-            Self::Record(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for CoverError {}
-
-impl From<StepError> for CoverError {
-    fn from(error: StepError) -> Self {
-        Self::Step(error)
-    }
-}
-
-impl From<serde_json::Error> for CoverError {
-    fn from(error: serde_json::Error) -> Self {
-        Self::Record(error)
-    }
-}
-
-impl From<LumpedError> for CoverError {
-    fn from(error: LumpedError) -> Self {
-        Self::Model(error)
-    }
+    #[error("{0}")]
+    Record(#[from] serde_json::Error),
 }
 
 /// The cover of a family's intervals over the cars of these numbers.

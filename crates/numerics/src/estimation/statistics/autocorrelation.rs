@@ -179,7 +179,7 @@ pub struct Block<'a> {
 #[derive(Clone, Copy)]
 pub struct SensorError<'a> {
     /// `U' Λ U` for the rows `U` of the wave, in squared units of the residuals.
-    pub middle: &'a dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+    pub projected_noise_covariance: &'a dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
     /// Degrees of freedom of its level.
     pub freedom: f64,
     /// Whether it is all that the residuals hold; else the residuals' own covariance is added.
@@ -240,7 +240,7 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[B
         let time = time * (1.0 + REMOVED * part * p as f64 * time / samples as f64);
         effective_samples += (samples as f64 / time).max(1.0);
         if let Some(sensor) = sensor {
-            let of_sensor = (sensor.middle)(&rows);
+            let of_sensor = (sensor.projected_noise_covariance)(&rows);
             widened += &of_sensor * student_95(sensor.freedom).powi(2);
             sensors += of_sensor;
         }
