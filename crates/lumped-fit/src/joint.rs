@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::parameters::{FitParameter, Map, free_parameters};
 use crate::record::observation::{Impact, Observation};
-use crate::solvers::crush_curves::USUAL_RESTITUTION;
+use crate::solvers::closed_forms::USUAL_RESTITUTION;
 use crate::solvers::table::{mass_count, solve};
 use crate::{
     Candidate, Fit, FitQuantity, Measurement, Method, Minimum, ObservedWave, SolveError, SolveSettings, TestData,

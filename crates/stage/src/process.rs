@@ -15,11 +15,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::artifacts::inputs::{Loaded, open};
-use crate::artifacts::output::Output;
-use crate::artifacts::overwriting::refuse_to_overwrite;
-use crate::command_line::args::{Cli, SharedFlags};
-use crate::command_line::memory_limit;
-use crate::command_line::memory_limit::keep_budget;
+use crate::artifacts::output::{Output, refuse_to_overwrite};
+use crate::command_line::args;
+use crate::command_line::args::{Cli, SharedFlags, keep_budget};
 use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, is_flag, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
 use crate::terminal::{be_quiet, say, to_stdout};
@@ -379,7 +377,7 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
         .exclusive(true)
         .help_heading(None)
         .help("Print a completion script for a shell, or the man page, and do nothing else");
-    let command = memory_limit::with_flag(command.arg(flag));
+    let command = args::with_flag(command.arg(flag));
     // Where a subcommand is needed, this flag is exclusive of it as well.
     let is_generating = std::env::args_os().any(|word| word.to_string_lossy().starts_with("--generate"));
     let parser = command.clone();
@@ -387,7 +385,7 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
     let matches = parser.try_get_matches().and_then(|matches| match matches.get_one::<String>(GENERATE) {
         Some(kind) => Ok(Err(generate(command, kind))),
         None => {
-            memory_limit::take(&matches);
+            args::take(&matches);
             Ok(Ok((C::from_arg_matches(&matches)?, matches)))
         }
     });

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{ChannelFilterV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Channel, FilterSettings, QuantityKind, Sampled, TestDescription, filter};
-use crumple_testkit::program::Program;
+use crumple_testkit::programs::Program;
 
 /// A half-sine pulse of 20 g over 100 ms on a zero level of 2 m/s².
 fn pulse(rate_hz: f64) -> Sampled {

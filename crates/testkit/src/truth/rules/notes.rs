@@ -1,7 +1,7 @@
 //! Remarks of the stages: sentences that no text of `phrases` makes.
 
-use super::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::known::Subject;
+use crate::truth::rules::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::template::Place::{At, Number};
 use crate::truth::template::Said;
 
@@ -541,7 +541,9 @@ fn predicted(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         return holds(said.text("line").contains(partner), || format!("{partner} was asked for"));
     }
     let line = said.text("line").replace("..", " to ");
-    let wrong = crate::truth::numbers(&line).into_iter().find(|shown| !super::rule::is_in_records(spot.made, shown));
+    let wrong = crate::truth::numbers(&line)
+        .into_iter()
+        .find(|shown| !crate::truth::rules::rule::is_in_records(spot.made, shown));
     holds(wrong.is_none(), || format!("{:?} is no number of a record", wrong.map(|shown| shown.value)))
 }
 
