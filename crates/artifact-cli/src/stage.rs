@@ -254,9 +254,7 @@ fn pack(source: &Path, path: &Path, zstd: bool, quiet: bool) -> anyhow::Result<E
 }
 
 const RECORDS: &str = "records.ndjson";
-
 const WAVES: &str = "waves.ndjson";
-
 const PROVENANCE: &str = "provenance.json";
 
 /// Writes an artifact as a folder of plain files.

@@ -18,7 +18,6 @@ use crate::{
 
 /// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
-
 const WORTH_ANOTHER: f64 = 0.01;
 
 /// Noise levels of the tests, as shares of their waves, lie within this factor of their mean: a curve with many knots

@@ -8,9 +8,7 @@ use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Profile, ing
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 use crumple_testkit::shared;
 
-fn lenient() -> IngestSettings {
-    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
-}
+use crate::{lenient, notes};
 
 fn channel(name: &str) -> IngestSettings {
     IngestSettings { channel: Some(name.to_owned()), ..lenient() }
@@ -22,10 +20,6 @@ fn read(name: &str, text: &str, settings: &IngestSettings) -> Result<Ingested, I
 
 fn open(path: &Path, settings: &IngestSettings) -> Ingested {
     ingest(&Bundle::open(path).unwrap(), settings).unwrap()
-}
-
-fn notes(ingested: &Ingested) -> String {
-    ingested.notes.to_texts().join("\n")
 }
 
 /// A table with a header and rows of which column `k` counts in steps of `k`.

@@ -13,7 +13,6 @@ use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 const CSV: &str = "# mass: 873 kg\n# impact speed: 36 km/h\ntime_s,accel_g,force [kN]\n";
-
 const EV5: &str = "# Source\n----- EV5 -----\n----- TEST -----\nV5|NCAP - 2018 CAR|||LAB||R|NCA|VTB|||22|||57.09|0|0\n\
     ----- VEHICLE -----\n1|16|03|2018|||||||1719|1514\n----- BARRIER -----\nR|LCB|0|0|X\n----- INSTRUMENTATION -----\n\
     1|93|AC|NA|FLLR|XG|SEC|G'S|2800|M|D|800|21|57.09|-5|64|100|AM|P|REAR SEAT X\n\

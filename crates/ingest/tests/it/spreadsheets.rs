@@ -3,16 +3,14 @@
 use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Profile, ingest, list};
 use crumple_signal::{Axis, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
+use crate::notes;
+
 fn read(text: impl Into<Vec<u8>>) -> Result<Ingested, IngestError> {
     read_with(text, &IngestSettings { allow_missing: Some(true), ..IngestSettings::default() })
 }
 
 fn read_with(text: impl Into<Vec<u8>>, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("a.txt", text.into())?, settings)
-}
-
-fn notes(ingested: &Ingested) -> String {
-    ingested.notes.to_texts().join("\n")
 }
 
 /// Rows of time (ms) and acceleration (g) in words of `line`.

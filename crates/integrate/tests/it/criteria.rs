@@ -9,10 +9,9 @@ use crumple_artifact::records::{
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_integrate::{impulse_n_s, sum_of_cells};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription};
-use crumple_testkit::programs::Program;
 use crumple_testkit::write_filtered;
 
-const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
+use crate::{PROGRAM, result};
 
 fn channel(id: &str, location: &str, axis: Axis, cfc: u16) -> Channel {
     Channel {
@@ -38,10 +37,6 @@ fn filtered(folder: &Path, waves: &[(Channel, Sampled)], impact_speed_m_per_s: O
     };
     let channels: Vec<_> = waves.iter().map(|(channel, wave)| (channel.clone(), Some(wave.clone()))).collect();
     write_filtered(folder, test, &channels).unwrap()
-}
-
-fn result(input: &Path, flags: &[&str]) -> Artifact {
-    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
 }
 
 fn metrics(artifact: &Artifact) -> Vec<MetricV1> {
@@ -353,7 +348,6 @@ fn the_barrier_as_read_has_the_zero_level_that_the_filter_removed() {
 }
 
 const MASS_KG: f64 = 1719.0;
-
 /// Marked failed by the laboratory.
 const FAILED: [&str; 2] = ["347", "500"];
 

@@ -1,13 +1,13 @@
 //! The program on tests with several channels: further accelerometers, a contact switch, a load-cell barrier.
 
 use std::path::{Path, PathBuf};
-use std::process::Output;
 
-use crumple_artifact::records::{EventsV1, MetricV1, MetricsV2, NotesV1, TestV1, VehicleV1, VehiclesV1};
+use crumple_artifact::records::{MetricV1, MetricsV2, NotesV1, TestV1, VehicleV1, VehiclesV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, ChannelStatus, QuantityKind, Sampled, TestDescription};
 use crumple_testkit::TwoVehicles;
-use crumple_testkit::programs::Program;
+
+use crate::{PROGRAM, events, result, run};
 
 const MASS_KG: f64 = 1000.0;
 
@@ -57,20 +57,6 @@ fn test_folder(folder: &Path) -> PathBuf {
     let path = folder.join("2-filter.mcap");
     builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
     path
-}
-
-const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
-
-fn run(input: &Path, flags: &[&str]) -> Output {
-    PROGRAM.run(input, flags)
-}
-
-fn result(input: &Path, flags: &[&str]) -> Artifact {
-    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
-}
-
-fn events(artifact: &Artifact) -> EventsV1 {
-    artifact.record("/events").unwrap().unwrap()
 }
 
 fn notes(artifact: &Artifact) -> Vec<String> {

@@ -1,13 +1,14 @@
 //! The program on artifacts: what it reads, what it writes, what it refuses.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV2, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, TestDescription};
-use crumple_testkit::programs::Program;
 use crumple_testkit::write_filtered;
+
+use crate::{PROGRAM, events, result, run};
 
 /// A test with one channel of constant deceleration 200 m/s² from time zero, 50 ms at rest before it.
 fn constant(impact_speed_m_per_s: Option<f64>, mass_kg: Option<f64>, cfc: Option<u16>) -> TestDescription {
@@ -29,20 +30,6 @@ fn filtered(folder: &Path, test: &TestDescription) -> PathBuf {
     let path = folder.join("2-filter.mcap");
     builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
     path
-}
-
-const PROGRAM: Program = Program { exe: env!("CARGO_BIN_EXE_crumple-integrate"), output: "3-integrate.mcap" };
-
-fn run(input: &Path, flags: &[&str]) -> Output {
-    PROGRAM.run(input, flags)
-}
-
-fn result(input: &Path, flags: &[&str]) -> Artifact {
-    Artifact::open(&PROGRAM.written(input, flags)).unwrap()
-}
-
-fn events(artifact: &Artifact) -> EventsV1 {
-    artifact.record("/events").unwrap().unwrap()
 }
 
 #[test]

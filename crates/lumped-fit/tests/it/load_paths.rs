@@ -8,15 +8,10 @@ use crumple_lumped_fit::{
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 
 const V0: f64 = 15.6;
-
 const DT: f64 = 1e-4;
-
 const BEFORE: usize = 500;
-
 const SAMPLES: usize = 2200;
-
 const TOTAL_KG: f64 = 1500.0;
-
 const ENGINE_KG: f64 = 330.0;
 
 /// CFC 60 at 10 kHz.

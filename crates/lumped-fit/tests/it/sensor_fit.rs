@@ -11,7 +11,6 @@ use crumple_signal::{Displacement, Notes, Sampled, Signal};
 use crumple_testkit::table_5;
 
 const V0: f64 = 9.7222;
-
 const DT: f64 = 1e-4;
 
 fn model(kind: ModelKind) -> Model {

@@ -10,7 +10,6 @@ use crumple_signal::TestDescription;
 use crumple_testkit::integrated;
 
 const MATCHING: [&str; 4] = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
-
 const ID: &str = "/parameters/double-spring-mass-damper/coefficient-matching";
 
 fn candidate(artifact: &Artifact, number: usize) -> Option<CandidateV1> {

@@ -12,9 +12,7 @@ use crumple_signal::{Channel, QuantityKind, Sampled, Source, TestDescription};
 use crate::command_models::{result, run, said, write};
 
 const V0: f64 = 15.0;
-
 const DT: f64 = 1e-4;
-
 const BEFORE: usize = 500;
 
 const TRUTH: [(&str, f64); 6] = [

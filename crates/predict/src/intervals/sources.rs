@@ -12,35 +12,27 @@ use crate::intervals::tested::{OwnTest, Tested};
 
 /// Share of cases that an interval is to hold.
 pub const INTERVAL_LEVEL: f64 = 0.9;
-
 /// Half width of it in standard deviations of a normal distribution.
 pub const HALF_WIDTH: f64 = 1.644_853_626_951_472_7;
-
 /// Standard deviation of the rate effect of vehicle structures, s/m: force grows by 0.8 +- 0.5 % per m/s (Cowper &
 /// Symonds for mild steel 1.1 to 1.2 %, for crushed square tubes 0.6 %).
 const RATE_DEVIATION: f64 = 0.005;
-
 /// The same of one mass in place of a vehicle: what masses in front of the compartment take off the rate effect is
 /// uncertain as well.
 const ONE_MASS_DEVIATION: f64 = 0.006;
-
 /// What a rate effect that the model lacks, or does not know better, does to crush at another speed: `2 r/3` for each
 /// m/s. A curve read at one speed holds the mean factor `1 + 2 r v0/3` of that speed (one mass, constant force).
 const CRUSH_BY_RATE: f64 = 2.0 / 3.0;
-
 /// Beyond the tested crush it does 1.5 times that: towards its end the curve read at one speed is too flat.
 const BEYOND_TESTED: f64 = 1.5;
-
 /// Masses in front of the compartment, which one mass leaves out, are stopped before it: part of the early force of the
 /// test is missing from its curve, another part at another speed. So the crush at lower speeds is off by 0.04 `q` +
 /// 0.02 `q²`, with `q` the tested crush over this one, less 1: made cars of two and three masses, a front mass of 12 to
 /// 35 %, root mean square of the error.
 const IN_FRONT: [f64; 2] = [0.04, 0.02];
-
 /// A mass that is added to the compartment is a larger share of what it stops than of the whole, by the share in front:
 /// a tenth of the relative change of mass is what the crush may miss.
 const IN_FRONT_BY_MASS: f64 = 0.1;
-
 /// Standard deviation of a factor between 0 and 2 of the slope beyond the tested crush.
 const SLOPE_DEVIATION: f64 = 0.577_350_269_189_625_8;
 
@@ -162,11 +154,9 @@ pub(crate) fn by_extrapolation(beyond: f64, slope: f64) -> f64 {
 
 /// Models that count at most.
 const MOST: usize = 5;
-
 /// Least weight of the best model of each class of adequate models, unless the record is decisive: no test of one speed
 /// tells the classes apart for sure.
 const LEAST_OF_CLASS: f64 = 0.05;
-
 /// By so much may the independent samples of a misfit be counted too high: a class keeps the weight that it would have
 /// with so many times fewer, if that is less.
 const FEWER_SAMPLES: f64 = 4.0;

@@ -99,11 +99,8 @@ fn a_fleet_killed_in_mid_run_goes_on_and_ends_as_if_nothing_had_been() {
 
 /// Records, those that hold none, and parts of the fleet.
 const RECORDS: usize = 200;
-
 const BROKEN: usize = 1;
-
 const PARTS: usize = 9;
-
 /// The cars of this test.
 const SEED_OF_CLUSTER: u64 = 5;
 

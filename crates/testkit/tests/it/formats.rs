@@ -52,9 +52,7 @@ fn the_target_pulse_of_a_tdms_file_integrates_to_its_printed_velocity() {
 }
 
 const SPEED_M_PER_S: f64 = 14.0;
-
 const LENGTH_S: f64 = 0.1;
-
 const PEAK_G: f64 = 25.0;
 
 /// A half sine of 25 g over 100 ms from t = 0; at contact and after it 0.

@@ -4,9 +4,10 @@ use crumple_ingest::{Bundle, IngestError, IngestSettings, Recording, ingest};
 use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 use crate::tdms::{
-    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, lenient, pulse, read, read_with,
-    samples, segment, simple, waveform,
+    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, pulse, read, read_with, segment, simple,
+    waveform,
 };
+use crate::{has_note, lenient, samples};
 
 #[test]
 fn both_byte_orders_read_alike() {

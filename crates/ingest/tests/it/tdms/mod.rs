@@ -1,22 +1,19 @@
 //! TDMS: the real files, and files built here for what they lack.
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ReadChannel, Recording, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Recording, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 
 use crate::tdms::layout::{daqmx, nhtsa, scaled, with_times};
+use crate::{has_note, lenient, samples};
 
 mod layout;
 
 pub const NEW_LIST: u32 = 4 | 2;
-
 pub const RAW: u32 = 8;
-
 pub const INTERLEAVED: u32 = 0x20;
-
 pub const BIG: u32 = 0x40;
-
 pub const DAQMX: u32 = 0x80;
 
 /// A property's value.
@@ -156,20 +153,6 @@ pub fn read(bytes: Vec<u8>) -> Result<Recording, IngestError> {
 pub fn read_with(bytes: Vec<u8>, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let bundle = Bundle::from_bytes("t.tdms", bytes)?;
     bundle.reader.read(&bundle, settings)
-}
-
-pub fn samples(found: &ReadChannel) -> &[f64] {
-    found.wave.as_ref().unwrap().samples()
-}
-
-#[track_caller]
-pub fn has_note(recording: &Recording, words: &str) {
-    let notes = recording.notes.to_texts();
-    assert!(notes.iter().any(|note| note.contains(words)), "{words:?} is not in {notes:#?}");
-}
-
-pub fn lenient() -> IngestSettings {
-    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
 }
 
 pub fn open(path: &str, settings: &IngestSettings) -> Option<Result<Ingested, IngestError>> {
