@@ -103,7 +103,12 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let (pulse, velocity) = if recording.details.no_pulse {
         (None, pulse::choose(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
-        (pulse::choose_pulse(file, &recording, choices.channel.as_deref(), allow_missing, &mut notes)?, None)
+        let is_of_a_crash = is_of_a_crash(&recording.details)
+            || choices.mass.is_some()
+            || choices.impact_speed.is_some()
+            || choices.barrier.is_some();
+        let missing = (allow_missing, is_of_a_crash);
+        (pulse::choose_pulse(file, &recording, choices.channel.as_deref(), missing, &mut notes)?, None)
     };
     if let Some(k) = pulse.or(velocity) {
         exchanges::check(file, &recording.channels[k], &mut notes)?;
@@ -150,7 +155,10 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
         .zip(speed)
         .and_then(|(wave, speed)| plausibility(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed));
     let polarity = polarity.unless_asked(plausibility.as_ref());
-    missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
+    // Of inputs and outputs nobody asks for a mass.
+    if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details) {
+        missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
+    }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
     if let Some(question) = details::question_mass(&recording.details).filter(|_| !is_of_occupant) {
@@ -191,6 +199,16 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
 fn is_alone(details: &Details) -> bool {
     let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
     details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
+}
+
+/// Whether a record states what only a crash has.
+fn is_of_a_crash(details: &Details) -> bool {
+    details.mass_kg.is_some()
+        || details.impact_speed_m_per_s.is_some()
+        || details.vehicle.is_some()
+        || details.barrier.is_some()
+        || details.damage.is_some()
+        || !details.vehicles.is_empty()
 }
 
 /// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record

@@ -18,12 +18,13 @@ use crate::recording::details::Stated;
 use crate::recording::settings::select;
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
-/// What was taken, why, and what else there is goes into a note. `None` only where one may be missing.
+/// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
+/// speaks of a crash, that is no warning.
 pub fn choose_pulse(
     file: &str,
     recording: &Recording,
     wanted: Option<&str>,
-    allow_missing: bool,
+    (allow_missing, is_of_a_crash): (bool, bool),
     notes: &mut Notes,
 ) -> Result<Option<usize>, IngestError> {
     let mut candidates: Vec<usize> =
@@ -35,11 +36,12 @@ pub fn choose_pulse(
         None => match best_candidate(file, recording, &candidates) {
             Ok(index) => index,
             Err(error) if allow_missing => {
-                notes.concern(
-                    About::Pulse,
-                    Weight::Decisive,
-                    format!("no channel is named as the crash pulse: {error}"),
-                );
+                if is_of_a_crash {
+                    let text = format!("no channel is named as the crash pulse: {error}");
+                    notes.concern(About::Pulse, Weight::Decisive, text);
+                } else {
+                    notes.info(format!("a record of inputs and outputs, as no pulse is named: {error}"));
+                }
                 return Ok(None);
             }
             Err(error) => return Err(error),

@@ -190,7 +190,9 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         if let Some(remedy) = out.without.as_ref().and(remedy.as_deref()) {
             say(format_args!("{:<16} hint: {remedy}", S::NAME));
         }
-        print_notes(S::NAME, out.notes.iter().cloned(), &common.output);
+        // Of a warning that stands among the lines of what it is about there is no second.
+        let is_new = |note: &&Note| !out.summary.contains(&note.to_string());
+        print_notes(S::NAME, out.notes.iter().filter(is_new).cloned(), &common.output);
     }
     if common.json {
         print_records(out.builder.records())?;

@@ -39,7 +39,8 @@ impl Output {
         &mut self.notes
     }
 
-    /// Adds a line to the short summary on stderr.
+    /// Adds a line to the short summary on stderr. A warning of the notes that is put here, in its text form, is not
+    /// printed again.
     pub fn summary(&mut self, line: impl Into<String>) {
         self.summary.push(line.into());
     }

@@ -45,6 +45,8 @@ pub(crate) struct CascadeFilter {
     order: usize,
     /// Whether an output follows an input within the same sample (`D` is fitted).
     direct: bool,
+    /// Whether the record starts in a motion of its own.
+    in_motion: bool,
 }
 
 impl CascadeFilter {
@@ -91,6 +93,7 @@ impl CascadeFilter {
             sample_time_s: data.sample_time_s(),
             order: n,
             direct: options.direct,
+            in_motion: !options.from_rest,
         })
     }
 
@@ -254,7 +257,9 @@ impl Separable for CascadeFilter {
                 columns.push(input.clone());
             }
         }
-        columns.extend(Self::chain(&sections, None, samples));
+        if self.in_motion {
+            columns.extend(Self::chain(&sections, None, samples));
+        }
         Some(Basis { columns, known: Vec::new() })
     }
 
@@ -275,7 +280,7 @@ impl Separable for CascadeFilter {
                 let width = if section.second_order { 2 } else { 1 };
                 at -= width;
                 for s in at..at + width {
-                    for group in 0..=self.inputs.len() {
+                    for group in 0..self.inputs.len() + usize::from(self.in_motion) {
                         let column = group * per_input + s;
                         let c = coefficients[(column, output)];
                         for (sum, x) in sum.iter_mut().zip(&columns[column]) {

@@ -11,6 +11,8 @@ pub struct OutputErrorOptions {
     pub direct: bool,
     /// Samples by which every input acts late.
     pub delay: usize,
+    /// Whether the record starts from rest; else it starts in a motion of its own, which is fitted.
+    pub from_rest: bool,
     /// Random starting points in addition to those from ARX and subspace models.
     pub random_starts: usize,
     /// When to stop.
@@ -18,8 +20,8 @@ pub struct OutputErrorOptions {
 }
 
 impl OutputErrorOptions {
-    /// Of an order, with a direct term, without delay, 8 random starts.
+    /// Of an order, with a direct term, without delay, in motion, 8 random starts.
     pub fn new(order: usize) -> Self {
-        Self { order, direct: true, delay: 0, random_starts: 8, stop: Stop::default() }
+        Self { order, direct: true, delay: 0, from_rest: false, random_starts: 8, stop: Stop::default() }
     }
 }

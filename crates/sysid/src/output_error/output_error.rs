@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::output_error::cascade::CascadeFilter;
 use crate::output_error::options::OutputErrorOptions;
-use crate::output_error::starts::starts;
+use crate::output_error::starts::{starts, unknowns};
 use crate::{IdentifyError, InformationCriteria, IoData};
 
 /// Starting points that are refined, of all that were tried.
@@ -42,6 +42,8 @@ pub struct OutputError {
     pub on_bound: bool,
     /// Loss of every refined start, best first: how alone the best one is.
     pub losses: Vec<f64>,
+    /// Simulated outputs, the motion at the start among them.
+    pub simulated: Vec<Vec<f64>>,
 }
 
 /// Finds the stable model of given order whose simulated output, from a free initial state, is nearest to the measured
@@ -59,8 +61,25 @@ pub struct OutputError {
 /// the fewer ones. Standard deviations rest on errors that are alike in all outputs, each divided by its root mean
 /// square.
 pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<OutputError, IdentifyError> {
+    refined(data, options, starts(data, options))
+}
+
+/// The same from given sampled poles alone, one list a start: those of a model that is near.
+pub fn output_error_from(
+    data: &IoData,
+    options: OutputErrorOptions,
+    poles: &[Vec<Complex>],
+) -> Result<OutputError, IdentifyError> {
+    refined(data, options, poles.iter().map(|poles| unknowns(poles, options.order)).collect())
+}
+
+/// The best of these starts, refined.
+fn refined(
+    data: &IoData,
+    options: OutputErrorOptions,
+    candidates: Vec<Vec<f64>>,
+) -> Result<OutputError, IdentifyError> {
     let problem = CascadeFilter::new(data, options)?;
-    let candidates = starts(data, options);
     let tried = candidates.len();
     let mut scored: Vec<(f64, Vec<f64>)> =
         candidates.into_par_iter().filter_map(|theta| Some((evaluate(&problem, &theta)?.cost, theta))).collect();
@@ -85,6 +104,9 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
         Some(covariance) => mode_deviations(&best.theta, &covariance, data.sample_time_s()),
         None => vec![None; poles.len()],
     };
+    let residuals = best.residual.chunks_exact(data.samples()).zip(data.output_scales());
+    let simulated = data.outputs().iter().zip(residuals);
+    let simulated = simulated.map(|(y, (e, scale))| y.iter().zip(e).map(|(y, e)| y - e * scale).collect()).collect();
     Ok(OutputError {
         model: problem.state_space(&best)?,
         pole_deviations: poles.into_iter().zip(deviations).collect(),
@@ -97,6 +119,7 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
         stop_reason: best.stop,
         on_bound: best.on_bound.contains(&true),
         losses,
+        simulated,
     })
 }
 

@@ -96,7 +96,7 @@ fn continuous_starts(data: &IoData, options: OutputErrorOptions) -> Vec<Vec<Comp
 ///
 /// Poles on or outside the unit circle are mirrored into it first; where fewer than `n` are given the rest is filled
 /// with 0.5.
-fn unknowns(poles: &[Complex], n: usize) -> Vec<f64> {
+pub(crate) fn unknowns(poles: &[Complex], n: usize) -> Vec<f64> {
     let inside = |z: Complex| {
         let radius = z.norm();
         if radius >= 1.0 { z / (radius * radius) * 0.999 } else { z }

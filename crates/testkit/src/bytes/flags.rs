@@ -4,7 +4,7 @@
 pub const IDENTIFY: &[(&str, &str)] = &[
     ("era-orders", "--methods=era --orders=auto,2,4,6 --max-order=12 --stabilisation --highest-damping=0.9"),
     ("era-evidence", "--methods=era --orders=2,4 --bootstrap=8 --validate-from=100ms"),
-    ("era-autoregression", "--methods=era --bootstrap=8 --bootstrap-noise=autoregression --bootstrap-seed=7"),
+    ("era-seed", "--methods=era --bootstrap=8 --bootstrap-seed=7"),
     ("era-least-squares", "--methods=era --shift-form=least-squares --rows=300 --columns=200"),
     ("era-total-least-squares", "--methods=era --shift-form=total-least-squares --rows=100"),
     ("era-twice-order", "--methods=era --hankel-size=twice-order --orders=4"),

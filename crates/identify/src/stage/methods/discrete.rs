@@ -71,7 +71,7 @@ impl<'a> MethodRun<'a> {
             let identified = (request.identify)(&self.data, RecordChoices::default());
             match identified.and_then(|model| simulate_accepted(model, &self.data)) {
                 Ok((simulated, model)) => {
-                    self.put_model(request, model, &simulated, results)?;
+                    self.put_model(request, model, simulated, results)?;
                     written += 1;
                 }
                 Err(error) => failures.push((&request.id, error)),
@@ -98,7 +98,7 @@ impl<'a> MethodRun<'a> {
         &self,
         request: &ModelRequest<'_>,
         mut model: DiscreteModel,
-        simulated: &[Vec<f64>],
+        simulated: Vec<Vec<f64>>,
         results: &mut Results<'_>,
     ) -> anyhow::Result<()> {
         let Self { method, settings, input_output, record, data, whole, .. } = self;
@@ -124,7 +124,7 @@ impl<'a> MethodRun<'a> {
             bootstrap: settings.bootstrap.as_ref(),
             refit: &refit,
         };
-        put_discrete_model(&task, &model, simulated, results)
+        put_discrete_model(&task, model, simulated, results)
     }
 }
 
