@@ -18,7 +18,7 @@ use crate::artifacts::inputs::{Loaded, open};
 use crate::artifacts::output::{Output, refuse_to_overwrite};
 use crate::command_line::args;
 use crate::command_line::args::{Cli, SharedFlags, keep_budget};
-use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, is_flag, merge};
+use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
 use crate::terminal::{be_quiet, say, to_stdout};
 
@@ -70,9 +70,6 @@ pub trait Stage {
     fn other_flags() -> Vec<Arg> {
         Vec::new()
     }
-    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline
-    /// file.
-    fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
     /// Fills in the defaults and checks what can be checked without data.
     fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
     /// Reads the inputs.
@@ -102,10 +99,7 @@ pub fn main<S: Stage>() -> ExitCode {
     let parsed = parse::<Cli<S::Options>>(command);
     finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
         merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
-            .and_then(|mut options| {
-                S::typed(&mut options, &|key| is_flag(&matches, key));
-                execute::<S>(&cli.common, options)
-            })
+            .and_then(|options| execute::<S>(&cli.common, options))
             .map_err(Err)
     }))
 }

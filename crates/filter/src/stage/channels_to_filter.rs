@@ -55,13 +55,13 @@ pub fn channels_to_filter<'a>(
             channel_settings.class = Class::Cfc(Cfc::Cfc60);
         }
         // Nor is a dummy filtered like the structure: head 1000, chest 180.
-        let for_criteria = for_criteria(settings, channel, pulse);
         if let Some(class) = class_of_body(channel)
-            && let Class::Cfc(asked) = channel_settings.class
-            && (asked != class || channel_settings.butterworth.is_some())
-            && (channel_settings.butterworth.is_none() || for_criteria)
+            && channel_settings.class != Class::None
+            && (channel_settings.butterworth.is_none() || for_criteria(settings, channel, pulse))
         {
-            if settings.class_for_all && !for_criteria {
+            let asked = settings.occupant_cfc.unwrap_or(Class::Cfc(class));
+            (channel_settings.class, channel_settings.butterworth) = (asked, None);
+            if asked != Class::Cfc(class) {
                 remarks.warning(
                     &channel.id,
                     format!(
@@ -69,17 +69,11 @@ pub fn channels_to_filter<'a>(
                         J211-1)"
                     ),
                 );
-            } else {
-                channel_settings.class = Class::Cfc(class);
-                channel_settings.butterworth = None;
-                if channel.cfc.is_none() {
-                    remarks.info(
-                        &channel.id,
-                        format!(
-                            "of a dummy, filtered to cfc {class} (SAE J211-1); another class by --cfc beside --channels"
-                        ),
-                    );
-                }
+            } else if channel.cfc.is_none() {
+                remarks.info(
+                    &channel.id,
+                    format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by --occupant-cfc"),
+                );
             }
         }
         channels.push(ChannelToFilter {

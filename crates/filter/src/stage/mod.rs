@@ -29,10 +29,6 @@ impl Stage for Filter {
     type Settings = StageSettings;
     type Input = Inputs;
 
-    fn typed(options: &mut Options, is_flag: &dyn Fn(&str) -> bool) {
-        options.note_typed(is_flag);
-    }
-
     fn resolve(options: Options) -> anyhow::Result<StageSettings> {
         Ok(options.try_into()?)
     }
