@@ -205,7 +205,7 @@ golden-update: build
     done
 
 # For changes that must not change a byte: `just bytes A` before, `just bytes B` after, `just bytes --compare A B [--content | --masked]`;
-# `just bin=OTHER/release bytes A` for programs built elsewhere. What a line holds: crates/testkit/src/bytes/digest.rs.
+# `just bin=OTHER/release bytes A` for programs built elsewhere. What a line holds: crates/testkit/src/bytes/run.rs.
 #
 # Digests of everything the programs write over fixtures, pipelines, methods and solvers, into OUT (default: target/bytes.txt).
 [group('development')]
@@ -242,7 +242,7 @@ fleet-benchmark $records="2000" $folder="target/fleet-benchmark": build
     done
     @du -sh "$folder/fleet/runs"
 
-# The product over a file of reference cases, every number compared, ends with `N of M cases`: `just cases metrics|papers|prediction FILE`.
+# The product over a file of reference cases, every number compared, ends with `N of M cases`: `just cases identification|metrics|papers|prediction FILE`.
 [group('development')]
 cases subject file:
     @cargo test --quiet --workspace --test cases -- "$@"
@@ -259,7 +259,7 @@ ci-full:
     CRUMPLE_KILLS=120 cargo nextest run --workspace -E 'package(crumple-run) | test(/^just_run::/)'
     CRUMPLE_FLEET_RECORDS=200 cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^fleet::/)'
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
-        cargo nextest run --workspace -E 'test(/^slurm::/)' --run-ignored all
+        cargo nextest run --workspace -E 'test(a_fleet_outlives_a_node_that_dies)' --run-ignored all
     just papers
     just truth
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt

@@ -3,8 +3,8 @@
 use crumple_artifact::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
     ExponentialSumV1, IdentificationV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1, PredictionV1,
-    QualityV1, RecommendationV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1, StateSpaceV1,
-    TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
+    QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1,
+    StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
@@ -29,7 +29,7 @@ pub struct Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 25] = [
+const STATED: [(&str, &[&str]); 26] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),
@@ -45,6 +45,7 @@ const STATED: [(&str, &[&str]); 25] = [
     ("/response/", &[ResponseV1::SCHEMA]),
     ("/selection/", &[SelectionV1::SCHEMA]),
     ("/scan/", &[ArxScanV1::SCHEMA]),
+    ("/checks/", &[RecordChecksV1::SCHEMA]),
     ("/matching/", &[MatchingV1::SCHEMA]),
     ("/parameters/", &[CandidateV1::SCHEMA]),
     ("/simulation/", &[SimulationV1::SCHEMA]),

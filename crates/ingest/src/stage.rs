@@ -96,15 +96,18 @@ fn summary(ingested: &Ingested) -> Vec<String> {
     let known = |value: Option<f64>, unit: &str| {
         value.map_or_else(|| "unknown".to_owned(), |x| format!("{} {unit}", (x * 1e4).round() / 1e4))
     };
+    let (mass, speed) = (test.mass_kg, test.impact_speed_m_per_s);
+    let of_a_crash = match (ingested.pulse(), mass, speed) {
+        (None, None, None) => String::new(),
+        _ => format!("; mass {}, impact speed {}", known(mass, "kg"), known(speed, "m/s")),
+    };
     let mut lines = vec![format!(
-        "{} ({}): {}; {} of {} channels with data; mass {}, impact speed {}",
+        "{} ({}): {}; {} of {} channels with data{of_a_crash}",
         test.source.name,
         test.source.format,
         test.title,
         ingested.waves.len(),
         test.channels.len(),
-        known(test.mass_kg, "kg"),
-        known(test.impact_speed_m_per_s, "m/s"),
     )];
     if let Some(pulse) = ingested.pulse() {
         let location = test.channel(&pulse.id).map(|c| c.location.as_str()).filter(|l| !l.is_empty());

@@ -19,8 +19,8 @@ pub use compare::first_screen::first_screen;
 pub use figures::all::all_figures;
 pub use findings::{
     CandidateResult, CandidateSummary, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
-    MeasuredWaves, MetricSummary, Model, Number, OF_SEVERAL_TESTS, OtherMetricSummary, OverviewLine, Ranking,
-    ResultStatus, Run, SensorMotion, StageNote, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
+    MeasuredWaves, MetricSummary, Model, ModelOutput, Number, OF_SEVERAL_TESTS, OtherMetricSummary, OverviewLine,
+    Ranking, ResultStatus, Run, SensorMotion, StageNote, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
     TestSummary, compare_ids, conclusion, model_year, overview, summary, summary_schema,
 };
 pub use index::pulse_line;

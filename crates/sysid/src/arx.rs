@@ -64,7 +64,7 @@ pub fn arx(data: &IoData, order: ArxOrder) -> Result<Arx, IdentifyError> {
 }
 
 /// The same on the rows from sample `first` on, so that several orders can be compared on the same equations.
-fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
+pub(crate) fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
     let m = data.inputs().len();
     if data.outputs().len() != 1 {
@@ -210,22 +210,6 @@ impl Arx {
         let na = self.a.len();
         let covariance = self.covariance.view((0, 0), (na, na)).into_owned();
         discrete_mode_deviations(&self.a, &covariance, poles, self.sample_time_s)
-    }
-
-    /// The output that the model would have had with other equation errors, one a sample from [`ArxOrder::states`] on;
-    /// the samples before are the measured ones. `None`: too few errors, or it grows out of the range of `f64`.
-    pub fn with_errors(&self, data: &IoData, errors: &[f64]) -> Option<Vec<f64>> {
-        let measured = &data.outputs()[0];
-        let first = self.order.states().min(measured.len());
-        if errors.len() < measured.len() - first {
-            return None;
-        }
-        let mut y = measured[..first].to_vec();
-        for (k, error) in (first..measured.len()).zip(errors) {
-            let past: f64 = self.a.iter().enumerate().map(|(i, a)| -a * y[k - 1 - i]).sum();
-            y.push(past + self.driven(data, k) + error);
-        }
-        y.last().is_none_or(|y| y.is_finite()).then_some(y)
     }
 
     /// What the inputs contribute to the equation of sample `k`.

@@ -4,12 +4,14 @@
 //! [`exponential_sum`] fits a sum of exponentials. From inputs and outputs ([`IoData`]): [`Subspace`] (N4SID, MOESP,
 //! CVA), [`arx`] and [`vector_arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] and
 //! [`transfer_function_array`] for continuous models. What speaks for a model: [`stabilization`] over orders,
-//! [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] among several, [`caveats`] in words.
+//! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`] among
+//! several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
 //!
 //! Functions of numbers only: no file, clock, environment or terminal. The same record and options give the same model
 //! on any number of threads; random starts and draws are seeded. Signals are slices of `f64` in any unit, sampled
 //! together at `sample_time_s` seconds; poles of continuous models are in 1/s and rad/s.
 
+mod ambient;
 mod arx;
 mod data;
 mod era;
@@ -21,12 +23,14 @@ mod okid;
 mod order;
 mod output_error;
 mod poles;
+mod polynomial_form;
 mod regression;
 mod simulation;
 mod subspace;
 mod transfer_function;
 mod validation;
 
+pub use ambient::{AmbientMode, AmbientModes, AmbientOptions, AmbientPole, ambient_modes};
 pub use arx::{Arx, ArxOrder, VectorArx, arx, arx_scan, vector_arx};
 pub use crumple_numerics::estimation::minimise::{Stop, StopReason};
 pub use crumple_numerics::estimation::statistics::{
@@ -49,20 +53,22 @@ pub use order::{
     era_order_scan, era_order_scan_of, stabilization, subspace_order_scan,
 };
 pub use output_error::options::OutputErrorOptions;
-pub use output_error::output_error::{OutputError, output_error};
+pub use output_error::output_error::{OutputError, output_error, output_error_from};
 pub use poles::options::{InitialConditions, TransferFunctionOptions};
 pub use poles::search_outcome::SearchOutcome;
 pub use poles::starts::Start;
+pub use polynomial_form::{PolynomialDeviations, PolynomialForm};
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
 pub use transfer_function::{
     TransferFunctionArray, TransferFunctionFit, transfer_function_array, transfer_function_fit,
 };
-pub use validation::bootstrap::{
-    BandPoint, BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors,
-    bootstrap_outputs,
-};
+pub use validation::bootstrap::{BandPoint, Bootstrap, BootstrapOptions, NoSpread, Sample, Spread, bootstrap};
 pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
+pub use validation::model_choice::{
+    DelayScan, OnUnseen, Recommendable, arx_orders, delay_scan, noise_of_orders, recommended, smallest,
+};
 pub use validation::model_selection::{Contender, Ranked, Selection, select};
-pub use validation::residual_resampling::Resampling;
+pub use validation::noise_model::{NoiseKind, NoiseModel, NoiseOptions, Whiteness, noise_model};
+pub use validation::record_checks::{Constants, Trend, is_constant, outliers, straight_line, trend};

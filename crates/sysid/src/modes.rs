@@ -284,12 +284,23 @@ const INTEGRATOR_OF_MOTION: f64 = 0.5;
 /// What a pole of an identified model is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PoleKind {
-    /// A motion of its own, oscillating or not.
+    /// A damped oscillation.
     Mode,
+    /// It decays without oscillating.
+    Real,
+    /// It grows.
+    Growing,
     /// At or near zero: a constant or a straight line over the record, as an integrator makes.
     Integrator,
     /// As fast as the sampling or faster, a modulus of `pi/dt` or more: between two samples nobody sees it.
     BeyondNyquist,
+}
+
+impl PoleKind {
+    /// Whether it is a motion of the record: it stands among the modes.
+    pub fn is_motion(self) -> bool {
+        !matches!(self, Self::Integrator | Self::BeyondNyquist)
+    }
 }
 
 /// The record that a model was identified from, as far as its poles are concerned.
@@ -313,6 +324,8 @@ pub fn pole_kinds(poles: &[Complex], record: PoleRecord) -> Vec<PoleKind> {
         // Rounding of pi/dt is no reason to be within the sampling.
         s if s.norm() * dt_s >= PI * (1.0 - 1e-9) => PoleKind::BeyondNyquist,
         s if near_zero(&s) => PoleKind::Integrator,
+        s if s.re > 0.0 => PoleKind::Growing,
+        s if s.im == 0.0 => PoleKind::Real,
         _ => PoleKind::Mode,
     };
     poles.iter().map(kind).collect()
@@ -403,15 +416,15 @@ mod tests {
 
     #[test]
     fn poles_near_zero_are_integrators_of_motion_further_away() {
-        use PoleKind::{Integrator, Mode};
+        use PoleKind::{Growing, Integrator, Mode, Real};
         let pair = [(0.0, 0.04), (0.0, -0.04), (-1.0, 9.0), (-1.0, -9.0)];
         assert_eq!(kinds(&pair, false), [Integrator, Integrator, Mode, Mode]);
         let parted = [(0.2, 0.0), (-0.2, 0.0)];
-        assert_eq!(kinds(&parted, false), [Mode, Mode]);
+        assert_eq!(kinds(&parted, false), [Growing, Real]);
         assert_eq!(kinds(&parted, true), [Integrator, Integrator]);
         // One alone is none.
-        assert_eq!(kinds(&[(-0.2, 0.0), (-1.0, 0.0)], true), [Mode, Mode]);
-        assert_eq!(kinds(&[(0.0, 0.0), (-1.0, 0.0)], false), [Integrator, Mode]);
+        assert_eq!(kinds(&[(-0.2, 0.0), (-1.0, 0.0)], true), [Real, Real]);
+        assert_eq!(kinds(&[(0.0, 0.0), (-1.0, 0.0)], false), [Integrator, Real]);
     }
 
     #[test]

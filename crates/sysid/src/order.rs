@@ -423,7 +423,7 @@ pub struct Quartiles {
 }
 
 impl Quartiles {
-    fn from_values(mut values: Vec<f64>) -> Self {
+    pub(crate) fn from_values(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let at = |share| quantile(&values, share).unwrap_or(0.0);
         Self { lower: at(0.25), median: at(0.5), upper: at(0.75) }

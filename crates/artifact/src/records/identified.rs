@@ -20,6 +20,22 @@ pub struct ArxScanV1 {
     pub best_by_bic: Option<String>,
     /// Id of the model with the smallest AICc.
     pub best_by_aicc: Option<String>,
+    /// Numbers of the best by BIC that stand at the end of their range, which was wider than one number: a wider scan
+    /// may find a better model.
+    #[serde(default)]
+    pub at_edge: Vec<ScanEdgeV1>,
+}
+
+/// A number of an ARX structure that stands at the end of its range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ScanEdgeV1 {
+    /// That of past outputs.
+    PastOutputs,
+    /// That of samples of every input.
+    Inputs,
+    /// That of samples between an input and its first effect.
+    Delay,
 }
 
 /// One structure of a scan.
@@ -155,22 +171,86 @@ pub struct EvidenceV1 {
     /// Covariance of the denominator's coefficients after the leading 1, rows in their order. Empty where it is not
     /// known.
     pub denominator_covariance: Vec<Vec<f64>>,
-    /// Whether the model holds on the samples kept for validation, run on and with its state fitted to them: a fit of
-    /// at least 0, and at most 30 points below that of the samples of this output that it was identified from. `null`:
-    /// it has seen all.
+    /// Whether the model holds on the samples kept for validation, with its state fitted to them where the method gives
+    /// that, else run on: a fit of at least 0, and at most 30 points below that of the samples of this output that it
+    /// was identified from. `null`: it has seen all.
     #[serde(default)]
     pub holds_on_unseen: Option<bool>,
+    /// Box-Pierce statistic over 20 lags of the errors of the simulation, whatever `whiteness` is of; above
+    /// `whiteness_limit` they are correlated, and deviations that take them for white are too small.
+    pub simulation_whiteness: Option<f64>,
+    /// The noise of this output as the one-step prediction shows it; intervals are drawn from it. `null`: not looked
+    /// at, or no model of it.
+    pub noise: Option<NoiseV1>,
+    /// Why no mode has an interval, although a bootstrap was asked for.
+    pub no_interval: Option<NoIntervalV1>,
+    /// Why a mode has none while others do, in the order of the modes; empty without a bootstrap.
+    #[serde(default)]
+    pub no_spreads: Vec<Option<NoSpreadV1>>,
 }
 
-/// Spread of a number over the replicates of a bootstrap.
+/// The noise of an output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NoiseV1 {
+    /// Model of it with the smaller BIC of the one-step prediction.
+    pub model: NoiseModelV1,
+    /// Order of the autoregression of the simulation's errors; 0 of white ones and of `arx`.
+    pub ar_order: u32,
+    /// Ljung-Box statistic over 25 lags of the one-step prediction errors of that model.
+    pub ljung_box: f64,
+    /// Its 95 % point; more than twice as much is not white.
+    pub white_limit: f64,
+    /// Whether the errors are white: intervals are drawn from no others.
+    pub is_white: bool,
+}
+
+/// What makes the noise of an output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseModelV1 {
+    /// It is added to the output: white, or an autoregression of its own.
+    OutputError,
+    /// It goes through the poles of the system itself.
+    Arx,
+}
+
+/// Why no mode has an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoIntervalV1 {
+    /// Neither noise model leaves white errors: what was drawn from one would be too narrow.
+    NotWhite,
+    /// No noise model of this order was found.
+    NoNoiseModel,
+    /// Fewer than half of the replicates led to a model.
+    FewReplicates,
+}
+
+/// Why one mode has no interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoSpreadV1 {
+    /// Most replicates do not find it again.
+    NotFoundAgain,
+    /// Its frequency varies by more than 20 %.
+    NotDetermined,
+    /// The record is shorter than two of its time constants.
+    ShortRecord,
+}
+
+/// Spread of a number over the replicates of a bootstrap, and its interval about the estimate:
+/// `estimate -+ 1.645 sqrt(deviation² + bias²)`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SpreadV1 {
     /// Standard deviation.
     pub deviation: f64,
-    /// 5 % of the replicates lie below.
+    /// Lower end of the nominal 90 % interval.
     pub lower: f64,
-    /// 5 % lie above.
+    /// Its upper end.
     pub upper: f64,
+    /// Mean over the replicates less the number of the model that they were drawn from; `null` in earlier artifacts,
+    /// whose ends are percentiles.
+    pub bias: Option<f64>,
 }
 
 // Record: how a model was identified and how well it fits.
@@ -184,7 +264,7 @@ pub struct IdentificationV1 {
     pub order: u32,
     /// Channel the model was identified from; several outputs separated by ", ".
     pub channel: String,
-    /// What the samples were taken for: `impulse-response` or `free-decay`.
+    /// What the samples were taken for: `impulse-response`, `free-decay`, `input-output` or `ambient`.
     pub treated_as: String,
     /// Window on the record's time axis: first sample, s.
     pub from_s: f64,
@@ -209,6 +289,9 @@ pub struct IdentificationV1 {
     pub output_fits_percent: Vec<Option<f64>>,
     /// Time by which the input acts late, s; `null`: no delay.
     pub delay_s: Option<f64>,
+    /// Channels that drive the model; empty: none does, or an earlier artifact does not say it.
+    #[serde(default)]
+    pub inputs: Vec<String>,
 }
 
 // Records: identified models (state space, transfer function, exponential sum) and their modes.
@@ -338,6 +421,20 @@ pub struct ModeV1 {
     pub discrete_re: Option<f64>,
     /// The discrete pole, imaginary part.
     pub discrete_im: Option<f64>,
+    /// What it is; `null` in earlier artifacts.
+    pub kind: Option<ModeKindV1>,
+}
+
+/// What a pole is that is neither an integrator nor beyond the Nyquist frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeKindV1 {
+    /// It grows.
+    Growing,
+    /// It decays without oscillating.
+    Real,
+    /// A damped oscillation.
+    Mode,
 }
 
 // Record: responses of an identified model.
@@ -401,6 +498,23 @@ pub struct SelectionV1 {
     pub best_by_validation: Option<String>,
     /// Ids within 2 of the smallest AICc: the record does not distinguish them. The best itself is among them.
     pub near_equal: Vec<String>,
+    /// Id of the model to use; of `/identification` and `/evidence` too.
+    pub recommended: Option<String>,
+    /// Why it is that one.
+    pub recommended_because: Option<RecommendedBecauseV1>,
+    /// The model with the smallest BIC, where another one is recommended.
+    pub passed_over: Option<String>,
+}
+
+/// Why a model is recommended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RecommendedBecauseV1 {
+    /// It has the smallest BIC.
+    SmallestBic,
+    /// The one with the smallest BIC has a single state, and models of higher order follow unseen samples better by two
+    /// points or more: of these it has the smallest BIC.
+    ValidatesBetter,
 }
 
 /// One model of a comparison.
@@ -418,6 +532,65 @@ pub struct SelectionModelV1 {
     pub bic_difference: f64,
     /// Fit of the samples kept for validation, percent.
     pub validation_fit_percent: Option<f64>,
+    /// Number of states; `null` in earlier artifacts.
+    pub order: Option<u32>,
+    /// Fit of the samples kept for validation with the start fitted, percent, mean over the outputs.
+    pub validation_restarted_fit_percent: Option<f64>,
+}
+
+// Record: what the samples themselves show
+
+/// What the waveforms of a run show before any method: what is left out, how late the inputs act, trends and outliers.
+/// Topic `/checks/<outputs>`, several outputs separated by `+`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RecordChecksV1 {
+    /// Constant inputs, which the methods run without.
+    pub inputs_left_out: Vec<String>,
+    /// The delay as `--delay auto` found it; `null` where it was given.
+    pub delay: Option<FoundDelayV1>,
+    /// Poles of the output-error models that trends and outliers were looked for with; `null`: they were not.
+    pub order: Option<u32>,
+    /// Outputs whose level follows a straight line.
+    pub trends: Vec<TrendV1>,
+    /// Outputs with samples that no model of the order explains.
+    pub outliers: Vec<OutliersV1>,
+}
+
+/// How late the inputs act.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FoundDelayV1 {
+    /// Samples between an input and its effect, the number that `--delay` takes.
+    pub samples: u32,
+    /// Smallest delay that was tried.
+    pub first: u32,
+    /// Largest.
+    pub last: u32,
+    /// Whether it is the largest or, above 0, the smallest that was tried: it may lie beyond.
+    pub at_edge: bool,
+    /// Noise model that decided.
+    pub noise: NoiseModelV1,
+}
+
+/// A straight line that an output follows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TrendV1 {
+    /// The output.
+    pub channel: String,
+    /// Slope of the straight line through it, its unit per second.
+    pub slope_per_s: f64,
+    /// By how much the BIC falls without the straight lines.
+    pub bic_gain: f64,
+}
+
+/// Samples of an output that stand out of the errors of a fit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OutliersV1 {
+    /// The output.
+    pub channel: String,
+    /// Their numbers, from the start of the window.
+    pub samples: Vec<u64>,
+    /// Their times, s.
+    pub times_s: Vec<f64>,
 }
 
 // Record: mode shapes over the sensors.
@@ -480,6 +653,9 @@ pub struct StabilizationV1 {
     pub poles: Vec<StabilizationPoleV1>,
     /// Clusters, by frequency.
     pub clusters: Vec<StabilizationClusterV1>,
+    /// Clusters that were left out because not both halves of the record show them; `null` where the halves were not
+    /// looked at.
+    pub not_in_both_halves: Option<u32>,
 }
 
 /// One pole of a stabilisation diagram.
@@ -512,4 +688,14 @@ pub struct StabilizationClusterV1 {
     pub damping_ratio_lower: f64,
     /// Its upper quartile.
     pub damping_ratio_upper: f64,
+    /// Natural frequency in the first and in the second half of the record, rad/s; empty where the halves were not
+    /// looked at.
+    #[serde(default)]
+    pub halves_rad_per_s: Vec<f64>,
+    /// Mean shape over the channels, real parts, the largest entry 1; empty where it is not known.
+    #[serde(default)]
+    pub shape_re: Vec<f64>,
+    /// Its imaginary parts.
+    #[serde(default)]
+    pub shape_im: Vec<f64>,
 }

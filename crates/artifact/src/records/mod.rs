@@ -18,9 +18,11 @@ pub use fitted::{
     UncertaintyV1,
 };
 pub use identified::{
-    ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeV1, ModesV1,
-    ModesV2, OtherPoleKindV1, OtherPoleV1, ResponseV1, SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, SpreadV1,
-    StabilizationClusterV1, StabilizationPoleV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
+    ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, FoundDelayV1, IdentificationV1,
+    ModeKindV1, ModeV1, ModesV1, ModesV2, NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, OtherPoleKindV1,
+    OtherPoleV1, OutliersV1, RecommendedBecauseV1, RecordChecksV1, ResponseV1, ScanEdgeV1, SelectionModelV1,
+    SelectionV1, ShapeV1, ShapesV1, SpreadV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1,
+    StateSpaceV1, TransferFunctionV1, TrendV1,
 };
 pub use measured::{
     ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1,

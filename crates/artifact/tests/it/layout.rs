@@ -201,6 +201,7 @@ fn freeze_models() {
         mode_singular_value: None,
         discrete_re: Some(0.99),
         discrete_im: Some(0.05),
+        kind: Some(ModeKindV1::Mode),
     }];
     freeze(&ModesV1(modes.clone()));
     let pole = OtherPoleV1 {
@@ -249,6 +250,7 @@ fn freeze_identification() {
         notes: vec![],
         output_fits_percent: vec![],
         delay_s: Some(1e-3),
+        inputs: vec!["93".into()],
     });
     freeze(&EvidenceV1 {
         input: Some("93".into()),
@@ -284,9 +286,9 @@ fn freeze_identification() {
         bootstrap_replicates: Some(198),
         bootstrap_failed: Some(2),
         bootstrap_noise: Some("residuals in blocks of 12 samples".into()),
-        frequency_spreads: vec![Some(SpreadV1 { deviation: 0.5, lower: 37.0, upper: 38.5 }), None],
+        frequency_spreads: vec![Some(SpreadV1 { deviation: 0.5, lower: 37.0, upper: 38.5, bias: Some(0.25) }), None],
         damping_spreads: vec![None],
-        zero_re_spreads: vec![Some(SpreadV1 { deviation: 2.0, lower: 2.5, upper: 9.0 })],
+        zero_re_spreads: vec![Some(SpreadV1 { deviation: 2.0, lower: 2.5, upper: 9.0, bias: None })],
         zero_im_spreads: vec![],
         validation_fit_percent: Some(97.5),
         validation_from_s: Some(0.1),
@@ -302,6 +304,16 @@ fn freeze_identification() {
         parameter_correlations: vec![vec![1.0, -0.5], vec![-0.5, 1.0]],
         denominator_covariance: vec![vec![4.0, -1.0], vec![-1.0, 9.0]],
         holds_on_unseen: Some(false),
+        simulation_whiteness: Some(9500.0),
+        noise: Some(NoiseV1 {
+            model: NoiseModelV1::OutputError,
+            ar_order: 1,
+            ljung_box: 25.5,
+            white_limit: 36.5,
+            is_white: true,
+        }),
+        no_interval: Some(NoIntervalV1::FewReplicates),
+        no_spreads: vec![None, Some(NoSpreadV1::ShortRecord)],
     });
 }
 
@@ -324,6 +336,7 @@ fn freeze_scans() {
         }],
         best_by_bic: Some("arx-2-2-3".into()),
         best_by_aicc: None,
+        at_edge: vec![ScanEdgeV1::Delay],
     });
     freeze(&StabilizationV1 {
         method: "era".into(),
@@ -351,7 +364,18 @@ fn freeze_scans() {
             damping_ratio: 0.2,
             damping_ratio_lower: 0.19,
             damping_ratio_upper: 0.21,
+            halves_rad_per_s: vec![37.6, 37.75],
+            shape_re: vec![1.0, -0.5],
+            shape_im: vec![0.0, 0.25],
         }],
+        not_in_both_halves: Some(1),
+    });
+    freeze(&RecordChecksV1 {
+        inputs_left_out: vec!["v".into()],
+        delay: Some(FoundDelayV1 { samples: 5, first: 0, last: 20, at_edge: false, noise: NoiseModelV1::Arx }),
+        order: Some(4),
+        trends: vec![TrendV1 { channel: "y".into(), slope_per_s: 0.15, bic_gain: 40.5 }],
+        outliers: vec![OutliersV1 { channel: "y".into(), samples: vec![120], times_s: vec![1.2] }],
     });
     freeze(&SelectionV1 {
         output: "93/displacement".into(),
@@ -363,11 +387,16 @@ fn freeze_scans() {
             aicc_difference: Some(0.0),
             bic_difference: 0.5,
             validation_fit_percent: Some(97.5),
+            order: Some(4),
+            validation_restarted_fit_percent: Some(98.0),
         }],
         best_by_aicc: "tfest-4-1".into(),
         best_by_bic: "tfest-2-0".into(),
         best_by_validation: None,
         near_equal: vec!["tfest-4-1".into()],
+        recommended: Some("tfest-4-1".into()),
+        recommended_because: Some(RecommendedBecauseV1::ValidatesBetter),
+        passed_over: Some("tfest-1-0".into()),
     });
     freeze(&ShapesV1 {
         channels: vec!["93".into(), "95".into()],

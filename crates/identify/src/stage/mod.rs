@@ -1,6 +1,7 @@
 //! The stage: models of every method asked for, one after the other, and their comparison. The estimators are those of
 //! `crumple-sysid`.
 
+mod checks;
 mod methods;
 mod options;
 mod records;
@@ -28,7 +29,7 @@ impl Stage for Identify {
     const NAME: &'static str = "identify";
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str =
-        "Identifies linear models from a crash pulse: poles, natural frequencies, damping, and the evidence for them";
+        "Identifies linear models from records: poles, natural frequencies, damping, and the evidence for them";
     type Options = Options;
     type Settings = Settings;
     type Input = Inputs;
@@ -45,7 +46,10 @@ impl Stage for Identify {
     fn run(settings: &Settings, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = inputs.test()?;
         out.put("/test", &TestV1::from(&test))?;
+        let (settings, checks) = checks::prepared(Source { settings, test: &test, inputs }, out)?;
+        let settings = &settings;
         let source = Source { settings, test: &test, inputs };
+        checks::put_ambient(source, out)?;
         if let (_, Some(rule)) = window_start(source)? {
             out.notes().info(rule);
         }
@@ -65,7 +69,8 @@ impl Stage for Identify {
                 Err(error) => failures.push((method, Failure::Refused(error))),
             }
         }
-        results.conclude()?;
+        let order = results.conclude()?;
+        checks::finish(source, order, checks, out)?;
         if let Some(note) = level_note(source)? {
             out.notes().push(note);
         }

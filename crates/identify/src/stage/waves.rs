@@ -3,7 +3,7 @@
 use crumple_signal::{About, Note, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::records::{ChannelFilterV1, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
-use crumple_sysid::{EraError, FilterEdge, IoData, MarkovParameters, Realization, end_of_contact};
+use crumple_sysid::{EraError, FilterEdge, IoData, MarkovParameters, Realization, end_of_contact, straight_line};
 
 use crate::stage::options::settings::InputOutputSettings;
 use crate::stage::options::settings::Settings;
@@ -31,6 +31,8 @@ pub struct WindowedWave {
     pub kept: Vec<f64>,
     /// Edges of the filter it went through, if known: that of the channel it was made from.
     pub edges: Vec<FilterEdge>,
+    /// Level and slope a sample that were subtracted from all samples.
+    pub removed: (f64, f64),
 }
 
 impl WindowedWave {
@@ -45,7 +47,7 @@ impl WindowedWave {
         let cfc = source.test.channel(&id).or_else(|| source.test.channel(channel)).and_then(|c| c.cfc);
         // Without a filter of ours, the class that the record came with.
         let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
-        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id })
+        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id, removed: (0.0, 0.0) })
     }
 
     /// All samples, those kept for validation too.
@@ -69,11 +71,30 @@ impl WindowedWave {
         let centred = self.sampled.samples().iter().map(|x| x - mean).collect();
         self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
         self.kept.iter_mut().for_each(|x| *x -= mean);
+        self.removed = (mean, 0.0);
+        Ok(format!("the mean of the samples identified from, {mean:.6}{}, was removed from {}", self.unit(), self.id))
+    }
+
+    /// The same with the straight line through them.
+    pub fn remove_trend(&mut self) -> anyhow::Result<String> {
+        let (intercept, slope) = straight_line(self.sampled.samples());
+        let level = |k: usize| intercept + slope * k as f64;
+        let used = self.sampled.len();
+        let rest = self.sampled.samples().iter().enumerate().map(|(k, x)| x - level(k)).collect();
+        self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), rest)?;
+        self.kept.iter_mut().enumerate().for_each(|(k, x)| *x -= level(used + k));
+        self.removed = (intercept, slope);
         Ok(format!(
-            "the mean of the samples identified from, {mean:.6e} {}, was removed from {}",
-            self.quantity.si_unit(),
+            "the straight line through the samples identified from, slope {:.6}{}/s, was removed from {}",
+            slope / self.sampled.dt_s(),
+            self.unit(),
             self.id
         ))
+    }
+
+    /// The unit behind a blank; nothing where it is 1.
+    pub fn unit(&self) -> String {
+        Some(self.quantity.si_unit()).filter(|unit| *unit != "1").map_or_else(String::new, |unit| format!(" {unit}"))
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.
@@ -208,8 +229,11 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     };
     let mut inputs = waves(ids, source)?;
     let mut remarks = Vec::new();
-    if input_output.remove_mean {
-        for wave in outputs.iter_mut().chain(&mut inputs) {
+    let removes_mean = input_output.remove_mean || input_output.remove_mean_unless_crash && !source.is_of_a_crash();
+    for wave in outputs.iter_mut().chain(&mut inputs) {
+        if input_output.remove_trend {
+            remarks.push(wave.remove_trend()?);
+        } else if removes_mean {
             remarks.push(wave.remove_mean()?);
         }
     }
@@ -237,7 +261,7 @@ pub fn level_note(source: Source<'_>) -> anyhow::Result<Option<Note>> {
     let Some(input_output) = source.settings.input_output.as_ref().filter(|_| !source.is_of_a_crash()) else {
         return Ok(None);
     };
-    if input_output.remove_mean {
+    if input_output.remove_mean || input_output.remove_mean_unless_crash || input_output.remove_trend {
         return Ok(None);
     }
     // Where the waveforms are refused, the methods have said so.
@@ -257,10 +281,8 @@ fn level_in_words(wave: &WindowedWave) -> Option<String> {
     let mean = mean_of(&mut samples.iter().copied());
     let deviation = mean_of(&mut samples.iter().map(|x| (x - mean).powi(2))).sqrt();
     (deviation > 0.0 && mean.abs() > NAMED_LEVEL * deviation).then(|| {
-        // A number without a unit has the unit 1.
-        let unit = Some(wave.quantity.si_unit()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
         let (id, times) = (&wave.id, mean.abs() / deviation);
-        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", unit.unwrap_or_default())
+        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", wave.unit())
     })
 }
 
@@ -418,7 +440,11 @@ pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
     let first = record.index_at_or_after(zero_s + from_s - room_s);
     // The sample at `to` itself belongs to the window.
     let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(zero_s + to + record.dt_s() / 2.0));
-    let used = settings.validate_from_s.map_or(end, |from| end.min(record.index_at_or_after(zero_s + from)));
+    let by_time = settings.validate_from_s.map_or(end, |from| end.min(record.index_at_or_after(zero_s + from)));
+    // The sample at the share is the first of those kept.
+    let by_share = |share: f64| first + (share * end.saturating_sub(first) as f64).ceil() as usize;
+    let used = settings.validate_from_share.map_or(by_time, |share| end.min(by_share(share)));
+    let keeps_some = settings.validate_from_s.is_some() || settings.validate_from_share.is_some();
     let kept = record.slice(used.max(first), end).samples().to_vec();
     let end = settings.samples.map_or(used, |count| used.min(first.saturating_add(count)));
     let window = record.slice(first, end);
@@ -432,11 +458,11 @@ pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
         .hint("set --from and --to to times inside the record")
         .into());
     }
-    if settings.validate_from_s.is_some() && (kept.is_empty() || end < used) {
+    if keeps_some && (kept.is_empty() || end < used) {
         return Err(Refused::new("no sample is left for the validation, or --samples ends before it begins")
             .hint("set --validate-from to a time inside the window, without --samples")
             .into());
     }
-    let kept = if settings.validate_from_s.is_some() { kept } else { Vec::new() };
+    let kept = if keeps_some { kept } else { Vec::new() };
     Ok(Window { used: window, kept })
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod any_waveform;
+mod automatic;
 mod daisy_program;
 mod delays_and_filters;
 mod generic_records;

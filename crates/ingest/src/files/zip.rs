@@ -4,8 +4,7 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::formats::iso_mme::IsoMme;
-use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
+use crate::formats::iso_mme::{IsoMme, is_channel_folder, is_channel_name};
 use crate::formats::reader::{Bundle, FILE_LIMIT, Reader, check_total, stem};
 use crate::{IngestError, Place};
 

@@ -11,10 +11,10 @@ use crate::{IngestError, IngestSettings, Place};
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
 /// Most memory the files of one record may take, bytes.
-pub const TOTAL_LIMIT: u64 = 2 << 30;
+const TOTAL_LIMIT: u64 = 2 << 30;
 
 /// A format that is read. To add one: a file with a type that implements this, and a line in
-/// [`READERS`](super::registry::READERS).
+/// [`READERS`](crate::formats::registry::READERS).
 pub trait Reader: Sync {
     /// Name in artifacts: `csv`, `nhtsa-ev5`.
     fn format(&self) -> &'static str;

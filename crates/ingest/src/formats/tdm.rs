@@ -5,16 +5,15 @@ use std::collections::{BTreeMap, HashMap};
 use crumple_signal::Notes;
 use roxmltree::{Document, Node, ParsingOptions};
 
+use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::formats::tdms::metadata::Type;
-use crate::formats::tdms::samples::{Strided, numbers, times};
+use crate::formats::tdms::metadata::{Strided, Type, numbers, times};
 use crate::formats::text::lines::{decode, without_mark};
 use crate::formats::waveform::channel::{Instant, Waveform};
+use crate::formats::waveform::clock::instant;
 use crate::formats::waveform::conversion;
-use crate::formats::waveform::date::instant;
-use crate::formats::{diadem, iso13499};
-use crate::recording::content::Recording;
-use crate::recording::read_channel::ReadChannel;
+use crate::recording::content::{ReadChannel, Recording};
+use crate::recording::details::{Details, Stated};
 use crate::{IngestError, IngestSettings, Place};
 
 /// Largest header, bytes.
@@ -87,7 +86,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
-    let details = diadem::details(&header.root);
+    let details = details(&header.root);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
@@ -442,4 +441,45 @@ fn block(id: &str, by_id: &NodeIndex) -> Result<Block, String> {
         other => return Err(format!("its samples are of type {other}, only real numbers and times are read")),
     };
     Ok(Block { offset: number("byteOffset")?, length: number("length")?, kind })
+}
+
+/// Title, vehicle and facts by the names of properties, case aside. Speeds and masses in properties carry no unit and
+/// are told as facts only.
+pub fn details(properties: &BTreeMap<String, String>) -> Details {
+    let find = |names: &[&str]| {
+        names.iter().find_map(|wanted| {
+            properties
+                .iter()
+                .find(|(name, value)| name.eq_ignore_ascii_case(wanted) && !value.trim().is_empty())
+                .map(|(name, value)| Stated { value: value.trim().to_owned(), from: format!("property {name}") })
+        })
+    };
+    let mut facts = Vec::new();
+    for (name, value) in properties {
+        let squeezed: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).take(40).collect();
+        let is_fact = matches!(
+            squeezed.as_str(),
+            "testid"
+                | "testdate"
+                | "description"
+                | "impactvelocity"
+                | "impactspeed"
+                | "testspeed"
+                | "testmass"
+                | "vehiclemass"
+                | "occupantposition"
+                | "dummytype"
+                | "laboratory"
+                | "author"
+        );
+        if is_fact && !value.trim().is_empty() {
+            facts.push(format!("{name}: {}", value.trim()));
+        }
+    }
+    Details {
+        title: find(&["title", "Test_Title", "TestTitle"]),
+        vehicle: find(&["Vehicle_Name", "VehicleName", "Vehicle"]),
+        facts,
+        ..Details::default()
+    }
 }

@@ -1,10 +1,9 @@
 //! Facts about the test from several places: the record, its sidecar, flags. The later beats the earlier, and says so.
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
-use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::{About, Notes, QuantityKind, Weight};
 
 use crate::{IngestError, IngestSettings, Place};
 

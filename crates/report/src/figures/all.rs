@@ -4,7 +4,7 @@ use crate::drawing::Figure;
 use crate::findings::{Ranking, Run};
 
 use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
-use super::identification::{bode, poles, responses, singular_values, stabilisation};
+use super::identification::{bode, poles, responses, simulated, singular_values, stabilisation};
 
 /// All figures that the run has records for, in the order of the page.
 pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
@@ -29,6 +29,8 @@ pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
 /// Those of the identified models.
 pub fn identification_figures(run: &Run) -> Vec<Figure> {
     let figures = [
+        simulated::compare(run),
+        simulated::errors(run),
         poles::figure(run),
         singular_values::figure(run),
         stabilisation::figure(run),

@@ -20,6 +20,7 @@ pub use conclusions::summary::{
     Summary, TestSummary, TransferFunctionSummary, model_year, summary, summary_schema,
 };
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
+pub use results::model_output::{ErrorCorrelation, ModelOutput};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,

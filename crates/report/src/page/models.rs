@@ -7,10 +7,14 @@ use std::f64::consts::TAU;
 use crate::drawing::Figure;
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{Model, PoleStability, Run, is_of_a_failed_method};
+use crate::findings::{Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crate::phrases::words::fill;
-use crumple_artifact::records::{ConcernV1, EvidenceV1, ModeV1, OtherPoleKindV1};
+use crumple_artifact::records::{
+    ConcernV1, EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
+};
+use crumple_signal::{Note, Severity};
 
+use crate::figures::identification::simulated::order;
 use crate::frame::{Column, table};
 use crate::page::figures;
 
@@ -31,15 +35,33 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
         let count = fill(template, &[("count", run.models.len().to_string())]);
         out.push_str(&format!("<details><summary>{count}</summary>\n"));
     }
+    write_recommended(out, run);
     figures::write(out, drawn, "h3");
-    for model in &run.models {
-        write_model(out, model);
+    for place in order(run) {
+        write_model(out, &run.models[place]);
     }
     write_failed_methods(out, concerns);
     if !run.is_generic() {
         out.push_str("</details>\n");
     }
     out.push_str("</section>\n");
+}
+
+/// Which model of every output to use, and why.
+fn write_recommended(out: &mut String, run: &Run) {
+    let texts = &PHRASES.identification;
+    for selection in &run.selections {
+        let Some((id, because)) = selection.recommended.as_ref().zip(selection.recommended_because) else { continue };
+        let because = match because {
+            RecommendedBecauseV1::SmallestBic => texts.smallest_bic.to_owned(),
+            RecommendedBecauseV1::ValidatesBetter => {
+                let other = selection.passed_over.as_deref().unwrap_or_default();
+                fill(texts.validates_better, &[("other", html(other))])
+            }
+        };
+        let filled = [("model", html(id)), ("output", html(&selection.output)), ("because", because)];
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.recommended, &filled)));
+    }
 }
 
 /// Every method that gave no model, with its reason.
@@ -55,33 +77,201 @@ fn write_failed_methods(out: &mut String, concerns: &[ConcernV1]) {
 fn write_model(out: &mut String, model: &Model) {
     let texts = &PHRASES.identification;
     out.push_str(&format!("<h3><code>{}</code></h3>\n", html(&model.id)));
-    if let Some(i) = &model.identification {
-        let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
-        // Between inputs and outputs a channel is what it is.
-        let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
-        let stretch = [("times", words::times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
-        let mut facts = vec![
-            fill(texts.method, &[("method", &i.method)]),
-            fill(texts.order, &[("order", i.order.to_string())]),
-            fill(template, &taken_for),
-            fill(texts.stretch, &stretch),
-        ];
-        if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
-            facts.push(fill(texts.hankel, &[("rows", rows.to_string()), ("columns", columns.to_string())]));
-        }
-        if let Some(fit) = i.fit_percent {
-            facts.push(fill(texts.fit, &[("fit", format!("{} %", words::decimals(fit, 2)))]));
-        }
-        if let Some(fit) = model.unseen_fit_percent() {
-            facts.push(fill(texts.unseen_fit, &[("fit", format!("{} %", words::decimals(fit, 2)))]));
-        }
-        out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts.join("; ")))));
-        if !i.notes.is_empty() {
-            let items: String = i.notes.iter().map(|text| format!("<li>{}</li>", html(text))).collect();
-            out.push_str(&format!("<ul class=\"remarks\">{items}</ul>\n"));
-        }
+    let notes: Vec<Note> = model.identification.iter().flat_map(|i| &i.notes).map(|text| Note::parse(text)).collect();
+    let list = |severity: Severity| -> String {
+        let of_severity = notes.iter().filter(|note| note.severity == severity);
+        of_severity.map(|note| format!("<li>{}</li>", html(&note.to_string()))).collect()
+    };
+    let warnings = list(Severity::Warning);
+    if !warnings.is_empty() {
+        out.push_str(&format!("<ul class=\"remarks\">{warnings}</ul>\n"));
     }
+    if let Some(i) = &model.identification {
+        out.push_str(&format!("<p>{}</p>\n", html(&format!("{}.", facts(model, i).join("; ")))));
+    }
+    write_outputs(out, model);
+    write_form(out, model);
     write_poles(out, model);
+    let infos = list(Severity::Info);
+    if !infos.is_empty() {
+        let count = fill(
+            texts.notes_of_model,
+            &[("count", notes.iter().filter(|n| n.severity == Severity::Info).count().to_string())],
+        );
+        out.push_str(&format!("<details><summary>{count}</summary>\n<ul class=\"remarks\">{infos}</ul>\n</details>\n"));
+    }
+}
+
+/// How a model was identified and why the search for it stopped.
+fn facts(model: &Model, i: &IdentificationV1) -> Vec<String> {
+    let texts = &PHRASES.identification;
+    let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
+    // Between inputs and outputs a channel is what it is.
+    let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
+    let stretch = [("times", words::times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
+    let mut facts = vec![
+        fill(texts.method, &[("method", &i.method)]),
+        fill(texts.order, &[("order", i.order.to_string())]),
+        fill(template, &taken_for),
+        fill(texts.stretch, &stretch),
+    ];
+    if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
+        facts.push(fill(texts.hankel, &[("rows", rows.to_string()), ("columns", columns.to_string())]));
+    }
+    if let Some(reason) = model.evidence.as_ref().and_then(|evidence| evidence.stop_reason.as_ref()) {
+        facts.push(fill(texts.stopped, &[("reason", reason.replace('-', " "))]));
+    }
+    facts
+}
+
+/// Fit and validation of every output, and whether its errors are correlated.
+fn write_outputs(out: &mut String, model: &Model) {
+    if model.outputs.is_empty() {
+        return;
+    }
+    let texts = &PHRASES.identification;
+    type Measure = fn(&ModelOutput) -> Option<f64>;
+    let known = |of: Measure| model.outputs.iter().any(|output| of(output).is_some());
+    let columns: Vec<(Column<'_>, Measure, usize)> = [
+        (Column::number(texts.fit_column).means(texts.fit_definition), (|o| o.fit_percent) as Measure, 2),
+        (
+            Column::number(texts.restarted_column).means(texts.restarted_definition),
+            |o| o.evidence.as_ref()?.validation_restarted_fit_percent,
+            2,
+        ),
+        (
+            Column::number(texts.run_on_column).means(texts.run_on_definition),
+            |o| o.evidence.as_ref()?.validation_fit_percent,
+            2,
+        ),
+        (
+            Column::number(texts.lag_one_column).means(texts.lag_one_definition),
+            |o| o.evidence.as_ref()?.residual_lag_one,
+            3,
+        ),
+        (
+            Column::number(texts.effective_column).means(texts.effective_definition),
+            |o| o.evidence.as_ref()?.effective_samples,
+            0,
+        ),
+    ]
+    .into_iter()
+    .filter(|(_, of, _)| known(*of))
+    .collect();
+    let heads: Vec<Column<'_>> =
+        std::iter::once(Column::text(texts.output_column)).chain(columns.iter().map(|(column, ..)| *column)).collect();
+    out.push_str(&table("", &heads));
+    for output in &model.outputs {
+        let cell = |(_, of, digits): &(Column<'_>, Measure, usize)| {
+            let value = of(output).map_or(ABSENT.to_owned(), |x| words::decimals(x, *digits));
+            format!("<td class=\"n\">{value}</td>")
+        };
+        let cells: String = columns.iter().map(cell).collect();
+        out.push_str(&format!("<tr><td>{}</td>{cells}</tr>\n", html(&output.channel)));
+    }
+    out.push_str("</tbody>\n</table></div>\n");
+    let evidence = || model.outputs.iter().filter_map(|output| output.evidence.as_ref());
+    let is_correlated =
+        |e: &&EvidenceV1| e.simulation_whiteness.zip(e.whiteness_limit).is_some_and(|(q, limit)| q > limit);
+    if let Some(worst) = evidence().find(is_correlated) {
+        let (count, all) = (evidence().filter(is_correlated).count(), evidence().count());
+        let counts = [
+            ("count", count.to_string()),
+            ("all", all.to_string()),
+            ("statistic", words::significant(worst.simulation_whiteness.unwrap_or_default(), 3)),
+            ("limit", words::significant(worst.whiteness_limit.unwrap_or_default(), 3)),
+            ("effect", effect_of_correlation(worst)),
+        ];
+        let template = if all > 1 { texts.correlated_of } else { texts.correlated };
+        out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(template, &counts)));
+    }
+}
+
+/// What correlated errors do to the deviations of a model.
+fn effect_of_correlation(evidence: &EvidenceV1) -> String {
+    let texts = &PHRASES.identification;
+    let has_spreads = evidence.frequency_spreads.iter().any(Option::is_some);
+    let is_linearised = !evidence.frequency_deviations.is_empty() || !evidence.denominator_deviations.is_empty();
+    match (&evidence.noise, evidence.effective_samples) {
+        (Some(noise), _) if has_spreads && noise.is_white => match noise.model {
+            NoiseModelV1::OutputError => fill(texts.drawn_from_ar, &[("order", noise.ar_order.to_string())]),
+            NoiseModelV1::Arx => texts.drawn_from_arx.to_owned(),
+        },
+        (Some(noise), _) if !noise.is_white => texts.unexplained.to_owned(),
+        (_, Some(effective)) if is_linearised => fill(texts.counted, &[("count", words::decimals(effective, 0))]),
+        _ => texts.too_small.to_owned(),
+    }
+}
+
+/// Numerators of more paths are left to the artifact.
+const MOST_NUMERATORS: usize = 4;
+
+/// The polynomials of transfer functions with their deviations, or the sizes of a state space.
+fn write_form(out: &mut String, model: &Model) {
+    let texts = &PHRASES.identification;
+    if !model.is_transfer_function() {
+        let Some(states) = &model.state_space else { return };
+        let sampled = match states.sample_time_s {
+            0.0 => texts.continuous.to_owned(),
+            dt_s => fill(texts.sampled, &[("time", words::significant(dt_s, 4))]),
+        };
+        let sizes = [
+            ("states", states.a.len().to_string()),
+            ("inputs", states.b.first().map_or(0, Vec::len).to_string()),
+            ("outputs", states.c.len().to_string()),
+            ("sampled", sampled),
+        ];
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.sizes, &sizes)));
+        return;
+    }
+    let per_output = model.paths.len() / model.outputs.len().max(1);
+    let mut lines = Vec::new();
+    for (place, path) in model.paths.iter().enumerate().take(MOST_NUMERATORS) {
+        let evidence = model.outputs.get(place / per_output.max(1)).and_then(|output| output.evidence.as_ref());
+        let all = evidence.map_or(&[][..], |evidence| &evidence.numerator_deviations);
+        let each = all.len() / per_output.max(1);
+        let own = &all[(place % per_output.max(1)) * each..][..each];
+        let name = match model.paths.len() {
+            1 => texts.numerator.to_owned(),
+            _ => fill(texts.numerator_of, &[("input", html(&path.input)), ("output", html(&path.output))]),
+        };
+        lines.push(format!("{name}: {}", polynomial(&path.numerator, own)));
+    }
+    if model.paths.len() > MOST_NUMERATORS {
+        lines.push(fill(texts.more_numerators, &[("count", (model.paths.len() - MOST_NUMERATORS).to_string())]));
+    }
+    if let Some(path) = model.paths.first() {
+        let deviations = model.evidence.as_ref().map_or(&[][..], |evidence| &evidence.denominator_deviations);
+        lines.push(format!("{}: {}", texts.denominator, polynomial(&path.denominator, deviations)));
+    }
+    out.push_str(&format!("<p>{}</p>\n", lines.join("<br>\n")));
+}
+
+/// `(0.63 ± 0.29) s + 0.98`, three significant digits; deviations belong to the last coefficients.
+fn polynomial(coefficients: &[f64], deviations: &[f64]) -> String {
+    let count = coefficients.len();
+    let deviation_of = |k: usize| (k + deviations.len()).checked_sub(count).and_then(|k| deviations.get(k));
+    let terms = coefficients.iter().enumerate().map(|(k, value)| {
+        let number = words::significant(*value, 3);
+        let number = match deviation_of(k) {
+            Some(deviation) => format!("({number} ± {})", words::significant(*deviation, 3)),
+            None => number,
+        };
+        let is_one = *value == 1.0 && deviation_of(k).is_none();
+        match count - 1 - k {
+            0 => number,
+            1 => {
+                if is_one {
+                    "<i>s</i>".to_owned()
+                } else {
+                    format!("{number} <i>s</i>")
+                }
+            }
+            power if is_one => format!("<i>s</i><sup>{power}</sup>"),
+            power => format!("{number} <i>s</i><sup>{power}</sup>"),
+        }
+    });
+    terms.collect::<Vec<_>>().join(" + ")
 }
 
 /// What the table of poles has of one pole, or of a conjugate pair.
@@ -120,7 +310,9 @@ fn write_poles(out: &mut String, model: &Model) {
         Column::number(texts.coherence).means(texts.coherence_definition),
         Column::number(texts.share).means(texts.share_definition),
     ];
-    out.push_str(&table("", &columns));
+    let has_amplitudes = model.modes.iter().any(|mode| mode.modal_amplitude_coherence.is_some());
+    let count = if has_amplitudes { columns.len() } else { columns.len() - 2 };
+    out.push_str(&table("", &columns[..count]));
     for PoleLine { pole: [re, im], stability, cells } in lines {
         let word = match stability {
             PoleStability::Stable => String::new(),
@@ -128,7 +320,7 @@ fn write_poles(out: &mut String, model: &Model) {
             PoleStability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
         };
         let im = if im == 0.0 { String::new() } else { format!(" ± {}i", words::significant(im.abs(), 5)) };
-        let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
+        let cells: String = cells[..count - 1].iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
         out.push_str(&format!("<tr><td class=\"n\">{}{im}{word}</td>{cells}</tr>\n", words::significant(re, 5)));
     }
     out.push_str("</tbody>\n</table></div>\n");
@@ -136,16 +328,52 @@ fn write_poles(out: &mut String, model: &Model) {
     if folded {
         out.push_str("</details>\n");
     }
+    write_zeros(out, model);
+}
+
+/// The zeros of a model of one path, with their deviations where these are known.
+fn write_zeros(out: &mut String, model: &Model) {
+    let Some(response) = &model.response else { return };
+    let deviation = |of: fn(&EvidenceV1) -> (&[Option<f64>], &[Option<SpreadV1>]), place: usize| {
+        let (deviations, spreads) = of(model.evidence.as_ref()?);
+        let spread = spreads.get(place).and_then(Option::as_ref).map(|spread| spread.deviation);
+        spread.or_else(|| deviations.get(place).copied().flatten())
+    };
+    let number = |value: f64, deviation: Option<f64>| {
+        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", words::significant(d, 3)));
+        format!("{}{deviation}", words::significant(value, 3))
+    };
+    let zeros = response.zeros_re_per_s.iter().zip(&response.zeros_im_rad_per_s).enumerate();
+    let texts = &PHRASES.identification;
+    let all: Vec<String> = zeros
+        .filter(|(_, (_, im))| **im >= 0.0)
+        .map(|(place, (re, im))| {
+            let re = number(*re, deviation(|e| (&e.zero_re_deviations, &e.zero_re_spreads), place));
+            let of_pair = number(*im, deviation(|e| (&e.zero_im_deviations, &e.zero_im_spreads), place));
+            if *im == 0.0 { re } else { fill(texts.pair_of_zeros, &[("re", re), ("im", of_pair)]) }
+        })
+        .collect();
+    if !all.is_empty() {
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.zeros_of_model, &[("zeros", all.join("; "))])));
+    }
 }
 
 /// Natural frequency, damping ratio, coherence and share of every pole, in the order of [`Model::poles`], and in words
-/// where their uncertainty is from: the covariance of the fit, else the bootstrap, else nowhere.
+/// where their uncertainty is from: the bootstrap, else the covariance of the fit, else nowhere.
 fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
     let texts = &PHRASES.identification;
-    let number = |value: Option<f64>, deviation: Option<f64>, factor: f64| {
+    let number = |value: Option<f64>, deviation: Option<f64>, factor: f64, ends: Option<[f64; 2]>| {
         let Some(value) = value else { return ABSENT.to_owned() };
-        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", words::significant(factor * d, 2)));
-        format!("{}{deviation}", words::significant(factor * value, 4))
+        let Some(deviation) = deviation.map(|d| factor * d).filter(|d| *d > 0.0 && d.is_finite()) else {
+            return words::significant(factor * value, 4);
+        };
+        // As many decimals as show two digits of the deviation.
+        let decimals = usize::try_from((1 - deviation.log10().floor() as i32).clamp(0, 9)).unwrap_or(0);
+        let ends = ends.map_or_else(String::new, |ends| {
+            let [low, high] = ends.map(|end| words::decimals(factor * end, decimals));
+            format!(" ({})", words::between(&low, &high))
+        });
+        format!("{} ± {}{ends}", words::decimals(factor * value, decimals), words::significant(deviation, 2))
     };
     let evidence = model.evidence.as_ref();
     let by_covariance =
@@ -155,16 +383,22 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
             .map(|spreads| spreads.iter().map(|spread| spread.as_ref().map(|spread| spread.deviation)).collect())
     };
     let is_known = |deviations: &[Vec<Option<f64>>; 2]| deviations.iter().flatten().any(Option::is_some);
-    let sources = [(evidence.map(by_covariance), texts.deviation), (evidence.map(by_bootstrap), texts.spread)];
+    let sources = [(evidence.map(by_bootstrap), texts.spread), (evidence.map(by_covariance), texts.deviation)];
     let known = sources.into_iter().find_map(|(deviations, words)| Some((deviations.filter(is_known)?, words)));
     let ([frequency, damping], words) = known.unwrap_or(([Vec::new(), Vec::new()], texts.no_deviation));
     let deviation = |of_modes: &[Option<f64>], place: usize| of_modes.get(place).copied().flatten();
+    let ends = |spreads: fn(&EvidenceV1) -> &[Option<SpreadV1>], place: usize| {
+        let spread = spreads(evidence?).get(place)?.as_ref()?;
+        Some([spread.lower, spread.upper])
+    };
     let modes = model.modes.iter().enumerate().map(|(place, mode): (usize, &ModeV1)| {
+        let frequency_ends = ends(|evidence| &evidence.frequency_spreads, place);
+        let damping_ends = ends(|evidence| &evidence.damping_spreads, place);
         [
-            number(Some(mode.natural_frequency_rad_per_s), deviation(&frequency, place), 1.0 / TAU),
-            number(mode.damping_ratio, deviation(&damping, place), 100.0),
-            number(mode.modal_amplitude_coherence, None, 1.0),
-            number(mode.mode_singular_value, None, 1.0),
+            number(Some(mode.natural_frequency_rad_per_s), deviation(&frequency, place), 1.0 / TAU, frequency_ends),
+            number(mode.damping_ratio, deviation(&damping, place), 100.0, damping_ends),
+            number(mode.modal_amplitude_coherence, None, 1.0, None),
+            number(mode.mode_singular_value, None, 1.0, None),
         ]
     });
     let others = model.other_poles.iter().map(|pole| {

@@ -6,13 +6,45 @@ texts! { IdentificationTexts
         "{count} identified model: poles, order, frequency response";
     models:
         "{count} identified models: poles, order, frequency response";
+    recommended: "Use <code>{model}</code> for {output}: {because}.";
+    smallest_bic: "it has the smallest BIC of all";
+    validates_better:
+        "it follows unseen samples better than <code>{other}</code>, which has the smallest BIC and a single state";
     method: "method {method}";
     order: "order {order}";
     output: "output {channel}";
     channel_taken_for: "channel {channel} taken for {what}";
     stretch: "{times}, {count} samples";
     hankel: "Hankel matrix {rows} × {columns}";
-    fit: "fit {fit}";
+    stopped: "search stopped: {reason}";
+    output_column: "Output";
+    fit_column: "Fit, %";
+    fit_definition: "Of the simulated output, with its start fitted, on the samples identified from.";
+    restarted_column: "Unseen, %";
+    restarted_definition: "Fit of the samples kept for validation, with the start fitted to them.";
+    run_on_column: "Run on, %";
+    run_on_definition: "The same from the state at the end of the samples identified from.";
+    lag_one_column: "Errors at lag one";
+    lag_one_definition: "Autocorrelation of the errors of the simulation one sample apart; near 0: white.";
+    effective_column: "Worth";
+    effective_definition: "Number of independent samples that the correlated errors are worth.";
+    correlated:
+        "The errors of the simulation are correlated (Q {statistic}, {limit} allowed): {effect}.";
+    correlated_of:
+        "The errors of {count} of {all} outputs are correlated (Q {statistic}, {limit} allowed): {effect}.";
+    drawn_from_ar: "intervals are drawn from noise of an autoregression of order {order}";
+    drawn_from_arx: "intervals are drawn from noise that goes through the poles of the system";
+    unexplained: "no noise model explains them, deviations would be too small, and intervals are left out";
+    counted: "the deviations count as many independent samples as they are worth, {count}";
+    too_small: "deviations that take them for white would be too small";
+    continuous: "continuous";
+    sampled: "sampled every {time} s";
+    sizes: "State space, {sampled}: states {states}, inputs {inputs}, outputs {outputs}.";
+    numerator: "Numerator";
+    numerator_of: "Numerator from {input} to {output}";
+    more_numerators: "{count} more numerators are in the artifact.";
+    denominator: "Denominator";
+    notes_of_model: "Notes on this model ({count})";
     poles_and_pairs: "{count} poles and pairs";
     pole: "Pole, 1/s";
     natural_frequency: "Natural frequency, Hz";
@@ -25,18 +57,41 @@ texts! { IdentificationTexts
     share: "Share";
     share_definition:
         "Mode singular value relative to the largest: the mode's share of the response.";
+    zeros_of_model: "Zeros, 1/s: {zeros}.";
+    pair_of_zeros: "{re} with imaginary parts ±({im})";
     unstable: "unstable";
     deviation:
-        "± one standard deviation, from the covariance of the fit.";
+        "± one standard deviation, from the covariance of the linearised fit.";
     no_deviation:
         "No uncertainty of these poles is known.";
     spread:
-        "± one standard deviation, from the bootstrap.";
+        "± one standard deviation, and the 90 % interval, from the bootstrap.";
     integrator: "no mode: near zero";
     beyond_nyquist: "no mode: beyond the sampling";
     marginal: "marginal";
-    unseen_fit: "unseen samples {fit}";
     failed_methods: "Not identified";
+    compare: "Measured and simulated";
+    measured: "measured";
+    legend_fit: "{model}, {fit}";
+    legend_unseen: "{model}, {fit}, unseen {unseen}";
+    time_of_record: "time, {unit}";
+    compare_caption:
+        "The record and the outputs that the models answer the recorded inputs with.";
+    compare_unseen:
+        " Shaded: unseen samples, with the start of the model fitted to them.";
+    compare_cut:
+        " The axis of time shows a part of the record at first.";
+    more_outputs: " {count} more outputs are in the artifact.";
+    errors: "Errors of the simulation";
+    limits_of_white: "95 % limits of white errors";
+    own_correlation: "errors of {channel}";
+    input_correlation: "errors of {channel} with {input}";
+    lag: "lag, samples";
+    errors_caption:
+        "Autocorrelation of the errors, and their correlation with the inputs; a negative lag is an input after the \
+         error. Errors outside the limits are correlated: deviations that assume white ones are wrong.";
+    errors_outside:
+        " {model}: {outside} of {lags} lags are outside.";
     poles: "Poles and zeros of the identified models";
     real_part: "real part, 1/s";
     imaginary_part: "imaginary part, rad/s";
@@ -91,7 +146,7 @@ texts! { IdentificationTexts
     magnitude: "magnitude, dB";
     phase: "phase, °";
     bode_caption:
-        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles are marked.";
+        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles of the closest model are marked.";
     si_units: ", SI units";
     the_input: "the input";
     the_output: "the output";

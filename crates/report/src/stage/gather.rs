@@ -10,8 +10,8 @@ use crumple_artifact::records::{
     TestsV1, TransferFunctionV1,
 };
 use crumple_report::{
-    CandidateResult, Element, JointTests, MeasuredWaves, Model, Run, SensorMotion, StageNote, StageRecord, compare_ids,
-    fill,
+    CandidateResult, Element, JointTests, MeasuredWaves, Model, ModelOutput, Run, SensorMotion, StageNote, StageRecord,
+    compare_ids, fill,
 };
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused};
@@ -36,7 +36,8 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
         run.measured = measured(inputs, &id, time_zero_s);
         run.other_sensors = other_sensors(inputs, &run.test, &id, time_zero_s);
     }
-    run.models = models(inputs)?;
+    run.models = models(inputs, time_zero_s)?;
+    run.selections = inputs.records("/selection/")?.into_iter().map(|(_, record)| record).collect();
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
     run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
     run.matchings = inputs.records("/matching/")?;
@@ -119,7 +120,7 @@ fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero
         .collect()
 }
 
-fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
+fn models(inputs: &Inputs, time_zero_s: f64) -> anyhow::Result<Vec<Model>> {
     let mut models: BTreeMap<String, Model> = BTreeMap::new();
     let mut with_model = |id: &str, put: &mut dyn FnMut(&mut Model)| {
         let model = models.entry(id.to_owned()).or_insert_with(|| Model { id: id.to_owned(), ..Model::default() });
@@ -144,21 +145,49 @@ fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     for (topic, tf) in inputs.records::<TransferFunctionV1>("/model/")? {
         let (id, form) = split(&topic);
         let is_whole = !form.contains('/');
-        with_model(&id, &mut |model| model.transfer_function = is_whole.then(|| tf.clone()));
+        with_model(&id, &mut |model| {
+            model.transfer_function = is_whole.then(|| tf.clone());
+            model.paths.push(tf.clone());
+        });
     }
-    for (topic, _) in inputs.records::<StateSpaceV1>("/model/")? {
-        with_model(&split(&topic).0, &mut |_| {});
+    for (topic, state_space) in inputs.records::<StateSpaceV1>("/model/")? {
+        let (id, form) = split(&topic);
+        with_model(&id, &mut |model| {
+            if form == "discrete" || (form == "continuous" && model.state_space.is_none()) {
+                model.state_space = Some(state_space.clone());
+            }
+        });
     }
+    let wave = |id: &str| inputs.wave_if(id).map(|wave| after(&wave.sampled, time_zero_s));
     // Of several outputs that which is worst on unseen samples counts.
     for (topic, evidence) in inputs.records::<EvidenceV1>("/evidence/")? {
-        let Some(model) = models.get_mut(&split(&topic).0) else { continue };
+        let (id, number) = split(&topic);
+        let Some(model) = models.get_mut(&id) else { continue };
+        let place = number.parse::<usize>().map_or(0, |number| number.saturating_sub(1));
+        let identification = model.identification.as_ref();
+        let fits = identification.map(|i| &i.output_fits_percent[..]).unwrap_or_default();
+        let channel = evidence.output.clone();
+        let simulated = wave(&format!("{id}/simulated")).or_else(|| wave(&format!("{id}/simulated/{channel}")));
+        model.outputs.push(ModelOutput {
+            fit_percent: fits.get(place).copied().unwrap_or_else(|| identification.and_then(|i| i.fit_percent)),
+            quantity: inputs.wave_if(&channel).map(|wave| wave.quantity),
+            measured: wave(&channel),
+            simulated,
+            unseen_from_s: evidence.validation_from_s.map(|from| from - time_zero_s),
+            evidence: Some(evidence.clone()),
+            channel,
+        });
         let unseen = |evidence: &EvidenceV1| {
-            let fit_percent = evidence.validation_fit_percent.unwrap_or(f64::INFINITY);
-            (evidence.holds_on_unseen != Some(false), fit_percent)
+            let fit_percent = evidence.validation_restarted_fit_percent.or(evidence.validation_fit_percent);
+            (evidence.holds_on_unseen != Some(false), fit_percent.unwrap_or(f64::INFINITY))
         };
         if model.evidence.as_ref().is_none_or(|known| unseen(&evidence) < unseen(known)) {
             model.evidence = Some(evidence);
         }
+    }
+    for model in models.values_mut() {
+        let drives = model.identification.iter().flat_map(|i| &i.inputs);
+        model.inputs = drives.filter_map(|id| Some((id.clone(), wave(id)?))).collect();
     }
     Ok(models.into_values().collect())
 }

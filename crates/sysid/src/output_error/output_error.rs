@@ -9,9 +9,10 @@ use nalgebra::DMatrix;
 
 use crate::output_error::options::OutputErrorOptions;
 use crate::poles::multistart::{Search, best_search};
+use crate::poles::starts::continuous;
 use crate::poles::time_scale::unscaled;
 use crate::transfer_function::{state_space, weigh_by_residuals};
-use crate::{Hold, IdentifyError, InformationCriteria, IoData, TransferFunctionOptions, sampled};
+use crate::{Hold, IdentifyError, InformationCriteria, InitialConditions, IoData, TransferFunctionOptions, sampled};
 
 /// A model whose simulation fits best.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +40,8 @@ pub struct OutputError {
     pub on_bound: bool,
     /// Loss of every refined start, best first: how alone the best one is.
     pub losses: Vec<f64>,
+    /// Simulated outputs, the motion at the start among them.
+    pub simulated: Vec<Vec<f64>>,
 }
 
 /// Finds the model of given order whose simulated output, from a free initial state, is nearest to the measured one.
@@ -49,18 +52,40 @@ pub struct OutputError {
 /// close to. With one input or one output the model has `order` states, with several of both that many for each of the
 /// fewer ones.
 pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<OutputError, IdentifyError> {
-    let OutputErrorOptions { order, direct, delay, initial, stable, random_starts, stop } = options;
-    let engine = TransferFunctionOptions {
+    fitted(data, options, &engine(options))
+}
+
+/// The same from given sampled poles alone, one list a start: those of a model that is near.
+pub fn output_error_from(
+    data: &IoData,
+    options: OutputErrorOptions,
+    poles: &[Vec<Complex>],
+) -> Result<OutputError, IdentifyError> {
+    let given = poles.iter().map(|poles| continuous(poles, options.order, data.sample_time_s())).collect();
+    fitted(data, options, &TransferFunctionOptions { starts: Vec::new(), given, ..engine(options) })
+}
+
+/// The search as that of transfer functions.
+fn engine(options: OutputErrorOptions) -> TransferFunctionOptions {
+    let OutputErrorOptions { order, direct, delay, from_rest, random_starts, stop } = options;
+    TransferFunctionOptions {
         hold: Hold::Zero,
         delay,
-        initial,
-        stable,
+        initial: if from_rest { InitialConditions::Zero } else { InitialConditions::Estimate },
+        stable: true,
         random_starts,
         stop,
         ..TransferFunctionOptions::new(order, order.saturating_sub(usize::from(!direct)))
-    };
-    let mut search = best_search("output error", data, &engine)?;
-    weigh_by_residuals(&mut search, data.samples(), stop);
+    }
+}
+
+fn fitted(
+    data: &IoData,
+    options: OutputErrorOptions,
+    engine: &TransferFunctionOptions,
+) -> Result<OutputError, IdentifyError> {
+    let mut search = best_search("output error", data, engine)?;
+    weigh_by_residuals(&mut search, data.samples(), options.stop);
     let Search { problem, best, losses, input_scales, output_scales, .. } = &search;
     let samples = data.samples();
     let residuals = best.residual.chunks_exact(samples);
@@ -81,13 +106,15 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
         Some(covariance) => mode_deviations(&search, &covariance, samples as f64 * data.sample_time_s()),
         None => vec![None; poles.len()],
     };
+    let simulated = data.outputs().iter().zip(best.residual.chunks_exact(samples)).zip(output_scales);
+    let simulated = simulated.map(|((y, e), scale)| y.iter().zip(e).map(|(y, e)| y - e * scale).collect()).collect();
     // Those of a single output are in its unit.
     let unit = if let [scale] = rms[..] { scale * scale } else { 1.0 };
     Ok(OutputError {
         model: StateSpace::new(a, b, c, d, Some(data.sample_time_s()))?,
         pole_deviations: poles.into_iter().zip(deviations).collect(),
         condition,
-        delay,
+        delay: options.delay,
         loss,
         criteria: InformationCriteria::new(loss, count, parameters),
         iterations: best.iterations,
@@ -95,6 +122,7 @@ pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<Output
         stop_reason: best.stop,
         on_bound: best.on_bound.contains(&true),
         losses: losses.iter().map(|loss| loss / unit).collect(),
+        simulated,
     })
 }
 

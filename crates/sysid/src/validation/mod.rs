@@ -1,6 +1,8 @@
-//! What speaks for and against a model: bootstrap, comparison of models, notes for the reader.
+//! What speaks for a model: its noise and intervals, choices by it, and what is wrong with a record.
 
 pub(crate) mod bootstrap;
 pub(crate) mod caveats;
+pub(crate) mod model_choice;
 pub(crate) mod model_selection;
-pub(crate) mod residual_resampling;
+pub(crate) mod noise_model;
+pub(crate) mod record_checks;

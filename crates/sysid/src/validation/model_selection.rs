@@ -19,6 +19,10 @@ pub struct Contender {
     pub effective_samples: f64,
     /// Fit of samples it was not identified from, percent.
     pub validation_fit_percent: Option<f64>,
+    /// Number of its states.
+    pub order: usize,
+    /// The same fit with the start fitted, mean over the outputs.
+    pub restarted_fit_percent: Option<f64>,
 }
 
 /// A contender and how far it is behind.
@@ -97,7 +101,15 @@ mod tests {
     use super::*;
 
     fn contender(id: &str, parameters: usize, loss: f64) -> Contender {
-        Contender { id: id.to_owned(), parameters, loss, effective_samples: 100.0, validation_fit_percent: None }
+        Contender {
+            id: id.to_owned(),
+            parameters,
+            loss,
+            effective_samples: 100.0,
+            validation_fit_percent: None,
+            order: 1,
+            restarted_fit_percent: None,
+        }
     }
 
     #[test]

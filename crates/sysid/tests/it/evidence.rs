@@ -6,9 +6,9 @@ use crumple_numerics::lti::{
     Complex, Mode, StateSpace, frequency_response, impulse_response, simulate, undo_zero_order_hold,
 };
 use crumple_sysid::{
-    ArxOrder, BootstrapOptions, EraOptions, ExponentialOptions, IoData, Order, Resampling, Sample, Subspace,
+    ArxOrder, BootstrapOptions, EraOptions, ExponentialOptions, IoData, NoiseOptions, Order, Sample, Subspace,
     SubspaceOptions, TransferFunctionOptions, Weighting, arx, bootstrap, era, era_order_scan, exponential_sum,
-    response_deviations, stabilization, subspace_order_scan, transfer_function_fit,
+    noise_model, response_deviations, stabilization, subspace_order_scan, transfer_function_fit,
 };
 use nalgebra::dmatrix;
 
@@ -181,41 +181,36 @@ fn against_monte_carlo(
     name: &str,
     clean: &[f64],
     noise: f64,
-    parameters: usize,
-    estimate: impl Fn(&[f64]) -> Option<(Vec<Complex>, Vec<f64>)> + Sync,
+    data: impl Fn(&[f64]) -> IoData,
+    estimate: impl Fn(&[f64]) -> Option<Vec<Complex>> + Sync,
 ) {
     const RECORDS: u64 = 120;
     let estimated: Vec<Vec<Complex>> =
-        (0..RECORDS).map(|i| estimate(&with_noise(clean, noise, 100 + i)).unwrap().0).collect();
-    for resampling in [Resampling::Blocks, Resampling::Autoregression] {
-        let record = with_noise(clean, noise, 9);
-        let (model, simulated) = estimate(&record).unwrap();
-        let residual: Vec<f64> = record.iter().zip(&simulated).map(|(y, yh)| y - yh).collect();
-        let sample = Sample { poles: model.clone(), ..Sample::default() };
-        let options = BootstrapOptions { resampling, ..BootstrapOptions::default() };
-        let boot = bootstrap(&sample, &simulated, &residual, parameters, options, |y| {
-            Some(Sample { poles: estimate(y)?.0, ..Sample::default() })
-        })
-        .unwrap();
-        assert!(boot.failed <= 4, "{name}: {}", boot.failed);
-        for s in poles() {
-            let k = model.iter().position(|p| *p == nearest(&model, s)).unwrap();
-            let frequencies: Vec<f64> = estimated.iter().map(|poles| nearest(poles, s).norm()).collect();
-            let dampings: Vec<f64> =
-                estimated.iter().map(|poles| Mode::continuous(nearest(poles, s)).damping_ratio.unwrap()).collect();
-            let by_records = [deviation(&frequencies), deviation(&dampings)];
-            let by_bootstrap = [boot.frequency[k].unwrap().deviation, boot.damping[k].unwrap().deviation];
-            for ((records, bootstrap), what) in by_records.iter().zip(by_bootstrap).zip(["frequency", "damping"]) {
-                println!(
-                    "{name}, {resampling:?}: {what} of {:.1} rad/s: {bootstrap:.3e}, records {records:.3e}",
-                    s.norm()
-                );
-                // A deviation of 200 values is known to 1/sqrt 400 = 5 %, of 120 to 6.5 %, the noise of the one record
-                // to 1/sqrt(2 N) = 3 to 5 %; the bootstrap starts from poles that are themselves one deviation off,
-                // which changes their own by some 3 %, and blocks lose a few percent: three times the root of the
-                // squares.
-                assert!((bootstrap / records - 1.0).abs() < 0.32, "{name}, {what}: {bootstrap} {records}");
-            }
+        (0..RECORDS).map(|i| estimate(&with_noise(clean, noise, 100 + i)).unwrap()).collect();
+    let record = with_noise(clean, noise, 9);
+    let model = estimate(&record).unwrap();
+    let drawn_from = noise_model(&data(&record), NoiseOptions::new(4)).unwrap();
+    assert!(drawn_from.is_white(), "{name}: {:?}", drawn_from.whiteness);
+    let of = |poles: &[Complex]| Sample { poles: poles.to_vec(), ..Sample::default() };
+    let both = (&of(&model), &of(&drawn_from.poles));
+    let options = BootstrapOptions { replicates: 200, seed: 1 };
+    // Some of these records are short for the slower mode; its spread is asked for all the same.
+    let boot = bootstrap(both, &drawn_from, f64::INFINITY, options, |y| Some(of(&estimate(&y[0])?))).unwrap();
+    assert!(boot.failed <= 4, "{name}: {}", boot.failed);
+    for s in poles() {
+        let k = model.iter().position(|p| *p == nearest(&model, s)).unwrap();
+        let frequencies: Vec<f64> = estimated.iter().map(|poles| nearest(poles, s).norm()).collect();
+        let dampings: Vec<f64> =
+            estimated.iter().map(|poles| Mode::continuous(nearest(poles, s)).damping_ratio.unwrap()).collect();
+        let by_records = [deviation(&frequencies), deviation(&dampings)];
+        let (frequency, damping) = boot.modes[k].unwrap();
+        let by_bootstrap = [frequency.deviation, damping.deviation];
+        for ((records, bootstrap), what) in by_records.iter().zip(by_bootstrap).zip(["frequency", "damping"]) {
+            println!("{name}: {what} of {:.1} rad/s: {bootstrap:.3e}, records {records:.3e}", s.norm());
+            // A deviation of 200 values is known to 1/sqrt 400 = 5 %, of 120 to 6.5 %, the noise of the one record to
+            // 1/sqrt(2 N) = 3 to 5 %; the bootstrap starts from poles that are themselves one deviation off, which
+            // changes their own by some 3 %: three times the root of the squares.
+            assert!((bootstrap / records - 1.0).abs() < 0.32, "{name}, {what}: {bootstrap} {records}");
         }
     }
 }
@@ -223,10 +218,10 @@ fn against_monte_carlo(
 #[test]
 fn bootstrap_of_era_tells_the_spread_over_many_records() {
     let clean = impulse_response(&two_modes(1), 301).unwrap();
-    against_monte_carlo("era", &clean, 0.02, 9, |y| {
+    let free = |y: &[f64]| IoData::new(Vec::new(), vec![y.to_vec()], DT_S).unwrap();
+    against_monte_carlo("era", &clean, 0.02, free, |y| {
         let model = era(y, EraOptions { order: Order::Given(4), ..EraOptions::new(DT_S) }).ok()?;
-        let poles = model.modes.iter().filter_map(|m| m.mode).map(|m| m.pole).collect();
-        Some((poles, impulse_response(&model.discrete, y.len()).ok()?))
+        Some(model.modes.iter().filter_map(|m| m.mode).map(|m| m.pole).collect())
     });
 }
 
@@ -234,12 +229,12 @@ fn bootstrap_of_era_tells_the_spread_over_many_records() {
 fn bootstrap_of_a_subspace_model_tells_the_spread_over_many_records() {
     let input = normal(77, 500);
     let clean = simulate(&two_modes(1), std::slice::from_ref(&input), &[0.0; 4]).unwrap().swap_remove(0);
-    against_monte_carlo("moesp", &clean, 0.2, 13, |y| {
+    let driven = |y: &[f64]| IoData::single(input.clone(), y.to_vec(), DT_S).unwrap();
+    against_monte_carlo("moesp", &clean, 0.2, driven, |y| {
         let data = IoData::single(input.clone(), y.to_vec(), DT_S).ok()?;
         let options = SubspaceOptions { weighting: Weighting::Moesp, block_rows: 12, direct: true };
         let estimated = Subspace::new(&data, options).ok()?.realize(4).ok()?;
-        let simulated = crumple_sysid::simulate_fitted(&estimated.model, &data).ok()?.0.swap_remove(0);
-        Some((continuous(estimated.model.poles().ok()?), simulated))
+        Some(continuous(estimated.model.poles().ok()?))
     });
 }
 
@@ -255,10 +250,8 @@ fn bootstrap_of_a_transfer_function_agrees_with_records_and_with_its_covariance(
         ..TransferFunctionOptions::new(4, 3)
     };
     let fit = |y: &[f64]| transfer_function_fit(&IoData::single(input.clone(), y.to_vec(), DT_S).unwrap(), &options);
-    against_monte_carlo("tfest", &clean, 0.2, 12, |y| {
-        let fit = fit(y).ok()?;
-        Some((fit.modes.iter().map(|m| m.pole).collect(), fit.simulated))
-    });
+    let driven = |y: &[f64]| IoData::single(input.clone(), y.to_vec(), DT_S).unwrap();
+    against_monte_carlo("tfest", &clean, 0.2, driven, |y| Some(fit(y).ok()?.modes.iter().map(|m| m.pole).collect()));
     // One record's covariance against the spread.
     let estimated: Vec<_> = (0..120).map(|i| fit(&with_noise(&clean, 0.2, 300 + i)).unwrap()).collect();
     for s in truth {
@@ -284,9 +277,9 @@ fn bootstrap_of_exponentials_tells_the_spread_over_many_records() {
         given: vec![vec![truth[0], truth[0].conj(), truth[1], truth[1].conj()]],
         ..ExponentialOptions::new(4)
     };
-    against_monte_carlo("exponentials", &clean, 0.05, 8, |y| {
-        let fit = exponential_sum(y, DT_S, &options).ok()?;
-        Some((fit.terms.iter().map(|term| term.exponent).collect(), fit.simulated))
+    let free = |y: &[f64]| IoData::new(Vec::new(), vec![y.to_vec()], DT_S).unwrap();
+    against_monte_carlo("exponentials", &clean, 0.05, free, |y| {
+        Some(exponential_sum(y, DT_S, &options).ok()?.terms.iter().map(|term| term.exponent).collect())
     });
 }
 
@@ -346,15 +339,18 @@ fn bands_cover_the_true_frequency_response_as_often_as_they_say() {
             phases += usize::from(error.im.abs() < 1.6449 * phase);
         }
         if record < 20 {
-            let residual: Vec<f64> = y.iter().zip(&fit.simulated).map(|(y, yh)| y - yh).collect();
-            let sample = Sample { response: estimated, ..Sample::default() };
-            let few = BootstrapOptions { replicates: 100, ..BootstrapOptions::default() };
-            let again = |y: &[f64]| {
-                let fit =
-                    transfer_function_fit(&IoData::single(input.clone(), y.to_vec(), DT_S).ok()?, &options).ok()?;
+            let noise = noise_model(&data, NoiseOptions::new(4)).unwrap();
+            let drawn_from = undo_zero_order_hold(&noise.model).unwrap();
+            let response = frequency_response(&drawn_from, &rad_per_s).unwrap();
+            let both =
+                (&Sample { response: estimated, ..Sample::default() }, &Sample { response, ..Sample::default() });
+            let few = BootstrapOptions { replicates: 100, seed: 1 };
+            let again = |y: &[Vec<f64>]| {
+                let data = IoData::single(input.clone(), y[0].clone(), DT_S).ok()?;
+                let fit = transfer_function_fit(&data, &options).ok()?;
                 Some(Sample { response: frequency_response(&fit.state_space, &rad_per_s).ok()?, ..Sample::default() })
             };
-            let boot = bootstrap(&sample, &fit.simulated, &residual, 12, few, again).unwrap();
+            let boot = bootstrap(both, &noise, 0.8, few, again).unwrap();
             for (point, exact) in boot.band.iter().zip(&exact) {
                 let (low, high) = point.unwrap().magnitude;
                 by_bootstrap += usize::from((low..=high).contains(&exact.norm()));

@@ -1,11 +1,12 @@
 //! Reference cases: the product is fed with the inputs of a case file and every expected number is compared; nothing is
-//! computed here. `just cases metrics|papers|prediction [FILE]`; as a test, every kind over its shared file.
+//! computed here. `just cases identification|metrics|papers|prediction [FILE]`; as a test, every kind over its shared file.
 //!
 //! Prints a count for each kind of case, what failed, and last `N of M cases`. A kind of case that is not known here
 //! fails by its name.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod identification;
 mod metrics;
 mod papers;
 mod prediction;
@@ -23,14 +24,15 @@ type Check = Box<dyn Fn(&Value) -> Vec<String>>;
 /// A subject: its name, its shared file, and what checks a case of such a file.
 type Subject = (&'static str, &'static str, fn(Value) -> Check);
 
-const SUBJECTS: [Subject; 3] = [
+const SUBJECTS: [Subject; 4] = [
+    ("identification", "reference/identification-cases.json", identification::check),
     ("metrics", "reference/metrics.json", metrics::check),
     ("papers", "reference/papers.json", papers::check),
     ("prediction", "reference/prediction.json", prediction::check),
 ];
 
 fn main() -> ExitCode {
-    if crumple_testkit::asked_for_tests("cases") {
+    if crumple_testkit::programs::asked_for_tests("cases") {
         return ExitCode::SUCCESS;
     }
     let words: Vec<String> = std::env::args().skip(1).collect();

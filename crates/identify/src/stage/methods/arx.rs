@@ -8,7 +8,6 @@ use crate::stage::methods::discrete::{MethodRun, ModelRequest};
 use crate::stage::options::choices::Method;
 use crate::stage::options::orders::ArxRanges;
 use crate::stage::records::discrete::DiscreteModel;
-use crate::stage::records::responses::Equation;
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source};
 
@@ -47,13 +46,9 @@ fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, I
     let coefficients = na + m * nb;
     let from = order.states();
     let predicted = model.predict(data);
-    let errors = data.outputs()[0].iter().zip(&predicted).map(|(y, yh)| y - yh).skip(from).collect();
-    let (regression, measured) = (model.clone(), data.clone());
-    let record = Box::new(move |errors: &[f64]| regression.with_errors(&measured, errors));
     let discrete = DiscreteModel {
         predicted: vec![predicted],
         predicted_from: from,
-        equation: Some(Equation { errors, coefficients, record }),
         // The initial state is fitted for the simulation.
         ..DiscreteModel::new(model.state_space()?, coefficients + from)
     };
@@ -149,6 +144,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             models,
             best_by_bic: by_bic.map(name),
             best_by_aicc: by_aicc.map(name),
+            at_edge: by_bic.map_or_else(Vec::new, |best| ranges.edges(&orders[best])),
         },
     )?;
     match (by_bic, fits.into_iter().find_map(Result::err)) {

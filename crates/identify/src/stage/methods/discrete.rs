@@ -8,7 +8,7 @@ use crumple_sysid::{IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weig
 use crate::stage::methods::okid::okid;
 use crate::stage::methods::subspace::{Horizon, chosen_order, put_subspace_diagram};
 use crate::stage::methods::{arx, subspace};
-use crate::stage::options::choices::Method;
+use crate::stage::options::choices::{Initial, Method};
 use crate::stage::options::settings::{HankelSettings, InputOutputSettings, Settings};
 use crate::stage::records::discrete::{
     DiscreteModel, DiscreteTask, RecordChoices, put_discrete_model, simulate_accepted,
@@ -71,7 +71,7 @@ impl<'a> MethodRun<'a> {
             let identified = (request.identify)(&self.data, RecordChoices::default());
             match identified.and_then(|model| simulate_accepted(model, &self.data)) {
                 Ok((simulated, model)) => {
-                    self.put_model(request, model, &simulated, results)?;
+                    self.put_model(request, model, simulated, results)?;
                     written += 1;
                 }
                 Err(error) => failures.push((&request.id, error)),
@@ -98,7 +98,7 @@ impl<'a> MethodRun<'a> {
         &self,
         request: &ModelRequest<'_>,
         mut model: DiscreteModel,
-        simulated: &[Vec<f64>],
+        simulated: Vec<Vec<f64>>,
         results: &mut Results<'_>,
     ) -> anyhow::Result<()> {
         let Self { method, settings, input_output, record, data, whole, .. } = self;
@@ -124,7 +124,7 @@ impl<'a> MethodRun<'a> {
             bootstrap: settings.bootstrap.as_ref(),
             refit: &refit,
         };
-        put_discrete_model(&task, &model, simulated, results)
+        put_discrete_model(&task, model, simulated, results)
     }
 }
 
@@ -244,7 +244,7 @@ fn by_output_error(
     input_output: &InputOutputSettings,
 ) -> Result<DiscreteModel, IdentifyError> {
     let options = OutputErrorOptions {
-        initial: input_output.initial.into(),
+        from_rest: input_output.initial == Initial::Zero,
         stop: Stop { max_iterations: input_output.most_iterations(), ..Stop::default() },
         ..OutputErrorOptions::new(order)
     };

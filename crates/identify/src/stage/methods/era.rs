@@ -96,6 +96,7 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
                 sampled: wave.sampled.slice(0, samples),
                 kept: Vec::new(),
                 edges: wave.edges.clone(),
+                removed: wave.removed,
             })
             .collect();
         let available = shorter[0].sampled.len();
@@ -165,9 +166,8 @@ fn realize_all(
         };
         let duration_s = dt_s * waves[0].sampled.len() as f64;
         let mut notes = caveats(&realization.id(model.order()), &model, duration_s, filter_edges(waves));
-        results.out.notes().extend(notes.clone());
         remarks.iter().for_each(|remark| notes.info(*remark));
-        put_realization(&model, &realization, &notes, results)?;
+        put_realization(&model, &realization, notes, results)?;
     }
     let mut failures = failures.into_iter();
     // Where there is no model the first failure is the answer.

@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use crumple_numerics::lti::{Complex, Mode};
-use crumple_signal::{Notes, QuantityKind, Severity};
-use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ExponentialTermV1};
+use crumple_signal::{Notes, QuantityKind};
+use crumple_stage::records::{EvidenceV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};
 use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
 
@@ -11,10 +11,9 @@ use crate::stage::options::choices::{Condition, Method, Paper};
 use crate::stage::options::paper;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::records::discrete::note_on_fit;
-use crate::stage::records::evidence::{
-    Poles, fit_in_words, identification, notes_on_poles, pole_record, simulation_evidence, validate, validation_summary,
-};
-use crate::stage::records::responses::{put_spreads, spread};
+use crate::stage::records::evidence::{Poles, notes_on_poles, pole_record};
+use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of};
+use crate::stage::records::responses::ModelResponses;
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Source, WindowedWave, output};
 
@@ -120,13 +119,11 @@ fn fit_sum(
     let fit = exponential_sum(record, answer.sampled.dt_s(), options)
         .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another of --outputs")?;
     let mut notes = fit_notes(task, &fit, answer);
-    for note in notes.iter().filter(|note| note.severity == Severity::Warning) {
-        results.out.notes().push(note.clone());
-    }
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
-    let mut remarks = notes_on_poles(id, &poles, &[answer]);
-    remarks.info(format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it"));
-    let terms = fit
+    notes.extend(notes_on_poles(id, &poles, &[answer]));
+    notes.info(format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it"));
+    note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
+    let terms: Vec<ExponentialTermV1> = fit
         .terms
         .iter()
         .map(|term| ExponentialTermV1 {
@@ -135,72 +132,76 @@ fn fit_sum(
             re_per_s: term.exponent.re,
             im_rad_per_s: term.exponent.im,
         })
-        .collect::<Vec<_>>();
+        .collect();
     if terms.iter().any(|t| !(t.re_amplitude.is_finite() && t.im_amplitude.is_finite())) {
         return Ok(Outcome::NoAcceptableResult(format!(
             "{id}: exponents coincide exactly, so that the sum has a term t exp(st), which the record cannot hold"
         )));
     }
-    results.out.put(&format!("/model/{id}"), &ExponentialSumV1 { terms, output: answer.describe() })?;
-    let poles_of_sum =
-        Poles::of(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None)), pole_record(&[answer]));
-    poles_of_sum.put(id, results.out)?;
-    let mut evidence = simulation_evidence(None, answer, &fit.simulated, fit.criteria.parameters);
+    let (outputs, dt_s) = (std::slice::from_ref(answer), answer.sampled.dt_s());
+    let mut evidence = evidence_of(&[], outputs, std::slice::from_ref(&fit.simulated), fit.criteria.parameters);
+    fill_evidence(task, &fit, &mut evidence[0]);
+    let after = record.len()..record.len() + answer.kept.len();
+    let run_on: Vec<f64> = after.map(|k| value_at(&fit, k as f64 * dt_s)).collect();
+    let run_on = if run_on.is_empty() { Vec::new() } else { vec![run_on] };
     let again = ExponentialOptions { random_starts: 0, given: vec![poles.clone()], ..options.clone() };
-    let bootstrap = spread(
-        settings.bootstrap.as_ref(),
-        (id, &Sample { poles, ..Sample::default() }),
-        (record, &fit.simulated),
-        fit.criteria.parameters,
-        &mut remarks,
-        |y| {
-            let fit = exponential_sum(y, answer.sampled.dt_s(), &again).ok()?;
-            Some(Sample { poles: fit.terms.iter().map(|term| term.exponent).collect(), ..Sample::default() })
+    let refit = |y: &[Vec<f64>], _: &[f64]| {
+        let fit = exponential_sum(y.first()?, dt_s, &again).ok()?;
+        Some(Sample { poles: fit.terms.iter().map(|term| term.exponent).collect(), ..Sample::default() })
+    };
+    let model = FittedModel {
+        id,
+        method: Method::Exponentials,
+        order: options.terms,
+        treated_as: "free-decay",
+        input: String::new(),
+        inputs: &[],
+        outputs,
+        delay_s: None,
+        forms: Forms { terms, ..Forms::default() },
+        poles: Poles::of(fit.terms.iter().map(|term| (Mode::continuous(term.exponent), None)), pole_record(&[answer])),
+        shapes: None,
+        simulated: Simulated { run_on, ..Simulated::all_used(vec![fit.simulated.clone()]) },
+        evidence,
+        hankel: (None, None),
+        singular_values: Vec::new(),
+        responses: ModelResponses {
+            continuous: None,
+            discrete: None,
+            poles,
+            zeros: Vec::new(),
+            dt_s,
+            samples: record.len(),
+            delay: 0,
         },
-    );
-    if let Some(bootstrap) = &bootstrap {
-        put_spreads(bootstrap, &mut evidence);
-    }
-    note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut remarks);
-    notes.extend(remarks.clone());
-    results.out.notes().extend(remarks);
-    let all = answer.sampled.len() + answer.kept.len();
-    let curve: Vec<f64> = (0..all).map(|k| value_at(&fit, k as f64 * answer.sampled.dt_s())).collect();
-    validate(answer, &curve, &mut evidence);
-    let record =
-        identification(Method::Exponentials, options.terms, "free-decay", answer, &fit.simulated, notes.to_texts());
-    fill_evidence(task, &fit, &mut evidence);
-    let percent = fit_in_words(record.fit_percent);
-    results.out.put(&format!("/identification/{id}"), &record)?;
-    poles_of_sum.keep_those_of_modes(std::slice::from_mut(&mut evidence));
-    results.enter(id, &record, std::slice::from_mut(&mut evidence))?;
-    results.out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations{}",
-        answer.sampled.len(),
-        fit.stop_reason.name_with_bounds(fit.on_bound),
-        fit.iterations,
-        validation_summary(std::slice::from_ref(&evidence))
-    ));
+        band: None,
+        bootstrap: settings.bootstrap.as_ref(),
+        hold: None,
+        refit: Box::new(refit),
+        notes,
+    };
+    model.put(results)?;
     Ok(Outcome::Done)
 }
 
 /// Notes on a fitted sum: those of its task, where time counts from, and how well its terms are determined.
 fn fit_notes(task: &SumTask, fit: &ExponentialSumFit, answer: &WindowedWave) -> Notes {
     let mut notes = Notes::new();
-    task.remarks.iter().for_each(|remark| notes.info(remark));
-    notes.info(format!("time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
+    let id = &task.id;
+    task.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
+    notes.info(format!("{id}: time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
     if task.paper.is_some() {
         let sum = |part: fn(&ExponentialTerm) -> Complex| fit.terms.iter().map(part).sum::<Complex>().re;
         notes.info(format!(
-            "at its start the sum is {:.6e}, its slope {:.6e}",
+            "{id}: at its start the sum is {:.6e}, its slope {:.6e}",
             sum(|term| term.amplitude),
             sum(|term| term.amplitude * term.exponent)
         ));
     }
     if fit.condition > 1e8 {
         notes.warning(format!(
-            "{}: condition number {:.1e}: this record does not determine the single terms; use their sum only",
-            task.id, fit.condition
+            "{id}: condition number {:.1e}: this record does not determine the single terms; use their sum only",
+            fit.condition
         ));
     }
     notes

@@ -293,5 +293,7 @@ fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) 
         loss: (log_loss / q as f64).exp(),
         effective_samples: effective,
         validation_fit_percent: None,
+        order,
+        restarted_fit_percent: None,
     })
 }

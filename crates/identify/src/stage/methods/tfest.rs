@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use crumple_numerics::lti::{Complex, StateSpace};
+use crumple_numerics::lti::{Complex, InputHold, Mode, StateSpace, TransferFunction};
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
-    InitialConditions, IoData, PoleKind, Stop, TransferFunctionArray, TransferFunctionFit, TransferFunctionOptions,
-    compare, continued, pole_kinds, response_deviations, sampled, transfer_function_array, transfer_function_fit,
+    Hold, InitialConditions, IoData, PoleKind, SearchOutcome, Stop, TransferFunctionArray, TransferFunctionFit,
+    TransferFunctionOptions, mode_shapes, pole_kinds, response_deviations, sampled, transfer_function_array,
+    transfer_function_fit,
 };
 use nalgebra::DVector;
 
@@ -16,12 +17,11 @@ use crate::stage::options::choices::Method;
 use crate::stage::options::paper;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::records::discrete::note_on_fit;
-use crate::stage::records::evidence::{
-    Poles, fit_in_words, identification, identification_with_evidence, if_determined, notes_on_poles, pole_record,
-    put_search, put_transfer_functions, simulation_evidence, validate_all, validation_summary,
-};
-use crate::stage::records::realization::state_space;
-use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread};
+use crate::stage::records::evidence::{Poles, if_determined, notes_on_poles, pole_record, put_search};
+use crate::stage::records::lines::{ILL_CONDITIONED, with_deviation};
+use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
+use crate::stage::records::realization::shapes;
+use crate::stage::records::responses::{Band, ModelResponses};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source, WindowedWave, record};
 
@@ -56,16 +56,17 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
             paper::remarks(paper).iter().for_each(|remark| notes.info(*remark));
         }
         let hint = "widen the window (--from, --to), lower --poles, or name other waveforms";
-        if record.single() {
+        notes.extend(preparation(&id, &record));
+        let fitted = if record.single() {
             let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
-            notes.extend(preparation(&id, &record));
             notes.extend(remarks(&id, &fit, &record.inputs[0], &record.outputs[0]));
-            put_transfer_function(&task, &fit, &mut notes, results)?;
+            Fitted::single(fit, options.zeros)
         } else {
             let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
-            put_array(&task, &fit, &mut notes, results)?;
-        }
-        results.out.notes().extend(notes);
+            notes.extend(remarks_of_array(&id, &fit, &record));
+            Fitted::array(fit)
+        };
+        put(&task, fitted, notes, results)?;
     }
     Ok(Outcome::Done)
 }
@@ -76,12 +77,16 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     let mut notes = notes_on_poles(id, &poles, &[answer, drive]);
     let kinds = pole_kinds(&poles, pole_record(&[answer, drive]));
     let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
+    let unknown = unknown_coefficients(fit);
+    // Zeros and gain of a numerator that nobody knows are no second warning.
+    let numerator_is_known = unknown.is_empty() && fit.search.condition <= ILL_CONDITIONED;
     for (zero, deviation) in
         fit.zeros.iter().zip(&fit.zero_deviations).filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0)
     {
         let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
         let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
-        if of_motion {
+        let is_there = deviation.is_some_and(|(re, _)| zero.re > 1.96 * re);
+        if of_motion && numerator_is_known && is_there {
             notes.warning(format!(
                 "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this \
                  model is impossible"
@@ -93,120 +98,222 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     let gain = fit.transfer_function.at(Complex::new(0.0, 0.0)).re;
     if of_motion && !kinds.contains(&PoleKind::Integrator) && poles.iter().all(|s| s.re < 0.0) {
         let exact = "the true system is 1/s^2 and has none";
-        if gain < 0.0 {
+        if gain < 0.0 && numerator_is_known {
             notes.warning(format!(
                 "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady forward acceleration would move the \
                  body backward; {exact}"
             ));
         } else {
-            notes.info(format!(
-                "{id}: the gain at rest, {gain:.4e} s^2, follows from the length of the record; \
-                {exact}"
-            ));
+            notes.info(format!("{id}: the gain at rest is {gain:.4e} s^2; {exact}"));
         }
     }
-    let numerator = fit.transfer_function.numerator();
-    let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
-    for (power, (b, deviation)) in numerator.iter().rev().zip(shown.iter().rev()).enumerate() {
-        if 1.96 * deviation > b.abs() {
-            notes.warning(format!(
-                "{id}: the numerator's coefficient of s^{power}, {b:.6e} with standard deviation {deviation:.2e}, may \
-                 have either sign (at 95 %)"
-            ));
-        }
-    }
-    condition_note(id, fit.search.condition, &mut notes);
+    coefficient_note(id, fit.search.condition, &unknown, &mut notes);
     note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
     notes
 }
 
-fn put_transfer_function(
-    task: &TransferFunctionTask<'_>,
-    fit: &TransferFunctionFit,
-    notes: &mut Notes,
-    results: &mut Results<'_>,
-) -> anyhow::Result<()> {
-    let TransferFunctionTask { id, options, settings, input_output, record } = *task;
-    let (data, drive, answer) = (&record.data, &record.inputs[0], &record.outputs[0]);
-    let (input, output) = (drive.describe(), answer.describe());
-    let tf = &fit.transfer_function;
-    put_transfer_functions(id, record, |_, _| (tf.numerator().to_vec(), tf.denominator().to_vec()), results.out)?;
-    results
-        .out
-        .put(&format!("/model/{id}/continuous"), &state_space(&fit.state_space, &input, &output, record.delay_s))?;
-    let poles_of_model = Poles::of(fit.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
-    poles_of_model.put(id, results.out)?;
-    let mut evidence = simulation_evidence(Some(drive), answer, &fit.simulated, fit.criteria.parameters);
-    put_search(&fit.search, input_output.hold, settings.paper, &mut evidence);
-    evidence.numerator_deviations = if_determined(&fit.numerator_deviations);
-    evidence.denominator_covariance = fit.denominator_covariance();
-    evidence.zeros_re_per_s = fit.zeros.iter().map(|zero| zero.re).collect();
-    evidence.zeros_im_rad_per_s = fit.zeros.iter().map(|zero| zero.im).collect();
-    evidence.zero_re_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.0)).collect();
-    evidence.zero_im_deviations = fit.zero_deviations.iter().map(|d| d.map(|d| d.1)).collect();
-    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, std::slice::from_mut(&mut evidence))?;
-
-    let responses = responses_of(fit, answer, options.delay);
-    let grid = responses.grid_hz();
-    let initial = if fit.search.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
-    let poles = vec![responses.poles.clone()];
-    let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
-    let bootstrap = spread(
-        settings.bootstrap.as_ref(),
-        (id, &responses.sample(&grid)),
-        (answer.sampled.samples(), &fit.simulated),
-        fit.criteria.parameters,
-        notes,
-        |y| {
-            let data = IoData::single(data.inputs()[0].clone(), y.to_vec(), data.sample_time_s()).ok()?;
-            Some(responses_of(&transfer_function_fit(&data, &again).ok()?, answer, options.delay).sample(&grid))
-        },
-    );
-    if let Some(bootstrap) = &bootstrap {
-        put_spreads(bootstrap, &mut evidence);
-    }
-    let band = match (&bootstrap, &fit.coefficient_covariance) {
-        (Some(bootstrap), _) => Some(Band::from_bootstrap(bootstrap)),
-        (None, Some(covariance)) => {
-            let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
-            let magnitude: Vec<f64> = responses.sample(&grid).response.iter().map(|h| h.norm()).collect();
-            let deviations =
-                response_deviations(&fit.transfer_function, input_output.zeros + 1, covariance, &rad_per_s);
-            Some(Band::from_deviations(&magnitude, &deviations))
-        }
-        (None, None) => None,
-    };
-    if let Some(response) = responses.response(&input, &output, band.as_ref()) {
-        results.out.put(&format!("/response/{id}"), &response)?;
-    }
-    let mut whole =
-        identification(Method::Tfest, input_output.poles, "input-output", answer, &fit.simulated, notes.to_texts());
-    whole.delay_s = record.delay_s;
-    let percent = fit_in_words(whole.fit_percent);
-    results.out.put(&format!("/identification/{id}"), &whole)?;
-    poles_of_model.keep_those_of_modes(std::slice::from_mut(&mut evidence));
-    results.enter(id, &whole, std::slice::from_mut(&mut evidence))?;
-    results.out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
-        answer.sampled.len(),
-        fit.search.stop_reason.name_with_bounds(fit.search.on_bound),
-        fit.search.iterations,
-        fit.search.start.name(),
-        validation_summary(std::slice::from_ref(&evidence))
-    ));
-    Ok(())
+/// Coefficients of a numerator of which each may have either sign at 95 %, in words; none where one is known.
+fn unknown_coefficients(fit: &TransferFunctionFit) -> Vec<String> {
+    let numerator = fit.transfer_function.numerator();
+    let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
+    let powers = (0..numerator.len()).rev();
+    let unknown = powers.zip(numerator.iter().zip(shown)).filter(|(_, (b, deviation))| 1.96 * **deviation > b.abs());
+    let unknown: Vec<String> =
+        unknown.map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation)))).collect();
+    if unknown.len() < numerator.len() { Vec::new() } else { unknown }
 }
 
-fn responses_of<'a>(fit: &'a TransferFunctionFit, answer: &WindowedWave, delay: usize) -> ModelResponses<'a> {
+/// One warning where coefficients are not known: those of either sign, and the condition of all.
+fn coefficient_note(id: &str, condition: f64, unknown: &[String], notes: &mut Notes) {
+    let ill = condition > ILL_CONDITIONED;
+    let why = match (unknown.is_empty(), ill) {
+        (true, false) => return,
+        (true, true) => format!("condition number {condition:.1e}"),
+        (false, _) => {
+            let also = if ill { format!("; condition number {condition:.1e}") } else { String::new() };
+            format!("of the numerator {} may have either sign (at 95 %){also}", unknown.join(", "))
+        }
+    };
+    notes.warning(format!("{id}: this record does not determine the single coefficients: {why}"));
+}
+
+/// What a reader should know of transfer functions with a common denominator.
+fn remarks_of_array(id: &str, fit: &TransferFunctionArray, record: &Record) -> Notes {
+    let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
+    let mut notes = notes_on_poles(id, &poles, &record.waves());
+    notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
+    coefficient_note(id, fit.search.condition, &[], &mut notes);
+    for (wave, measures) in record.outputs.iter().zip(&fit.fits) {
+        let name = format!("{id}, {}", wave.id);
+        note_on_fit(&name, measures.and_then(|measures| measures.fit_percent), &mut notes);
+    }
+    notes
+}
+
+/// Transfer functions with a common denominator, as the records have them.
+struct Fitted {
+    state_space: StateSpace,
+    modes: Vec<Mode>,
+    /// Numerator and denominator by output and input.
+    paths: Vec<Vec<(Vec<f64>, Vec<f64>)>>,
+    /// Of every output: deviations of the numerators, one input after the other.
+    numerator_deviations: Vec<Vec<f64>>,
+    zeros: Vec<(Complex, Option<(f64, f64)>)>,
+    simulated: Vec<Vec<f64>>,
+    parameters: usize,
+    search: SearchOutcome,
+    denominator_covariance: Vec<Vec<f64>>,
+    /// Relative deviation of the modulus and deviation of the phase of one path at frequencies in rad/s.
+    response_deviations: Option<ResponseDeviations>,
+}
+
+type ResponseDeviations = Box<dyn Fn(&[f64]) -> Vec<Option<(f64, f64)>>>;
+
+impl Fitted {
+    fn single(fit: TransferFunctionFit, zeros: usize) -> Self {
+        let (tf, covariance) = (fit.transfer_function.clone(), fit.coefficient_covariance.clone());
+        let of_response = covariance.map(|covariance| -> ResponseDeviations {
+            Box::new(move |w| response_deviations(&tf, zeros + 1, &covariance, w))
+        });
+        Self {
+            paths: vec![vec![polynomials(&fit.transfer_function)]],
+            denominator_covariance: fit.denominator_covariance(),
+            numerator_deviations: vec![fit.numerator_deviations],
+            zeros: fit.zeros.into_iter().zip(fit.zero_deviations).collect(),
+            simulated: vec![fit.simulated],
+            parameters: fit.criteria.parameters,
+            state_space: fit.state_space,
+            modes: fit.modes,
+            search: fit.search,
+            response_deviations: of_response,
+        }
+    }
+
+    fn array(fit: TransferFunctionArray) -> Self {
+        Self {
+            paths: fit.entries.iter().map(|of_inputs| of_inputs.iter().map(polynomials).collect()).collect(),
+            numerator_deviations: fit.numerator_deviations.iter().map(|of_inputs| of_inputs.concat()).collect(),
+            zeros: Vec::new(),
+            simulated: fit.simulated,
+            parameters: fit.parameters,
+            state_space: fit.state_space,
+            modes: fit.modes,
+            search: fit.search,
+            denominator_covariance: Vec::new(),
+            response_deviations: None,
+        }
+    }
+
+    fn evidence(&self, task: &TransferFunctionTask<'_>) -> Vec<EvidenceV1> {
+        let TransferFunctionTask { settings, input_output, record, .. } = *task;
+        let mut evidence = evidence_of(&record.inputs, &record.outputs, &self.simulated, self.parameters);
+        for (output_evidence, deviations) in evidence.iter_mut().zip(&self.numerator_deviations) {
+            put_search(&self.search, input_output.hold, settings.paper, output_evidence);
+            output_evidence.numerator_deviations = if_determined(deviations);
+            output_evidence.denominator_covariance = self.denominator_covariance.clone();
+            output_evidence.zeros_re_per_s = self.zeros.iter().map(|(zero, _)| zero.re).collect();
+            output_evidence.zeros_im_rad_per_s = self.zeros.iter().map(|(zero, _)| zero.im).collect();
+            output_evidence.zero_re_deviations = self.zeros.iter().map(|(_, d)| d.map(|d| d.0)).collect();
+            output_evidence.zero_im_deviations = self.zeros.iter().map(|(_, d)| d.map(|d| d.1)).collect();
+        }
+        evidence
+    }
+}
+
+fn polynomials(tf: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
+    (tf.numerator().to_vec(), tf.denominator().to_vec())
+}
+
+/// Writes the model and says it on the screen.
+fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &mut Results<'_>) -> anyhow::Result<()> {
+    let TransferFunctionTask { id, options, settings, input_output, record } = *task;
+    let evidence = fitted.evidence(task);
+    let simulated = simulated(task, &fitted)?;
+    let responses = responses_of(&fitted, &record.outputs[0], options.delay);
+    let band = fitted.response_deviations.as_ref().map(|deviations_at| {
+        let grid = responses.grid_hz();
+        let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
+        let magnitude: Vec<f64> = responses.sample(&grid).response.iter().map(|h| h.norm()).collect();
+        Band::from_deviations(&magnitude, &deviations_at(&rad_per_s))
+    });
+    let initial = if fitted.search.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
+    let poles = vec![responses.poles.clone()];
+    let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
+    let refit = |y: &[Vec<f64>], grid: &[f64]| {
+        let data = IoData::new(record.data.inputs().to_vec(), y.to_vec(), record.data.sample_time_s()).ok()?;
+        let refitted = if record.single() {
+            Fitted::single(transfer_function_fit(&data, &again).ok()?, again.zeros)
+        } else {
+            Fitted::array(transfer_function_array(&data, &again).ok()?)
+        };
+        Some(responses_of(&refitted, &record.outputs[0], options.delay).sample(grid))
+    };
+    let poles = Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    // Several inputs and outputs have each pole several times: a mode has no one shape then.
+    let has_shapes = record.outputs.len() > 1 && fitted.state_space.order() == fitted.modes.len();
+    let shapes = has_shapes.then(|| {
+        let of_modes = mode_shapes(&fitted.state_space, &responses.poles);
+        let modes = fitted.modes.iter().zip(poles.are_modes()).map(|(mode, is)| (mode.pole, is.then_some(*mode)));
+        shapes(&modes.collect::<Vec<_>>(), &of_modes, &record.outputs)
+    });
+    FittedModel {
+        id,
+        method: Method::Tfest,
+        order: input_output.poles,
+        treated_as: treated_as(record),
+        input: record.input(),
+        inputs: &record.inputs,
+        outputs: &record.outputs,
+        delay_s: record.delay_s,
+        forms: Forms {
+            state_spaces: vec![("continuous", fitted.state_space.clone(), record.input())],
+            paths: fitted.paths.clone(),
+            is_transfer_function: true,
+            ..Forms::default()
+        },
+        poles,
+        shapes,
+        simulated,
+        evidence,
+        hankel: (None, None),
+        singular_values: Vec::new(),
+        responses,
+        band,
+        bootstrap: settings.bootstrap.as_ref(),
+        hold: (!record.inputs.is_empty()).then_some(match options.hold {
+            Hold::Zero => InputHold::Zero,
+            Hold::First => InputHold::First,
+        }),
+        refit: Box::new(refit),
+        notes,
+    }
+    .put(results)
+}
+
+fn responses_of<'a>(fitted: &'a Fitted, answer: &WindowedWave, delay: usize) -> ModelResponses<'a> {
     ModelResponses {
-        continuous: Some(&fit.state_space),
+        continuous: Some(&fitted.state_space),
         discrete: None,
-        poles: fit.modes.iter().map(|mode| mode.pole).collect(),
-        zeros: fit.zeros.clone(),
+        poles: fitted.modes.iter().map(|mode| mode.pole).collect(),
+        zeros: fitted.zeros.iter().map(|(zero, _)| *zero).collect(),
         dt_s: answer.sampled.dt_s(),
         samples: answer.sampled.len(),
         delay,
     }
+}
+
+/// The outputs on the record and on the samples kept after it.
+fn simulated(task: &TransferFunctionTask<'_>, fitted: &Fitted) -> anyhow::Result<Simulated> {
+    let TransferFunctionTask { options, record, .. } = *task;
+    let used = fitted.simulated.clone();
+    if record.outputs[0].kept.is_empty() {
+        return Ok(Simulated::all_used(used));
+    }
+    let (model, rest) = sampled(&fitted.state_space, options.hold, record.data.sample_time_s())?;
+    let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
+    let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
+    let from_rest = (!fitted.search.initial_estimated).then_some(start.as_slice());
+    Ok(Simulated::of_state_space(&model, used, (&first, &whole), from_rest)?)
 }
 
 /// What transfer functions are for and from.
@@ -234,97 +341,4 @@ pub fn preparation(id: &str, record: &Record) -> Notes {
         ));
     }
     notes
-}
-
-/// Says so where the fit determines no single coefficient.
-pub fn condition_note(id: &str, condition: f64, notes: &mut Notes) {
-    if condition > 1e8 {
-        notes.warning(format!(
-            "{id}: condition number {condition:.1e}: this record does not determine the single coefficients"
-        ));
-    }
-}
-
-/// Puts the fit of the kept samples into the evidence, if there are any.
-pub fn validate_continuous(
-    task: &TransferFunctionTask<'_>,
-    model: &StateSpace,
-    initial_estimated: bool,
-    evidence: &mut [EvidenceV1],
-) -> anyhow::Result<()> {
-    let TransferFunctionTask { options, record, .. } = *task;
-    if record.outputs[0].kept.is_empty() {
-        return Ok(());
-    }
-    let (model, rest) = sampled(model, options.hold, record.data.sample_time_s())?;
-    let (first, whole) = (record.data.delayed(options.delay), record.whole.delayed(options.delay));
-    let start = rest * DVector::from_iterator(first.inputs().len(), first.inputs().iter().map(|u| u[0]));
-    let simulated = continued(&model, &first, &whole, (!initial_estimated).then_some(start.as_slice()))?;
-    validate_all(record, &simulated, evidence);
-    // The protocol of published comparisons: the initial state is fitted to the kept samples.
-    let restarted = compare(&model, &whole.slice(first.samples(), whole.samples())?)?;
-    for (output_evidence, fit) in evidence.iter_mut().zip(restarted) {
-        output_evidence.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
-    }
-    Ok(())
-}
-
-/// Writes the records of one array and a summary line.
-pub fn put_array(
-    task: &TransferFunctionTask<'_>,
-    fit: &TransferFunctionArray,
-    notes: &mut Notes,
-    results: &mut Results<'_>,
-) -> anyhow::Result<()> {
-    let TransferFunctionTask { id, settings, input_output, record, .. } = *task;
-    notes.extend(preparation(id, record));
-    let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    notes.extend(notes_on_poles(id, &poles, &record.waves()));
-    notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
-    condition_note(id, fit.search.condition, notes);
-    for measures in fit.fits.iter().flatten() {
-        note_on_fit(id, measures.fit_percent, notes);
-    }
-    note_limits(id, (record.inputs.len(), record.outputs.len()), settings.bootstrap.as_ref(), notes);
-    if settings.bootstrap.is_some() && record.outputs.len() == 1 {
-        notes.warning(format!("{id}: no bootstrap: of transfer functions it is made for one input and one output"));
-    }
-    let entry = |i: usize, j: usize| {
-        let tf = &fit.entries[i][j];
-        (tf.numerator().to_vec(), tf.denominator().to_vec())
-    };
-    put_transfer_functions(id, record, entry, results.out)?;
-    results.out.put(
-        &format!("/model/{id}/continuous"),
-        &state_space(&fit.state_space, &record.input(), &record.output(), record.delay_s),
-    )?;
-    let poles = Poles::of(fit.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
-    poles.put(id, results.out)?;
-    let (whole, mut evidence) = identification_with_evidence(
-        Method::Tfest,
-        input_output.poles,
-        record,
-        &fit.simulated,
-        fit.parameters,
-        notes.to_texts(),
-    );
-    for (output_evidence, deviations) in evidence.iter_mut().zip(&fit.numerator_deviations) {
-        put_search(&fit.search, input_output.hold, settings.paper, output_evidence);
-        // Of every input, one after the other.
-        output_evidence.numerator_deviations = if_determined(&deviations.concat());
-    }
-    validate_continuous(task, &fit.state_space, fit.search.initial_estimated, &mut evidence)?;
-    let percent = fit_in_words(whole.fit_percent);
-    results.out.put(&format!("/identification/{id}"), &whole)?;
-    poles.keep_those_of_modes(&mut evidence);
-    results.enter(id, &whole, &mut evidence)?;
-    results.out.summary(format!(
-        "{id}: {percent} of {} samples, {} after {} iterations from start {}{}",
-        record.data.samples(),
-        fit.search.stop_reason.name_with_bounds(fit.search.on_bound),
-        fit.search.iterations,
-        fit.search.start.name(),
-        validation_summary(&evidence)
-    ));
-    Ok(())
 }

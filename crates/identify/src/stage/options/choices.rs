@@ -4,7 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use clap::ValueEnum;
-use crumple_sysid::{Criterion, InitialConditions, Resampling, Start, Weighting};
+use crumple_signal::value::Time;
+use crumple_sysid::{Criterion, InitialConditions, Start, Weighting};
 use serde::{Deserialize, Serialize};
 
 /// An enum of names, the first the default; `as` an enum of the library, each variant as the one that it names there.
@@ -41,7 +42,7 @@ macro_rules! names {
 
 names!(
     /// A method of identification.
-    Method: Era, Okid, Tfest, Exponentials, N4sid, Moesp, Cva, Arx, OutputError
+    Method: Era, Okid, Tfest, Exponentials, N4sid, Moesp, Cva, Arx, OutputError, Auto
 );
 names!(
     /// The size of the Hankel matrix of ERA.
@@ -69,10 +70,6 @@ names!(
     Condition: Position, Velocity, Acceleration
 );
 names!(
-    /// How noise is drawn from residuals.
-    Noise as Resampling: Blocks = Blocks, Autoregression = Autoregression
-);
-names!(
     /// A paper whose procedure is followed.
     Paper: Era, CurveFit, Tfest
 );
@@ -90,6 +87,116 @@ impl Method {
             Self::Moesp => Some(Weighting::Moesp),
             Self::Cva => Some(Weighting::Cva),
             _ => None,
+        }
+    }
+}
+
+/// First of the samples kept for validation: a time, or a share of the samples in use.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum ValidateFrom {
+    /// This time, s.
+    Time(f64),
+    /// After this share.
+    Share(f64),
+}
+
+impl FromStr for ValidateFrom {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some(percent) = text.trim().strip_suffix('%') else {
+            return text.parse::<Time>().map(|time| Self::Time(time.si())).map_err(|error| error.to_string());
+        };
+        let share = percent.trim().parse::<f64>().ok().filter(|percent| *percent > 0.0 && *percent < 100.0);
+        share
+            .map(|percent| Self::Share(percent / 100.0))
+            .ok_or_else(|| format!("validation from {text:?}: a share lies between 0% and 100%, for instance 50%"))
+    }
+}
+
+impl TryFrom<String> for ValidateFrom {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<ValidateFrom> for String {
+    fn from(from: ValidateFrom) -> Self {
+        match from {
+            ValidateFrom::Time(seconds) => format!("{seconds} s"),
+            ValidateFrom::Share(share) => format!("{}%", 100.0 * share),
+        }
+    }
+}
+
+/// Samples by which the inputs act late: a number, or the best of a range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Delay {
+    /// As given.
+    Given(u32),
+    /// The best from the first to the last.
+    Auto(u32, u32),
+}
+
+/// Delays that `auto` tries: lags 0 to 20, of which a hold takes one.
+const AUTOMATIC_DELAYS: (u32, u32) = (0, 19);
+
+/// Delays of a scan, at most.
+const MOST_DELAYS: u32 = 200;
+
+impl FromStr for Delay {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let bad = || format!("delay {text:?} is neither a number of samples nor \"auto\" nor a range, as in auto=0-30");
+        let Some(range) = text.trim().strip_prefix("auto") else {
+            return text.trim().parse().map(Self::Given).map_err(|_| bad());
+        };
+        if range.is_empty() {
+            return Ok(Self::Auto(AUTOMATIC_DELAYS.0, AUTOMATIC_DELAYS.1));
+        }
+        let (first, last) = range.strip_prefix('=').and_then(|range| range.split_once('-')).ok_or_else(bad)?;
+        let number = |text: &str| text.trim().parse::<u32>().map_err(|_| bad());
+        let (first, last) = (number(first)?, number(last)?);
+        match first <= last && last - first <= MOST_DELAYS {
+            true => Ok(Self::Auto(first, last)),
+            false => Err(bad()),
+        }
+    }
+}
+
+impl fmt::Display for Delay {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Given(samples) => write!(f, "{samples}"),
+            Self::Auto(first, last) => write!(f, "auto={first}-{last}"),
+        }
+    }
+}
+
+impl Serialize for Delay {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Given(samples) => serializer.serialize_u32(*samples),
+            Self::Auto(..) => serializer.collect_str(self),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Delay {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Number(u32),
+            Text(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::Number(samples) => Ok(Self::Given(samples)),
+            Written::Text(text) => text.parse().map_err(serde::de::Error::custom),
         }
     }
 }
@@ -162,6 +269,20 @@ mod tests {
         for start in StartName::value_variants() {
             assert_eq!(Start::from(*start).name(), start.to_string());
         }
+    }
+
+    #[test]
+    fn a_delay_is_a_number_or_a_range_and_validation_begins_at_a_time_or_after_a_share() {
+        assert_eq!("3".parse(), Ok(Delay::Given(3)));
+        assert_eq!("auto".parse(), Ok(Delay::Auto(0, 19)));
+        assert_eq!(serde_json::from_str::<Delay>("\"auto=2-9\"").unwrap(), Delay::Auto(2, 9));
+        assert_eq!(serde_json::to_string(&Delay::Given(3)).unwrap(), "3");
+        for wrong in ["auto=9-2", "auto5", "-1", "auto=0-999"] {
+            assert!(wrong.parse::<Delay>().unwrap_err().contains("neither a number"), "{wrong}");
+        }
+        assert_eq!("50%".parse(), Ok(ValidateFrom::Share(0.5)));
+        assert_eq!("100ms".parse(), Ok(ValidateFrom::Time(0.1)));
+        assert!("100%".parse::<ValidateFrom>().unwrap_err().contains("between"));
     }
 
     #[test]

@@ -4,9 +4,9 @@ use crumple_signal::value::{Acceleration, Speed, Time};
 use serde::{Deserialize, Serialize};
 
 use crate::stage::options::choices::{
-    Condition, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Noise, Paper, StartName,
+    Condition, Delay, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Paper, StartName, ValidateFrom,
 };
-use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption};
+use crate::stage::options::orders::{ArxRanges, ArxStructure, OrdersOption};
 
 /// Flags of `crumple-identify`, keys of `[identify]`.
 #[derive(Debug, Default, clap::Args, Serialize, Deserialize)]
@@ -15,14 +15,16 @@ use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption};
 pub struct Options {
     /// Identification methods, separated by commas. From free motion: era (eigensystem realization), exponentials. From
     /// an input and an output: tfest (continuous transfer function), output-error (the same, sampled), okid (observer,
-    /// then era), n4sid, moesp, cva, arx. Default: era.
+    /// then era), n4sid, moesp, cva, arx. "auto": n4sid, moesp, cva, arx, okid and output-error, and the one to use
+    /// among them; of several outputs, or without an input, n4sid, moesp and cva. Default: era.
     #[arg(long, value_delimiter = ',', hide_possible_values = true)]
     pub methods: Vec<Method>,
-    /// Numbers of states to try, separated by commas, and "auto": by the largest gap between singular values
-    /// (era), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4.
+    /// Numbers of states to try, separated by commas, ranges as 1:10, and "auto": by the largest gap between singular
+    /// values (era), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default:
+    /// 4, "auto" with --methods auto.
     #[arg(long, value_delimiter = ',')]
-    pub orders: Vec<OrderOption>,
-    /// Highest order that "auto" considers. Default: 20.
+    pub orders: Vec<OrdersOption>,
+    /// Highest order that "auto" considers. Default: 20; 40 of several outputs with --methods auto.
     #[arg(long)]
     pub max_order: Option<u32>,
     /// Rows of the Hankel matrix. Default: half of the record.
@@ -93,13 +95,17 @@ pub struct Options {
     #[arg(long, value_delimiter = ',')]
     #[serde(deserialize_with = "one_or_several")]
     pub max_iterations: Vec<u32>,
-    /// Samples by which the input acts late. Default: 0.
+    /// Samples by which the input acts late; "auto": the best of 0 to 19 by the one-step prediction error, "auto=2-30":
+    /// of these. Default: 0.
     #[arg(long)]
-    pub delay: Option<u32>,
+    pub delay: Option<Delay>,
     /// Remove the mean over the samples identified from, from inputs and outputs of methods with both (also from the
-    /// samples kept by --validate-from). Default: false.
+    /// samples kept by --validate-from). Default: false; true with --methods auto of records that are no crash.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub remove_mean: Option<bool>,
+    /// The same with a straight line instead of the mean. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub remove_trend: Option<bool>,
     /// Number of exponential terms; a damped wave counts as two. Default: 4.
     #[arg(long)]
     pub terms: Option<u32>,
@@ -140,21 +146,18 @@ pub struct Options {
     /// Largest damping ratio of a pole that counts there. Default: 2; 0.3 is usual for structures.
     #[arg(long)]
     pub highest_damping: Option<f64>,
-    /// Fits to records with new noise, for standard deviations and 5 to 95 % intervals of frequencies, damping, zeros
-    /// and frequency responses; 200 are usual. Default: 0, none.
+    /// Fits to records with new noise, for standard deviations and nominal 90 % intervals of frequencies, damping, zeros
+    /// and frequency responses; 60 suffice, 200 are usual. Default: 0, none.
     #[arg(long)]
     pub bootstrap: Option<u32>,
-    /// How that noise is drawn from the residuals: blocks, or autoregression. Default: blocks.
-    #[arg(long, hide_possible_values = true)]
-    pub bootstrap_noise: Option<Noise>,
     /// Seed of that noise. Default: 1.
     #[arg(long)]
     pub bootstrap_seed: Option<u32>,
-    /// Identify from the samples before this time only, and tell how well the model predicts the rest, e.g. 100ms: run
-    /// on from its own state, and with the initial state fitted to the rest.
-    /// Default: no validation.
+    /// Identify from the samples before this time, or this share of the samples in use, only, and tell how well the
+    /// model predicts the rest, e.g. 100ms or 50%: run on from its own state, and with the initial state fitted to the
+    /// rest. Default: no validation.
     #[arg(long)]
-    pub validate_from: Option<Time>,
+    pub validate_from: Option<ValidateFrom>,
     /// Follow the procedure of a paper as printed, labelled so: era (crash pulse as an impulse response, 2 states from
     /// 100 and from 50 samples, 4 from 60 and from 2501), curve-fit (of the same paper: 4 real exponentials) or tfest
     /// (4 poles, 1 zero, 20 iterations, at rest before the record). It sets --methods and what belongs to the

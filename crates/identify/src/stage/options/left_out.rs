@@ -23,4 +23,9 @@ pub const LEFT_OUT: &[LeftOut] = &[
         value: "",
         instead: "leave it out: okid chooses its states from the system alone",
     },
+    LeftOut {
+        option: "bootstrap_noise",
+        value: "",
+        instead: "leave it out: the record chooses the model that noise is drawn from",
+    },
 ];

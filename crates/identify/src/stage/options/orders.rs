@@ -3,8 +3,61 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crumple_stage::records::ScanEdgeV1;
 use crumple_sysid::{ArxOrder, Order};
 use serde::{Deserialize, Serialize};
+
+/// Numbers of states: one, `auto`, or a range, `1:10`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OrdersOption {
+    /// One order.
+    One(OrderOption),
+    /// All from the first to the last.
+    Range(usize, usize),
+}
+
+/// Orders of a range, at most.
+const MOST_ORDERS: usize = 200;
+
+impl FromStr for OrdersOption {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((first, last)) = text.split_once(':') else { return text.parse().map(Self::One) };
+        let number = |text: &str| text.trim().parse::<u16>().ok().map(usize::from);
+        match (number(first), number(last)) {
+            (Some(first), Some(last)) if first > 0 && first <= last && last - first < MOST_ORDERS => {
+                Ok(Self::Range(first, last))
+            }
+            _ => Err(format!("orders {text:?} are no range of numbers of states, as in 1:10")),
+        }
+    }
+}
+
+impl OrdersOption {
+    /// The orders, one by one.
+    pub fn all(self) -> Vec<OrderOption> {
+        match self {
+            Self::One(order) => vec![order],
+            Self::Range(first, last) => (first..=last).map(|n| OrderOption(Order::Given(n))).collect(),
+        }
+    }
+}
+
+impl fmt::Display for OrdersOption {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::One(order) => write!(f, "{order}"),
+            Self::Range(first, last) => write!(f, "{first}:{last}"),
+        }
+    }
+}
+
+impl Serialize for OrdersOption {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
 
 /// A number of states, or `auto`. In a pipeline file `4`, `"4"` or `"auto"`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +92,7 @@ impl Serialize for OrderOption {
     }
 }
 
-impl<'de> Deserialize<'de> for OrderOption {
+impl<'de> Deserialize<'de> for OrdersOption {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
         #[serde(untagged)]
@@ -126,6 +179,21 @@ impl ArxRanges {
             .flat_map(|na| over(self.nb).flat_map(move |nb| over(self.nk).map(move |nk| ArxOrder { na, nb, nk })))
             .filter(|order| order.na + order.nb > 0)
             .collect()
+    }
+}
+
+impl ArxRanges {
+    /// Which numbers of a structure stand at the end of a range of more than one, and could go beyond.
+    pub fn edges(&self, order: &ArxOrder) -> Vec<ScanEdgeV1> {
+        let at_edge =
+            |(low, high): (usize, usize), n: usize, least: usize| low < high && (n == high || (n == low && n > least));
+        let Self { na, nb, nk } = *self;
+        let all = [
+            (ScanEdgeV1::PastOutputs, at_edge(na, order.na, 0)),
+            (ScanEdgeV1::Inputs, at_edge(nb, order.nb, 1)),
+            (ScanEdgeV1::Delay, at_edge(nk, order.nk, 0)),
+        ];
+        all.into_iter().filter_map(|(edge, is_there)| is_there.then_some(edge)).collect()
     }
 }
 

@@ -7,11 +7,14 @@ use crumple_sysid::{Order, Start};
 use serde::Serialize;
 
 use crate::stage::options::choices::{
-    Condition, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Noise, Paper, StartName,
+    Condition, Delay, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Paper, StartName, ValidateFrom,
 };
 use crate::stage::options::flags::Options;
-use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption};
+use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption, OrdersOption};
 use crate::stage::options::paper;
+
+/// Highest order that subspace methods consider by themselves where several outputs are named: their modes are many.
+const HIGHEST_OF_SEVERAL: u32 = 40;
 
 /// Options with every default filled in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -49,6 +52,9 @@ pub struct Settings {
     /// First time of the samples kept for validation, s, if any are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub validate_from_s: Option<f64>,
+    /// Or the share of the samples in use before them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub validate_from_share: Option<f64>,
     /// Paper whose procedure is followed, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paper: Option<Paper>,
@@ -65,14 +71,16 @@ impl Settings {
     /// Fills in the defaults. Errors: an unknown method, an order of zero, an empty window.
     pub fn resolve(mut options: Options) -> Result<Self, Usage> {
         paper::follow(&mut options)?;
-        let orders = once(&options.orders);
+        let auto = automatic(&mut options);
+        let orders: Vec<OrderOption> = options.orders.iter().flat_map(|orders| orders.all()).collect();
+        let orders = once(&orders);
         let from_s = options.from.map_or(0.0, Time::si);
         let to_s = options.to.map(Time::si);
         if let Some(to_s) = to_s.filter(|to| *to <= from_s) {
             return Err(Usage::new(format!("the window from {from_s} s to {to_s} s is empty"))
                 .hint("give --to a later time than --from"));
         }
-        let validate_from_s = validate_from(&options, from_s, to_s)?;
+        let (validate_from_s, validate_from_share) = validate_from(&options, from_s, to_s)?;
         let bootstrap = BootstrapSettings::resolve(&options)?;
         let stabilisation = stabilisation(&options)?;
         let sizes = [
@@ -86,7 +94,7 @@ impl Settings {
         }
         let size = |n: Option<u32>| n.map(|n| n as usize);
         let with_input = options.methods.iter().any(|method| !method.is_of_free_motion());
-        let input_output = with_input.then(|| InputOutputSettings::resolve(&options)).transpose()?;
+        let input_output = with_input.then(|| InputOutputSettings::resolve(&options, auto)).transpose()?;
         let hankel = HankelSettings::resolve(&options)?;
         Ok(Self {
             input_output,
@@ -103,6 +111,7 @@ impl Settings {
             stabilisation,
             bootstrap,
             validate_from_s,
+            validate_from_share,
             paper: options.paper,
         })
     }
@@ -185,6 +194,9 @@ pub struct InputOutputSettings {
     pub max_iterations: Vec<u32>,
     /// Samples by which the input acts late.
     pub delay: usize,
+    /// The range that the delay is chosen from, where it is left to the record.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delays: Option<(usize, usize)>,
     /// Exponential terms.
     pub terms: usize,
     /// Real exponents only.
@@ -210,6 +222,12 @@ pub struct InputOutputSettings {
     /// Whether the mean is removed from inputs and outputs.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub remove_mean: bool,
+    /// Whether it is where the record is no crash.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub remove_mean_unless_crash: bool,
+    /// Whether a straight line is removed from inputs and outputs.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub remove_trend: bool,
 }
 
 impl InputOutputSettings {
@@ -219,7 +237,7 @@ impl InputOutputSettings {
     }
 
     /// Fills in the defaults. Errors: conditions out of order, waveforms named twice.
-    fn resolve(options: &Options) -> Result<Self, Usage> {
+    fn resolve(options: &Options, auto: bool) -> Result<Self, Usage> {
         let all = Condition::value_variants();
         for (condition, expected) in options.conditions.iter().zip(all) {
             if condition != expected {
@@ -262,7 +280,11 @@ impl InputOutputSettings {
             stable: options.stable.unwrap_or(false),
             starts: starts.to_vec(),
             max_iterations,
-            delay: size(options.delay, 0),
+            delay: if let Some(Delay::Given(samples)) = options.delay { samples as usize } else { 0 },
+            delays: match options.delay {
+                Some(Delay::Auto(first, last)) => Some((first as usize, last as usize)),
+                _ => None,
+            },
             terms: size(options.terms, 4),
             real: options.real.unwrap_or(false),
             conditions: options.conditions.len(),
@@ -273,6 +295,8 @@ impl InputOutputSettings {
             start_velocity_m_per_s: options.start_velocity.map(Speed::si),
             start_acceleration_m_per_s2: options.start_acceleration.map(Acceleration::si),
             remove_mean: options.remove_mean.unwrap_or(false),
+            remove_mean_unless_crash: auto && options.remove_mean.is_none(),
+            remove_trend: options.remove_trend.unwrap_or(false),
         })
     }
 
@@ -319,8 +343,6 @@ pub struct Stabilisation {
 pub struct BootstrapSettings {
     /// Fits.
     pub replicates: usize,
-    /// How noise is drawn.
-    pub noise: Noise,
     /// Seed.
     pub seed: u32,
 }
@@ -331,11 +353,10 @@ impl BootstrapSettings {
         if options.bootstrap == Some(1) {
             return Err(Usage::new("one bootstrap fit has no spread").hint("200 are usual, 0 for none"));
         }
-        Ok(options.bootstrap.filter(|count| *count > 0).map(|replicates| Self {
-            replicates: replicates as usize,
-            noise: options.bootstrap_noise.unwrap_or_default(),
-            seed: options.bootstrap_seed.unwrap_or(1),
-        }))
+        Ok(options
+            .bootstrap
+            .filter(|count| *count > 0)
+            .map(|replicates| Self { replicates: replicates as usize, seed: options.bootstrap_seed.unwrap_or(1) }))
     }
 }
 
@@ -348,13 +369,36 @@ fn stabilisation(options: &Options) -> Result<Option<Stabilisation>, Usage> {
     Ok(options.stabilisation.unwrap_or(false).then_some(Stabilisation { highest_damping }))
 }
 
-/// First time of the samples kept for validation. Errors: nothing before it, or nothing after.
-fn validate_from(options: &Options, from_s: f64, to_s: Option<f64>) -> Result<Option<f64>, Usage> {
-    let validate_from_s = options.validate_from.map(Time::si);
+/// The methods, orders and highest order that `auto` stands for, put in its place; whether it was there.
+fn automatic(options: &mut Options) -> bool {
+    if !options.methods.contains(&Method::Auto) {
+        return false;
+    }
+    let subspace = [Method::N4sid, Method::Moesp, Method::Cva];
+    let several = options.output_channels.len() > 1;
+    let free = options.input_channels == ["none"] || options.input_channel.as_deref() == Some("none");
+    let of_one_output = [Method::Arx, Method::Okid, Method::OutputError];
+    let others = if several || free { &[][..] } else { &of_one_output };
+    let named: Vec<Method> = options.methods.iter().copied().filter(|method| *method != Method::Auto).collect();
+    options.methods = once(&[&subspace[..], others, &named].concat());
+    if options.orders.is_empty() {
+        options.orders.push(OrdersOption::One(OrderOption(Order::Automatic)));
+    }
+    options.max_order = options.max_order.or(several.then_some(HIGHEST_OF_SEVERAL));
+    true
+}
+
+/// First time, or share before, of the samples kept for validation. Errors: nothing before it, or nothing after.
+fn validate_from(options: &Options, from_s: f64, to_s: Option<f64>) -> Result<(Option<f64>, Option<f64>), Usage> {
+    let validate_from_s = match options.validate_from {
+        Some(ValidateFrom::Share(share)) => return Ok((None, Some(share))),
+        Some(ValidateFrom::Time(time_s)) => Some(time_s),
+        None => None,
+    };
     match validate_from_s.filter(|v| *v <= from_s || to_s.is_some_and(|to| *v >= to)) {
         Some(from) => Err(Usage::new(format!("validation from {from} s leaves nothing before it, or nothing after"))
             .hint("give --validate-from a time between --from and --to")),
-        None => Ok(validate_from_s),
+        None => Ok((validate_from_s, None)),
     }
 }
 
@@ -371,12 +415,31 @@ mod tests {
 
     #[test]
     fn orders_are_read_as_numbers_and_words() {
-        let options: Options = serde_json::from_str(r#"{"orders": [2, "4", "auto", 2]}"#).unwrap();
+        let options: Options = serde_json::from_str(r#"{"orders": [2, "4", "auto", "1:3"]}"#).unwrap();
         let orders: Vec<String> =
             Settings::resolve(options).unwrap().orders.iter().map(OrderOption::to_string).collect();
-        assert_eq!(orders, ["2", "4", "auto"]);
+        assert_eq!(orders, ["2", "4", "auto", "1", "3"]);
+        assert!(
+            serde_json::from_str::<Options>(r#"{"orders": ["3:1"]}"#).unwrap_err().to_string().contains("no range")
+        );
         let error = serde_json::from_str::<Options>(r#"{"orders": [-2]}"#).unwrap_err().to_string();
         assert!(error.contains("order \"-2\" is neither"), "{error}");
+    }
+
+    #[test]
+    fn auto_stands_for_methods_and_their_orders() {
+        let auto = |several: &[&str], free: bool| {
+            let output_channels = several.iter().map(|name| (*name).to_owned()).collect();
+            let input_channels = if free { vec!["none".to_owned()] } else { Vec::new() };
+            let methods = vec![Method::Auto];
+            Settings::resolve(Options { methods, output_channels, input_channels, ..Options::default() }).unwrap()
+        };
+        let one = auto(&["y"], false);
+        assert_eq!((one.methods.len(), one.max_order, one.orders[0].to_string()), (6, 20, "auto".to_owned()));
+        assert!(one.hankel.is_some() && one.input_output.unwrap().remove_mean_unless_crash);
+        let several = auto(&["y", "z"], false);
+        assert_eq!((several.methods.len(), several.max_order), (3, 40));
+        assert_eq!(auto(&["y"], true).methods, [Method::N4sid, Method::Moesp, Method::Cva]);
     }
 
     #[test]

@@ -1,23 +1,16 @@
 //! Discrete models: what an estimator gives, whether it is accepted, and its records.
 
-use crumple_numerics::lti::{Complex, InputHold, Mode, StateSpace, to_continuous, to_transfer_function};
-use crumple_signal::{Note, Notes, Severity};
-use crumple_stage::Output;
-use crumple_stage::records::EvidenceV1;
-use crumple_sysid::{
-    IdentifyError, IoData, MissReason, compare, continued, fit_measures, mode_shapes, simulate_fitted, weak_fit,
-};
+use crumple_numerics::lti::{Complex, InputHold, LtiError, Mode, StateSpace, to_continuous, to_transfer_function};
+use crumple_signal::{Note, Notes};
+use crumple_stage::records::{EvidenceV1, ShapesV1};
+use crumple_sysid::{IdentifyError, IoData, MissReason, fit_measures, mode_shapes, simulate_fitted, weak_fit};
 
 use crate::stage::options::choices::{Hold, Method};
 use crate::stage::options::settings::BootstrapSettings;
-use crate::stage::records::evidence::{
-    Poles, fit_in_words, identification_with_evidence, notes_on_poles, pole_record, prediction_tests,
-    put_transfer_functions, validate_all, validation_summary,
-};
-use crate::stage::records::realization::{shapes, state_space};
-use crate::stage::records::responses::{
-    Band, Equation, ModelResponses, note_limits, put_spreads, spread_of_equation, spread_of_outputs, zeros_of,
-};
+use crate::stage::records::evidence::{Poles, notes_on_poles, pole_record, prediction_tests};
+use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
+use crate::stage::records::realization::shapes;
+use crate::stage::records::responses::{ModelResponses, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, WindowedWave};
 
@@ -33,8 +26,6 @@ pub struct DiscreteModel {
     pub predicted: Vec<Vec<f64>>,
     /// First sample that is predicted; those before are the measured ones.
     pub predicted_from: usize,
-    /// The equation, where the model is a regression of one output.
-    pub equation: Option<Equation>,
     /// Why an iterative fit stopped.
     pub stop_reason: Option<&'static str>,
     /// Condition number of the sensitivities of an iterative fit.
@@ -74,7 +65,6 @@ impl DiscreteModel {
             singular_values: Vec::new(),
             predicted: Vec::new(),
             predicted_from: 0,
-            equation: None,
             stop_reason: None,
             condition: None,
             losses: Vec::new(),
@@ -103,6 +93,10 @@ pub fn simulate_accepted(
     data: &IoData,
 ) -> Result<(Vec<Vec<f64>>, DiscreteModel), IdentifyError> {
     let simulated = simulate_fitted(&model.state_space, data)?.0;
+    if data.inputs().is_empty() && data.outputs().len() > 1 {
+        // Of motion that nobody measured the cause of, a simulation is no verdict.
+        return Ok((simulated, model));
+    }
     for (measured, response) in data.outputs().iter().zip(&simulated) {
         let fit = match fit_measures(measured, response) {
             Some(fit) => fit,
@@ -177,44 +171,60 @@ pub struct DiscreteTask<'a> {
     pub refit: &'a (dyn Fn(&[Vec<f64>]) -> Option<StateSpace> + Sync),
 }
 
-/// Writes the records of one model under its id and a summary line.
+/// Writes one model and says it on the screen.
 pub fn put_discrete_model(
     task: &DiscreteTask<'_>,
-    model: &DiscreteModel,
-    simulated: &[Vec<f64>],
+    model: DiscreteModel,
+    used: Vec<Vec<f64>>,
     results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
     let DiscreteTask { id, method, order, record, .. } = *task;
     let mut notes = Notes::new();
-    record.remarks.iter().for_each(|remark| notes.info(remark));
-    notes.extend(model.notes.clone());
-    for Note { text, .. } in notes.iter().filter(|note| note.severity == Severity::Warning) {
-        results.out.notes().warning(format!("{id}: {text}"));
-    }
-    let continuous = put_models(task, model, &mut notes, results.out)?;
-    let (discrete_poles, poles) = put_modes(task, &model.state_space, results.out)?;
+    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
+    model.notes.iter().for_each(|note| notes.push(Note { text: format!("{id}: {}", note.text), ..note.clone() }));
+    let (forms, continuous) = forms(task, &model, &mut notes)?;
+    let (discrete_poles, poles, shapes) = modes(task, &model.state_space)?;
     let responses = responses_of(&model.state_space, continuous.as_ref(), &record.outputs[0], task.delay())?;
-    let mut remarks = notes_on_poles(id, &responses.poles, &record.waves());
-    let (mut whole, mut evidence) =
-        identification_with_evidence(method, order, record, simulated, model.parameters, Vec::new());
-    fill_evidence(task, model, &discrete_poles, &mut evidence, &mut notes);
-    validate_kept(task, &model.state_space, &mut evidence, &mut remarks)?;
-    put_responses(task, (model, simulated), &responses, &mut evidence, &mut remarks, results.out)?;
-    notes.extend(remarks.clone());
-    results.out.notes().extend(remarks);
-    whole.notes = notes.to_texts();
-    whole.singular_values = model.singular_values.clone();
-    let rows = |block_rows: usize| u32::try_from(block_rows * record.outputs.len()).ok();
-    whole.hankel_rows = model.choices.block_rows.and_then(rows);
-    let samples = record.data.samples();
-    results.out.summary(format!(
-        "{id}: {} of {samples} samples{}",
-        fit_in_words(whole.fit_percent),
-        validation_summary(&evidence)
-    ));
-    results.out.put(&format!("/identification/{id}"), &whole)?;
-    poles.keep_those_of_modes(&mut evidence);
-    results.enter(id, &whole, &mut evidence)
+    notes.extend(notes_on_poles(id, &responses.poles, &record.waves()));
+    let mut evidence = evidence_of(&record.inputs, &record.outputs, &used, model.parameters);
+    fill_evidence(task, &model, &discrete_poles, &mut evidence, &mut notes);
+    let simulated = match Simulated::of_state_space(&model.state_space, used.clone(), (task.data, task.whole), None) {
+        Ok(simulated) => simulated,
+        Err(error) => {
+            notes.warning(format!("{id}: no validation: {error}"));
+            Simulated::all_used(used)
+        }
+    };
+    let (answer, delay, hold) = (&record.outputs[0], task.delay(), task.input_hold());
+    let refit = |y: &[Vec<f64>], grid: &[f64]| {
+        let refitted = (task.refit)(y)?;
+        let continuous = to_continuous(&refitted, hold).ok().map(|result| result.model);
+        Some(responses_of(&refitted, continuous.as_ref(), answer, delay).ok()?.sample(grid))
+    };
+    FittedModel {
+        id,
+        method,
+        order,
+        treated_as: treated_as(record),
+        input: record.input(),
+        inputs: &record.inputs,
+        outputs: &record.outputs,
+        delay_s: record.delay_s,
+        forms,
+        poles,
+        shapes,
+        simulated,
+        evidence,
+        hankel: (model.choices.block_rows.map(|rows| rows * record.outputs.len()), None),
+        singular_values: model.singular_values.clone(),
+        responses,
+        band: None,
+        bootstrap: task.bootstrap,
+        hold: (!record.inputs.is_empty()).then_some(hold),
+        refit: Box::new(refit),
+        notes,
+    }
+    .put(results)
 }
 
 impl DiscreteTask<'_> {
@@ -232,40 +242,83 @@ impl DiscreteTask<'_> {
     }
 }
 
-/// Writes the sampled model, the continuous one, which is returned, and those beside it.
-fn put_models(
+/// The sampled model, those beside it, the continuous one by the logarithm for the hold declared, which is returned
+/// apart too, and its transfer functions.
+fn forms(
     task: &DiscreteTask<'_>,
     model: &DiscreteModel,
     notes: &mut Notes,
-    out: &mut Output,
-) -> anyhow::Result<Option<StateSpace>> {
+) -> anyhow::Result<(Forms, Option<StateSpace>)> {
     let DiscreteTask { id, record, .. } = *task;
-    let (input, output) = (record.input(), record.output());
-    out.put(&format!("/model/{id}/discrete"), &state_space(&model.state_space, &input, &output, record.delay_s))?;
-    let continuous = put_continuous(id, &model.state_space, (record, task.input_hold()), notes, out)?;
-    for (name, other) in &model.other_models {
-        let inputs = format!("{input}; {output}");
-        out.put(&format!("/model/{id}/{name}"), &state_space(other, &inputs, &output, record.delay_s))?;
+    let input = record.input();
+    let mut state_spaces = vec![("discrete", model.state_space.clone(), input.clone())];
+    let beside = model.other_models.iter();
+    state_spaces.extend(beside.map(|(name, other)| (*name, other.clone(), format!("{input}; {}", record.output()))));
+    let result = match to_continuous(&model.state_space, task.input_hold()) {
+        Ok(result) => result,
+        Err(error) => {
+            notes.info(format!("{id}: no continuous model: {error}"));
+            return Ok((Forms { state_spaces, ..Forms::default() }, None));
+        }
+    };
+    for z in &result.conjugated {
+        notes.info(format!(
+            "{id}: the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a \
+             conjugate at the Nyquist frequency, and agrees at the samples only"
+        ));
     }
-    Ok(continuous)
+    let continuous = result.model;
+    state_spaces.push(("continuous", continuous.clone(), input));
+    let paths = match continuous.order() <= MOST_COEFFICIENTS {
+        true => paths(&continuous, record.outputs.len(), record.inputs.len())?,
+        false => Ok(Vec::new()),
+    };
+    let paths = paths.unwrap_or_else(|error| {
+        notes.info(format!("{id}: no transfer function: {error}"));
+        Vec::new()
+    });
+    Ok((Forms { state_spaces, paths, ..Forms::default() }, Some(continuous)))
 }
 
-/// Writes the modes, of several outputs their shapes too. Returns the sampled poles that have a continuous counterpart,
-/// and what each is.
-fn put_modes(task: &DiscreteTask<'_>, model: &StateSpace, out: &mut Output) -> anyhow::Result<(Vec<Complex>, Poles)> {
-    let DiscreteTask { id, record, .. } = *task;
+/// Numerator and denominator of a path.
+type Path = (Vec<f64>, Vec<f64>);
+
+/// Those of every path of a continuous model, by output and input. The inner error: a path has none.
+fn paths(model: &StateSpace, outputs: usize, inputs: usize) -> anyhow::Result<Result<Vec<Vec<Path>>, LtiError>> {
+    let mut all = Vec::with_capacity(outputs);
+    for i in 0..outputs {
+        let mut of_output = Vec::with_capacity(inputs);
+        for j in 0..inputs {
+            let path = StateSpace::new(
+                model.a.clone(),
+                model.b.columns(j, 1).into_owned(),
+                model.c.rows(i, 1).into_owned(),
+                model.d.view((i, j), (1, 1)).into_owned(),
+                None,
+            )?;
+            match to_transfer_function(&path) {
+                Ok(tf) => of_output.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
+                Err(error) => return Ok(Err(error)),
+            }
+        }
+        all.push(of_output);
+    }
+    Ok(Ok(all))
+}
+
+/// The sampled poles that have a continuous counterpart, what each is, and of several outputs the shapes of the modes.
+fn modes(task: &DiscreteTask<'_>, model: &StateSpace) -> anyhow::Result<(Vec<Complex>, Poles, Option<ShapesV1>)> {
+    let DiscreteTask { record, .. } = *task;
     let dt = record.data.sample_time_s();
     let pairs: Vec<(Complex, Mode)> =
         model.poles()?.into_iter().filter_map(|z| Some((z, Mode::discrete(z, dt)?))).collect();
     let poles = Poles::of(pairs.iter().map(|(z, mode)| (*mode, Some(*z))), pole_record(&record.waves()));
-    poles.put(id, out)?;
     let discrete: Vec<Complex> = pairs.iter().map(|(z, _)| *z).collect();
-    if record.outputs.len() > 1 {
+    let shapes = (record.outputs.len() > 1).then(|| {
         let modes = pairs.iter().zip(poles.are_modes()).map(|((z, mode), is_mode)| (*z, is_mode.then_some(*mode)));
-        let modes: Vec<_> = modes.collect();
-        out.put(&format!("/shapes/{id}"), &shapes(&modes, &mode_shapes(model, &discrete), &record.outputs))?;
-    }
-    Ok((discrete, poles))
+        shapes(&modes.collect::<Vec<_>>(), &mode_shapes(model, &discrete), &record.outputs)
+    });
+    Ok((discrete, poles, shapes))
 }
 
 /// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are
@@ -281,12 +334,13 @@ fn fill_evidence(
     let deviations = model.deviations.as_ref().map(|deviations| deviations(poles)).unwrap_or_default();
     let no_deviations = model.deviations.is_none().then(|| match method {
         Method::Arx => {
-            "arx of several outputs has neither a covariance of its poles that is known nor a bootstrap".to_owned()
+            "arx of several outputs has no covariance of its poles that is known; --bootstrap 200 gives their spread"
+                .to_owned()
         }
         _ => format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread"),
     });
     if let Some(why) = no_deviations.iter().find(|_| task.bootstrap.is_none()) {
-        notes.info(format!("no standard deviations: {why}"));
+        notes.info(format!("{}: no standard deviations: {why}", task.id));
     }
     // In units of the output if there is one.
     let unit = if let [scale] = record.data.output_scales()[..] { scale * scale } else { 1.0 };
@@ -310,79 +364,12 @@ fn fill_evidence(
         output_evidence.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
     }
     if !model.predicted.is_empty() {
-        notes.info(
-            "whiteness and correlation with the input are those of the one-step prediction errors, all else of the \
-             simulation",
-        );
+        notes.info(format!(
+            "{}: whiteness and correlation with the input are those of the one-step prediction errors, all else of \
+             the simulation",
+            task.id
+        ));
     }
-}
-
-/// Fits of the samples kept for validation, where there are any: simulated on from the samples identified from, and
-/// with the initial state fitted to the kept ones.
-fn validate_kept(
-    task: &DiscreteTask<'_>,
-    model: &StateSpace,
-    evidence: &mut [EvidenceV1],
-    remarks: &mut Notes,
-) -> anyhow::Result<()> {
-    let DiscreteTask { id, record, data, whole, .. } = *task;
-    if record.outputs[0].kept.is_empty() {
-        return Ok(());
-    }
-    match continued(model, data, whole, None) {
-        Ok(simulated) => {
-            validate_all(record, &simulated, evidence);
-            // The protocol of published comparisons: the initial state is fitted to the kept samples.
-            let rest = whole.slice(data.samples(), whole.samples())?;
-            for (output_evidence, fit) in evidence.iter_mut().zip(compare(model, &rest)?) {
-                output_evidence.validation_restarted_fit_percent = fit.and_then(|fit| fit.fit_percent);
-            }
-        }
-        Err(error) => remarks.warning(format!("{id}: no validation: {error}")),
-    }
-    Ok(())
-}
-
-/// Runs the bootstrap, if asked for, and writes the responses of a model of one input and one output.
-fn put_responses(
-    task: &DiscreteTask<'_>,
-    (model, simulated): (&DiscreteModel, &[Vec<f64>]),
-    responses: &ModelResponses<'_>,
-    evidence: &mut [EvidenceV1],
-    remarks: &mut Notes,
-    out: &mut Output,
-) -> anyhow::Result<()> {
-    let DiscreteTask { id, method, record, .. } = *task;
-    // Noise added to the outputs of a regression would bias its replicates.
-    let regression = method == Method::Arx && model.equation.is_none();
-    let bootstrap = task.bootstrap.filter(|_| !regression);
-    let without = task.bootstrap.filter(|_| regression);
-    note_limits(id, (record.inputs.len(), record.outputs.len()), without, remarks);
-    let grid = if record.single() { responses.grid_hz() } else { Vec::new() };
-    let sample = responses.sample(&grid);
-    let refit = |y: &[Vec<f64>]| {
-        let refitted = (task.refit)(y)?;
-        let continuous = to_continuous(&refitted, task.input_hold()).ok().map(|result| result.model);
-        Some(responses_of(&refitted, continuous.as_ref(), &record.outputs[0], task.delay()).ok()?.sample(&grid))
-    };
-    let nominal = (id, &sample);
-    let spreads = match &model.equation {
-        Some(equation) => spread_of_equation(bootstrap, nominal, equation, remarks, |y| refit(&[y.to_vec()])),
-        None => {
-            let signals = (record.data.outputs(), simulated);
-            spread_of_outputs(bootstrap, nominal, signals, model.parameters, remarks, refit)
-        }
-    };
-    let band = spreads.as_ref().map(Band::from_bootstrap);
-    if let Some(spreads) = &spreads {
-        evidence.iter_mut().for_each(|output_evidence| put_spreads(spreads, output_evidence));
-    }
-    if let Some(response) =
-        responses.response(&record.input(), &record.output(), band.as_ref()).filter(|_| record.single())
-    {
-        out.put(&format!("/response/{id}"), &response)?;
-    }
-    Ok(())
 }
 
 /// The model with all that its responses need; `answer` is the first output.
@@ -402,57 +389,4 @@ fn responses_of<'a>(
         samples: answer.sampled.len(),
         delay,
     })
-}
-
-/// Writes the continuous model by the logarithm for the hold declared, and its transfer functions.
-fn put_continuous(
-    id: &str,
-    model: &StateSpace,
-    (record, hold): (&Record, InputHold),
-    notes: &mut Notes,
-    out: &mut Output,
-) -> anyhow::Result<Option<StateSpace>> {
-    let result = match to_continuous(model, hold) {
-        Ok(result) => result,
-        Err(error) => {
-            notes.info(format!("no continuous model: {error}"));
-            return Ok(None);
-        }
-    };
-    for z in &result.conjugated {
-        notes.info(format!(
-            "the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate \
-             at the Nyquist frequency, and agrees at the samples only"
-        ));
-    }
-    let continuous = result.model;
-    out.put(
-        &format!("/model/{id}/continuous"),
-        &state_space(&continuous, &record.input(), &record.output(), record.delay_s),
-    )?;
-    if continuous.order() > MOST_COEFFICIENTS {
-        return Ok(Some(continuous));
-    }
-    let mut entries = Vec::new();
-    for i in 0..record.outputs.len() {
-        for j in 0..record.inputs.len() {
-            let path = StateSpace::new(
-                continuous.a.clone(),
-                continuous.b.columns(j, 1).into_owned(),
-                continuous.c.rows(i, 1).into_owned(),
-                continuous.d.view((i, j), (1, 1)).into_owned(),
-                None,
-            )?;
-            match to_transfer_function(&path) {
-                Ok(tf) => entries.push((tf.numerator().to_vec(), tf.denominator().to_vec())),
-                Err(error) => {
-                    notes.info(format!("no transfer function: {error}"));
-                    return Ok(Some(continuous));
-                }
-            }
-        }
-    }
-    let inputs = record.inputs.len();
-    put_transfer_functions(id, record, |i, j| entries[i * inputs + j].clone(), out)?;
-    Ok(Some(continuous))
 }

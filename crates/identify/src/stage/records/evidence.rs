@@ -2,17 +2,15 @@
 
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
-use crumple_stage::Output;
-use crumple_stage::records::{
-    EvidenceV1, IdentificationV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1, TransferFunctionV1,
-};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeKindV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1};
 use crumple_sysid::{
     InformationCriteria, PoleKind, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples,
     fit_measures, pole_kinds, pole_notes, residual_tests,
 };
 
-use crate::stage::options::choices::{Hold, Method, Paper};
-use crate::stage::waves::{Record, WindowedWave, filter_edges};
+use crate::stage::options::choices::{Hold, Paper};
+use crate::stage::records::lines::AMBIENT;
+use crate::stage::waves::{WindowedWave, filter_edges};
 
 /// All poles of a model that was identified from a record, one entry each, and what each is.
 pub struct Poles {
@@ -22,9 +20,17 @@ pub struct Poles {
 
 impl Poles {
     /// Of entries with whatever the method knows of each.
-    pub fn new(entries: Vec<ModeV1>, record: PoleRecord) -> Self {
+    pub fn new(mut entries: Vec<ModeV1>, record: PoleRecord) -> Self {
         let poles: Vec<Complex> = entries.iter().map(|pole| Complex::new(pole.re_per_s, pole.im_rad_per_s)).collect();
         let kinds = pole_kinds(&poles, record);
+        for (entry, kind) in entries.iter_mut().zip(&kinds) {
+            entry.kind = match kind {
+                PoleKind::Growing => Some(ModeKindV1::Growing),
+                PoleKind::Real => Some(ModeKindV1::Real),
+                PoleKind::Mode => Some(ModeKindV1::Mode),
+                PoleKind::Integrator | PoleKind::BeyondNyquist => None,
+            };
+        }
         Self { entries, kinds }
     }
 
@@ -35,7 +41,7 @@ impl Poles {
 
     /// Whether each is a mode, in their order.
     pub fn are_modes(&self) -> impl Iterator<Item = bool> {
-        self.kinds.iter().map(|kind| *kind == PoleKind::Mode)
+        self.kinds.iter().map(|kind| kind.is_motion())
     }
 
     /// The modes alone.
@@ -43,27 +49,32 @@ impl Poles {
         self.entries.iter().zip(self.are_modes()).filter_map(|(entry, is_mode)| is_mode.then_some(entry))
     }
 
-    /// Writes them as `/modes/<id>`.
-    pub fn put(&self, id: &str, out: &mut Output) -> anyhow::Result<()> {
+    /// The record of them.
+    pub fn record(&self) -> ModesV2 {
         let others = self.entries.iter().zip(&self.kinds).filter_map(|(pole, kind)| {
             let kind = match kind {
-                PoleKind::Mode => return None,
+                PoleKind::Mode | PoleKind::Real | PoleKind::Growing => return None,
                 PoleKind::Integrator => OtherPoleKindV1::Integrator,
                 PoleKind::BeyondNyquist => OtherPoleKindV1::BeyondNyquist,
             };
             let ModeV1 { re_per_s, im_rad_per_s, discrete_re, discrete_im, .. } = *pole;
             Some(OtherPoleV1 { re_per_s, im_rad_per_s, discrete_re, discrete_im, kind })
         });
-        out.put(
-            &format!("/modes/{id}"),
-            &ModesV2 { modes: self.modes().cloned().collect(), other_poles: others.collect() },
-        )
+        ModesV2 { modes: self.modes().cloned().collect(), other_poles: others.collect() }
     }
 
     /// Leaves deviations and spreads of the modes alone where the evidence has one of every pole.
     pub fn keep_those_of_modes(&self, evidence: &mut [EvidenceV1]) {
-        for EvidenceV1 { frequency_deviations, damping_deviations, frequency_spreads, damping_spreads, .. } in evidence
+        for EvidenceV1 {
+            frequency_deviations,
+            damping_deviations,
+            frequency_spreads,
+            damping_spreads,
+            no_spreads,
+            ..
+        } in evidence
         {
+            self.keep(no_spreads);
             self.keep(frequency_deviations);
             self.keep(damping_deviations);
             self.keep(frequency_spreads);
@@ -91,6 +102,7 @@ pub fn entry(mode: &Mode, discrete: Option<Complex>) -> ModeV1 {
         mode_singular_value: None,
         discrete_re: discrete.map(|z| z.re),
         discrete_im: discrete.map(|z| z.im),
+        kind: None,
     }
 }
 
@@ -162,6 +174,10 @@ pub fn simulation_evidence(
         parameter_correlations: Vec::new(),
         denominator_covariance: Vec::new(),
         holds_on_unseen: None,
+        simulation_whiteness: tests.map(|t| t.whiteness),
+        noise: None,
+        no_interval: None,
+        no_spreads: Vec::new(),
     }
 }
 
@@ -172,23 +188,6 @@ pub fn prediction_tests(inputs: &[Vec<f64>], errors: &[f64], from: usize) -> Opt
     tests.input_correlation =
         inputs.iter().filter_map(|u| residual_tests(errors, u.get(from..), LAGS)?.input_correlation).reduce(f64::max);
     Some(tests)
-}
-
-/// Puts the fit of the kept samples into the evidence: `simulated` are all samples by the model.
-/// Nothing without kept ones.
-pub fn validate(output: &WindowedWave, simulated: &[f64], output_evidence: &mut EvidenceV1) {
-    output_evidence.validation_from_s = output.kept_from_s();
-    if !output.kept.is_empty() && simulated.len() == output.sampled.len() + output.kept.len() {
-        let fit = fit_measures(&output.kept, &simulated[output.sampled.len()..]);
-        output_evidence.validation_fit_percent = fit.and_then(|fit| fit.fit_percent);
-    }
-}
-
-/// The same for every output of a record.
-pub fn validate_all(record: &Record, simulated: &[Vec<f64>], evidence: &mut [EvidenceV1]) {
-    for ((answer, simulated), output_evidence) in record.outputs.iter().zip(simulated).zip(evidence) {
-        validate(answer, simulated, output_evidence);
-    }
 }
 
 /// Notes on single poles of a model between waveforms: which are no modes, growth, sampling, and the edge of the filter
@@ -205,120 +204,18 @@ pub fn pole_record(waves: &[&WindowedWave]) -> PoleRecord {
     PoleRecord { dt_s, duration_s: dt_s * samples as f64, of_motion }
 }
 
-/// `; 98.30 % of the samples after it`, where samples were kept; of several outputs the smallest.
-pub fn validation_summary(evidence: &[EvidenceV1]) -> String {
-    let least = |measure: fn(&EvidenceV1) -> Option<f64>| evidence.iter().filter_map(measure).reduce(f64::min);
-    let restarted = least(|output_evidence| output_evidence.validation_restarted_fit_percent)
-        .map_or(String::new(), |fit| format!(" ({fit:.2} % with the state fitted to them)"));
-    match least(|output_evidence| output_evidence.validation_fit_percent) {
-        Some(fit) => format!("; {fit:.2} % of the samples after it{restarted}"),
-        None => String::new(),
+/// Takes the figures of a simulation out, which are no verdict on a record that nobody knows the input of.
+pub fn without_simulation(whole: &mut IdentificationV1, evidence: &mut [EvidenceV1]) {
+    whole.treated_as = AMBIENT.to_owned();
+    (whole.fit_percent, whole.rmse) = (None, None);
+    whole.output_fits_percent.iter_mut().for_each(|fit| *fit = None);
+    for output_evidence in evidence {
+        (output_evidence.loss, output_evidence.vaf_percent, output_evidence.final_prediction_error) =
+            (None, None, None);
+        (output_evidence.aic, output_evidence.aicc, output_evidence.bic) = (None, None, None);
+        (output_evidence.minimum_description_length, output_evidence.simulation_whiteness) = (None, None);
+        (output_evidence.whiteness, output_evidence.residual_lag_one) = (None, None);
     }
-}
-
-/// How a model was identified.
-pub fn identification(
-    method: Method,
-    order: usize,
-    treated_as: &str,
-    output: &WindowedWave,
-    simulated: &[f64],
-    notes: Vec<String>,
-) -> IdentificationV1 {
-    let fit = fit_measures(output.sampled.samples(), simulated);
-    IdentificationV1 {
-        method: method.to_string(),
-        order: u32::try_from(order).unwrap_or(u32::MAX),
-        channel: output.id.clone(),
-        treated_as: treated_as.to_owned(),
-        from_s: output.sampled.t0_s(),
-        to_s: output.sampled.end_s(),
-        samples: output.sampled.len() as u64,
-        hankel_rows: None,
-        hankel_columns: None,
-        singular_values: Vec::new(),
-        fit_percent: fit.and_then(|fit| fit.fit_percent),
-        rmse: fit.map(|fit| fit.rmse),
-        notes,
-        output_fits_percent: Vec::new(),
-        delay_s: None,
-    }
-}
-
-/// The same of a model with any number of inputs and outputs, and evidence for each output: one record for one output,
-/// else one a number.
-pub fn identification_with_evidence(
-    method: Method,
-    order: usize,
-    record: &Record,
-    simulated: &[Vec<f64>],
-    parameters: usize,
-    notes: Vec<String>,
-) -> (IdentificationV1, Vec<EvidenceV1>) {
-    let treated_as = if record.inputs.is_empty() { "free-decay" } else { "input-output" };
-    let mut whole = identification(method, order, treated_as, &record.outputs[0], &simulated[0], notes);
-    whole.delay_s = record.delay_s;
-    let names = |waves: &[WindowedWave]| waves.iter().map(|wave| wave.id.clone()).collect::<Vec<_>>().join(", ");
-    if record.outputs.len() > 1 {
-        whole.channel = names(&record.outputs);
-        whole.rmse = None;
-        whole.output_fits_percent = record
-            .outputs
-            .iter()
-            .zip(simulated)
-            .map(|(answer, yh)| fit_measures(answer.sampled.samples(), yh).and_then(|fit| fit.fit_percent))
-            .collect();
-        let worst = |a: f64, b: &Option<f64>| b.map(|b| a.min(b));
-        whole.fit_percent = whole.output_fits_percent.iter().try_fold(f64::INFINITY, worst);
-    }
-    let evidence = record
-        .outputs
-        .iter()
-        .zip(simulated)
-        .map(|(answer, yh)| {
-            let mut output_evidence = simulation_evidence(record.inputs.first(), answer, yh, parameters);
-            for other in record.inputs.iter().skip(1) {
-                let correlation = simulation_evidence(Some(other), answer, yh, parameters).input_correlation;
-                output_evidence.input_correlation =
-                    output_evidence.input_correlation.zip(correlation).map(|(a, b)| a.max(b));
-            }
-            output_evidence.input = (!record.inputs.is_empty()).then(|| names(&record.inputs));
-            output_evidence
-        })
-        .collect();
-    (whole, evidence)
-}
-
-/// Writes the transfer functions of a continuous model, `/model/<id>/transfer-function`, of several inputs or outputs
-/// `/model/<id>/<output>-<input>/transfer-function`; `entry` gives numerator and denominator by output and input.
-pub fn put_transfer_functions(
-    id: &str,
-    record: &Record,
-    mut entry: impl FnMut(usize, usize) -> (Vec<f64>, Vec<f64>),
-    out: &mut Output,
-) -> anyhow::Result<()> {
-    for (i, answer) in record.outputs.iter().enumerate() {
-        for (j, drive) in record.inputs.iter().enumerate() {
-            let (numerator, denominator) = entry(i, j);
-            let place = if record.single() { String::new() } else { format!("{}-{}/", i + 1, j + 1) };
-            out.put(
-                &format!("/model/{id}/{place}transfer-function"),
-                &TransferFunctionV1 {
-                    numerator,
-                    denominator,
-                    input: drive.describe(),
-                    output: answer.describe(),
-                    delay_s: record.delay_s,
-                },
-            )?;
-        }
-    }
-    Ok(())
-}
-
-/// `99.76 %`, or that there is no such figure.
-pub fn fit_in_words(fit: Option<f64>) -> String {
-    fit.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.2} %"))
 }
 
 /// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.

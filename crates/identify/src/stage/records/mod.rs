@@ -2,6 +2,8 @@
 
 pub mod discrete;
 pub mod evidence;
+pub mod lines;
+pub mod model;
 pub mod realization;
 pub mod responses;
 pub mod results;

@@ -2,33 +2,28 @@
 
 use std::f64::consts::TAU;
 
-use crumple_numerics::lti::{Complex, LtiError, Mode, StateSpace, to_transfer_function};
-use crumple_signal::{Notes, Sampled};
+use crumple_numerics::lti::{Complex, Mode, StateSpace, to_transfer_function};
+use crumple_signal::Notes;
 use crumple_stage::Output;
-use crumple_stage::records::{
-    EvidenceV1, IdentificationV1, ModeV1, ShapeV1, ShapesV1, StabilizationClusterV1, StabilizationPoleV1,
-    StabilizationV1, StateSpaceV1, TransferFunctionV1,
-};
+use crumple_stage::records::{ModeV1, ShapeV1, ShapesV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1};
 use crumple_sysid::{
-    Decomposition, OrderPoles, Realization, Sample, StabilizationOptions, markov_parameters, modal_assurance,
-    phase_collinearity, stabilization,
+    Decomposition, IoData, OrderPoles, Realization, StabilizationOptions, markov_parameters, modal_assurance,
+    phase_collinearity, simulate_fitted, stabilization,
 };
 use nalgebra::DMatrix;
 
 use crate::stage::options::choices::Method;
 use crate::stage::options::settings::{BootstrapSettings, Stabilisation};
 use crate::stage::records::discrete::note_on_fit;
-use crate::stage::records::evidence::{Poles, entry, pole_record, simulation_evidence, validate, validation_summary};
-use crate::stage::records::responses::{Band, ModelResponses, note_limits, put_spreads, spread_of_outputs, zeros_of};
+use crate::stage::records::evidence::{Poles, entry, pole_record};
+use crate::stage::records::model::{FittedModel, Forms, IMPULSE, Simulated, evidence_of};
+use crate::stage::records::responses::{ModelResponses, zeros_of};
 use crate::stage::records::results::Results;
-use crate::stage::waves::{WindowedWave, filter_edges};
-
-/// What a reader of the model must know of its input.
-const INPUT: &str = "unit impulse (the record taken as Markov parameters)";
+use crate::stage::waves::WindowedWave;
 
 /// What realised models come from.
 pub struct RealizationTask<'a> {
-    /// `era` or `era-dc`.
+    /// `era`.
     pub method: Method,
     /// The channels, sampled together, at least one.
     pub waves: &'a [WindowedWave],
@@ -43,30 +38,6 @@ pub struct RealizationTask<'a> {
 }
 
 impl RealizationTask<'_> {
-    fn names(&self) -> Vec<&str> {
-        self.waves.iter().map(|wave| wave.id.as_str()).collect()
-    }
-
-    /// `acceleration of channels 11, 12, m/s^2`; of several quantities one after the other.
-    fn describe(&self) -> String {
-        let plural = if self.single() { "" } else { "s" };
-        let describe = |wave: &WindowedWave, plural: &str, names: &str| {
-            format!("{} of channel{plural} {names}, {}", wave.quantity.name(), wave.quantity.si_unit())
-        };
-        if self.one_quantity() {
-            return describe(&self.waves[0], plural, &self.names().join(", "));
-        }
-        self.waves.iter().map(|wave| describe(wave, "", &wave.id)).collect::<Vec<_>>().join("; ")
-    }
-
-    fn one_quantity(&self) -> bool {
-        self.waves.iter().all(|wave| wave.quantity == self.waves[0].quantity)
-    }
-
-    fn single(&self) -> bool {
-        self.waves.len() == 1
-    }
-
     fn samples(&self) -> usize {
         self.waves[0].sampled.len()
     }
@@ -78,37 +49,25 @@ impl RealizationTask<'_> {
     }
 }
 
-/// Writes the records of one model under its id, `<method>-<order>`, and a summary line.
+/// Writes one model under its id, `<method>-<order>`, and says it on the screen.
 pub fn put_realization(
     model: &Realization,
     task: &RealizationTask<'_>,
-    notes: &Notes,
+    mut notes: Notes,
     results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
-    let (order, samples, single) = (model.order(), task.samples(), task.single());
+    let (order, single) = (model.order(), task.waves.len() == 1);
     let id = task.id(order);
-    let output = task.describe();
-    let mut notes = notes.clone();
-    results.out.put(&format!("/model/{id}/discrete"), &state_space(&model.discrete, INPUT, &output, None))?;
-    if let Ok(continuous) = &model.continuous {
-        results.out.put(&format!("/model/{id}/continuous"), &state_space(continuous, INPUT, &output, None))?;
-        match transfer_function(continuous, &output) {
-            _ if !single => {}
-            Ok(record) => results.out.put(&format!("/model/{id}/transfer-function"), &record)?,
-            Err(error) => notes.info(format!("no transfer function: {error}")),
-        }
-    }
+    let forms = forms(&id, model, single, &mut notes);
     let poles = poles(model, &task.waves[0]);
-    poles.put(&id, results.out)?;
-    if !single {
+    let shapes = (!single).then(|| {
         let mut are_modes = poles.are_modes();
         let modes = model.modes.iter().map(|identified| {
             let mode = identified.mode.filter(|_| are_modes.next().unwrap_or(true));
             (identified.discrete_pole, mode)
         });
-        let modes: Vec<_> = modes.collect();
-        results.out.put(&format!("/shapes/{id}"), &shapes(&modes, &model.mode_shapes, task.waves))?;
-    }
+        shapes(&modes.collect::<Vec<_>>(), &model.mode_shapes, task.waves)
+    });
     if let Decomposition::Lanczos { steps } = model.decomposition {
         let converged = model
             .singular_value_errors
@@ -116,86 +75,79 @@ pub fn put_realization(
             .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
             .count();
         notes.info(format!(
-            "the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the others \
-             within 3 %",
+            "{id}: the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the \
+             others within 3 %",
             model.singular_values.len()
         ));
     }
-    let whole = markov_parameters(&model.discrete, samples + task.waves[0].kept.len());
+    let simulated = simulated(model, task)?;
     let parameters = (task.waves.len() + 1) * order + task.waves.len();
-    let response: Vec<Vec<f64>> = whole.iter().map(|y| y[..samples].to_vec()).collect();
-    let mut evidence = evidence_of_outputs(task, &whole, parameters)?;
+    let mut evidence = evidence_of(&[], task.waves, &simulated.used, parameters);
     for output_evidence in &mut evidence {
         output_evidence.singular_value_errors = model.singular_value_errors.clone();
         output_evidence.paper = task.paper.then(|| "era".to_owned());
-        output_evidence.validation_from_s = task.waves[0].kept_from_s();
     }
-
-    let mut remarks = Notes::new();
-    note_limits(&id, (1, task.waves.len()), None, &mut remarks);
-    note_on_fit(&id, model.fit_percent, &mut remarks);
+    note_on_fit(&id, model.fit_percent, &mut notes);
     let wave = &task.waves[0];
-    let responses = responses_of(model, wave);
-    let grid = if single { responses.grid_hz() } else { Vec::new() };
-    let measured: Vec<Vec<f64>> = task.waves.iter().map(|wave| wave.sampled.samples().to_vec()).collect();
-    let nominal = (&id[..], &responses.sample(&grid));
-    let bootstrap = spread_of_outputs(task.bootstrap, nominal, (&measured, &response), parameters, &mut remarks, |y| {
-        Some(sample_of(&(task.refit)(y)?, wave, &grid))
-    });
-    if let Some(bootstrap) = &bootstrap {
-        evidence.iter_mut().for_each(|output_evidence| put_spreads(bootstrap, output_evidence));
+    FittedModel {
+        id: &id,
+        method: task.method,
+        order,
+        treated_as: task.treated_as,
+        input: IMPULSE.to_owned(),
+        inputs: &[],
+        outputs: task.waves,
+        delay_s: None,
+        forms,
+        poles,
+        shapes,
+        simulated,
+        evidence,
+        hankel: (Some(model.rows), Some(model.columns)),
+        singular_values: model.singular_values.clone(),
+        responses: responses_of(model, wave),
+        band: None,
+        bootstrap: task.bootstrap,
+        hold: None,
+        refit: Box::new(|y, grid| Some(responses_of(&(task.refit)(y)?, wave).sample(grid))),
+        notes,
     }
-    let band = bootstrap.as_ref().map(Band::from_bootstrap);
-    if let Some(record) = responses.response(INPUT, &output, band.as_ref()).filter(|_| single) {
-        results.out.put(&format!("/response/{id}"), &record)?;
-    }
-    notes.extend(remarks.clone());
-    results.out.notes().extend(remarks);
-    let whole = identification(model, task, notes.to_texts());
-    results.out.put(&format!("/identification/{id}"), &whole)?;
-    poles.keep_those_of_modes(&mut evidence);
-    results.enter(&id, &whole, &mut evidence)?;
-    results.out.summary(format!("{}{}", summary(&id, &whole, &poles), validation_summary(&evidence)));
-    Ok(())
+    .put(results)
 }
 
-/// Evidence from the response over all samples: one record for channels of one quantity, whose residuals stand one
-/// after the other, else one for each.
-fn evidence_of_outputs(
-    task: &RealizationTask<'_>,
-    whole: &[Vec<f64>],
-    parameters: usize,
-) -> anyhow::Result<Vec<EvidenceV1>> {
-    let samples = task.samples();
-    let evidence_of = |wave: &WindowedWave, response: &[f64], kept: &[f64]| {
-        let mut output_evidence = simulation_evidence(None, wave, response, parameters);
-        validate(wave, &[response, kept].concat(), &mut output_evidence);
-        output_evidence
-    };
-    if !task.one_quantity() {
-        return Ok(task
-            .waves
-            .iter()
-            .zip(whole)
-            .map(|(wave, y)| evidence_of(wave, &y[..samples], &y[samples..]))
-            .collect());
+/// The sampled model, the continuous one, and of one channel its transfer function.
+fn forms(id: &str, model: &Realization, single: bool, notes: &mut Notes) -> Forms {
+    let mut forms =
+        Forms { state_spaces: vec![("discrete", model.discrete.clone(), IMPULSE.to_owned())], ..Forms::default() };
+    if let Ok(continuous) = &model.continuous {
+        forms.state_spaces.push(("continuous", continuous.clone(), IMPULSE.to_owned()));
+        match to_transfer_function(continuous) {
+            _ if !single => {}
+            Ok(tf) => forms.paths = vec![vec![(tf.numerator().to_vec(), tf.denominator().to_vec())]],
+            Err(error) => notes.info(format!("{id}: no transfer function: {error}")),
+        }
     }
-    let part = |from: usize, to: usize| whole.iter().flat_map(|y| &y[from..to]).copied().collect::<Vec<f64>>();
-    let kept = task.waves[0].kept.len();
-    Ok(vec![evidence_of(&joined(task.waves)?, &part(0, samples), &part(samples, samples + kept))])
+    forms
 }
 
-/// All channels as one, one after the other.
-fn joined(waves: &[WindowedWave]) -> anyhow::Result<WindowedWave> {
-    let first = &waves[0].sampled;
-    let samples = waves.iter().flat_map(|wave| wave.sampled.samples()).copied().collect();
-    Ok(WindowedWave {
-        id: waves.iter().map(|wave| wave.id.as_str()).collect::<Vec<_>>().join(", "),
-        quantity: waves[0].quantity,
-        sampled: Sampled::new(first.t0_s(), first.dt_s(), samples)?,
-        kept: waves.iter().flat_map(|wave| &wave.kept).copied().collect(),
-        edges: filter_edges(waves).to_vec(),
-    })
+/// The impulse response over all samples; over the kept ones also a free motion with the start fitted to them.
+fn simulated(model: &Realization, task: &RealizationTask<'_>) -> anyhow::Result<Simulated> {
+    let first = &task.waves[0];
+    let (samples, kept) = (first.sampled.len(), first.kept.len());
+    let mut used = markov_parameters(&model.discrete, samples + kept);
+    let run_on: Vec<Vec<f64>> = used.iter_mut().map(|y| y.split_off(samples)).collect();
+    if kept == 0 {
+        return Ok(Simulated::all_used(used));
+    }
+    let StateSpace { a, c, sample_time_s, .. } = &model.discrete;
+    let (order, outputs) = (a.nrows(), c.nrows());
+    let none = (DMatrix::zeros(order, 0), DMatrix::zeros(outputs, 0));
+    let free = StateSpace::new(a.clone(), none.0, c.clone(), none.1, *sample_time_s)?;
+    let measured = task.waves.iter().map(|wave| wave.kept.clone()).collect();
+    let unseen = IoData::new(Vec::new(), measured, first.sampled.dt_s());
+    // Too few samples for a state have none.
+    let restarted = unseen.and_then(|unseen| simulate_fitted(&free, &unseen)).map_or(Vec::new(), |(y, _)| y);
+    Ok(Simulated { used, run_on, restarted })
 }
 
 fn responses_of<'a>(model: &'a Realization, wave: &WindowedWave) -> ModelResponses<'a> {
@@ -209,38 +161,6 @@ fn responses_of<'a>(model: &'a Realization, wave: &WindowedWave) -> ModelRespons
         samples: wave.sampled.len(),
         delay: 0,
     }
-}
-
-fn sample_of(model: &Realization, wave: &WindowedWave, grid_hz: &[f64]) -> Sample {
-    responses_of(model, wave).sample(grid_hz)
-}
-
-pub fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f64>) -> StateSpaceV1 {
-    StateSpaceV1 {
-        a: rows(&model.a),
-        b: rows(&model.b),
-        c: rows(&model.c),
-        d: rows(&model.d),
-        sample_time_s: model.sample_time_s.unwrap_or(0.0),
-        input: input.to_owned(),
-        output: output.to_owned(),
-        delay_s,
-    }
-}
-
-fn rows(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
-}
-
-fn transfer_function(model: &StateSpace, output: &str) -> Result<TransferFunctionV1, LtiError> {
-    let tf = to_transfer_function(model)?;
-    Ok(TransferFunctionV1 {
-        numerator: tf.numerator().to_vec(),
-        denominator: tf.denominator().to_vec(),
-        input: INPUT.to_owned(),
-        output: output.to_owned(),
-        delay_s: None,
-    })
 }
 
 /// The poles with what ERA knows of each; a pole at `z = 0` has no continuous counterpart and no entry (a note tells of
@@ -270,44 +190,6 @@ pub fn shapes(poles: &[(Complex, Option<Mode>)], shapes: &[Option<Vec<Complex>>]
         phase_collinearity: phase_collinearity(shape),
     });
     ShapesV1 { channels: waves.iter().map(|wave| wave.id.clone()).collect(), shapes: shapes.collect(), modal_assurance }
-}
-
-fn identification(model: &Realization, task: &RealizationTask<'_>, notes: Vec<String>) -> IdentificationV1 {
-    let sampled = &task.waves[0].sampled;
-    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    IdentificationV1 {
-        method: task.method.to_string(),
-        order: size(model.order()),
-        channel: task.names().join(", "),
-        treated_as: task.treated_as.to_owned(),
-        from_s: sampled.t0_s(),
-        to_s: sampled.end_s(),
-        samples: sampled.len() as u64,
-        hankel_rows: Some(size(model.rows)),
-        hankel_columns: Some(size(model.columns)),
-        singular_values: model.singular_values.clone(),
-        fit_percent: model.fit_percent,
-        rmse: model.rmse,
-        notes,
-        output_fits_percent: if task.single() { Vec::new() } else { model.sequence_fits_percent.clone() },
-        delay_s: None,
-    }
-}
-
-/// `era-4: fit 81.4 % of 2501 samples; 5.31 Hz (damping 0.481), 13.2 Hz (damping 0.112)`.
-fn summary(id: &str, model: &IdentificationV1, poles: &Poles) -> String {
-    let fit = model.fit_percent.map_or("no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
-    let modes = poles.modes().filter(|mode| mode.im_rad_per_s >= 0.0).map(|mode| {
-        if mode.im_rad_per_s == 0.0 {
-            let re = if mode.re_per_s.abs() < 5e-5 { 0.0 } else { mode.re_per_s };
-            return format!("real pole {re:.4} 1/s");
-        }
-        let damping = mode.damping_ratio.unwrap_or(0.0);
-        format!("{:.3} Hz (damping ratio {damping:.3})", mode.natural_frequency_rad_per_s / TAU)
-    });
-    let modes: Vec<String> = modes.collect();
-    let modes = if modes.is_empty() { String::new() } else { format!("; {}", modes.join(", ")) };
-    format!("{id}: {fit} of {} samples{modes}", model.samples)
 }
 
 /// Writes the diagram of models of one channel.
@@ -360,8 +242,12 @@ pub fn put_diagram(
                 damping_ratio: cluster.damping_ratio.median,
                 damping_ratio_lower: cluster.damping_ratio.lower,
                 damping_ratio_upper: cluster.damping_ratio.upper,
+                halves_rad_per_s: Vec::new(),
+                shape_re: Vec::new(),
+                shape_im: Vec::new(),
             })
             .collect(),
+        not_in_both_halves: None,
     };
     let highest = diagram.orders.last().copied().unwrap_or(0);
     let names: Vec<String> = diagram

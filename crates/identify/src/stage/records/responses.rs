@@ -7,9 +7,10 @@ use crumple_numerics::lti::{
     step_response, to_transfer_function,
 };
 use crumple_signal::Notes;
-use crumple_stage::records::{EvidenceV1, ResponseV1, SpreadV1};
+use crumple_stage::records::{EvidenceV1, NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
-    BootstrapOptions, ResidualBootstrap, Sample, Spread, bootstrap, bootstrap_equation_errors, bootstrap_outputs,
+    Bootstrap, BootstrapOptions, IoData, NoSpread, NoiseKind, NoiseModel, NoiseOptions, Sample, Spread, bootstrap,
+    noise_model,
 };
 
 use crate::stage::options::settings::BootstrapSettings;
@@ -68,7 +69,7 @@ impl Band {
     }
 
     /// From the replicates.
-    pub fn from_bootstrap(bootstrap: &ResidualBootstrap) -> Self {
+    pub fn from_bootstrap(bootstrap: &Bootstrap) -> Self {
         let points = bootstrap.band.iter().map(|point| {
             let p = (*point)?;
             Some([p.magnitude.0, p.magnitude.1, p.phase_change_rad.0, p.phase_change_rad.1])
@@ -210,131 +211,171 @@ impl ModelResponses<'_> {
     }
 }
 
-/// The equation of a regression: what the bootstrap draws from.
-pub struct Equation {
-    /// One-step prediction errors.
-    pub errors: Vec<f64>,
-    /// Coefficients that were fitted.
-    pub coefficients: usize,
-    /// The output with other errors.
-    pub record: WithErrors,
-}
-
-/// An output from equation errors.
-pub type WithErrors = Box<dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync>;
-
-/// Notes what is not written for a model of several inputs or outputs; `bootstrap` where that is among it.
-pub fn note_limits(
-    id: &str,
-    (inputs, outputs): (usize, usize),
-    bootstrap: Option<&BootstrapSettings>,
-    notes: &mut Notes,
-) {
+/// Notes what is not written for a model of several inputs or outputs.
+pub fn note_limits(id: &str, (inputs, outputs): (usize, usize), notes: &mut Notes) {
     if inputs > 1 || outputs > 1 {
         notes.info(format!("{id}: responses are written for models of one input and one output only"));
     }
-    if bootstrap.is_some() && outputs > 1 {
-        notes.warning(format!("{id}: no bootstrap: it is made for models of one output"));
+}
+
+/// Orders and samples up to which a noise model is looked for from all starts, not from the model at hand alone.
+const ALL_STARTS: (usize, usize) = (8, 5000);
+
+/// A model whose intervals are asked for, whatever method gave it.
+pub struct IntervalTask<'a> {
+    /// Id of the model.
+    pub id: &'a str,
+    /// Bootstrap, if asked for.
+    pub settings: Option<&'a BootstrapSettings>,
+    /// The record, inputs delayed.
+    pub data: &'a IoData,
+    /// Samples by which they are.
+    pub delay: usize,
+    /// States of the noise model.
+    pub order: usize,
+    /// What the method made of the record.
+    pub estimate: &'a Sample,
+}
+
+impl IntervalTask<'_> {
+    /// The noise of the record after its delay: before, nobody knows what drives it.
+    fn noise(&self) -> Option<NoiseModel> {
+        let data = self.data.slice(self.delay, self.data.samples()).ok()?;
+        let near = [self.estimate.poles.iter().map(|s| (s * data.sample_time_s()).exp()).collect()];
+        let near_alone = self.order > ALL_STARTS.0 || data.samples() > ALL_STARTS.1;
+        noise_model(&data, NoiseOptions { near: &near, near_alone, ..NoiseOptions::new(self.order) }).ok()
+    }
+
+    /// Runs the method again on records with new noise and puts noise and intervals into the evidence of every output;
+    /// `described` tells of the system of the noise model what `refit` tells of a model. `None` without a bootstrap, or
+    /// with the reason in evidence and notes.
+    pub fn intervals(
+        &self,
+        evidence: &mut [EvidenceV1],
+        notes: &mut Notes,
+        described: impl FnOnce(&NoiseModel) -> Sample,
+        refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
+    ) -> Option<Bootstrap> {
+        let settings = self.settings?;
+        let Some(noise) = self.noise() else {
+            evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::NoNoiseModel));
+            notes.warning(format!("{}: no intervals: no noise model of {} states was found", self.id, self.order));
+            return None;
+        };
+        put_noise(&noise, evidence);
+        if !noise.is_white() {
+            evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::NotWhite));
+            notes.warning(not_white(self.id, &noise));
+            return None;
+        }
+        let measured: Vec<&[f64]> = self.data.outputs().iter().map(|y| &y[..self.delay]).collect();
+        let whole = |drawn: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            measured.iter().zip(drawn).map(|(first, rest)| [*first, rest].concat()).collect()
+        };
+        let options = BootstrapOptions { replicates: settings.replicates, seed: settings.seed.into() };
+        let duration_s = self.data.samples() as f64 * self.data.sample_time_s();
+        let both = (self.estimate, &described(&noise));
+        let drawn = bootstrap(both, &noise, duration_s, options, |y| refit(&whole(y)));
+        let Some(drawn) = drawn else {
+            evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::FewReplicates));
+            notes.warning(format!("{}: fewer than half of the bootstrap fits led to a model: no spread", self.id));
+            return None;
+        };
+        note_scatter(self.id, self.estimate, &drawn, notes);
+        let by = in_words(&noise);
+        evidence.iter_mut().for_each(|output_evidence| put_spreads(&drawn, &by, output_evidence));
+        Some(drawn)
     }
 }
 
-/// Fits again as often as asked for; `None` without a bootstrap or where too few fits succeeded (a note tells).
-pub fn spread(
-    settings: Option<&BootstrapSettings>,
-    (id, sample): (&str, &Sample),
-    (record, simulated): (&[f64], &[f64]),
-    parameters: usize,
-    notes: &mut Notes,
-    refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<ResidualBootstrap> {
-    let residual: Vec<f64> = record.iter().zip(simulated).map(|(y, yh)| y - yh).collect();
-    run_bootstrap(settings, (id, sample), notes, |options| {
-        bootstrap(sample, simulated, &residual, parameters, options, refit)
-    })
+/// Why errors that are not white give no intervals.
+fn not_white(id: &str, noise: &NoiseModel) -> String {
+    let worst = noise.whiteness.iter().max_by(|a, b| (a.ljung_box / a.limit_95).total_cmp(&(b.ljung_box / b.limit_95)));
+    let (found, allowed) = worst.map_or((0.0, 0.0), |worst| (worst.ljung_box, worst.limit_95));
+    format!(
+        "{id}: the prediction errors are correlated (Q = {found:.0}, {allowed:.0} allowed): neither noise model explains \
+         them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an outlier, a \
+         nonlinearity"
+    )
 }
 
-/// The same of a model with any number of outputs, by record and simulation of each.
-pub fn spread_of_outputs(
-    settings: Option<&BootstrapSettings>,
-    (id, sample): (&str, &Sample),
-    (record, simulated): (&[Vec<f64>], &[Vec<f64>]),
-    parameters: usize,
-    notes: &mut Notes,
-    refit: impl Fn(&[Vec<f64>]) -> Option<Sample> + Sync,
-) -> Option<ResidualBootstrap> {
-    let residual = |(y, yh): (&Vec<f64>, &Vec<f64>)| y.iter().zip(yh).map(|(y, yh)| y - yh).collect();
-    let residuals: Vec<Vec<f64>> = record.iter().zip(simulated).map(residual).collect();
-    run_bootstrap(settings, (id, sample), notes, |options| {
-        bootstrap_outputs(sample, simulated, &residuals, parameters, options, refit)
-    })
-}
-
-/// The same of a regression, by its equation errors.
-pub fn spread_of_equation(
-    settings: Option<&BootstrapSettings>,
-    (id, sample): (&str, &Sample),
-    equation: &Equation,
-    notes: &mut Notes,
-    refit: impl Fn(&[f64]) -> Option<Sample> + Sync,
-) -> Option<ResidualBootstrap> {
-    let Equation { errors, coefficients, record } = equation;
-    run_bootstrap(settings, (id, sample), notes, |options| {
-        bootstrap_equation_errors(sample, errors, *coefficients, options, record, refit)
-    })
-}
-
-/// Runs a bootstrap as the settings say and notes what came of it.
-fn run_bootstrap(
-    settings: Option<&BootstrapSettings>,
-    (id, sample): (&str, &Sample),
-    notes: &mut Notes,
-    draw: impl FnOnce(BootstrapOptions) -> Option<ResidualBootstrap>,
-) -> Option<ResidualBootstrap> {
-    let settings = settings?;
-    let bootstrap = draw(BootstrapOptions {
-        replicates: settings.replicates,
-        seed: settings.seed.into(),
-        resampling: settings.noise.into(),
-    });
-    match &bootstrap {
-        Some(bootstrap) => note_scatter(id, sample, bootstrap, notes),
-        None => notes.warning(format!("{id}: fewer than half of the bootstrap fits led to a model: no spread")),
+/// The noise model as `bootstrap_noise` states it.
+fn in_words(noise: &NoiseModel) -> String {
+    let most = noise.autoregressions.iter().map(|filter| filter.len() - 1).max();
+    match (noise.kind, most) {
+        (NoiseKind::Arx, _) => "innovations through the poles of the system".to_owned(),
+        (NoiseKind::OutputError, Some(order)) if order > 0 => {
+            format!("innovations through an autoregression of order {order}")
+        }
+        (NoiseKind::OutputError, _) => "innovations, white".to_owned(),
     }
-    bootstrap
+}
+
+/// Puts the noise of every output into its evidence; of several that have one evidence the least white.
+fn put_noise(noise: &NoiseModel, evidence: &mut [EvidenceV1]) {
+    let record = |output: usize| NoiseV1 {
+        model: match noise.kind {
+            NoiseKind::OutputError => NoiseModelV1::OutputError,
+            NoiseKind::Arx => NoiseModelV1::Arx,
+        },
+        ar_order: noise.autoregressions.get(output).map_or(0, |filter| u32::try_from(filter.len() - 1).unwrap_or(0)),
+        ljung_box: noise.whiteness[output].ljung_box,
+        white_limit: noise.whiteness[output].limit_95,
+        is_white: noise.whiteness[output].is_white,
+    };
+    let outputs = noise.whiteness.len();
+    if evidence.len() == outputs {
+        evidence.iter_mut().enumerate().for_each(|(output, e)| e.noise = Some(record(output)));
+        return;
+    }
+    let least = (0..outputs).max_by(|a, b| noise.whiteness[*a].ljung_box.total_cmp(&noise.whiteness[*b].ljung_box));
+    evidence.iter_mut().for_each(|e| e.noise = least.map(record));
 }
 
 /// Notes on poles that scatter over the replicates, or are missing from most of them.
-fn note_scatter(id: &str, sample: &Sample, bootstrap: &ResidualBootstrap, notes: &mut Notes) {
-    for (s, spread) in sample.poles.iter().zip(&bootstrap.frequency).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
-        let Some(spread) = spread else {
-            notes
-                .warning(format!("{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates", s.re, s.im));
-            continue;
-        };
-        let variation = spread.deviation / s.norm();
-        if variation > DROPPED_ABOVE {
-            notes.info(format!(
+fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut Notes) {
+    for (s, spread) in sample.poles.iter().zip(&bootstrap.modes).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
+        match spread {
+            Err(NoSpread::NotFoundAgain) => notes.warning(format!(
+                "{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates",
+                s.re, s.im
+            )),
+            Ok((frequency, _)) if frequency.deviation > DROPPED_ABOVE * s.norm() => notes.info(format!(
                 "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not \
                  counted as a mode of the record",
                 s.norm() / TAU,
-                100.0 * variation,
+                100.0 * frequency.deviation / s.norm(),
                 bootstrap.replicates
-            ));
+            )),
+            Ok((frequency, _)) if frequency.is_biased() => notes.info(format!(
+                "{id}: estimates of this method are off by {:.4} Hz in noise like this at {:.4} Hz; the interval has it",
+                frequency.bias / TAU,
+                s.norm() / TAU
+            )),
+            _ => {}
         }
     }
 }
 
 /// Puts the spreads into the evidence.
-pub fn put_spreads(bootstrap: &ResidualBootstrap, output_evidence: &mut EvidenceV1) {
-    let record = |spreads: &[Option<Spread>]| {
-        let spread_record = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper };
-        spreads.iter().map(|spread| spread.as_ref().map(spread_record)).collect::<Vec<_>>()
-    };
+fn put_spreads(bootstrap: &Bootstrap, noise: &str, output_evidence: &mut EvidenceV1) {
+    let record = |s: &Spread| SpreadV1 { deviation: s.deviation, lower: s.lower, upper: s.upper, bias: Some(s.bias) };
+    let all = |spreads: &[Option<Spread>]| spreads.iter().map(|s| s.as_ref().map(record)).collect::<Vec<_>>();
+    let modes = &bootstrap.modes;
     output_evidence.bootstrap_replicates = u32::try_from(bootstrap.replicates).ok();
     output_evidence.bootstrap_failed = u32::try_from(bootstrap.failed).ok();
-    output_evidence.bootstrap_noise = Some(bootstrap.noise.clone());
-    output_evidence.frequency_spreads = record(&bootstrap.frequency);
-    output_evidence.damping_spreads = record(&bootstrap.damping);
-    output_evidence.zero_re_spreads = record(&bootstrap.zero_re);
-    output_evidence.zero_im_spreads = record(&bootstrap.zero_im);
+    output_evidence.bootstrap_noise = Some(noise.to_owned());
+    output_evidence.frequency_spreads = modes.iter().map(|mode| mode.as_ref().ok().map(|(f, _)| record(f))).collect();
+    output_evidence.damping_spreads = modes.iter().map(|mode| mode.as_ref().ok().map(|(_, d)| record(d))).collect();
+    output_evidence.no_spreads = modes.iter().map(|mode| mode.as_ref().err().map(|why| why_none(*why))).collect();
+    output_evidence.zero_re_spreads = all(&bootstrap.zero_re);
+    output_evidence.zero_im_spreads = all(&bootstrap.zero_im);
+}
+
+fn why_none(why: NoSpread) -> NoSpreadV1 {
+    match why {
+        NoSpread::NotFoundAgain => NoSpreadV1::NotFoundAgain,
+        NoSpread::NotDetermined => NoSpreadV1::NotDetermined,
+        NoSpread::ShortRecord => NoSpreadV1::ShortRecord,
+    }
 }

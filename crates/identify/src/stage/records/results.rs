@@ -1,124 +1,93 @@
 //! All models of a run: what each came to, and which of them the record supports.
 
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::fmt;
 
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::{About, Note, Notes, Weight};
 use crumple_stage::Output;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, SelectionModelV1, SelectionV1};
-use crumple_sysid::{Contender, select};
+use crumple_stage::records::{EvidenceV1, IdentificationV1, RecommendedBecauseV1, SelectionModelV1, SelectionV1};
+use crumple_sysid::{Contender, OnUnseen, Ranked, Recommendable, Selection, recommended, select};
 
 /// The artifact, and what every model of the run is entered into.
 pub struct Results<'a> {
     /// Compares models of one output once all are there.
     comparison: Comparison,
-    /// How the models do on samples that they have not seen, where such were kept.
-    unseen: Vec<Unseen>,
+    /// What unseen samples say against models, in their order.
+    contradicted: Vec<String>,
+    /// Whether a model holds on samples that it has not seen.
+    one_holds: bool,
     /// Records, notes and the summary.
     pub out: &'a mut Output,
 }
 
-/// A model on the samples that it has not seen.
-struct Unseen {
-    id: String,
-    from_s: f64,
-    fit_percent: Option<f64>,
-    /// The lower of two: run on from the state at the end of the samples it was identified from, and with the state
-    /// fitted to them.
-    unseen_fit_percent: f64,
-    holds: bool,
+/// The fit of unseen samples that counts: with the start fitted, where the method can.
+fn validation_percent(evidence: &EvidenceV1) -> Option<f64> {
+    evidence.validation_restarted_fit_percent.or(evidence.validation_fit_percent)
 }
-
-/// A fit of unseen samples that lies further (percent) below the fit of those that a model was identified from is that
-/// of another system.
-const LARGEST_LOSS_PERCENT: f64 = 30.0;
 
 /// Whether a model holds on samples that it has not seen, as [`EvidenceV1::holds_on_unseen`] states.
 fn holds_on_unseen(evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<bool> {
-    let holds = |unseen: f64| unseen >= 0.0 && fit_percent.is_none_or(|fit| unseen >= fit - LARGEST_LOSS_PERCENT);
-    let restarted = evidence.validation_restarted_fit_percent.is_none_or(holds);
-    Some(holds(evidence.validation_fit_percent?) && restarted)
+    Some(OnUnseen::of(fit_percent, validation_percent(evidence)?) == OnUnseen::Holds)
 }
 
-impl Unseen {
-    /// `None`: the model has seen all samples of this output.
-    fn new(id: &str, evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<Self> {
-        let run_on = evidence.validation_fit_percent?;
-        Some(Self {
-            id: id.to_owned(),
-            from_s: evidence.validation_from_s?,
-            fit_percent,
-            unseen_fit_percent: evidence.validation_restarted_fit_percent.map_or(run_on, |fit| fit.min(run_on)),
-            holds: evidence.holds_on_unseen?,
-        })
-    }
-
-    /// Those that do not hold first, then by the fit of the unseen samples, the smallest first.
-    fn compare(&self, other: &Self) -> Ordering {
-        self.holds.cmp(&other.holds).then(self.unseen_fit_percent.total_cmp(&other.unseen_fit_percent))
-    }
-}
-
-/// `arx-4 (fit 66 %, on unseen samples below 0)`.
-impl fmt::Display for Unseen {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { id, fit_percent, unseen_fit_percent, .. } = self;
-        let fit = fit_percent.map_or("not defined".to_owned(), |fit| format!("{fit:.0} %"));
-        let unseen = match unseen_fit_percent {
-            ..0.0 => "below 0".to_owned(),
-            unseen => format!("{unseen:.0} %"),
-        };
-        write!(f, "{id} (fit {fit}, on unseen samples {unseen})")
-    }
+/// `arx-4: unseen samples from 2000 ms on contradict it: validation -12.0 % with the start fitted, fit 65.7 %`; of
+/// several outputs the one that is worst on unseen samples speaks. `None`: none is contradicted.
+fn contradiction(id: &str, evidence: &[EvidenceV1], fits: &[Option<f64>]) -> Option<String> {
+    let failing = evidence.iter().zip(fits).filter(|(evidence, _)| evidence.holds_on_unseen == Some(false));
+    let of_output = failing.filter_map(|(evidence, fit)| Some((evidence, fit, validation_percent(evidence)?)));
+    let (worst, fit, unseen) = of_output.min_by(|a, b| a.2.total_cmp(&b.2))?;
+    let name = if evidence.len() > 1 { format!(" of {}", worst.output) } else { String::new() };
+    let started = if worst.validation_restarted_fit_percent.is_some() { " with the start fitted" } else { "" };
+    let fit = fit.map_or_else(|| "no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
+    Some(format!(
+        "{id}: unseen samples{name} from {:.0} ms on contradict it: validation {unseen:.1} %{started}, {fit}",
+        1e3 * worst.validation_from_s?
+    ))
 }
 
 impl<'a> Results<'a> {
     /// No model yet.
     pub fn new(out: &'a mut Output) -> Self {
-        Self { comparison: Comparison::default(), unseen: Vec::new(), out }
+        Self { comparison: Comparison::default(), contradicted: Vec::new(), one_holds: false, out }
     }
 
     /// Enters a model and writes the evidence of every output: `/evidence/<id>`, of several outputs
-    /// `/evidence/<id>/<number>`. Of several outputs the one that is worst on unseen samples counts.
-    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &mut [EvidenceV1]) -> anyhow::Result<()> {
-        self.comparison.enter(id, usize::try_from(model.samples).unwrap_or(usize::MAX), evidence);
+    /// `/evidence/<id>/<number>`. Returns the warning where unseen samples contradict it.
+    pub fn enter(
+        &mut self,
+        id: &str,
+        model: &IdentificationV1,
+        evidence: &mut [EvidenceV1],
+    ) -> anyhow::Result<Option<Note>> {
+        self.comparison.enter(id, model, evidence);
         let single = evidence.len() == 1;
-        let fits = match &model.output_fits_percent {
-            fits if fits.len() == evidence.len() => fits.clone(),
-            _ => vec![model.fit_percent; evidence.len()],
-        };
-        let mut outputs = Vec::new();
-        for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(fits).enumerate() {
-            output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, fit_percent);
+        let mut fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
+        // An ambient record has no fits.
+        fits.resize(evidence.len(), None);
+        for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(&fits).enumerate() {
+            output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, *fit_percent);
             let place = if single { String::new() } else { format!("/{}", number + 1) };
             self.out.put(&format!("/evidence/{id}{place}"), output_evidence)?;
-            outputs.extend(Unseen::new(id, output_evidence, fit_percent));
         }
-        self.unseen.extend(outputs.into_iter().min_by(Unseen::compare));
-        Ok(())
+        self.one_holds |= evidence.iter().all(|evidence| evidence.holds_on_unseen == Some(true));
+        let text = contradiction(id, evidence, &fits);
+        self.contradicted.extend(text.clone());
+        Ok(text.map(Note::warning))
     }
 
     /// Writes what the comparison says, and which models unseen samples contradict, before all other notes.
-    pub fn conclude(self) -> anyhow::Result<()> {
-        let Self { comparison, unseen, out } = self;
-        let failing: Vec<String> = unseen.iter().filter(|model| !model.holds).map(Unseen::to_string).collect();
-        if let Some(first) = unseen.first().filter(|_| !failing.is_empty()) {
-            let best = unseen.iter().filter(|model| model.holds).max_by(|a, b| a.compare(b));
-            let instead = best.map_or_else(String::new, |model| format!(". Use {model}"));
-            let text = format!(
-                "not to be used beyond the samples up to {:.0} ms that they were identified from: {}{instead}",
-                1e3 * first.from_s,
-                failing.join(", "),
-            );
-            // Where one holds it is the one to use.
-            let weight = if best.is_some() { Weight::Marked } else { Weight::Decisive };
-            let mut notes = Notes::new();
-            notes.concern(About::IdentifiedModels, weight, text);
-            notes.extend(std::mem::take(out.notes()));
-            *out.notes() = notes;
-        }
-        comparison.put(out)
+    ///
+    /// Returns the number of states of the model to use of the first output, or of its only one.
+    pub fn conclude(self) -> anyhow::Result<Option<usize>> {
+        let Self { comparison, contradicted, one_holds, out } = self;
+        // Where one holds it is the one to use.
+        let weight = if one_holds { Weight::Marked } else { Weight::Decisive };
+        let mut notes = Notes::new();
+        contradicted.into_iter().for_each(|text| notes.concern(About::IdentifiedModels, weight, text));
+        notes.extend(std::mem::take(out.notes()));
+        *out.notes() = notes;
+        let order = comparison.order();
+        comparison.put(out)?;
+        Ok(order)
     }
 }
 
@@ -126,13 +95,32 @@ impl<'a> Results<'a> {
 #[derive(Default)]
 pub struct Comparison(BTreeMap<(String, u64), Vec<Contender>>);
 
+/// The id of the model to use, and of the one with the smallest BIC where that was passed over.
+fn best_of(selection: &Selection) -> Option<(String, Option<String>)> {
+    let model = |Ranked { contender, bic_difference, .. }: &Ranked| Recommendable {
+        id: contender.id.clone(),
+        order: contender.order,
+        bic: *bic_difference,
+        validation_percent: contender.restarted_fit_percent,
+    };
+    let models: Vec<Recommendable> = selection.ranked.iter().map(model).collect();
+    recommended(&models).map(|(best, passed_over)| (best.id.clone(), passed_over.map(|model| model.id.clone())))
+}
+
 impl Comparison {
+    /// The number of states of the model to use of the first output, or of its only one.
+    fn order(&self) -> Option<usize> {
+        let contenders = self.0.values().next()?;
+        let id = select(contenders).and_then(|selection| Some(best_of(&selection)?.0));
+        contenders.iter().find(|contender| id.as_ref().is_none_or(|id| contender.id == *id)).map(|best| best.order)
+    }
+
     /// Enters a model of so many samples, with the evidence of every output.
     ///
     /// Of several outputs the losses are multiplied (their geometric mean is taken) and the independent samples added:
     /// the likelihood of noises that are independent of each other. Such models are compared among themselves, for
     /// their parameters serve all outputs.
-    pub fn enter(&mut self, id: &str, samples: usize, evidence: &[EvidenceV1]) {
+    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &[EvidenceV1]) {
         let Some(first) = evidence.first() else { return };
         let known: Vec<(f64, f64)> = evidence.iter().filter_map(|s| Some((s.loss?, s.effective_samples?))).collect();
         if known.len() < evidence.len() {
@@ -144,7 +132,10 @@ impl Comparison {
         };
         let output = evidence.iter().map(|s| s.output.as_str()).collect::<Vec<_>>().join(", ");
         let validations: Option<Vec<f64>> = evidence.iter().map(|s| s.validation_fit_percent).collect();
-        self.0.entry((output, samples as u64)).or_default().push(Contender {
+        let restarted: Option<Vec<f64>> = evidence.iter().map(validation_percent).collect();
+        self.0.entry((output, model.samples)).or_default().push(Contender {
+            order: model.order as usize,
+            restarted_fit_percent: restarted.map(|fits| fits.iter().sum::<f64>() / fits.len() as f64),
             id: id.to_owned(),
             parameters: usize::try_from(first.parameters).unwrap_or(usize::MAX),
             loss,
@@ -175,6 +166,14 @@ impl Comparison {
                     selection.effective_samples
                 ));
             }
+            let best = best_of(&selection);
+            if let Some((id, passed_over)) = &best {
+                let why = match passed_over {
+                    Some(other) => format!("follows unseen samples better than {other}, which has the smallest BIC"),
+                    None => "the smallest BIC".to_owned(),
+                };
+                out.summary(format!("recommended of {}: {id} ({why})", contenders.len()));
+            }
             let record = SelectionV1 {
                 output,
                 effective_samples: selection.effective_samples,
@@ -188,12 +187,20 @@ impl Comparison {
                         aicc_difference: r.aicc_difference,
                         bic_difference: r.bic_difference,
                         validation_fit_percent: r.contender.validation_fit_percent,
+                        order: u32::try_from(r.contender.order).ok(),
+                        validation_restarted_fit_percent: r.contender.restarted_fit_percent,
                     })
                     .collect(),
                 best_by_aicc,
                 best_by_bic: selection.best_by_bic,
                 best_by_validation: selection.best_by_validation,
                 near_equal: selection.near_equal,
+                recommended_because: best.as_ref().map(|(_, passed_over)| match passed_over {
+                    Some(_) => RecommendedBecauseV1::ValidatesBetter,
+                    None => RecommendedBecauseV1::SmallestBic,
+                }),
+                passed_over: best.as_ref().and_then(|(_, passed_over)| passed_over.clone()),
+                recommended: best.map(|(id, _)| id),
             };
             out.put(&topic, &record)?;
         }

@@ -3,6 +3,7 @@
 pub mod joint;
 pub mod mass_divisions;
 pub mod model_band;
+pub mod model_output;
 pub mod ranking;
 pub mod residual;
 pub mod run;

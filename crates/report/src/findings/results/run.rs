@@ -4,8 +4,8 @@ use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
     CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, MatchingV1,
-    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1,
-    StabilizationV1, TransferFunctionV1,
+    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SelectionV1,
+    SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
@@ -13,6 +13,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::results::joint::JointTests;
+use crate::findings::results::model_output::ModelOutput;
 use crate::findings::text::candidate_name;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
@@ -36,6 +37,8 @@ pub struct Run {
     pub metrics: Vec<MetricV1>,
     /// Identified models by id.
     pub models: Vec<Model>,
+    /// Comparisons of the models of one output.
+    pub selections: Vec<SelectionV1>,
     /// Stabilisation diagrams, by method.
     pub stabilizations: Vec<StabilizationV1>,
     /// What coefficient matching found, by the id of the identified model.
@@ -102,6 +105,14 @@ pub struct Model {
     pub identification: Option<IdentificationV1>,
     /// Its continuous transfer function.
     pub transfer_function: Option<TransferFunctionV1>,
+    /// All its transfer functions, by output and input.
+    pub paths: Vec<TransferFunctionV1>,
+    /// Its state space: the sampled one where there is one.
+    pub state_space: Option<StateSpaceV1>,
+    /// Its outputs, in their order.
+    pub outputs: Vec<ModelOutput>,
+    /// What drives it: name and samples.
+    pub inputs: Vec<(String, Sampled)>,
     /// Its modes.
     pub modes: Vec<ModeV1>,
     /// Its poles that are no modes.
@@ -147,9 +158,16 @@ impl Model {
         })
     }
 
-    /// Its fit of samples that it has not seen, percent, where such were kept.
+    /// Its fit of samples that it has not seen, percent, where such were kept: with the start fitted, where the method
+    /// can.
     pub fn unseen_fit_percent(&self) -> Option<f64> {
-        self.evidence.as_ref()?.validation_fit_percent
+        let evidence = self.evidence.as_ref()?;
+        evidence.validation_restarted_fit_percent.or(evidence.validation_fit_percent)
+    }
+
+    /// Whether its transfer functions are what was fitted.
+    pub fn is_transfer_function(&self) -> bool {
+        !self.paths.is_empty() && self.state_space.as_ref().is_none_or(|model| model.sample_time_s == 0.0)
     }
 
     /// Fit of the samples it was identified from, percent.

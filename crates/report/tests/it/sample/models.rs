@@ -15,6 +15,7 @@ pub(super) fn modes(sigma: f64, omega: f64, far: Option<f64>) -> ModesV2 {
         mode_singular_value: Some(0.7),
         discrete_re: None,
         discrete_im: None,
+        kind: None,
     };
     let mut modes = vec![mode(-sigma, -omega), mode(-sigma, omega)];
     modes.extend(far.map(|re| mode(re, 0.0)));
@@ -40,6 +41,7 @@ pub(super) fn identification(order: u32) -> IdentificationV1 {
         notes: vec!["the record is treated as an impulse response".to_owned()],
         output_fits_percent: Vec::new(),
         delay_s: None,
+        inputs: Vec::new(),
     }
 }
 
@@ -109,6 +111,10 @@ pub(super) fn stabilization() -> StabilizationV1 {
             damping_ratio: 0.0719,
             damping_ratio_lower: 0.0718,
             damping_ratio_upper: 0.0721,
+            halves_rad_per_s: Vec::new(),
+            shape_re: Vec::new(),
+            shape_im: Vec::new(),
         }],
+        not_in_both_halves: None,
     }
 }

@@ -1,7 +1,7 @@
 //! Remarks of the stages: sentences that no text of `phrases` makes.
 
-use super::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::known::Subject;
+use crate::truth::rules::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::template::Place::{At, Number};
 use crate::truth::template::Said;
 
@@ -138,6 +138,18 @@ pub const RULES: &[Rule] = &[
         &[("place", Number)],
         |said, spot| real_pole(said, spot, |place| place > 0.0),
     ),
+    says(
+        "note.growing-poles",
+        "{id}: {count} poles grow, {places}: the model is unstable",
+        &[("count", Number)],
+        |said, spot| {
+            let model = spot.made.list("/models").iter().find(|model| model["id"].as_str() == Some(said.text("id")));
+            let poles = model.and_then(|model| model["poles"].as_array()).map(Vec::as_slice).unwrap_or_default();
+            let part = |pole: &serde_json::Value, name: &str| pole[name].as_f64().unwrap_or_default();
+            let growing = poles.iter().filter(|p| part(p, "re_per_s") > 0.0 && part(p, "im_rad_per_s") >= 0.0).count();
+            shows(said, "count", Some(growing as f64), "the count of growing poles")
+        },
+    ),
     says("note.one-near-zero", "{id}: one pole lies at or near zero: {more}", &[], is_identified),
     says(
         "note.zero-on-the-right",
@@ -166,11 +178,18 @@ pub const RULES: &[Rule] = &[
     ),
     says("note.condition", "{id}: condition number {value}: {more}", &[], is_identified),
     says(
-        "note.either-sign",
-        "{id}: the numerator's coefficient of {power}, {value} with standard deviation {deviation}, may \
-         have either sign {more}",
+        "note.coefficients",
+        "{id}: this record does not determine the single coefficients: {why}",
         &[],
-        sign_unknown,
+        is_identified,
+    ),
+    says("note.lanczos", "{id}: the {count} leading singular values are listed after {more}", &[], is_identified),
+    says("note.no-deviations", "{id}: no standard deviations: {why}", &[], is_identified),
+    says(
+        "note.of-predictions",
+        "{id}: whiteness and correlation with the input are those of the one-step prediction errors, {more}",
+        &[],
+        is_identified,
     ),
     says("note.no-model", "{method} gave no model: {why}", &[], |said, spot| {
         let method = said.text("method");
@@ -179,9 +198,9 @@ pub const RULES: &[Rule] = &[
     }),
     says(
         "note.unseen-fails",
-        "not to be used beyond the samples up to {time} ms that they were identified from: {more}",
-        &[],
-        numbers_of_records,
+        "{id}: unseen samples{output} from {time} ms on contradict it: validation {unseen} %{start}, fit {fit} %",
+        &[("unseen", Number), ("fit", Number)],
+        contradicted,
     ),
     says("note.mean", "the mean of {levels}: a linear model has no constant; {more}", &[], numbers_of_records),
     says(
@@ -507,6 +526,16 @@ fn two_poles_at_zero(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(is_there, || format!("the poles are {poles:.3?} from zero"))
 }
 
+/// The fits are those of the model, and they contradict it.
+fn contradicted(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    is_identified(said, spot)?;
+    let models = spot.made.list("/models");
+    let model = models.iter().find(|model| model["id"].as_str() == Some(said.text("id")));
+    shows(said, "unseen", model.and_then(|model| model["unseen_fit_percent"].as_f64()), "the fit of unseen samples")?;
+    let [unseen, fit] = ["unseen", "fit"].map(|place| said.number(place).map_or(f64::NAN, |number| number.value));
+    holds(unseen < 0.0 || unseen < fit - 30.0, || format!("{unseen} % does not contradict {fit} %"))
+}
+
 /// A pole as large as half of the sampling rate.
 fn beyond_nyquist(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let largest = poles(said, spot).into_iter().fold(0.0, f64::max);
@@ -541,7 +570,9 @@ fn predicted(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         return holds(said.text("line").contains(partner), || format!("{partner} was asked for"));
     }
     let line = said.text("line").replace("..", " to ");
-    let wrong = crate::truth::numbers(&line).into_iter().find(|shown| !super::rule::is_in_records(spot.made, shown));
+    let wrong = crate::truth::numbers(&line)
+        .into_iter()
+        .find(|shown| !crate::truth::rules::rule::is_in_records(spot.made, shown));
     holds(wrong.is_none(), || format!("{:?} is no number of a record", wrong.map(|shown| shown.value)))
 }
 

@@ -1,0 +1,290 @@
+//! What the waveforms of a run show by themselves: constant channels, the delay, trends, outliers, and the modes of a
+//! record that nobody knows the input of.
+
+use std::f64::consts::TAU;
+
+use crumple_signal::{About, Weight};
+use crumple_stage::records::{
+    FoundDelayV1, NoiseModelV1, OutliersV1, RecordChecksV1, StabilizationClusterV1, StabilizationPoleV1,
+    StabilizationV1, TrendV1,
+};
+use crumple_stage::{Output, Refused};
+use crumple_sysid::{
+    AmbientModes, AmbientOptions, Constants, IoData, NoiseKind, Order, Stability, StabilizationOptions, ambient_modes,
+    delay_scan, outliers, trend,
+};
+
+use crate::stage::options::settings::{InputOutputSettings, Settings};
+use crate::stage::waves::{Source, WindowedWave, record, waves};
+
+/// Samples that the delay is looked for in, and trends and outliers, from the first on.
+const SAMPLES_OF_DELAY: usize = 4000;
+const SAMPLES_OF_CHECKS: usize = 20_000;
+
+/// Poles that the delay is looked for with, and trends and outliers, at most.
+const ORDER_OF_DELAY: usize = 4;
+const ORDER_OF_CHECKS: usize = 8;
+
+/// Outliers whose times are said.
+const SAID: usize = 5;
+
+/// Settings without constant inputs and with the delay that was left to the record, and what was found. Errors: a
+/// constant output, inputs that are all constant.
+pub fn prepared(source: Source<'_>, out: &mut Output) -> anyhow::Result<(Settings, RecordChecksV1)> {
+    let mut settings = source.settings.clone();
+    let mut checks = RecordChecksV1 {
+        inputs_left_out: left_out(source)?,
+        delay: None,
+        order: None,
+        trends: Vec::new(),
+        outliers: Vec::new(),
+    };
+    let Some(input_output) = &mut settings.input_output else { return Ok((settings, checks)) };
+    if !checks.inputs_left_out.is_empty() {
+        input_output.inputs.retain(|name| !checks.inputs_left_out.contains(name));
+        let text = format!(
+            "the methods run without {}, which is constant over the samples in use: it drives nothing",
+            checks.inputs_left_out.join(", ")
+        );
+        out.notes().concern(About::IdentifiedModels, Weight::Slight, text);
+    }
+    if let Some(range) = input_output.delays {
+        let order = settings.orders.iter().find_map(|order| match order.0 {
+            Order::Given(n) => Some(n.min(ORDER_OF_DELAY)),
+            Order::Automatic => None,
+        });
+        checks.delay = delay(Source { settings: source.settings, ..source }, input_output, order, range, out)?;
+        input_output.delay = checks.delay.as_ref().map_or(0, |found| found.samples as usize);
+    }
+    Ok((settings, checks))
+}
+
+/// Constant inputs, by name, among those that are named. Errors: a constant output, or nothing but constant inputs.
+fn left_out(source: Source<'_>) -> anyhow::Result<Vec<String>> {
+    let Settings { input_output, hankel, channel, .. } = source.settings;
+    let (mut inputs, mut outputs) = match input_output {
+        Some(InputOutputSettings { inputs, outputs, .. }) => (inputs.clone(), outputs.clone()),
+        None => (Vec::new(), Vec::new()),
+    };
+    inputs.retain(|name| name != "none");
+    for name in hankel.iter().flat_map(|hankel| &hankel.channels).chain(channel) {
+        if !outputs.contains(name) {
+            outputs.push(name.clone());
+        }
+    }
+    // What is not there, or not in the window, the methods say.
+    let (Ok(driving), Ok(answering)) = (waves(inputs, source), waves(outputs, source)) else { return Ok(Vec::new()) };
+    let samples = |all: &[WindowedWave]| all.iter().map(|wave| wave.sampled.samples().to_vec()).collect::<Vec<_>>();
+    let found = Constants::of(&samples(&driving), &samples(&answering));
+    let names = |all: &[WindowedWave], places: &[usize]| -> Vec<String> {
+        places.iter().map(|place| all[*place].id.clone()).collect()
+    };
+    if !found.outputs.is_empty() {
+        let names = names(&answering, &found.outputs).join(", ");
+        return Err(Refused::new(format!("the output {names} is constant over the samples in use: nothing answers"))
+            .hint("name another with --outputs, or another window (--from, --to)")
+            .into());
+    }
+    if found.all_inputs {
+        let names: Vec<&str> = driving.iter().map(|wave| wave.id.as_str()).collect();
+        let text = format!("the input {} is constant over the samples in use: nothing drives", names.join(", "));
+        return Err(Refused::new(text)
+            .hint("name what drives with --inputs, \"none\" where nothing does, or another window (--from, --to)")
+            .into());
+    }
+    Ok(names(&driving, &found.inputs_left_out))
+}
+
+/// The delay of the record, said with the number that `--delay` takes; once in a wider range where it is the last.
+fn delay(
+    source: Source<'_>,
+    input_output: &InputOutputSettings,
+    order: Option<usize>,
+    (first, last): (usize, usize),
+    out: &mut Output,
+) -> anyhow::Result<Option<FoundDelayV1>> {
+    let record = record(source, input_output)?;
+    if record.inputs.is_empty() {
+        return Ok(None);
+    }
+    let data = record.data.slice(0, SAMPLES_OF_DELAY)?;
+    let order = order.unwrap_or(ORDER_OF_DELAY);
+    // A hold takes a lag of its own.
+    let from = if first == 0 { 0 } else { first + 1 };
+    let scan = |last: usize| delay_scan(&data, order, from, last + 1).map(|scan| (last, scan));
+    let found = scan(last).map(|narrow| match narrow.1.lag == last + 1 {
+        true => scan(2 * last + 1).unwrap_or(narrow),
+        false => narrow,
+    });
+    let Some((last, scan)) = found else {
+        let text = format!("no delay from {first} to {last} has a model in {} samples: 0 is used", data.samples());
+        out.notes().concern(About::IdentifiedModels, Weight::Slight, text);
+        return Ok(None);
+    };
+    let samples = scan.lag.saturating_sub(1);
+    let seconds = samples as f64 * data.sample_time_s();
+    out.summary(format!("delay: {samples} samples ({seconds:.6} s), the best of {first} to {last}"));
+    if scan.at_edge {
+        let text = format!(
+            "the delay of {samples} samples is at the edge of what was tried, {first} to {last}: try a wider range, \
+             --delay auto={}-{}",
+            first / 2,
+            2 * last
+        );
+        out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+    }
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    Ok(Some(FoundDelayV1 {
+        samples: size(samples),
+        first: size(first),
+        last: size(last),
+        at_edge: scan.at_edge,
+        noise: match scan.noise {
+            NoiseKind::OutputError => NoiseModelV1::OutputError,
+            NoiseKind::Arx => NoiseModelV1::Arx,
+        },
+    }))
+}
+
+/// Looks for trends and outliers in the outputs of a record that is no crash, with the order of the model to use, says
+/// what there is and writes it.
+pub fn finish(
+    source: Source<'_>,
+    order: Option<usize>,
+    mut checks: RecordChecksV1,
+    out: &mut Output,
+) -> anyhow::Result<()> {
+    let Some(input_output) = &source.settings.input_output else { return Ok(()) };
+    let Some(record) = record(source, input_output).ok().filter(|record| !record.inputs.is_empty()) else {
+        return Ok(());
+    };
+    let outputs: Vec<&str> = record.outputs.iter().map(|wave| wave.id.as_str()).collect();
+    let topic = format!("/checks/{}", outputs.join("+"));
+    let Some(order) = order.filter(|_| !source.is_of_a_crash()) else {
+        let has_some = checks.delay.is_some() || !checks.inputs_left_out.is_empty();
+        return if has_some { out.put(&topic, &checks) } else { Ok(()) };
+    };
+    let order = order.clamp(1, ORDER_OF_CHECKS);
+    checks.order = u32::try_from(order).ok();
+    let delay = input_output.delay;
+    let data = record.data.delayed(delay).slice(delay, delay + SAMPLES_OF_CHECKS)?;
+    for (answer, output) in record.outputs.iter().zip(data.outputs()) {
+        let single = IoData::new(data.inputs().to_vec(), vec![output.clone()], data.sample_time_s())?;
+        if let Some(found) = trend(&single, order).ok().filter(|found| found.is_there && !input_output.remove_trend) {
+            let slope_per_s = found.slope / data.sample_time_s();
+            let text = format!(
+                "{} follows a straight line of {slope_per_s:.3e}{}/s beside its motion, and a model takes it for a \
+                 slow mode; --remove-trend removes it",
+                answer.id,
+                answer.unit()
+            );
+            out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+            checks.trends.push(TrendV1 { channel: answer.id.clone(), slope_per_s, bic_gain: found.bic_gain });
+        }
+        let places = outliers(&single, order, false).map_or_else(|_| Vec::new(), |(mut found, _)| found.swap_remove(0));
+        if !places.is_empty() {
+            let times_s: Vec<f64> = places.iter().map(|place| answer.sampled.time_s(place + delay)).collect();
+            let said: Vec<String> = times_s.iter().take(SAID).map(|time| format!("{time:.6} s")).collect();
+            let more = if times_s.len() > SAID { " and later" } else { "" };
+            let text = format!(
+                "outliers in {}: {} of its samples stand out of the errors of a model, at {}{more}; they move \
+                 frequencies and damping ratios",
+                answer.id,
+                places.len(),
+                said.join(", ")
+            );
+            out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+            let samples = places.iter().map(|place| (place + delay) as u64).collect();
+            checks.outliers.push(OutliersV1 { channel: answer.id.clone(), samples, times_s });
+        }
+    }
+    out.put(&topic, &checks)
+}
+
+/// Modes of several outputs without an input, written as the diagram `ambient`; nothing for other records.
+pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<()> {
+    let Some(input_output) = source.settings.input_output.as_ref() else { return Ok(()) };
+    if input_output.inputs != ["none"] || input_output.outputs.len() < 2 {
+        return Ok(());
+    }
+    let Ok(record) = record(source, input_output) else { return Ok(()) };
+    let mut options = AmbientOptions::default();
+    if let Some(wanted) = source.settings.stabilisation.as_ref().filter(|wanted| wanted.highest_damping < 1.0) {
+        options.highest_damping = wanted.highest_damping;
+    }
+    let found = match ambient_modes(&record.data, options) {
+        Ok(found) => found,
+        Err(error) => {
+            out.notes().info(format!("no modes over orders and halves of the record: {error}"));
+            return Ok(());
+        }
+    };
+    let names: Vec<String> = found
+        .modes
+        .iter()
+        .map(|mode| {
+            let hz = mode.natural_frequency_rad_per_s.median / TAU;
+            let [early, late] = mode.halves_rad_per_s.map(|frequency| frequency / TAU);
+            let damping = mode.damping_ratio.median;
+            format!("{hz:.3} Hz (damping {damping:.3}, halves {early:.3} and {late:.3} Hz, {} orders)", mode.orders)
+        })
+        .collect();
+    let highest = found.orders.last().copied().unwrap_or(0);
+    out.summary(match names.len() {
+        0 => format!("ambient: no mode stays over the orders up to {highest} and both halves of the record"),
+        count => format!("ambient: {count} modes over orders and both halves: {}", names.join(", ")),
+    });
+    if found.not_in_both_halves > 0 {
+        out.notes().info(format!(
+            "ambient: {} more stay over the orders but not in both halves of the record, and are left out",
+            found.not_in_both_halves
+        ));
+    }
+    let channels: Vec<&str> = record.outputs.iter().map(|wave| wave.id.as_str()).collect();
+    out.put("/stabilisation/ambient", &diagram(&found, channels.join(", "), options))
+}
+
+fn diagram(found: &AmbientModes, channel: String, options: AmbientOptions) -> StabilizationV1 {
+    let usual = StabilizationOptions::default();
+    let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    StabilizationV1 {
+        method: "ambient".to_owned(),
+        channel,
+        orders: found.orders.iter().map(|order| size(*order)).collect(),
+        highest_damping: options.highest_damping,
+        nyquist_share: usual.nyquist_share,
+        least_collinearity: Some(0.7),
+        least_strength: None,
+        frequency_change: usual.frequency_change,
+        damping_change: usual.damping_change,
+        shape_change: Some(usual.shape_change),
+        presence: usual.presence,
+        poles: found
+            .poles
+            .iter()
+            .map(|pole| StabilizationPoleV1 {
+                order: size(pole.order),
+                re_per_s: pole.mode.pole.re,
+                im_rad_per_s: pole.mode.pole.im,
+                stability: Stability::All.name().to_owned(),
+            })
+            .collect(),
+        clusters: found
+            .modes
+            .iter()
+            .map(|mode| StabilizationClusterV1 {
+                orders: size(mode.orders),
+                natural_frequency_rad_per_s: mode.natural_frequency_rad_per_s.median,
+                natural_frequency_lower_rad_per_s: mode.natural_frequency_rad_per_s.lower,
+                natural_frequency_upper_rad_per_s: mode.natural_frequency_rad_per_s.upper,
+                damping_ratio: mode.damping_ratio.median,
+                damping_ratio_lower: mode.damping_ratio.lower,
+                damping_ratio_upper: mode.damping_ratio.upper,
+                halves_rad_per_s: mode.halves_rad_per_s.to_vec(),
+                shape_re: mode.shape.iter().map(|x| x.re).collect(),
+                shape_im: mode.shape.iter().map(|x| x.im).collect(),
+            })
+            .collect(),
+        not_in_both_halves: Some(size(found.not_in_both_halves)),
+    }
+}

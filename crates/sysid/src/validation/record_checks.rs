@@ -1,0 +1,189 @@
+//! What is wrong with a record before any model of it is believed: constant channels, a trend, outliers.
+
+use crumple_numerics::lti::Complex;
+
+use crate::output_error::output_error::OutputError;
+use crate::validation::bootstrap::median;
+use crate::validation::noise_model::{NoiseModel, NoiseOptions, best_output_error, noise_model};
+use crate::{ArxOrder, IdentifyError, IoData, Subspace, SubspaceOptions, Weighting, vector_arx};
+
+/// Share of the largest magnitude that a constant channel may vary by: rounding.
+const CONSTANT: f64 = 1e-12;
+
+/// Scaled median absolute deviations beyond which an error is that of an outlier.
+const OUTLIER: f64 = 6.0;
+
+/// The median absolute deviation of normal values times this is their standard deviation.
+const SCALED: f64 = 1.4826;
+
+/// More outliers than this share of the samples are none: the model is wrong.
+const LARGEST_SHARE: f64 = 0.01;
+
+/// A pole that moves by less than this over the record integrates.
+const INTEGRATES: f64 = 0.5;
+
+/// Block rows of a quick subspace model, at least.
+const BLOCK_ROWS: usize = 10;
+
+/// Fits in which outliers are replaced.
+const ROUNDS: usize = 3;
+
+/// Whether a channel does not vary by more than rounding.
+pub fn is_constant(signal: &[f64]) -> bool {
+    let (low, high) = signal.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    signal.is_empty() || high - low <= CONSTANT * low.abs().max(high.abs())
+}
+
+/// Constant channels of a record, by number.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Constants {
+    /// Inputs that methods run without.
+    pub inputs_left_out: Vec<usize>,
+    /// Outputs that no method can identify.
+    pub outputs: Vec<usize>,
+    /// Whether there are inputs and all of them are constant.
+    pub all_inputs: bool,
+}
+
+impl Constants {
+    /// Of inputs and outputs.
+    pub fn of(inputs: &[Vec<f64>], outputs: &[Vec<f64>]) -> Self {
+        let constant = |signals: &[Vec<f64>]| -> Vec<usize> {
+            signals.iter().enumerate().filter(|(_, signal)| is_constant(signal)).map(|(place, _)| place).collect()
+        };
+        let (left_out, outputs) = (constant(inputs), constant(outputs));
+        let all_inputs = !inputs.is_empty() && left_out.len() == inputs.len();
+        Self { inputs_left_out: if all_inputs { Vec::new() } else { left_out }, outputs, all_inputs }
+    }
+}
+
+/// Intercept and slope by sample of the straight line through a signal, by least squares.
+pub fn straight_line(signal: &[f64]) -> (f64, f64) {
+    let middle = (signal.len() as f64 - 1.0) / 2.0;
+    let mean = signal.iter().sum::<f64>() / signal.len().max(1) as f64;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (k, x) in signal.iter().enumerate() {
+        let t = k as f64 - middle;
+        product += t * (x - mean);
+        square += t * t;
+    }
+    let slope = if square > 0.0 { product / square } else { 0.0 };
+    (mean - slope * middle, slope)
+}
+
+/// Whether an output follows a straight line beside its model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trend {
+    /// Whether it does.
+    pub is_there: bool,
+    /// Slope of the straight line through the output, a sample.
+    pub slope: f64,
+    /// By how much the criterion falls without the straight lines.
+    pub bic_gain: f64,
+}
+
+/// Compares output error of one output with means removed from all channels, and with straight lines removed, both with
+/// an autoregression of the errors: the line must gain more than `ln N` in Schwarz's criterion.
+///
+/// A test on the errors of one fit does not find a trend: free poles have taken the line in. Errors: no fit.
+pub fn trend(data: &IoData, order: usize) -> Result<Trend, IdentifyError> {
+    let without = |lines: bool| {
+        let signal = |x: &Vec<f64>| -> Vec<f64> {
+            let (intercept, slope) = straight_line(x);
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            let level = |k: usize| if lines { intercept + slope * k as f64 } else { mean };
+            x.iter().enumerate().map(|(k, x)| x - level(k)).collect()
+        };
+        let all = |signals: &[Vec<f64>]| signals.iter().map(signal).collect();
+        let left = IoData::new(all(data.inputs()), all(data.outputs()), data.sample_time_s())?;
+        let near = regressions(&left, order);
+        let options = NoiseOptions { near: &near, near_alone: !near.is_empty(), ..NoiseOptions::new(order) };
+        let noise = noise_model(&left, options)?;
+        let least = noise.bic_output_error.iter().copied().fold(f64::INFINITY, f64::min);
+        Ok::<(f64, NoiseModel), IdentifyError>((least, noise))
+    };
+    let (with_lines, beside_lines) = without(true)?;
+    let bic_gain = without(false)?.0 - with_lines;
+    let slope = straight_line(&data.outputs()[0]).1;
+    // A system that integrates drifts by itself.
+    let duration_s = data.samples() as f64 * data.sample_time_s();
+    let integrates = beside_lines.poles.iter().any(|s| s.norm() * duration_s < INTEGRATES);
+    Ok(Trend { is_there: !integrates && bic_gain > (data.samples() as f64).ln(), slope, bic_gain })
+}
+
+/// Sampled poles of an ARX model and of a subspace model of the order: quick starts.
+fn regressions(data: &IoData, order: usize) -> Vec<Vec<Complex>> {
+    let arx = vector_arx(data, ArxOrder { na: order.div_ceil(data.outputs().len()), nb: order + 1, nk: 0 });
+    let arx = arx.and_then(|model| model.state_space()).ok().and_then(|model| model.poles().ok());
+    let block_rows = (order + 2).max(BLOCK_ROWS);
+    let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows, direct: true };
+    let subspace = Subspace::new(data, options).and_then(|subspace| subspace.realize(order));
+    arx.into_iter().chain(subspace.ok().and_then(|model| model.model.poles().ok())).collect()
+}
+
+/// Samples of every output that stand out of the errors of an output-error fit, and the fit with them replaced by what
+/// the model says; none where they are more than 1 % of the samples. Errors: no fit.
+pub fn outliers(data: &IoData, order: usize, from_rest: bool) -> Result<(Vec<Vec<usize>>, OutputError), IdentifyError> {
+    let near = regressions(data, order);
+    let near_alone = !near.is_empty();
+    let options = NoiseOptions { from_rest, near: &near, near_alone, ..NoiseOptions::new(order) };
+    let first = best_output_error(data, options)?;
+    let mut fit = first.clone();
+    let mut found: Vec<Vec<usize>> = vec![Vec::new(); data.outputs().len()];
+    for _ in 0..ROUNDS {
+        let mut is_new = false;
+        for ((found, y), yh) in found.iter_mut().zip(data.outputs()).zip(&fit.simulated) {
+            let errors: Vec<f64> = y.iter().zip(yh).map(|(y, yh)| y - yh).collect();
+            let now = standing_out(&errors);
+            is_new |= now != *found;
+            *found = now;
+        }
+        if found.iter().map(Vec::len).max().unwrap_or(0) as f64 > LARGEST_SHARE * data.samples() as f64 {
+            return Ok((vec![Vec::new(); found.len()], first));
+        }
+        if !is_new {
+            break;
+        }
+        let mut outputs = data.outputs().to_vec();
+        for ((y, yh), found) in outputs.iter_mut().zip(&fit.simulated).zip(&found) {
+            found.iter().for_each(|k| y[*k] = yh[*k]);
+        }
+        let replaced = IoData::new(data.inputs().to_vec(), outputs, data.sample_time_s())?;
+        let near = [fit.model.poles()?];
+        fit = best_output_error(&replaced, NoiseOptions { near: &near, near_alone: true, ..options })?;
+    }
+    Ok((found, fit))
+}
+
+/// Places of errors that lie further from the median than six scaled median absolute deviations.
+fn standing_out(errors: &[f64]) -> Vec<usize> {
+    let middle = median(errors.to_vec());
+    let reach = OUTLIER * SCALED * median(errors.iter().map(|e| (e - middle).abs()).collect());
+    errors.iter().enumerate().filter(|(_, e)| (*e - middle).abs() > reach).map(|(k, _)| k).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+    use super::*;
+
+    #[test]
+    fn constants_are_told_from_channels_that_vary_a_little() {
+        let constant = vec![2.5; 20];
+        let level: Vec<f64> = (0..20).map(|k| 1000.0 + 1e-6 * f64::from(k)).collect();
+        let rounding: Vec<f64> = (0..20).map(|k| 3.0 + 1e-14 * f64::from(k)).collect();
+        assert!(is_constant(&constant) && !is_constant(&level) && is_constant(&rounding) && is_constant(&[0.0; 3]));
+        let found = Constants::of(&[constant.clone(), level.clone()], std::slice::from_ref(&rounding));
+        assert_eq!(found, Constants { inputs_left_out: vec![0], outputs: vec![0], all_inputs: false });
+        assert!(Constants::of(std::slice::from_ref(&constant), std::slice::from_ref(&level)).all_inputs);
+        assert_eq!(Constants::of(&[], &[level]), Constants::default());
+    }
+
+    #[test]
+    fn a_line_is_found_through_its_samples() {
+        let signal: Vec<f64> = (0..50).map(|k| 3.0 - 0.25 * f64::from(k)).collect();
+        let (intercept, slope) = straight_line(&signal);
+        assert!((intercept - 3.0).abs() < 1e-12 && (slope + 0.25).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,145 @@
+//! Records of the cases, made of a congruence from stated seeds.
+
+use std::f64::consts::PI;
+
+use crumple_sysid::IoData;
+use nalgebra::{DMatrix, SymmetricEigen};
+use serde_json::Value;
+
+pub fn number(input: &Value, name: &str) -> f64 {
+    input[name].as_f64().unwrap_or_else(|| panic!("{name} is missing"))
+}
+
+pub fn integer(input: &Value, name: &str) -> usize {
+    usize::try_from(input[name].as_u64().unwrap_or_else(|| panic!("{name} is missing"))).unwrap()
+}
+
+pub fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().into_iter().flatten().map(|x| x.as_f64().unwrap()).collect()
+}
+
+pub fn dt(input: &Value) -> f64 {
+    input["dt"].as_f64().unwrap_or(1.0)
+}
+
+/// `x <- (1664525 x + 1013904223) mod 2^32`, values over 2^32.
+fn uniform(seed: usize) -> impl Iterator<Item = f64> {
+    let mut x = u32::try_from(seed).unwrap();
+    std::iter::from_fn(move || {
+        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        Some(f64::from(x) / 4_294_967_296.0)
+    })
+}
+
+/// Sums of twelve values less 6.
+pub fn gauss(seed: usize, count: usize) -> Vec<f64> {
+    let mut values = uniform(seed);
+    (0..count).map(|_| values.by_ref().take(12).sum::<f64>() - 6.0).collect()
+}
+
+/// `B/A` of a signal from rest.
+fn filtered(b: &[f64], a: &[f64], u: &[f64]) -> Vec<f64> {
+    let mut y: Vec<f64> = Vec::with_capacity(u.len());
+    for k in 0..u.len() {
+        let driven = b.iter().enumerate().filter_map(|(lag, b)| Some(b * u[k.checked_sub(lag)?])).sum::<f64>();
+        let past = a.iter().enumerate().skip(1).filter_map(|(lag, a)| Some(a * y[k.checked_sub(lag)?])).sum::<f64>();
+        y.push((driven - past) / a[0]);
+    }
+    y
+}
+
+/// `y = (B/F) u + (sd/D) e + slope k`, then outliers.
+pub fn record(input: &Value) -> IoData {
+    let samples = integer(input, "N");
+    let values = uniform(integer(input, "seed_u")).take(samples);
+    let u: Vec<f64> = match input["input"].as_str().unwrap_or("uniform") {
+        "uniform" => values.map(|x| x - 0.5).collect(),
+        "gauss" => gauss(integer(input, "seed_u"), samples),
+        "binary" => values.map(|x| if x < 0.5 { -1.0 } else { 1.0 }).collect(),
+        other => panic!("input {other} is not known"),
+    };
+    let of = |name: &str| Some(numbers(&input[name])).filter(|all| !all.is_empty()).unwrap_or_else(|| vec![1.0]);
+    let e = gauss(integer(input, "seed_e"), samples);
+    let noise = filtered(&[number(input, "sd")], &of("D"), &e);
+    let slope = input["slope"].as_f64().unwrap_or(0.0);
+    let mut y: Vec<f64> = filtered(&of("B"), &of("F"), &u)
+        .iter()
+        .zip(noise)
+        .enumerate()
+        .map(|(k, (y, v))| y + v + slope * k as f64)
+        .collect();
+    for outlier in input["outliers"].as_array().into_iter().flatten() {
+        y[usize::try_from(outlier[0].as_u64().unwrap()).unwrap()] += outlier[1].as_f64().unwrap();
+    }
+    IoData::single(u, y, dt(input)).unwrap()
+}
+
+/// Channels `value + size` times draws.
+pub fn channels(input: &Value, name: &str) -> Vec<Vec<f64>> {
+    let samples = integer(input, "N");
+    let channel = |channel: &Value| {
+        let (value, size) = (channel["value"].as_f64().unwrap_or(0.0), channel["size"].as_f64().unwrap_or(0.0));
+        let seed = channel["seed"].as_u64().map_or(0, |seed| usize::try_from(seed).unwrap());
+        uniform(seed).take(samples).map(|x| value + size * (x - 0.5)).collect()
+    };
+    input[name].as_array().unwrap().iter().map(channel).collect()
+}
+
+/// Accelerations of a chain held at mass 0: struck, or driven by noise on every mass; with noise of the sensors.
+pub fn chain(input: &Value, is_struck: bool) -> IoData {
+    let (masses, springs) = (numbers(&input["masses"]), numbers(&input["springs"]));
+    let (count, samples, dt_s) = (masses.len(), integer(input, "N"), number(input, "dt"));
+    let skip = input["skip"].as_u64().map_or(0, |skip| usize::try_from(skip).unwrap());
+    let all = samples + skip;
+    let forces: Vec<Vec<f64>> = if is_struck {
+        let (at, struck, length) = (integer(input, "at"), integer(input, "struck"), integer(input, "pulse_samples"));
+        let mut force = vec![0.0; all];
+        for k in 0..length {
+            force[at + k] = number(input, "peak") * (PI * (k as f64 + 0.5) / length as f64).sin();
+        }
+        (0..count).map(|i| if i == struck { force.clone() } else { vec![0.0; all] }).collect()
+    } else {
+        gauss(integer(input, "seed"), count * all).chunks(all).map(<[f64]>::to_vec).collect()
+    };
+    // Modes of M x'' + K x = f by the symmetric problem of M^-1/2 K M^-1/2.
+    let root = |i: usize| masses[i].sqrt();
+    let stiffness = DMatrix::from_fn(count, count, |i, j| match j {
+        _ if i == j => springs[i] + springs.get(i + 1).copied().unwrap_or(0.0),
+        _ if i.abs_diff(j) == 1 => -springs[i.max(j)],
+        _ => 0.0,
+    });
+    let eigen = SymmetricEigen::new(DMatrix::from_fn(count, count, |i, j| stiffness[(i, j)] / root(i) / root(j)));
+    let damping = number(input, "damping");
+    let mut outputs = vec![vec![0.0; all]; count];
+    for mode in 0..count {
+        let w = eigen.eigenvalues[mode].sqrt();
+        let shape: Vec<f64> = (0..count).map(|i| eigen.eigenvectors[(i, mode)] / root(i)).collect();
+        // Exact over a step of constant force: towards its equilibrium f/w² like free motion.
+        let (decay, turned) = (damping * w, w * (1.0 - damping * damping).sqrt());
+        let (shrink, cos, sin) = ((-decay * dt_s).exp(), (turned * dt_s).cos(), (turned * dt_s).sin());
+        let (mut position, mut velocity) = (0.0, 0.0);
+        for k in 0..all {
+            let force: f64 = shape.iter().zip(&forces).map(|(s, f)| s * f[k]).sum();
+            let acceleration = force - 2.0 * decay * velocity - w * w * position;
+            shape.iter().zip(&mut outputs).for_each(|(s, y)| y[k] += s * acceleration);
+            let (rest, start) = (force / (w * w), velocity);
+            let apart = position - rest;
+            let of_sine = (start + decay * apart) / turned;
+            position = rest + shrink * (apart * cos + of_sine * sin);
+            velocity = shrink * (start * cos - (decay * of_sine + turned * apart) * sin);
+        }
+    }
+    outputs.iter_mut().for_each(|y| drop(y.drain(..skip)));
+    let noise = gauss(integer(input, "seed_e"), count * samples);
+    for (y, noise) in outputs.iter_mut().zip(noise.chunks(samples)) {
+        let mean = y.iter().sum::<f64>() / samples as f64;
+        let size = match input["kind_of_noise"].as_str() {
+            Some("largest") => y.iter().fold(0.0_f64, |m, x| m.max(x.abs())),
+            Some("deviation") => (y.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / samples as f64).sqrt(),
+            other => panic!("noise {other:?} is not known"),
+        };
+        y.iter_mut().zip(noise).for_each(|(y, e)| *y += number(input, "noise") * size * e);
+    }
+    let inputs = if is_struck { vec![forces[integer(input, "struck")].clone()] } else { Vec::new() };
+    IoData::new(inputs, outputs, dt_s).unwrap()
+}
