@@ -15,6 +15,7 @@ mod command_line {
     //! Flags that all stages have, and the table of a pipeline file under them.
 
     pub mod args;
+    pub mod left_out;
     pub mod pipeline;
     pub mod pipeline_file;
 }
@@ -27,6 +28,7 @@ pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests};
 pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{keep_budget, memory_limit_flag};
+pub use command_line::left_out::LeftOut;
 pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};

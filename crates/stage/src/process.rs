@@ -18,6 +18,7 @@ use crate::artifacts::inputs::{Loaded, open};
 use crate::artifacts::output::{Output, refuse_to_overwrite};
 use crate::command_line::args;
 use crate::command_line::args::{Cli, SharedFlags, keep_budget};
+use crate::command_line::left_out::{self, LeftOut};
 use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
 use crate::terminal::{be_quiet, say, to_stdout};
@@ -66,6 +67,9 @@ pub trait Stage {
     /// What the stage works on.
     type Input;
 
+    /// Options and values that earlier versions had.
+    const LEFT_OUT: &'static [LeftOut] = &[];
+
     /// Flags that the program takes before it becomes a stage; they stand in its help like all others.
     fn other_flags() -> Vec<Arg> {
         Vec::new()
@@ -96,9 +100,12 @@ pub fn main<S: Stage>() -> ExitCode {
              Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
              (its diagnosis is written).",
         );
+    if let Err(error) = left_out::refuse(&left_out::typed(std::env::args().skip(1)), S::LEFT_OUT, "") {
+        return finish(Err(Err(error.into())));
+    }
     let parsed = parse::<Cli<S::Options>>(command);
     finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
-        merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
+        merge(S::NAME, S::LEFT_OUT, cli.common.pipeline.as_deref(), &cli.options, &matches)
             .and_then(|options| execute::<S>(&cli.common, options))
             .map_err(Err)
     }))
