@@ -35,7 +35,7 @@ mod recording {
 }
 mod time;
 
-pub use error::{IngestError, Place};
+pub use error::{IngestError, Place, Refusal};
 pub use files::digests::RecordDigests;
 pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
 pub use formats::registry::READERS;

@@ -1,4 +1,4 @@
-//! The table of channels of a record.
+//! The table of channels of a record, without choosing a pulse.
 
 use serde::Serialize;
 
@@ -7,8 +7,6 @@ use crate::formats::reader::Bundle;
 use crate::recording::content::ReadChannel;
 use crate::recording::settings::select;
 use crate::{IngestError, IngestSettings};
-
-// The table of channels of a record, without choosing a pulse.
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,9 +61,7 @@ impl ListedChannel {
             comment: channel.comment.clone(),
         }
     }
-}
 
-impl ListedChannel {
     /// Whether it has samples.
     pub fn has_data(&self) -> bool {
         self.samples > 0

@@ -52,12 +52,12 @@ pub fn unit_from_steps(
         1e-7..0.02 => ("s", 1.0),
         0.02..=20.0 => ("ms", 1e-3),
         _ => {
-            return Err(IngestError::NotStated {
-                file: file.to_owned(),
-                what: format!("the unit of time: {whose} has steps of {step}"),
-                expected: expected.to_owned(),
-                hint: "add --time-unit s, ms or us".to_owned(),
-            });
+            return Err(IngestError::not_stated(
+                file,
+                format!("the unit of time: {whose} has steps of {step}"),
+                expected,
+                "add --time-unit s, ms or us",
+            ));
         }
     };
     notes.info(format!(

@@ -3,7 +3,7 @@
 
 use crumple_signal::{Acceleration, Displacement, STANDARD_GRAVITY_M_PER_S2, Signal, Velocity};
 
-use crate::metric::definitions::{RESTITUTION_TWO, SEPARATION, TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
+use crate::metric::definitions::{SEPARATION, TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
 use crate::metric::value::same_grid;
 use crate::sums::{cumulative, in_samples, window_end};
 use crate::{Metric, MetricsError};
@@ -136,15 +136,6 @@ pub fn acceleration_after_separation(velocity: &Signal<Velocity>, from_s: f64) -
         }
         _ => Metric::absent(&SEPARATION, "the record ends less than 20 ms after the lowest velocity"),
     }
-}
-
-/// Coefficient of restitution of two bodies, `(v2' - v1')/(v1 - v2)` from their velocities before and after.
-pub fn restitution_of_two_bodies(before_m_per_s: [f64; 2], after_m_per_s: [f64; 2]) -> Metric {
-    let closing = before_m_per_s[0] - before_m_per_s[1];
-    if closing == 0.0 {
-        return Metric::absent(&RESTITUTION_TWO, "the bodies do not approach each other");
-    }
-    Metric::with_value(&RESTITUTION_TWO, (after_m_per_s[1] - after_m_per_s[0]) / closing)
 }
 
 /// The end of an event that does not stop the vehicle, and the lowest velocity up to it.
@@ -464,12 +455,6 @@ mod tests {
         // 0.5 m/s over 20 ms.
         assert!((acceleration_after_separation(&v, 0.01).value.unwrap() - 25.0).abs() < 1e-10);
         assert_eq!(acceleration_after_separation(&v, 0.02).value, None);
-    }
-
-    #[test]
-    fn two_bodies_part_at_a_share_of_their_closing_speed() {
-        assert_eq!(restitution_of_two_bodies([10.0, 0.0], [4.0, 6.0]).value, Some(0.2));
-        assert_eq!(restitution_of_two_bodies([1.0, 1.0], [0.0, 2.0]).value, None);
     }
 
     /// 15 m/s less the integral of a half sine of 60 ms that takes `loss`, beginning at `at`; 1 kHz, from -20 ms on.

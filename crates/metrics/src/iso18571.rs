@@ -3,7 +3,7 @@
 use crumple_signal::Sampled;
 
 use crate::best_shift::{Correlation, best_shift, overlap};
-use crate::corridor::corridor_score;
+use crate::cora::corridor_score;
 use crate::metric::definitions::{ISO, ISO_CORRIDOR, ISO_MAGNITUDE, ISO_PHASE, ISO_SLOPE};
 use crate::metric::value::rated_grid;
 use crate::warping::Warping;

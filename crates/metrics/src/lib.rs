@@ -10,11 +10,11 @@
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
-//! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
+//! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`agreement`], [`over_channels`]
 
 mod agreement;
 mod best_shift;
-mod corridor;
+mod cora;
 mod crash_events;
 mod energy;
 mod error;
@@ -37,11 +37,11 @@ mod warping;
 pub use agreement::{
     Agreement, ChannelMotion, LARGEST_CRUSH_GAP, Residuals, agreement, fit_percent, over_channels, residuals, rmse,
 };
-pub use corridor::{Cora, CoraInterval, CoraOptions, Corridor, CorridorOptions, CorridorResult, Excursion, cora};
+pub use cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use crash_events::{
     CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, MutualCrush, Rebound, ThresholdRule, TwoVehicleImpact,
     Unstopped, acceleration_after_separation, collision, common_velocity, crash_events, event_end_by_velocity_change,
-    restitution_of_two_bodies, time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
+    time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
 };
 pub use energy::{
     CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,

@@ -64,11 +64,11 @@ impl Bundle {
             return Ok(None);
         }
         if length > LARGE_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::file(&path.display().to_string()),
-                found: format!("{} GiB", length >> 30),
-                limit: format!("tables up to {} GiB", LARGE_LIMIT >> 30),
-            });
+            return Err(IngestError::too_large(
+                Place::file(&path.display().to_string()),
+                format!("{} GiB", length >> 30),
+                format!("tables up to {} GiB", LARGE_LIMIT >> 30),
+            ));
         }
         let mut hasher = blake3::Hasher::new();
         let file = Unchanging::open(path).map_err(|error| unreadable(path, &error))?;
@@ -202,10 +202,12 @@ fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
         return Err(unreadable(path, &io::Error::new(io::ErrorKind::InvalidInput, "it is a device, not a file")));
     }
     let length = metadata.len();
-    let too_large = |found: u64| IngestError::TooLarge {
-        place: Place::file(&path.display().to_string()),
-        found: format!("{} MiB", found >> 20),
-        limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
+    let too_large = |found: u64| {
+        IngestError::too_large(
+            Place::file(&path.display().to_string()),
+            format!("{} MiB", found >> 20),
+            format!("files up to {} MiB", FILE_LIMIT >> 20),
+        )
     };
     if length > FILE_LIMIT {
         return Err(too_large(length));
@@ -255,17 +257,17 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
             [one] => return Ok((*one).clone()),
             [] => {}
             several => {
-                return Err(IngestError::Path {
-                    path: folder.display().to_string(),
-                    found: format!(
+                return Err(IngestError::path(
+                    folder.display(),
+                    format!(
                         "a folder with {} .{} files: {}",
                         several.len(),
                         extension.to_uppercase(),
                         several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
                     ),
-                    expected: "the folder of one test".to_owned(),
-                    hint: format!("give the .{} file of the test", extension.to_uppercase()),
-                });
+                    "the folder of one test",
+                    format!("give the .{} file of the test", extension.to_uppercase()),
+                ));
             }
         }
     }
@@ -276,12 +278,12 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     }
     match all.as_slice() {
         [only] if only.is_dir() => main_file_of(only),
-        _ => Err(IngestError::Path {
-            path: folder.display().to_string(),
-            found: format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
-            expected: "the folder of one test, or a file".to_owned(),
-            hint: "give the file itself, such as crash.csv".to_owned(),
-        }),
+        _ => Err(IngestError::path(
+            folder.display(),
+            format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
+            "the folder of one test, or a file",
+            "give the file itself, such as crash.csv",
+        )),
     }
 }
 
@@ -310,12 +312,7 @@ fn unreadable(path: &Path, error: &io::Error) -> IngestError {
         io::ErrorKind::InvalidInput => (error.to_string(), "give the file with the record"),
         _ => (error.to_string(), "check the path and the disk"),
     };
-    IngestError::Path {
-        path: path.display().to_string(),
-        found,
-        expected: format!("{WHAT_IS_READ}, or the folder of a test"),
-        hint: hint.to_owned(),
-    }
+    IngestError::path(path.display(), found, format!("{WHAT_IS_READ}, or the folder of a test"), hint)
 }
 
 /// Reads a sidecar. An unknown key is refused; a value has its unit in it.
@@ -329,12 +326,12 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<IngestSettings, IngestError> {
         .map_err(|error: toml::de::Error| refuse(one_line(&error.to_string()), "put text values in quotes"))?;
     for key in table.keys() {
         if !IngestSettings::KEYS.contains(&key.as_str()) {
-            return Err(IngestError::UnknownKey {
-                file: file.to_owned(),
-                key: key.clone(),
-                expected: EXPECTED.to_owned(),
-                hint: format!("the keys are: {}", IngestSettings::KEYS.join(", ")),
-            });
+            return Err(IngestError::unknown_key(
+                file,
+                key,
+                EXPECTED,
+                format!("the keys are: {}", IngestSettings::KEYS.join(", ")),
+            ));
         }
     }
     table

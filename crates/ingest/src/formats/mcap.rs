@@ -152,19 +152,19 @@ fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestErr
         let McapRecord::Chunk { header, .. } = record else { return Ok(()) };
         total = total.saturating_add(header.uncompressed_size);
         if header.uncompressed_size > CHUNK_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
+                format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
+            ));
         }
         let left = crumple_memory::left();
         if header.uncompressed_size > left {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                limit: format!("chunks up to the {} MiB left of the memory limit (--memory-limit)", left >> 20),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
+                format!("chunks up to the {} MiB left of the memory limit (--memory-limit)", left >> 20),
+            ));
         }
         crate::formats::reader::check_total(file, total)
     })?;

@@ -150,11 +150,11 @@ pub fn check_total(name: &str, total: u64) -> Result<(), IngestError> {
     if total <= TOTAL_LIMIT {
         return Ok(());
     }
-    Err(IngestError::TooLarge {
-        place: Place::file(name),
-        found: format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
-        limit: format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
-    })
+    Err(IngestError::too_large(
+        Place::file(name),
+        format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
+        format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
+    ))
 }
 
 /// A file's name without its last extension.

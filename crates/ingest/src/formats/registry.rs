@@ -39,7 +39,7 @@ pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader,
         ));
     }
     if let Some((what, instead)) = recognise_foreign(bytes) {
-        return Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() });
+        return Err(IngestError::foreign(file, what, instead));
     }
     let head = &bytes[..bytes.len().min(8192)];
     let is_mme = file.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("mme"));
@@ -48,7 +48,7 @@ pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader,
     }
     READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
         if let Some((what, instead)) = recognise_ending(file) {
-            return IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() };
+            return IngestError::foreign(file, what, instead);
         }
         let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
         IngestError::content(

@@ -54,11 +54,11 @@ impl Reader for Tdm {
 fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let file = bundle.main.name.as_str();
     if bundle.main.bytes.len() > HEADER_LIMIT {
-        return Err(IngestError::TooLarge {
-            place: Place::file(file),
-            found: format!("a TDM header of {} MiB", bundle.main.bytes.len() >> 20),
-            limit: format!("headers up to {} MiB", HEADER_LIMIT >> 20),
-        });
+        return Err(IngestError::too_large(
+            Place::file(file),
+            format!("a TDM header of {} MiB", bundle.main.bytes.len() >> 20),
+            format!("headers up to {} MiB", HEADER_LIMIT >> 20),
+        ));
     }
     let header = parse(&decode(&without_mark(&bundle.main.bytes))).map_err(|found| {
         IngestError::content(
@@ -75,11 +75,11 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     for channel in &header.channels {
         samples = samples.saturating_add(channel.samples.as_ref().map_or(0, |sequence| sequence.most(tdx)));
         if samples > SAMPLE_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
-                limit: format!("at most {SAMPLE_LIMIT} samples in all channels together"),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
+                format!("at most {SAMPLE_LIMIT} samples in all channels together"),
+            ));
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }

@@ -196,12 +196,12 @@ pub fn check(file: &str, details: &Details) -> Result<(), IngestError> {
     let wrong_speed = speed.filter(|s| !(s.value >= 0.0 && s.value.is_finite()));
     for (what, stated) in [("mass", wrong_mass), ("impact speed", wrong_speed)] {
         if let Some(Stated { value, from }) = stated {
-            return Err(IngestError::NotStated {
-                file: file.to_owned(),
-                what: format!("a usable {what}: {from} gives {value}"),
-                expected: if what == "mass" { "a positive value" } else { "a value of 0 or more" }.to_owned(),
-                hint: "give it by its flag: --mass 1500kg, --impact-speed 50km/h".to_owned(),
-            });
+            return Err(IngestError::not_stated(
+                file,
+                format!("a usable {what}: {from} gives {value}"),
+                if what == "mass" { "a positive value" } else { "a value of 0 or more" },
+                "give it by its flag: --mass 1500kg, --impact-speed 50km/h",
+            ));
         }
     }
     Ok(())

@@ -95,17 +95,6 @@ impl Response {
         // Every constructor puts one motion a mass in, and there is no model without a mass.
         &self.motions[self.motions.len() - 1]
     }
-
-    /// Force on the barrier, N, positive in compression: `-sum of m·a` over the masses.
-    pub fn barrier_force_n(&self) -> Vec<f64> {
-        let samples = self.compartment().acceleration_m_per_s2.len();
-        let force = |k: usize| {
-            let inertia =
-                self.masses_kg.iter().zip(&self.motions).map(|(m, motion)| m * motion.acceleration_m_per_s2[k]);
-            -inertia.sum::<f64>()
-        };
-        (0..samples).map(force).collect()
-    }
 }
 
 /// The instants of a response, from the exact solution and not from samples.

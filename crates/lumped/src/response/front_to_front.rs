@@ -313,7 +313,7 @@ mod tests {
     /// What each takes of a crush that both share in proportion is open, and told.
     #[test]
     fn plateaus_of_the_same_force_leave_the_shares_open() {
-        let plateau = vehicle(1500.0, &front(&[(0.0, 0.0), (0.005, 2e5), (0.5, 2e5)]));
+        let plateau = vehicle(1500.0, &front(&[(0.0, 0.0), (0.02, 2e5), (0.5, 2e5)]));
         let joined = FrontToFront::new(&plateau, 10.0, &plateau, 0.0).unwrap();
         assert!(joined.is_share_open(joined.meeting(2.0).unwrap().common.unwrap().largest_m[0]));
         let rising = vehicle(1500.0, &front(&[(0.0, 0.0), (0.3, 2e5), (0.6, 3e5)]));

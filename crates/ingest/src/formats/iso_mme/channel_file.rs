@@ -76,11 +76,11 @@ impl Header {
     /// Takes a line, split at its first colon. Returns whether there was one.
     pub fn push(&mut self, file: &str, line: usize, bytes: &[u8]) -> Result<bool, IngestError> {
         if line > LINE_COUNT_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::line(file, line),
-                found: format!("more than {LINE_COUNT_LIMIT} lines of keywords"),
-                limit: "a header of some thirty lines, then one number a line".to_owned(),
-            });
+            return Err(IngestError::too_large(
+                Place::line(file, line),
+                format!("more than {LINE_COUNT_LIMIT} lines of keywords"),
+                "a header of some thirty lines, then one number a line",
+            ));
         }
         let Some(colon) = bytes.iter().position(|b| *b == b':') else { return Ok(false) };
         let title = decode(bytes[..colon].trim_ascii());

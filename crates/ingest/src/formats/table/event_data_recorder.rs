@@ -18,7 +18,7 @@ use crate::formats::text::column_names::{axis, names_acceleration, names_velocit
 use crate::formats::text::lines::{comment, decode, field, is_gap, line_at, unquoted};
 use crate::recording::content::{PulseRule, ReadChannel, Recording};
 use crate::recording::details::Details;
-use crate::{IngestError, IngestSettings};
+use crate::{IngestError, IngestSettings, Refusal};
 
 /// Reads a text that holds several tables, or cells in two units. `None`: it is a table like any other.
 pub fn read(
@@ -127,15 +127,8 @@ pub fn with_profile_hint(file: &str, text: &[u8], error: IngestError) -> IngestE
     let is_report =
         report_tables(text, file).is_ok_and(|sections| sections.iter().any(|section| section.only_a_change));
     let hint = "a table of an event data recorder (velocity change over time) is read with --profile edr";
-    match error {
-        IngestError::Content { place, found, expected, .. } if is_report => {
-            IngestError::content(*place, found, expected, hint)
-        }
-        IngestError::Channel { file, found, expected, .. } if is_report => {
-            IngestError::channel(&file, found, expected, hint)
-        }
-        error => error,
-    }
+    let is_of_table = matches!(error.refusal, Refusal::Content | Refusal::Channel);
+    if is_of_table && is_report { error.with_hint(hint) } else { error }
 }
 
 /// What an event data recorder's table is good for.

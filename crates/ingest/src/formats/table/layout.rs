@@ -191,11 +191,11 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         .min_by_key(|(_, agree, row)| (row.line, !agree));
     if let Some((way, _, FirstRow { line: first, columns, blank, trailing })) = best {
         if columns > COLUMN_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::line(file, lines[first].number),
-                found: format!("{columns} columns"),
-                limit: format!("at most {COLUMN_LIMIT} columns, one sample a row"),
-            });
+            return Err(IngestError::too_large(
+                Place::line(file, lines[first].number),
+                format!("{columns} columns"),
+                format!("at most {COLUMN_LIMIT} columns, one sample a row"),
+            ));
         }
         refuse_doubtful_commas(*way, &lines[first..], file)?;
         let layout = Layout {
@@ -214,11 +214,11 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         return Ok(layout);
     }
     if lines.is_empty() && offset < text.len() {
-        return Err(IngestError::TooLarge {
-            place: Place::line(file, number),
-            found: format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet"),
-            limit: format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out"),
-        });
+        return Err(IngestError::too_large(
+            Place::line(file, number),
+            format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet"),
+            format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out"),
+        ));
     }
     Err(no_rows(&lines, single_column, file))
 }

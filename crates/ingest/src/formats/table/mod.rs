@@ -62,11 +62,11 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     }
     if let Some(title) = &settings.skip_to {
         if bundle.large.is_some() {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: "--skip-to in a table that is read piece by piece".to_owned(),
-                limit: "one table to a file of this length".to_owned(),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                "--skip-to in a table that is read piece by piece",
+                "one table to a file of this length",
+            ));
         }
         text = Cow::Owned(header::cut(&text, title, file)?);
     }

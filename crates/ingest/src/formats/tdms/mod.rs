@@ -196,7 +196,7 @@ fn refuse(file: &str, error: SegmentError) -> IngestError {
             "a TDMS file as LabVIEW or DIAdem writes it",
             "the file may be cut short or damaged: copy or download it again",
         ),
-        SegmentError::TooLarge(found, limit) => IngestError::TooLarge { place: Place::file(file), found, limit },
+        SegmentError::TooLarge(found, limit) => IngestError::too_large(Place::file(file), found, limit),
     }
 }
 

@@ -72,11 +72,11 @@ pub fn line_at<'a>(text: &'a [u8], offset: usize, number: usize, file: &str) -> 
         Some(end) => (end, offset + end + 1),
         None if rest.len() <= LINE_LIMIT => (rest.len(), text.len()),
         None => {
-            return Err(IngestError::TooLarge {
-                place: Place::line(file, number),
-                found: format!("the line is longer than {} MiB", LINE_LIMIT >> 20),
-                limit: "lines of a table of numbers".to_owned(),
-            });
+            return Err(IngestError::too_large(
+                Place::line(file, number),
+                format!("the line is longer than {} MiB", LINE_LIMIT >> 20),
+                "lines of a table of numbers",
+            ));
         }
     };
     let bytes = &rest[..length];

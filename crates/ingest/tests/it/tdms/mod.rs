@@ -6,7 +6,7 @@ use crumple_testkit::shared;
 use proptest::prelude::*;
 
 use crate::tdms::layout::{daqmx, nhtsa, scaled, with_times};
-use crate::{has_note, lenient, samples};
+use crate::{lenient, samples};
 
 mod layout;
 
