@@ -173,10 +173,10 @@ pub fn finish(
         if let Some(found) = trend(&single, order).ok().filter(|found| found.is_there && !input_output.remove_trend) {
             let slope_per_s = found.slope / data.sample_time_s();
             let text = format!(
-                "{} follows a straight line of {slope_per_s:.3e} {}/s beside its motion, and a model takes it for a \
+                "{} follows a straight line of {slope_per_s:.3e}{}/s beside its motion, and a model takes it for a \
                  slow mode; --remove-trend removes it",
                 answer.id,
-                answer.quantity.si_unit()
+                answer.unit()
             );
             out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
             checks.trends.push(TrendV1 { channel: answer.id.clone(), slope_per_s, bic_gain: found.bic_gain });

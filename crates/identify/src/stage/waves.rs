@@ -72,11 +72,7 @@ impl WindowedWave {
         self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
         self.kept.iter_mut().for_each(|x| *x -= mean);
         self.removed = (mean, 0.0);
-        Ok(format!(
-            "the mean of the samples identified from, {mean:.6e} {}, was removed from {}",
-            self.quantity.si_unit(),
-            self.id
-        ))
+        Ok(format!("the mean of the samples identified from, {mean:.6}{}, was removed from {}", self.unit(), self.id))
     }
 
     /// The same with the straight line through them.
@@ -89,11 +85,16 @@ impl WindowedWave {
         self.kept.iter_mut().enumerate().for_each(|(k, x)| *x -= level(used + k));
         self.removed = (intercept, slope);
         Ok(format!(
-            "the straight line through the samples identified from, slope {:.6e} {}/s, was removed from {}",
+            "the straight line through the samples identified from, slope {:.6}{}/s, was removed from {}",
             slope / self.sampled.dt_s(),
-            self.quantity.si_unit(),
+            self.unit(),
             self.id
         ))
+    }
+
+    /// The unit behind a blank; nothing where it is 1.
+    pub fn unit(&self) -> String {
+        Some(self.quantity.si_unit()).filter(|unit| *unit != "1").map_or_else(String::new, |unit| format!(" {unit}"))
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.
@@ -280,10 +281,8 @@ fn level_in_words(wave: &WindowedWave) -> Option<String> {
     let mean = mean_of(&mut samples.iter().copied());
     let deviation = mean_of(&mut samples.iter().map(|x| (x - mean).powi(2))).sqrt();
     (deviation > 0.0 && mean.abs() > NAMED_LEVEL * deviation).then(|| {
-        // A number without a unit has the unit 1.
-        let unit = Some(wave.quantity.si_unit()).filter(|unit| *unit != "1").map(|unit| format!(" {unit}"));
         let (id, times) = (&wave.id, mean.abs() / deviation);
-        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", unit.unwrap_or_default())
+        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", wave.unit())
     })
 }
 

@@ -10,10 +10,11 @@ use crate::drawing::numbers::ABSENT;
 use crate::findings::{Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
-    ConcernV1, EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, SpreadV1,
+    ConcernV1, EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
 };
 use crumple_signal::{Note, Severity};
 
+use crate::figures::identification::simulated::order;
 use crate::frame::{Column, table};
 use crate::page::figures;
 
@@ -34,15 +35,33 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
         let count = fill(template, &[("count", run.models.len().to_string())]);
         out.push_str(&format!("<details><summary>{count}</summary>\n"));
     }
+    write_recommended(out, run);
     figures::write(out, drawn, "h3");
-    for model in &run.models {
-        write_model(out, model);
+    for place in order(run) {
+        write_model(out, &run.models[place]);
     }
     write_failed_methods(out, concerns);
     if !run.is_generic() {
         out.push_str("</details>\n");
     }
     out.push_str("</section>\n");
+}
+
+/// Which model of every output to use, and why.
+fn write_recommended(out: &mut String, run: &Run) {
+    let texts = &PHRASES.identification;
+    for selection in &run.selections {
+        let Some((id, because)) = selection.recommended.as_ref().zip(selection.recommended_because) else { continue };
+        let because = match because {
+            RecommendedBecauseV1::SmallestBic => texts.smallest_bic.to_owned(),
+            RecommendedBecauseV1::ValidatesBetter => {
+                let other = selection.passed_over.as_deref().unwrap_or_default();
+                fill(texts.validates_better, &[("other", html(other))])
+            }
+        };
+        let filled = [("model", html(id)), ("output", html(&selection.output)), ("because", because)];
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.recommended, &filled)));
+    }
 }
 
 /// Every method that gave no model, with its reason.
@@ -111,28 +130,44 @@ fn write_outputs(out: &mut String, model: &Model) {
         return;
     }
     let texts = &PHRASES.identification;
-    let columns = [
-        Column::text(texts.output_column),
-        Column::number(texts.fit_column).means(texts.fit_definition),
-        Column::number(texts.restarted_column).means(texts.restarted_definition),
-        Column::number(texts.run_on_column).means(texts.run_on_definition),
-        Column::number(texts.lag_one_column).means(texts.lag_one_definition),
-        Column::number(texts.effective_column).means(texts.effective_definition),
-    ];
-    out.push_str(&table("", &columns));
-    for ModelOutput { channel, fit_percent, evidence, .. } in &model.outputs {
-        let number =
-            |value: Option<f64>, digits: usize| value.map_or(ABSENT.to_owned(), |x| words::decimals(x, digits));
-        let known = |of: fn(&EvidenceV1) -> Option<f64>| evidence.as_ref().and_then(of);
-        let cells = [
-            number(*fit_percent, 2),
-            number(known(|e| e.validation_restarted_fit_percent), 2),
-            number(known(|e| e.validation_fit_percent), 2),
-            number(known(|e| e.residual_lag_one), 3),
-            number(known(|e| e.effective_samples), 0),
-        ];
-        let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
-        out.push_str(&format!("<tr><td>{}</td>{cells}</tr>\n", html(channel)));
+    type Measure = fn(&ModelOutput) -> Option<f64>;
+    let known = |of: Measure| model.outputs.iter().any(|output| of(output).is_some());
+    let columns: Vec<(Column<'_>, Measure, usize)> = [
+        (Column::number(texts.fit_column).means(texts.fit_definition), (|o| o.fit_percent) as Measure, 2),
+        (
+            Column::number(texts.restarted_column).means(texts.restarted_definition),
+            |o| o.evidence.as_ref()?.validation_restarted_fit_percent,
+            2,
+        ),
+        (
+            Column::number(texts.run_on_column).means(texts.run_on_definition),
+            |o| o.evidence.as_ref()?.validation_fit_percent,
+            2,
+        ),
+        (
+            Column::number(texts.lag_one_column).means(texts.lag_one_definition),
+            |o| o.evidence.as_ref()?.residual_lag_one,
+            3,
+        ),
+        (
+            Column::number(texts.effective_column).means(texts.effective_definition),
+            |o| o.evidence.as_ref()?.effective_samples,
+            0,
+        ),
+    ]
+    .into_iter()
+    .filter(|(_, of, _)| known(*of))
+    .collect();
+    let heads: Vec<Column<'_>> =
+        std::iter::once(Column::text(texts.output_column)).chain(columns.iter().map(|(column, ..)| *column)).collect();
+    out.push_str(&table("", &heads));
+    for output in &model.outputs {
+        let cell = |(_, of, digits): &(Column<'_>, Measure, usize)| {
+            let value = of(output).map_or(ABSENT.to_owned(), |x| words::decimals(x, *digits));
+            format!("<td class=\"n\">{value}</td>")
+        };
+        let cells: String = columns.iter().map(cell).collect();
+        out.push_str(&format!("<tr><td>{}</td>{cells}</tr>\n", html(&output.channel)));
     }
     out.push_str("</tbody>\n</table></div>\n");
     let evidence = || model.outputs.iter().filter_map(|output| output.evidence.as_ref());
@@ -275,7 +310,9 @@ fn write_poles(out: &mut String, model: &Model) {
         Column::number(texts.coherence).means(texts.coherence_definition),
         Column::number(texts.share).means(texts.share_definition),
     ];
-    out.push_str(&table("", &columns));
+    let has_amplitudes = model.modes.iter().any(|mode| mode.modal_amplitude_coherence.is_some());
+    let count = if has_amplitudes { columns.len() } else { columns.len() - 2 };
+    out.push_str(&table("", &columns[..count]));
     for PoleLine { pole: [re, im], stability, cells } in lines {
         let word = match stability {
             PoleStability::Stable => String::new(),
@@ -283,13 +320,41 @@ fn write_poles(out: &mut String, model: &Model) {
             PoleStability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
         };
         let im = if im == 0.0 { String::new() } else { format!(" ± {}i", words::significant(im.abs(), 5)) };
-        let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
+        let cells: String = cells[..count - 1].iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
         out.push_str(&format!("<tr><td class=\"n\">{}{im}{word}</td>{cells}</tr>\n", words::significant(re, 5)));
     }
     out.push_str("</tbody>\n</table></div>\n");
     out.push_str(&format!("<p class=\"caption\">{uncertainty}</p>\n"));
     if folded {
         out.push_str("</details>\n");
+    }
+    write_zeros(out, model);
+}
+
+/// The zeros of a model of one path, with their deviations where these are known.
+fn write_zeros(out: &mut String, model: &Model) {
+    let Some(response) = &model.response else { return };
+    let deviation = |of: fn(&EvidenceV1) -> (&[Option<f64>], &[Option<SpreadV1>]), place: usize| {
+        let (deviations, spreads) = of(model.evidence.as_ref()?);
+        let spread = spreads.get(place).and_then(Option::as_ref).map(|spread| spread.deviation);
+        spread.or_else(|| deviations.get(place).copied().flatten())
+    };
+    let number = |value: f64, deviation: Option<f64>| {
+        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", words::significant(d, 3)));
+        format!("{}{deviation}", words::significant(value, 3))
+    };
+    let zeros = response.zeros_re_per_s.iter().zip(&response.zeros_im_rad_per_s).enumerate();
+    let texts = &PHRASES.identification;
+    let all: Vec<String> = zeros
+        .filter(|(_, (_, im))| **im >= 0.0)
+        .map(|(place, (re, im))| {
+            let re = number(*re, deviation(|e| (&e.zero_re_deviations, &e.zero_re_spreads), place));
+            let of_pair = number(*im, deviation(|e| (&e.zero_im_deviations, &e.zero_im_spreads), place));
+            if *im == 0.0 { re } else { fill(texts.pair_of_zeros, &[("re", re), ("im", of_pair)]) }
+        })
+        .collect();
+    if !all.is_empty() {
+        out.push_str(&format!("<p>{}</p>\n", fill(texts.zeros_of_model, &[("zeros", all.join("; "))])));
     }
 }
 
@@ -299,12 +364,16 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
     let texts = &PHRASES.identification;
     let number = |value: Option<f64>, deviation: Option<f64>, factor: f64, ends: Option<[f64; 2]>| {
         let Some(value) = value else { return ABSENT.to_owned() };
-        let deviation = deviation.map_or_else(String::new, |d| format!(" ± {}", words::significant(factor * d, 2)));
+        let Some(deviation) = deviation.map(|d| factor * d).filter(|d| *d > 0.0 && d.is_finite()) else {
+            return words::significant(factor * value, 4);
+        };
+        // As many decimals as show two digits of the deviation.
+        let decimals = usize::try_from((1 - deviation.log10().floor() as i32).clamp(0, 9)).unwrap_or(0);
         let ends = ends.map_or_else(String::new, |ends| {
-            let [low, high] = ends.map(|end| words::significant(factor * end, 4));
+            let [low, high] = ends.map(|end| words::decimals(factor * end, decimals));
             format!(" ({})", words::between(&low, &high))
         });
-        format!("{}{deviation}{ends}", words::significant(factor * value, 4))
+        format!("{} ± {}{ends}", words::decimals(factor * value, decimals), words::significant(deviation, 2))
     };
     let evidence = model.evidence.as_ref();
     let by_covariance =

@@ -58,7 +58,11 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
             out.push_str(&format!("<details><summary>{of_others}</summary>\n{}</details>\n", list(&others)));
         }
     }
-    let infos: Vec<&StageNote> = run.notes.iter().filter(|n| n.note.severity == Severity::Info).collect();
+    // Each model lists its own.
+    let of_models = || run.models.iter().filter_map(|model| model.identification.as_ref()).flat_map(|i| &i.notes);
+    let is_of_model = |note: &StageNote| of_models().any(|text| *text == note.note.text);
+    let infos: Vec<&StageNote> =
+        run.notes.iter().filter(|n| n.note.severity == Severity::Info && !is_of_model(n)).collect();
     for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
         let Some(StageNote { stage, .. }) = of_stage.first() else { continue };
         let items: String = of_stage.iter().map(|n| format!("<li>{}</li>\n", html(&n.note.text))).collect();

@@ -6,6 +6,10 @@ texts! { IdentificationTexts
         "{count} identified model: poles, order, frequency response";
     models:
         "{count} identified models: poles, order, frequency response";
+    recommended: "Use <code>{model}</code> for {output}: {because}.";
+    smallest_bic: "it has the smallest BIC of all";
+    validates_better:
+        "it follows unseen samples better than <code>{other}</code>, which has the smallest BIC and a single state";
     method: "method {method}";
     order: "order {order}";
     output: "output {channel}";
@@ -35,12 +39,12 @@ texts! { IdentificationTexts
     too_small: "deviations that take them for white would be too small";
     continuous: "continuous";
     sampled: "sampled every {time} s";
-    sizes: "State space: {states} states, {inputs} inputs, {outputs} outputs, {sampled}.";
+    sizes: "State space, {sampled}: states {states}, inputs {inputs}, outputs {outputs}.";
     numerator: "Numerator";
     numerator_of: "Numerator from {input} to {output}";
     more_numerators: "{count} more numerators are in the artifact.";
     denominator: "Denominator";
-    notes_of_model: "{count} notes on this model";
+    notes_of_model: "Notes on this model ({count})";
     poles_and_pairs: "{count} poles and pairs";
     pole: "Pole, 1/s";
     natural_frequency: "Natural frequency, Hz";
@@ -53,6 +57,8 @@ texts! { IdentificationTexts
     share: "Share";
     share_definition:
         "Mode singular value relative to the largest: the mode's share of the response.";
+    zeros_of_model: "Zeros, 1/s: {zeros}.";
+    pair_of_zeros: "{re} with imaginary parts ±({im})";
     unstable: "unstable";
     deviation:
         "± one standard deviation, from the covariance of the linearised fit.";
@@ -74,7 +80,7 @@ texts! { IdentificationTexts
     compare_unseen:
         " Shaded: unseen samples, with the start of the model fitted to them.";
     compare_cut:
-        " The axis of time shows {shown} of {all} samples at first.";
+        " The axis of time shows a part of the record at first.";
     more_outputs: " {count} more outputs are in the artifact.";
     errors: "Errors of the simulation";
     limits_of_white: "95 % limits of white errors";
@@ -85,7 +91,7 @@ texts! { IdentificationTexts
         "Autocorrelation of the errors, and their correlation with the inputs; a negative lag is an input after the \
          error. Errors outside the limits are correlated: deviations that assume white ones are wrong.";
     errors_outside:
-        " {model}, {channel}: {outside} of {lags} lags are outside.";
+        " {model}: {outside} of {lags} lags are outside.";
     poles: "Poles and zeros of the identified models";
     real_part: "real part, 1/s";
     imaginary_part: "imaginary part, rad/s";
@@ -140,7 +146,7 @@ texts! { IdentificationTexts
     magnitude: "magnitude, dB";
     phase: "phase, °";
     bode_caption:
-        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles are marked.";
+        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles of the closest model are marked.";
     si_units: ", SI units";
     the_input: "the input";
     the_output: "the output";

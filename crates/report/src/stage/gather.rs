@@ -37,6 +37,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
         run.other_sensors = other_sensors(inputs, &run.test, &id, time_zero_s);
     }
     run.models = models(inputs, time_zero_s)?;
+    run.selections = inputs.records("/selection/")?.into_iter().map(|(_, record)| record).collect();
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
     run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
     run.matchings = inputs.records("/matching/")?;
@@ -169,6 +170,7 @@ fn models(inputs: &Inputs, time_zero_s: f64) -> anyhow::Result<Vec<Model>> {
         let simulated = wave(&format!("{id}/simulated")).or_else(|| wave(&format!("{id}/simulated/{channel}")));
         model.outputs.push(ModelOutput {
             fit_percent: fits.get(place).copied().unwrap_or_else(|| identification.and_then(|i| i.fit_percent)),
+            quantity: inputs.wave_if(&channel).map(|wave| wave.quantity),
             measured: wave(&channel),
             simulated,
             unseen_from_s: evidence.validation_from_s.map(|from| from - time_zero_s),

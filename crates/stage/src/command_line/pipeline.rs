@@ -92,7 +92,7 @@ fn with_lists(mut table: toml::Table, command: &clap::Command) -> toml::Table {
 }
 
 /// Whether an option was typed on the command line.
-pub(crate) fn is_flag(matches: &ArgMatches, key: &str) -> bool {
+fn is_flag(matches: &ArgMatches, key: &str) -> bool {
     matches.try_contains_id(key).is_ok() && matches.value_source(key) == Some(ValueSource::CommandLine)
 }
 

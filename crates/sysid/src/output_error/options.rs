@@ -2,8 +2,6 @@
 
 use crumple_numerics::estimation::minimise::Stop;
 
-use crate::InitialConditions;
-
 /// Settings of [`output_error`](crate::output_error()).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutputErrorOptions {
@@ -13,10 +11,8 @@ pub struct OutputErrorOptions {
     pub direct: bool,
     /// Samples by which every input acts late.
     pub delay: usize,
-    /// Motion before the record.
-    pub initial: InitialConditions,
-    /// Whether poles are kept from growing.
-    pub stable: bool,
+    /// Whether the record starts from rest; else it starts in a motion of its own, which is fitted.
+    pub from_rest: bool,
     /// Random starting points in addition to those from ARX and subspace models.
     pub random_starts: usize,
     /// When to stop.
@@ -24,16 +20,8 @@ pub struct OutputErrorOptions {
 }
 
 impl OutputErrorOptions {
-    /// Of an order, with a direct term, without delay, motion estimated, stable, 8 random starts.
+    /// Of an order, with a direct term, without delay, in motion, 8 random starts.
     pub fn new(order: usize) -> Self {
-        Self {
-            order,
-            direct: true,
-            delay: 0,
-            initial: InitialConditions::Estimate,
-            stable: true,
-            random_starts: 8,
-            stop: Stop::default(),
-        }
+        Self { order, direct: true, delay: 0, from_rest: false, random_starts: 8, stop: Stop::default() }
     }
 }

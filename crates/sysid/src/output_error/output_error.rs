@@ -4,14 +4,15 @@ use crumple_numerics::estimation::minimise::StopReason;
 use crumple_numerics::estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
 use crumple_numerics::estimation::statistics::autoregressive_effective_samples;
 use crumple_numerics::linalg::dot;
-use crumple_numerics::lti::{Complex, Mode, StateSpace};
+use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 
 use crate::output_error::options::OutputErrorOptions;
 use crate::poles::multistart::{Search, best_search};
+use crate::poles::starts::continuous;
 use crate::poles::time_scale::unscaled;
 use crate::transfer_function::{state_space, weigh_by_residuals};
-use crate::{Hold, IdentifyError, InformationCriteria, IoData, TransferFunctionOptions, sampled};
+use crate::{Hold, IdentifyError, InformationCriteria, InitialConditions, IoData, TransferFunctionOptions, sampled};
 
 /// A model whose simulation fits best.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,9 +44,6 @@ pub struct OutputError {
     pub simulated: Vec<Vec<f64>>,
 }
 
-/// Modulus of a sampled pole that a start takes for one at zero.
-const SLOWEST: f64 = 1e-3;
-
 /// Finds the model of given order whose simulated output, from a free initial state, is nearest to the measured one.
 ///
 /// The same search as that of [`transfer_function_array`](crate::transfer_function_array()), with as many zeros as
@@ -54,7 +52,7 @@ const SLOWEST: f64 = 1e-3;
 /// close to. With one input or one output the model has `order` states, with several of both that many for each of the
 /// fewer ones.
 pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<OutputError, IdentifyError> {
-    fitted(data, options, None)
+    fitted(data, options, &engine(options))
 }
 
 /// The same from given sampled poles alone, one list a start: those of a model that is near.
@@ -63,37 +61,31 @@ pub fn output_error_from(
     options: OutputErrorOptions,
     poles: &[Vec<Complex>],
 ) -> Result<OutputError, IdentifyError> {
-    let dt_s = data.sample_time_s();
-    // A pole on the negative real axis has no continuous one of its own: one as fast stands for it.
-    let continuous = |z: &Complex| match z.im == 0.0 {
-        true => Some(Complex::new(z.norm().max(SLOWEST).ln() / dt_s, 0.0)),
-        false => Some(Mode::discrete(*z, dt_s)?.pole),
-    };
-    let given = poles.iter().map(|poles| poles.iter().filter_map(continuous).collect()).collect();
-    fitted(data, options, Some(given))
+    let given = poles.iter().map(|poles| continuous(poles, options.order, data.sample_time_s())).collect();
+    fitted(data, options, &TransferFunctionOptions { starts: Vec::new(), given, ..engine(options) })
 }
 
-/// From all starts, or from given continuous poles alone.
+/// The search as that of transfer functions.
+fn engine(options: OutputErrorOptions) -> TransferFunctionOptions {
+    let OutputErrorOptions { order, direct, delay, from_rest, random_starts, stop } = options;
+    TransferFunctionOptions {
+        hold: Hold::Zero,
+        delay,
+        initial: if from_rest { InitialConditions::Zero } else { InitialConditions::Estimate },
+        stable: true,
+        random_starts,
+        stop,
+        ..TransferFunctionOptions::new(order, order.saturating_sub(usize::from(!direct)))
+    }
+}
+
 fn fitted(
     data: &IoData,
     options: OutputErrorOptions,
-    given: Option<Vec<Vec<Complex>>>,
+    engine: &TransferFunctionOptions,
 ) -> Result<OutputError, IdentifyError> {
-    let OutputErrorOptions { order, direct, delay, initial, stable, random_starts, stop } = options;
-    let usual = TransferFunctionOptions::new(order, order.saturating_sub(usize::from(!direct)));
-    let engine = TransferFunctionOptions {
-        starts: if given.is_some() { Vec::new() } else { usual.starts.clone() },
-        given: given.unwrap_or_default(),
-        hold: Hold::Zero,
-        delay,
-        initial,
-        stable,
-        random_starts,
-        stop,
-        ..usual
-    };
-    let mut search = best_search("output error", data, &engine)?;
-    weigh_by_residuals(&mut search, data.samples(), stop);
+    let mut search = best_search("output error", data, engine)?;
+    weigh_by_residuals(&mut search, data.samples(), options.stop);
     let Search { problem, best, losses, input_scales, output_scales, .. } = &search;
     let samples = data.samples();
     let residuals = best.residual.chunks_exact(samples);
@@ -114,17 +106,15 @@ fn fitted(
         Some(covariance) => mode_deviations(&search, &covariance, samples as f64 * data.sample_time_s()),
         None => vec![None; poles.len()],
     };
+    let simulated = data.outputs().iter().zip(best.residual.chunks_exact(samples)).zip(output_scales);
+    let simulated = simulated.map(|((y, e), scale)| y.iter().zip(e).map(|(y, e)| y - e * scale).collect()).collect();
     // Those of a single output are in its unit.
     let unit = if let [scale] = rms[..] { scale * scale } else { 1.0 };
-    let residuals = best.residual.chunks_exact(samples).zip(output_scales);
-    let simulated = data.outputs().iter().zip(residuals);
-    let simulated = simulated.map(|(y, (e, scale))| y.iter().zip(e).map(|(y, e)| y - e * scale).collect()).collect();
     Ok(OutputError {
-        simulated,
         model: StateSpace::new(a, b, c, d, Some(data.sample_time_s()))?,
         pole_deviations: poles.into_iter().zip(deviations).collect(),
         condition,
-        delay,
+        delay: options.delay,
         loss,
         criteria: InformationCriteria::new(loss, count, parameters),
         iterations: best.iterations,
@@ -132,6 +122,7 @@ fn fitted(
         stop_reason: best.stop,
         on_bound: best.on_bound.contains(&true),
         losses: losses.iter().map(|loss| loss / unit).collect(),
+        simulated,
     })
 }
 

@@ -20,10 +20,12 @@ use crate::poles::stretches::stretches;
 use crate::poles::time_scale::{combined, unscaled};
 use crate::{IdentifyError, IoData};
 
-/// Starting points that are refined, of all that were tried; of orders above [`MOST_CONTINUOUS`] fewer: a step costs the
-/// square of the order.
+/// Starting points that are refined, of all that were tried.
 const REFINED: usize = 14;
-const REFINED_OF_HIGH_ORDER: usize = 6;
+
+/// The same for orders above [`MOST_CONTINUOUS`], where a step costs the square of the order, and without random
+/// starts.
+const FEW_REFINED: usize = 6;
 
 /// Of these at most so many of one kind, so that one kind of start cannot crowd out the others.
 const REFINED_OF_A_KIND: usize = 4;
@@ -154,7 +156,8 @@ fn search(
     let searched = if data.samples() > STRETCH && !options.starts.is_empty() {
         by_stretches(method, data, &problem, options)?
     } else {
-        let most = if options.poles > MOST_CONTINUOUS { REFINED_OF_HIGH_ORDER } else { REFINED };
+        let few = options.poles > MOST_CONTINUOUS || options.random_starts == 0;
+        let most = if few { FEW_REFINED } else { REFINED };
         let candidates = candidates(&problem, options, data.samples() as f64 * data.sample_time_s());
         refined(&problem, candidates, options, most)
     };

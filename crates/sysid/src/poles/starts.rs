@@ -315,7 +315,7 @@ pub(crate) fn poles_of_all(start: Start, data: &IoData, poles: usize, direct: bo
                 for (weighting, block_rows) in Weighting::ALL.into_iter().flat_map(|w| horizons.map(|rows| (w, rows))) {
                     let options = SubspaceOptions { weighting, block_rows, direct };
                     let Ok(sampled) = Subspace::new(record, options).and_then(|s| s.poles(poles)) else { continue };
-                    found.push(continuous(sampled, poles, record.sample_time_s()));
+                    found.push(continuous(&sampled, poles, record.sample_time_s()));
                 }
             }
             found
@@ -331,7 +331,7 @@ pub(crate) fn poles_of_all(start: Start, data: &IoData, poles: usize, direct: bo
                     let Ok(mut sampled) = model.state_space().and_then(|model| Ok(model.poles()?)) else { continue };
                     // The least damped ones, pairs kept together.
                     sampled.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.abs().total_cmp(&a.im.abs())));
-                    found.push(continuous(sampled, poles, data.sample_time_s()));
+                    found.push(continuous(&sampled, poles, data.sample_time_s()));
                 }
             }
             found
@@ -342,10 +342,10 @@ pub(crate) fn poles_of_all(start: Start, data: &IoData, poles: usize, direct: bo
 
 /// The leading `count` of sampled poles as continuous ones, pairs kept together. One on the negative real axis or at
 /// zero, which has no counterpart, becomes as fast as the sampling shows; so does what is missing.
-fn continuous(sampled: Vec<Complex>, count: usize, dt: f64) -> Vec<Complex> {
+pub(crate) fn continuous(sampled: &[Complex], count: usize, dt: f64) -> Vec<Complex> {
     let fastest = Complex::new(-PI / dt, 0.0);
     let mut poles: Vec<Complex> = Vec::with_capacity(count);
-    for z in sampled {
+    for &z in sampled {
         let s = if z.im == 0.0 && z.re <= 1e-9 { fastest } else { z.ln() / dt };
         if z.im > 0.0 && poles.len() + 2 <= count {
             poles.extend([s, s.conj()]);

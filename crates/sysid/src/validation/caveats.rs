@@ -90,14 +90,23 @@ pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[F
     let PoleRecord { dt_s, duration_s, of_motion } = record;
     let kinds = pole_kinds(poles, record);
     let integrators = kinds.iter().filter(|kind| **kind == PoleKind::Integrator).count();
-    for (pole, kind) in poles.iter().zip(kinds).filter(|(pole, _)| pole.im >= 0.0) {
+    let grows = |(pole, kind): &(&Complex, &PoleKind)| pole.re * duration_s > GROWTH && **kind != PoleKind::Integrator;
+    let upper = || poles.iter().zip(&kinds).filter(|(pole, _)| pole.im >= 0.0);
+    let growing: Vec<String> = upper().filter(grows).map(|(pole, _)| describe(&Mode::continuous(*pole))).collect();
+    match &growing[..] {
+        [] => {}
+        [one] => notes.warning(format!("{model}: the pole {one} grows: the model is unstable")),
+        several => notes.warning(format!(
+            "{model}: {} poles grow, {}: the model is unstable",
+            several.len(),
+            several.join(", ")
+        )),
+    }
+    for (pole, kind) in upper() {
         let mode = Mode::continuous(*pole);
-        if pole.re * duration_s > GROWTH && kind != PoleKind::Integrator {
-            notes.warning(format!("{model}: the pole {} grows: the model is unstable", describe(&mode)));
-        }
         match kind {
             PoleKind::Mode | PoleKind::Real | PoleKind::Growing => mode_caveats(model, &mode, dt_s, edges, &mut notes),
-            PoleKind::BeyondNyquist => notes.warning(format!(
+            PoleKind::BeyondNyquist => notes.info(format!(
                 "{model}: the pole {} is no mode: it lies at or beyond the Nyquist frequency ({:.4} Hz), an artefact \
                  of sampling or of too high an order",
                 describe(&mode),
@@ -111,11 +120,11 @@ pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[F
         1 => notes.info(format!(
             "{model}: one pole lies at or near zero: over this record it makes a constant, and is no mode"
         )),
-        _ if of_motion => notes.warning(format!(
+        _ if of_motion => notes.info(format!(
             "{model}: {integrators} poles lie at or near zero: the model integrates the acceleration twice, which is \
              true of any body; they are no modes and tell nothing of stiffness or damping"
         )),
-        _ => notes.warning(format!(
+        _ => notes.info(format!(
             "{model}: {integrators} poles lie at or near zero: over this record they make a constant or a trend, and \
              are no modes"
         )),

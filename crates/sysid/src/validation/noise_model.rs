@@ -13,8 +13,7 @@ use nalgebra::DMatrix;
 use crate::output_error::options::OutputErrorOptions;
 use crate::output_error::output_error::{OutputError, output_error, output_error_from};
 use crate::{
-    ArxOrder, IdentifyError, InitialConditions, IoData, Subspace, SubspaceOptions, VectorArx, Weighting,
-    simulate_fitted, vector_arx,
+    ArxOrder, IdentifyError, IoData, Subspace, SubspaceOptions, VectorArx, Weighting, simulate_fitted, vector_arx,
 };
 
 /// Highest order of the autoregression of the errors of a simulation.
@@ -181,8 +180,7 @@ pub(crate) fn best_output_error(data: &IoData, options: NoiseOptions<'_>) -> Res
 
 /// The same with starts from another form of the record.
 fn from_starts(data: &IoData, record: &IoData, options: NoiseOptions<'_>) -> Result<OutputError, IdentifyError> {
-    let initial = if options.from_rest { InitialConditions::Zero } else { InitialConditions::Estimate };
-    let fit = OutputErrorOptions { initial, ..OutputErrorOptions::new(options.order) };
+    let fit = OutputErrorOptions { from_rest: options.from_rest, ..OutputErrorOptions::new(options.order) };
     let mut starts = options.near.to_vec();
     if !options.near_alone {
         starts.extend(regressions(record, options.order));

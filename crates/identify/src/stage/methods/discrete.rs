@@ -8,7 +8,7 @@ use crumple_sysid::{IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weig
 use crate::stage::methods::okid::okid;
 use crate::stage::methods::subspace::{Horizon, chosen_order, put_subspace_diagram};
 use crate::stage::methods::{arx, subspace};
-use crate::stage::options::choices::Method;
+use crate::stage::options::choices::{Initial, Method};
 use crate::stage::options::settings::{HankelSettings, InputOutputSettings, Settings};
 use crate::stage::records::discrete::{
     DiscreteModel, DiscreteTask, RecordChoices, put_discrete_model, simulate_accepted,
@@ -244,7 +244,7 @@ fn by_output_error(
     input_output: &InputOutputSettings,
 ) -> Result<DiscreteModel, IdentifyError> {
     let options = OutputErrorOptions {
-        initial: input_output.initial.into(),
+        from_rest: input_output.initial == Initial::Zero,
         stop: Stop { max_iterations: input_output.most_iterations(), ..Stop::default() },
         ..OutputErrorOptions::new(order)
     };

@@ -8,7 +8,8 @@ use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
     Hold, InitialConditions, IoData, PoleKind, SearchOutcome, Stop, TransferFunctionArray, TransferFunctionFit,
-    TransferFunctionOptions, pole_kinds, response_deviations, sampled, transfer_function_array, transfer_function_fit,
+    TransferFunctionOptions, mode_shapes, pole_kinds, response_deviations, sampled, transfer_function_array,
+    transfer_function_fit,
 };
 use nalgebra::DVector;
 
@@ -19,6 +20,7 @@ use crate::stage::records::discrete::note_on_fit;
 use crate::stage::records::evidence::{Poles, if_determined, notes_on_poles, pole_record, put_search};
 use crate::stage::records::lines::{ILL_CONDITIONED, with_deviation};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
+use crate::stage::records::realization::shapes;
 use crate::stage::records::responses::{Band, ModelResponses};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source, WindowedWave, record};
@@ -83,7 +85,8 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     {
         let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
         let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
-        if of_motion && numerator_is_known {
+        let is_there = deviation.is_some_and(|(re, _)| zero.re > 1.96 * re);
+        if of_motion && numerator_is_known && is_there {
             notes.warning(format!(
                 "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this \
                  model is impossible"
@@ -109,13 +112,15 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
     notes
 }
 
-/// Coefficients of the numerator that may have either sign at 95 %, in words.
+/// Coefficients of a numerator of which each may have either sign at 95 %, in words; none where one is known.
 fn unknown_coefficients(fit: &TransferFunctionFit) -> Vec<String> {
     let numerator = fit.transfer_function.numerator();
     let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
     let powers = (0..numerator.len()).rev();
     let unknown = powers.zip(numerator.iter().zip(shown)).filter(|(_, (b, deviation))| 1.96 * **deviation > b.abs());
-    unknown.map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation)))).collect()
+    let unknown: Vec<String> =
+        unknown.map(|(power, (b, deviation))| format!("s^{power} {}", with_deviation(*b, Some(*deviation)))).collect();
+    if unknown.len() < numerator.len() { Vec::new() } else { unknown }
 }
 
 /// One warning where coefficients are not known: those of either sign, and the condition of all.
@@ -243,6 +248,14 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
         };
         Some(responses_of(&refitted, &record.outputs[0], options.delay).sample(grid))
     };
+    let poles = Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    // Several inputs and outputs have each pole several times: a mode has no one shape then.
+    let has_shapes = record.outputs.len() > 1 && fitted.state_space.order() == fitted.modes.len();
+    let shapes = has_shapes.then(|| {
+        let of_modes = mode_shapes(&fitted.state_space, &responses.poles);
+        let modes = fitted.modes.iter().zip(poles.are_modes()).map(|(mode, is)| (mode.pole, is.then_some(*mode)));
+        shapes(&modes.collect::<Vec<_>>(), &of_modes, &record.outputs)
+    });
     FittedModel {
         id,
         method: Method::Tfest,
@@ -258,8 +271,8 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
             is_transfer_function: true,
             ..Forms::default()
         },
-        poles: Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves())),
-        shapes: None,
+        poles,
+        shapes,
         simulated,
         evidence,
         hankel: (None, None),

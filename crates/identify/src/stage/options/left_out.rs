@@ -26,6 +26,6 @@ pub const LEFT_OUT: &[LeftOut] = &[
     LeftOut {
         option: "bootstrap_noise",
         value: "",
-        instead: "leave it out: intervals are drawn from a noise model of the record",
+        instead: "leave it out: the record chooses the model that noise is drawn from",
     },
 ];

@@ -9,6 +9,7 @@ use crumple_sysid::{
 };
 
 use crate::stage::options::choices::{Hold, Paper};
+use crate::stage::records::lines::AMBIENT;
 use crate::stage::waves::{WindowedWave, filter_edges};
 
 /// All poles of a model that was identified from a record, one entry each, and what each is.
@@ -205,7 +206,7 @@ pub fn pole_record(waves: &[&WindowedWave]) -> PoleRecord {
 
 /// Takes the figures of a simulation out, which are no verdict on a record that nobody knows the input of.
 pub fn without_simulation(whole: &mut IdentificationV1, evidence: &mut [EvidenceV1]) {
-    whole.treated_as = "ambient".to_owned();
+    whole.treated_as = AMBIENT.to_owned();
     (whole.fit_percent, whole.rmse) = (None, None);
     whole.output_fits_percent.iter_mut().for_each(|fit| *fit = None);
     for output_evidence in evidence {

@@ -24,6 +24,9 @@ const GROWTH: f64 = 1e-6;
 /// Above this condition number of the sensitivities of a fit single coefficients mean little.
 pub const ILL_CONDITIONED: f64 = 1e8;
 
+/// What the samples of a record are taken for whose input nobody knows.
+pub const AMBIENT: &str = "ambient";
+
 /// Columns of the names of lines.
 const LABEL: usize = 13;
 
@@ -123,19 +126,29 @@ impl ModelFacts<'_> {
         put("poles", self.poles());
         put("zeros", self.zeros());
         put("search", self.search());
-        put("errors", self.errors());
-        put("verdict", Some(self.verdict()));
+        if !self.is_ambient() {
+            put("errors", self.errors());
+            put("verdict", Some(self.verdict()));
+        }
         lines
     }
 
     fn headline(&self) -> String {
         let Self { id, identification, evidence, .. } = *self;
         let IdentificationV1 { samples, fit_percent, .. } = identification;
+        if self.is_ambient() {
+            return format!("{id}: of an ambient record of {samples} samples, not judged by a fit");
+        }
         if evidence.len() > 1 {
             return format!("{id}: worst fit {} of {samples} samples", percent(*fit_percent));
         }
         let (name, unseen) = evidence.first().map_or((String::new(), String::new()), |e| (e.output.clone(), unseen(e)));
         format!("{id}: fit {} of {name}, {samples} samples{unseen}", percent(*fit_percent))
+    }
+
+    /// Whether nobody knows what drove the record.
+    fn is_ambient(&self) -> bool {
+        self.identification.treated_as == AMBIENT
     }
 
     /// Fit and validation of each output, where there are several.
@@ -291,10 +304,15 @@ impl ModelFacts<'_> {
         let is_unstable =
             modes.modes.iter().map(|mode| mode.re_per_s).chain(beyond.map(|pole| pole.re_per_s)).any(grows);
         let known = evidence.iter().all(|evidence| evidence.condition.is_none_or(|c| c <= ILL_CONDITIONED));
+        let has_known_mode = evidence.first().is_some_and(|evidence| {
+            modes.modes.iter().enumerate().any(|(place, mode)| is_known(mode, place, evidence))
+        });
         let use_it = if is_unstable {
             "unstable: it describes this window alone"
         } else if modes.modes.is_empty() {
             "no pole is a mode: use its output, not its poles"
+        } else if !has_known_mode {
+            "no pole is a known mode: use its output, not its poles and coefficients"
         } else if !known {
             "use its output, not its coefficients"
         } else if integrates {
@@ -346,19 +364,37 @@ fn unseen(evidence: &EvidenceV1) -> String {
     }
 }
 
-/// `4.81 ± 0.05 Hz (4.73 to 4.89), damping 19.0 ± 0.3 %`; of a real pole its rate.
+/// A number with as many decimals as show two digits of its deviation, its deviation, and its interval.
+fn measured(value: f64, spread: Option<SpreadV1>, deviation: Option<f64>, factor: f64) -> (String, String) {
+    /// More decimals than these are not read.
+    const MOST: i32 = 9;
+    let deviation = spread.as_ref().map(|spread| spread.deviation).or(deviation);
+    let value = factor * value;
+    let Some(deviation) = deviation.map(|d| factor * d).filter(|d| *d > 0.0 && d.is_finite()) else {
+        return (significant(value, 4), String::new());
+    };
+    let decimals = usize::try_from((1 - deviation.log10().floor() as i32).clamp(0, MOST)).unwrap_or(0);
+    let interval = spread.map_or_else(String::new, |spread| {
+        format!(" ({:.decimals$} to {:.decimals$})", factor * spread.lower, factor * spread.upper)
+    });
+    (format!("{value:.decimals$} ± {}", significant(deviation, 2)), interval)
+}
+
+/// Standard deviation of the frequency of a mode over the frequency, from which on it is not known.
+const UNKNOWN_FREQUENCY: f64 = 0.2;
+
+/// Whether the frequency of a mode is known, as far as anything is said of it.
+fn is_known(mode: &ModeV1, place: usize, evidence: &EvidenceV1) -> bool {
+    let spread = evidence.frequency_spreads.get(place).and_then(Option::as_ref).map(|spread| spread.deviation);
+    let deviation = spread.or_else(|| evidence.frequency_deviations.get(place).copied().flatten());
+    deviation.is_none_or(|deviation| deviation <= UNKNOWN_FREQUENCY * mode.natural_frequency_rad_per_s)
+}
+
+/// `4.81 ± 0.05 Hz (4.73 to 4.89), damping 19.0 ± 0.3 %`.
 fn mode(mode: &ModeV1, place: usize, evidence: &EvidenceV1) -> String {
     let at = |spreads: &[Option<SpreadV1>]| spreads.get(place).cloned().flatten();
     let known = |all: &[Option<f64>]| all.get(place).copied().flatten();
-    let number = |value: f64, spread: Option<SpreadV1>, deviation: Option<f64>, factor: f64| {
-        let deviation = spread.as_ref().map(|spread| spread.deviation).or(deviation);
-        let sure = deviation.map_or_else(String::new, |d| format!(" ± {}", significant(factor * d, 2)));
-        let interval = spread.map_or_else(String::new, |spread| {
-            format!(" ({} to {})", significant(factor * spread.lower, 4), significant(factor * spread.upper, 4))
-        });
-        (format!("{}{sure}", significant(factor * value, 4)), interval)
-    };
-    let (hz, hz_ends) = number(
+    let (hz, hz_ends) = measured(
         mode.natural_frequency_rad_per_s,
         at(&evidence.frequency_spreads),
         known(&evidence.frequency_deviations),
@@ -370,7 +406,7 @@ fn mode(mode: &ModeV1, place: usize, evidence: &EvidenceV1) -> String {
     }
     let damping = mode.damping_ratio.map_or_else(String::new, |damping| {
         let (percent, ends) =
-            number(damping, at(&evidence.damping_spreads), known(&evidence.damping_deviations), 100.0);
+            measured(damping, at(&evidence.damping_spreads), known(&evidence.damping_deviations), 100.0);
         format!(", damping {percent} %{ends}")
     });
     format!("{hz} Hz{hz_ends}{damping}{growing}")

@@ -60,7 +60,9 @@ impl<'a> Results<'a> {
     ) -> anyhow::Result<Option<Note>> {
         self.comparison.enter(id, model, evidence);
         let single = evidence.len() == 1;
-        let fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
+        let mut fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
+        // An ambient record has no fits.
+        fits.resize(evidence.len(), None);
         for (number, (output_evidence, fit_percent)) in evidence.iter_mut().zip(&fits).enumerate() {
             output_evidence.holds_on_unseen = holds_on_unseen(output_evidence, *fit_percent);
             let place = if single { String::new() } else { format!("/{}", number + 1) };

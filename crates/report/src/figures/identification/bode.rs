@@ -9,6 +9,8 @@ use crate::findings::{Model, Run, words_and_unit};
 use crate::phrases::words::fill;
 use crumple_artifact::records::TransferFunctionV1;
 
+use super::simulated::order;
+
 const POINTS: usize = 400;
 
 /// Magnitude and phase of one model, with the words of its ends and its band.
@@ -46,6 +48,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut figure = Figure::new("bode", texts.bode);
     let mut magnitude = Panel::new(axis(), Axis::new(texts.magnitude));
     let mut phase = Panel::new(axis(), Axis::new(texts.phase));
+    // The names of the modes of all models would cover each other.
+    let is_drawn = |id: &String| models.iter().any(|(model, _)| model.id == *id);
+    let marked = order(run).into_iter().map(|place| &run.models[place].id).find(|id| is_drawn(id));
     for (place, (model, curve)) in models.iter().enumerate() {
         let entry = figure.entry(&model.id, Look::of_series(place), true);
         for (panel, line, edges) in [
@@ -56,7 +61,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
             panel.line(entry, over(&curve.frequencies_hz, line));
         }
         // One mark a resonance: a conjugate pair is one, an aperiodic pole none.
-        for mode in model.modes.iter().filter(|mode| mode.im_rad_per_s > 0.0) {
+        let is_marked = Some(&model.id) == marked;
+        for mode in model.modes.iter().filter(|mode| is_marked && mode.im_rad_per_s > 0.0) {
             let f = mode.natural_frequency_rad_per_s / TAU;
             if !(low..=high).contains(&f) {
                 continue;

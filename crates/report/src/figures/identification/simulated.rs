@@ -6,6 +6,7 @@ use crate::findings::{ErrorCorrelation, Model, ModelOutput, Run};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
+use crumple_signal::Sampled;
 
 /// Outputs that have a panel.
 const MOST_OUTPUTS: usize = 4;
@@ -13,8 +14,8 @@ const MOST_OUTPUTS: usize = 4;
 const MOST_INPUTS: usize = 2;
 /// Models shown at first; the others wait in the legend.
 const SHOWN: usize = 3;
-/// More samples than these are too dense to be told apart at first.
-const SAMPLES_IN_VIEW: usize = 600;
+/// A record that crosses its mean more often is too dense to be read at first.
+const CROSSINGS_IN_VIEW: f64 = 60.0;
 
 /// Channels of the outputs of all models, each once.
 fn channels(run: &Run) -> Vec<&str> {
@@ -28,7 +29,7 @@ fn channels(run: &Run) -> Vec<&str> {
 }
 
 /// Models in the order of being shown: those that hold first, then by the fit that counts.
-fn order(run: &Run) -> Vec<usize> {
+pub fn order(run: &Run) -> Vec<usize> {
     let mut order: Vec<usize> = (0..run.models.len()).collect();
     let counts = |model: &Model| model.unseen_fit_percent().or(model.fit_percent()).unwrap_or(f64::NEG_INFINITY);
     order.sort_by(|a, b| {
@@ -54,7 +55,7 @@ pub fn compare(run: &Run) -> Option<Figure> {
             figure.entry(legend(model), Look::of_series(place), shown)
         })
         .collect();
-    let mut cut = None;
+    let mut is_cut = false;
     for channel in channels.iter().take(MOST_OUTPUTS) {
         let drawn: Vec<(usize, &ModelOutput)> = run
             .models
@@ -66,15 +67,15 @@ pub fn compare(run: &Run) -> Option<Figure> {
             })
             .collect();
         let panel = panel_of(channel, &drawn, test)?;
-        cut = cut.or(panel.1);
+        is_cut |= panel.1;
         figure.panels.push(panel.0);
     }
     let mut caption = texts.compare_caption.to_owned();
     if run.models.iter().any(|model| model.unseen_fit_percent().is_some()) {
         caption.push_str(texts.compare_unseen);
     }
-    if let Some((shown, all)) = cut {
-        caption.push_str(&fill(texts.compare_cut, &[("shown", shown.to_string()), ("all", all.to_string())]));
+    if is_cut {
+        caption.push_str(texts.compare_cut);
     }
     if channels.len() > MOST_OUTPUTS {
         caption.push_str(&fill(texts.more_outputs, &[("count", (channels.len() - MOST_OUTPUTS).to_string())]));
@@ -97,16 +98,15 @@ fn legend(model: &Model) -> String {
     }
 }
 
-/// One output: the record, every model, the unseen stretch shaded. Beside it how many samples of all are in view, where
-/// that is not all.
-fn panel_of(channel: &str, drawn: &[(usize, &ModelOutput)], test: usize) -> Option<(Panel, Option<(usize, usize)>)> {
+/// One output: the record, every model, the unseen stretch shaded. Beside it whether a part of it is in view at first.
+fn panel_of(channel: &str, drawn: &[(usize, &ModelOutput)], test: usize) -> Option<(Panel, bool)> {
     let ends = drawn.iter().filter_map(|(_, output)| output.simulated.as_ref());
     let (from_s, to_s) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y.t0_s()), h.max(y.end_s())));
     let first = drawn.iter().find_map(|(_, output)| output.simulated.as_ref())?;
     let unseen_from_s = drawn.iter().find_map(|(_, output)| output.unseen_from_s);
-    let all = ((to_s - from_s) / first.dt_s()).round() as usize + 1;
-    let view = (all > SAMPLES_IN_VIEW).then(|| {
-        let half = 0.5 * SAMPLES_IN_VIEW as f64 * first.dt_s();
+    let share = CROSSINGS_IN_VIEW / crossings(first);
+    let view = (share < 1.0).then(|| {
+        let half = 0.5 * share * (to_s - from_s);
         let middle = unseen_from_s.unwrap_or(from_s).clamp(from_s + half, to_s - half);
         [middle - half, middle + half]
     });
@@ -118,8 +118,10 @@ fn panel_of(channel: &str, drawn: &[(usize, &ModelOutput)], test: usize) -> Opti
         view: view.map(|ends| ends.map(|t| factor * t)),
         ..Axis::new(fill(texts.time_of_record, &[("unit", unit)]))
     };
-    let mut panel = Panel::new(x, Axis::new(channel));
-    let points = |signal: &crumple_signal::Sampled| -> Vec<[f64; 2]> {
+    let unit = drawn.iter().find_map(|(_, output)| output.quantity).map(|quantity| quantity.si_unit());
+    let unit = unit.filter(|unit| *unit != "1").map_or_else(String::new, |unit| format!(", {unit}"));
+    let mut panel = Panel::new(x, Axis::new(format!("{channel}{unit}")));
+    let points = |signal: &Sampled| -> Vec<[f64; 2]> {
         let inside = |t: f64| t >= from_s - 0.5 * signal.dt_s() && t <= to_s + 0.5 * signal.dt_s();
         let at = signal.samples().iter().enumerate().map(|(k, y)| (signal.time_s(k), *y));
         at.filter(|(t, _)| inside(*t)).map(|(t, y)| [factor * t, y]).collect()
@@ -133,7 +135,14 @@ fn panel_of(channel: &str, drawn: &[(usize, &ModelOutput)], test: usize) -> Opti
         }
     }
     panel.windows.extend(unseen_from_s.map(|from| [factor * from, factor * to_s]));
-    Some((panel, view.map(|_| (SAMPLES_IN_VIEW, all))))
+    Some((panel, view.is_some()))
+}
+
+/// How often a signal crosses its mean, at least once.
+fn crossings(signal: &Sampled) -> f64 {
+    let mean = signal.samples().iter().sum::<f64>() / signal.len().max(1) as f64;
+    let changes = signal.samples().windows(2).filter(|pair| (pair[0] > mean) != (pair[1] > mean)).count();
+    changes.max(1) as f64
 }
 
 /// Autocorrelation of the errors and their correlation with the inputs, with their 95 % limits; `None` without both
@@ -152,7 +161,6 @@ pub fn errors(run: &Run) -> Option<Figure> {
             figure.entry(&model.id, Look::of_series(place), shown)
         })
         .collect();
-    let mut outside: Vec<String> = Vec::new();
     for channel in channels(run).into_iter().take(MOST_OUTPUTS) {
         let outputs: Vec<(usize, &Model, &ModelOutput)> = run
             .models
@@ -164,15 +172,6 @@ pub fn errors(run: &Run) -> Option<Figure> {
             .collect();
         let own: Vec<(usize, ErrorCorrelation)> =
             outputs.iter().filter_map(|(entry, _, output)| Some((*entry, output.autocorrelation()?))).collect();
-        for ((_, model, _), (_, correlation)) in outputs.iter().zip(&own).take(SHOWN) {
-            let counts = [
-                ("model", model.id.clone()),
-                ("outside", correlation.outside().to_string()),
-                ("lags", (correlation.at_lags.len() - 1).to_string()),
-                ("channel", channel.to_owned()),
-            ];
-            outside.push(fill(texts.errors_outside, &counts));
-        }
         figure.panels.extend(correlation_panel(fill(texts.own_correlation, &[("channel", channel)]), &own, limits));
         let mut names: Vec<&str> = Vec::new();
         for (name, _) in outputs.iter().flat_map(|(_, model, _)| &model.inputs) {
@@ -192,7 +191,18 @@ pub fn errors(run: &Run) -> Option<Figure> {
             figure.panels.extend(correlation_panel(title, &with_input, limits));
         }
     }
-    figure.caption = format!("{}{}", texts.errors_caption, outside.concat());
+    let outside = order.iter().take(SHOWN).filter_map(|place| {
+        let model = &run.models[*place];
+        let all: Vec<ErrorCorrelation> = model.outputs.iter().filter_map(ModelOutput::autocorrelation).collect();
+        let lags: usize = all.iter().map(|correlation| correlation.at_lags.len() - 1).sum();
+        let counts = [
+            ("model", model.id.clone()),
+            ("outside", all.iter().map(ErrorCorrelation::outside).sum::<usize>().to_string()),
+            ("lags", lags.to_string()),
+        ];
+        (!all.is_empty()).then(|| fill(texts.errors_outside, &counts))
+    });
+    figure.caption = format!("{}{}", texts.errors_caption, outside.collect::<String>());
     let figure = figure.tidy();
     (!figure.panels.is_empty()).then_some(figure)
 }

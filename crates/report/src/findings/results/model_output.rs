@@ -1,7 +1,7 @@
 //! An output of an identified model beside the measured one, and what is left between them.
 
 use crumple_artifact::records::EvidenceV1;
-use crumple_signal::Sampled;
+use crumple_signal::{QuantityKind, Sampled};
 
 /// Lags to either side that correlations of errors are shown at.
 const LAGS: usize = 25;
@@ -15,6 +15,8 @@ pub struct ModelOutput {
     pub fit_percent: Option<f64>,
     /// What speaks for the model at this output.
     pub evidence: Option<EvidenceV1>,
+    /// What it measures.
+    pub quantity: Option<QuantityKind>,
     /// The record, times from time zero.
     pub measured: Option<Sampled>,
     /// The output of the model; that of unseen samples with the start fitted.

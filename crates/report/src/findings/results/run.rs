@@ -4,8 +4,8 @@ use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
     CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, MatchingV1,
-    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SimulationV1,
-    StabilizationV1, StateSpaceV1, TransferFunctionV1,
+    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SelectionV1,
+    SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
@@ -37,6 +37,8 @@ pub struct Run {
     pub metrics: Vec<MetricV1>,
     /// Identified models by id.
     pub models: Vec<Model>,
+    /// Comparisons of the models of one output.
+    pub selections: Vec<SelectionV1>,
     /// Stabilisation diagrams, by method.
     pub stabilizations: Vec<StabilizationV1>,
     /// What coefficient matching found, by the id of the identified model.

@@ -1,7 +1,7 @@
 //! Remarks of the stages: sentences that no text of `phrases` makes.
 
-use super::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::known::Subject;
+use crate::truth::rules::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::template::Place::{At, Number};
 use crate::truth::template::Said;
 
@@ -137,6 +137,18 @@ pub const RULES: &[Rule] = &[
         "{id}: the pole at {place} 1/s grows: the model is unstable",
         &[("place", Number)],
         |said, spot| real_pole(said, spot, |place| place > 0.0),
+    ),
+    says(
+        "note.growing-poles",
+        "{id}: {count} poles grow, {places}: the model is unstable",
+        &[("count", Number)],
+        |said, spot| {
+            let model = spot.made.list("/models").iter().find(|model| model["id"].as_str() == Some(said.text("id")));
+            let poles = model.and_then(|model| model["poles"].as_array()).map(Vec::as_slice).unwrap_or_default();
+            let part = |pole: &serde_json::Value, name: &str| pole[name].as_f64().unwrap_or_default();
+            let growing = poles.iter().filter(|p| part(p, "re_per_s") > 0.0 && part(p, "im_rad_per_s") >= 0.0).count();
+            shows(said, "count", Some(growing as f64), "the count of growing poles")
+        },
     ),
     says("note.one-near-zero", "{id}: one pole lies at or near zero: {more}", &[], is_identified),
     says(
@@ -558,7 +570,9 @@ fn predicted(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         return holds(said.text("line").contains(partner), || format!("{partner} was asked for"));
     }
     let line = said.text("line").replace("..", " to ");
-    let wrong = crate::truth::numbers(&line).into_iter().find(|shown| !super::rule::is_in_records(spot.made, shown));
+    let wrong = crate::truth::numbers(&line)
+        .into_iter()
+        .find(|shown| !crate::truth::rules::rule::is_in_records(spot.made, shown));
     holds(wrong.is_none(), || format!("{:?} is no number of a record", wrong.map(|shown| shown.value)))
 }
 

@@ -125,8 +125,7 @@ fn noise_name(kind: NoiseKind) -> &'static str {
 
 fn by_output_error(input: &Value) -> Value {
     let data = record(input);
-    let initial = InitialConditions::Zero;
-    let options = OutputErrorOptions { initial, ..OutputErrorOptions::new(integer(input, "order")) };
+    let options = OutputErrorOptions { from_rest: true, ..OutputErrorOptions::new(integer(input, "order")) };
     let fit = output_error(&data, options).unwrap();
     let form = PolynomialForm::new(&fit.model).unwrap();
     let (y, yh) = (&data.outputs()[0], &fit.simulated[0]);
