@@ -4,7 +4,7 @@ use crumple_signal::{
     Butterworth, Cfc, CfcMode, Coefficients, FilterError, FilterSettings, Interpolation, Phase, Resampling, Sampled,
     filter, filter_both_ways, filter_both_ways_into, resample, run_sections,
 };
-use crumple_testkit::stopwatch::{best_ms, memory_pass_ms, print_line};
+use crumple_testkit::benchmark::{best_ms, memory_pass_ms, print_line};
 
 const DT_S: f64 = 1e-5;
 

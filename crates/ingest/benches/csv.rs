@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crumple_ingest::{Bundle, IngestSettings, ingest};
-use crumple_testkit::stopwatch::{best_ms, print_line};
+use crumple_testkit::benchmark::{best_ms, print_line};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for rows in [10_000, 1_000_000, 10_000_000] {

@@ -47,137 +47,98 @@ impl fmt::Display for Place {
 pub(crate) const WHAT_IS_READ: &str =
     "a table of numbers, NHTSA EV5, ISO-MME, TDMS, TDM with TDX, LVM, MCAP, a ROS 1 bag, or a zip of one of them";
 
+/// Which kind of refusal, where a caller answers it in its own way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Refusal {
+    /// The content is not what its format asks for.
+    Content,
+    /// The channel asked for cannot be the pulse, or none can be chosen.
+    Channel,
+    /// A size limit that guards memory is exceeded.
+    TooLarge,
+    /// A key of the sidecar that is not known, as written.
+    UnknownKey(String),
+    /// Any other: a path, a format that is known and not read, something that is stated nowhere.
+    Other,
+}
+
 /// Why an input is refused. All of these are the input's, none the program's: exit code 3.
 ///
 /// The message says where and what was found; [`expected`](Self::expected) and [`hint`](Self::hint) the rest.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum IngestError {
-    /// The path cannot be opened or has nothing readable in it.
-    #[error("{path}: {found}")]
-    Path {
-        /// As the user typed it.
-        path: String,
-        /// What is there instead.
-        found: String,
-        /// What would be read.
-        expected: String,
-        /// One thing to do.
-        hint: String,
-    },
-    /// The file is in a format that is known and not read.
-    #[error("{file} is {what}, which is not read")]
-    Foreign {
-        /// File name.
-        file: String,
-        /// The format in words, with its article.
-        what: String,
-        /// What to export instead.
-        instead: String,
-    },
-    /// The content is not what its format asks for.
-    #[error("{place}: {found}")]
-    Content {
-        /// Where.
-        place: Box<Place>,
-        /// What was found there.
-        found: String,
-        /// What was expected.
-        expected: String,
-        /// One thing to do.
-        hint: String,
-    },
-    /// Something that must be known is stated nowhere.
-    #[error("{file} does not state {what}")]
-    NotStated {
-        /// File name.
-        file: String,
-        /// What is missing, in words.
-        what: String,
-        /// What was expected.
-        expected: String,
-        /// How to state it.
-        hint: String,
-    },
-    /// A key of the sidecar that is not known.
-    #[error("{file}: unknown key {key:?}")]
-    UnknownKey {
-        /// File name.
-        file: String,
-        /// As written.
-        key: String,
-        /// What was expected.
-        expected: String,
-        /// One thing to do.
-        hint: String,
-    },
-    /// The channel asked for cannot be the pulse, or none can be chosen.
-    #[error("{file}: {found}")]
-    Channel {
-        /// File name.
-        file: String,
-        /// What is wrong with it.
-        found: String,
-        /// What was expected.
-        expected: String,
-        /// One thing to do.
-        hint: String,
-    },
-    /// A size limit that guards memory is exceeded.
-    #[error("{place}: {found}")]
-    TooLarge {
-        /// Where.
-        place: Place,
-        /// What was found.
-        found: String,
-        /// The limit.
-        limit: String,
-    },
+#[error("{message}")]
+pub struct IngestError {
+    /// Which kind of refusal.
+    pub refusal: Refusal,
+    message: String,
+    expected: String,
+    hint: String,
 }
 
 impl IngestError {
     /// What was expected, if there is more to say than the message does.
     pub fn expected(&self) -> Option<&str> {
-        match self {
-            Self::Path { expected, .. }
-            | Self::Content { expected, .. }
-            | Self::NotStated { expected, .. }
-            | Self::UnknownKey { expected, .. }
-            | Self::Channel { expected, .. } => Some(expected).filter(|text| !text.is_empty()).map(String::as_str),
-            Self::TooLarge { limit, .. } => Some(limit),
-            Self::Foreign { .. } => Some(WHAT_IS_READ),
-        }
+        Some(self.expected.as_str()).filter(|text| !text.is_empty())
     }
 
     /// One thing to do.
     pub fn hint(&self) -> &str {
-        match self {
-            Self::Path { hint, .. }
-            | Self::Content { hint, .. }
-            | Self::NotStated { hint, .. }
-            | Self::UnknownKey { hint, .. }
-            | Self::Channel { hint, .. } => hint,
-            Self::Foreign { instead, .. } => instead,
-            Self::TooLarge { .. } => {
-                "check that this is the file you meant; if so, split it or keep the channels needed"
-            }
-        }
+        &self.hint
+    }
+
+    /// The same with other advice.
+    pub(crate) fn with_hint(self, hint: &str) -> Self {
+        Self { hint: hint.to_owned(), ..self }
+    }
+
+    fn new(refusal: Refusal, message: String, expected: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { refusal, message, expected: expected.into(), hint: hint.into() }
     }
 
     pub(crate) fn content(
         place: Place,
-        found: impl Into<String>,
+        found: impl fmt::Display,
         expected: impl Into<String>,
         hint: impl Into<String>,
     ) -> Self {
-        Self::Content { place: Box::new(place), found: found.into(), expected: expected.into(), hint: hint.into() }
+        Self::new(Refusal::Content, format!("{place}: {found}"), expected, hint)
     }
 
     pub(crate) fn channel(
         file: &str,
-        found: impl Into<String>,
+        found: impl fmt::Display,
         expected: impl Into<String>,
         hint: impl Into<String>,
     ) -> Self {
-        Self::Channel { file: file.to_owned(), found: found.into(), expected: expected.into(), hint: hint.into() }
+        Self::new(Refusal::Channel, format!("{file}: {found}"), expected, hint)
+    }
+
+    pub(crate) fn too_large(place: Place, found: impl fmt::Display, limit: impl Into<String>) -> Self {
+        let hint = "check that this is the file you meant; if so, split it or keep the channels needed";
+        Self::new(Refusal::TooLarge, format!("{place}: {found}"), limit, hint)
+    }
+
+    /// A path, as the user typed it, that cannot be opened or has nothing readable in it.
+    pub(crate) fn path(
+        path: impl fmt::Display,
+        found: impl fmt::Display,
+        expected: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> Self {
+        Self::new(Refusal::Other, format!("{path}: {found}"), expected, hint)
+    }
+
+    /// A file in a format, in words with its article, that is known and not read; what to export instead.
+    pub(crate) fn foreign(file: &str, what: &str, instead: &str) -> Self {
+        Self::new(Refusal::Other, format!("{file} is {what}, which is not read"), WHAT_IS_READ, instead)
+    }
+
+    /// Something that must be known is stated nowhere.
+    pub(crate) fn not_stated(file: &str, what: impl fmt::Display, expected: &str, hint: &str) -> Self {
+        Self::new(Refusal::Other, format!("{file} does not state {what}"), expected, hint)
+    }
+
+    pub(crate) fn unknown_key(file: &str, key: &str, expected: &str, hint: impl Into<String>) -> Self {
+        Self::new(Refusal::UnknownKey(key.to_owned()), format!("{file}: unknown key {key:?}"), expected, hint)
     }
 }

@@ -4,19 +4,15 @@ use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
 use crumple_signal::{ANOTHER_VEHICLE, About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
-use crate::checks::exchange_question::{self, Answer};
-use crate::checks::{channel_quality, misplaced_decimal_point, redundant_sensors};
-use crate::files::sidecar;
+use crate::checks::exchanges::Answer;
+use crate::checks::{channel_quality, exchanges};
+use crate::files::open;
 use crate::formats::reader::{Bundle, stem};
-use crate::pulse::polarity::{self, Polarity};
-use crate::pulse::{choice, velocity};
-use crate::recording::content::Recording;
+use crate::pulse::Polarity;
+use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
-use crate::recording::read_channel::ReadChannel;
-use crate::recording::wave::Wave;
-use crate::recording::{quality, unheeded_flags};
-use crate::time::time_zero;
-use crate::{IngestError, IngestSettings, Place, Sign};
+use crate::recording::{content, settings};
+use crate::{IngestError, IngestSettings, Place, Sign, pulse, time};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -55,7 +51,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
     let Some(plausibility) = &ingested.plausibility else { return Ok(ingested) };
     let speed = ingested.test.impact_speed_m_per_s.unwrap_or(0.0);
     let answers = match plausibility {
-        Plausibility::After(exchange, _) => exchange_question::answers(*exchange, flags, speed),
+        Plausibility::After(exchange, _) => exchanges::answers(*exchange, flags, speed),
         _ => Vec::new(),
     };
     let mends = |answer: &Answer| match bundle.large {
@@ -64,7 +60,7 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
         None => read(bundle, &answer.settings).is_ok_and(|read| read.plausibility == Some(Plausibility::Consistent)),
     };
     let answer = answers.iter().find(|answer| mends(answer)).map(|answer| answer.flag.as_str());
-    if let Some((about, question)) = exchange_question::question(plausibility, answer, speed) {
+    if let Some((about, question)) = exchanges::question(plausibility, answer, speed) {
         refuse_slow_times(bundle, &ingested, answer, &question)?;
         ingested.notes.concern_first(about, question);
         ingested.test.exchange_asked = true;
@@ -94,31 +90,31 @@ fn refuse_slow_times(
 /// [`ingest`] without the question for an exchange.
 fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     let file = bundle.name.as_str();
-    let stated_in_sidecar = sidecar::settings(bundle)?.with_number_of_vehicle();
+    let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let choices = flags.over(&stated_in_sidecar);
     let reader = bundle.reader;
     let mut recording = reader.read(bundle, &choices)?;
     let mut notes = std::mem::take(&mut recording.notes);
     let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
-    unheeded_flags::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
+    settings::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, velocity) = if recording.details.no_pulse {
-        (None, velocity::choose(file, &recording, choices.channel.as_deref(), &mut notes)?)
+        (None, pulse::choose(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
         let is_of_a_crash = is_of_a_crash(&recording.details)
             || choices.mass.is_some()
             || choices.impact_speed.is_some()
             || choices.barrier.is_some();
         let missing = (allow_missing, is_of_a_crash);
-        (choice::choose_pulse(file, &recording, choices.channel.as_deref(), missing, &mut notes)?, None)
+        (pulse::choose_pulse(file, &recording, choices.channel.as_deref(), missing, &mut notes)?, None)
     };
     if let Some(k) = pulse.or(velocity) {
-        misplaced_decimal_point::check(file, &recording.channels[k], &mut notes)?;
+        exchanges::check(file, &recording.channels[k], &mut notes)?;
     }
     let others = recording.channels.iter().enumerate().filter(|(k, _)| Some(*k) != pulse.or(velocity));
-    misplaced_decimal_point::check_others(others.map(|(_, read)| read), &mut notes);
+    exchanges::check_others(others.map(|(_, read)| read), &mut notes);
 
     if let Some(pulse) = pulse {
         facts_of_its_vehicle(&mut recording, pulse, &mut notes);
@@ -138,7 +134,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
         None => recording.contact_at_zero.then(|| format!("the format {}", reader.format())),
     };
     if let Some(k) = velocity {
-        velocity::speed_at_contact(&mut recording, k, &mut notes);
+        pulse::speed_at_contact(&mut recording, k, &mut notes);
     }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
     let polarity = match (is_of_occupant, is_turned) {
@@ -153,7 +149,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
     let from_rest = polarity == Polarity::AsRead
-        && wave_of_pulse.is_some_and(|w| polarity::pushes_forward(&w.samples, w.quality.zero_level()));
+        && wave_of_pulse.is_some_and(|w| pulse::pushes_forward(&w.samples, w.quality.zero_level()));
     let held = wave_of_pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
     let plausibility = held
         .zip(speed)
@@ -170,7 +166,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     }
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();
-    redundant_sensors::check(&channels, &waves, &same_place, speed, &mut notes);
+    channel_quality::check_redundant_sensors(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
     let damage = details.damage;
@@ -205,8 +201,6 @@ fn is_alone(details: &Details) -> bool {
     details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }
 
-/// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record
-/// without a pulse.
 /// Whether a record states what only a crash has.
 fn is_of_a_crash(details: &Details) -> bool {
     details.mass_kg.is_some()
@@ -217,6 +211,8 @@ fn is_of_a_crash(details: &Details) -> bool {
         || !details.vehicles.is_empty()
 }
 
+/// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record
+/// without a pulse.
 fn missing_details(details: &Details, has_comments: bool, is_of_occupant: bool, from_rest: bool, notes: &mut Notes) {
     if is_of_occupant {
         if details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none() {
@@ -241,7 +237,7 @@ fn turn_sign(
         Sign::Auto => {
             let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
             let wave = pulse.and_then(|k| recording.channels[k].wave.as_ref());
-            let (is_wrong, why) = polarity::certainly_wrong(wave, speed);
+            let (is_wrong, why) = pulse::certainly_wrong(wave, speed);
             if !is_wrong {
                 notes.info(why);
                 return Ok(false);
@@ -249,7 +245,7 @@ fn turn_sign(
             why
         }
     };
-    let count = polarity::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
+    let count = pulse::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
     notes.info(format!("{why}: {count} channel{}", if count == 1 { "" } else { "s" }));
     Ok(true)
 }
@@ -258,7 +254,7 @@ fn turn_sign(
 fn take_waves(recording: &mut Recording) -> Vec<Wave> {
     let take = |read: &mut ReadChannel| {
         let samples = read.wave.take()?;
-        let quality = quality::measure(&samples, read.jitter, read.channel.may_feel_gravity());
+        let quality = content::measure(&samples, read.jitter, read.channel.may_feel_gravity());
         Some(Wave { id: read.channel.id.clone(), quantity: read.channel.quantity, samples, quality })
     };
     recording.channels.iter_mut().filter_map(take).collect()
@@ -318,8 +314,7 @@ fn set_time_zero(
             if *value != 0.0 {
                 for read in &mut recording.channels {
                     if let Some(wave) = &read.wave {
-                        let shifted =
-                            time_zero::shift(wave, *value).map_err(|error| overflow(file, &error.to_string()))?;
+                        let shifted = time::shift(wave, *value).map_err(|error| overflow(file, &error.to_string()))?;
                         read.wave = Some(shifted);
                     }
                 }
@@ -338,7 +333,7 @@ fn set_time_zero(
         }
     }
     match pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
-        Some(wave) => time_zero::require_contact(file, wave),
+        Some(wave) => time::require_contact(file, wave),
         None => Ok(()),
     }
 }

@@ -6,26 +6,41 @@
 //! what is chosen (the pulse, a unit of time) is noted. Nothing is corrected either: zero level, time zero,
 //! clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
 
-mod checks;
+mod checks {
+    //! What is noted about the channels: quality, time grids, sensors that should agree, units and signs exchanged.
+    //! Corrects nothing.
+
+    pub mod channel_quality;
+    pub mod exchanges;
+}
 mod error;
-mod files;
+mod files {
+    //! The disk: a record's files, folders and zip archives into memory, the sidecar beside them. Only this module uses
+    //! std::fs.
+
+    pub mod digests;
+    pub mod open;
+    pub mod zip;
+}
 mod formats;
 mod ingest;
 mod listing;
 mod pulse;
-mod recording;
+mod recording {
+    //! What a record says: channels, test details, settings of a person, quality as measured.
+
+    pub mod content;
+    pub mod details;
+    pub mod settings;
+}
 mod time;
 
-pub use error::{IngestError, Place};
+pub use error::{IngestError, Place, Refusal};
 pub use files::digests::RecordDigests;
 pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
 pub use formats::registry::READERS;
 pub use ingest::{Ingested, ingest};
 pub use listing::{ListedChannel, list};
-pub use recording::content::{PulseRule, Recording};
+pub use recording::content::{Fitness, LineNumbers, PulseRule, Quality, ReadChannel, Recording, Wave};
 pub use recording::details::{Details, Stated};
-pub use recording::line_numbers::LineNumbers;
-pub use recording::quality::Quality;
-pub use recording::read_channel::{Fitness, ReadChannel};
 pub use recording::settings::{IngestSettings, Profile, Sign};
-pub use recording::wave::Wave;

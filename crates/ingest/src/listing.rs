@@ -1,14 +1,12 @@
-//! The table of channels of a record.
+//! The table of channels of a record, without choosing a pulse.
 
 use serde::Serialize;
 
-use crate::files::sidecar;
+use crate::files::open;
 use crate::formats::reader::Bundle;
-use crate::recording::channel_selection::select;
-use crate::recording::read_channel::ReadChannel;
+use crate::recording::content::ReadChannel;
+use crate::recording::settings::select;
 use crate::{IngestError, IngestSettings};
-
-// The table of channels of a record, without choosing a pulse.
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,9 +61,7 @@ impl ListedChannel {
             comment: channel.comment.clone(),
         }
     }
-}
 
-impl ListedChannel {
     /// Whether it has samples.
     pub fn has_data(&self) -> bool {
         self.samples > 0
@@ -82,7 +78,7 @@ impl ListedChannel {
 /// The channels of a record, those with data first, else in its order. What would stop a stage for want of a unit, a
 /// mass or a pulse does not stop here.
 pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>, IngestError> {
-    let stated_in_sidecar = sidecar::settings(bundle)?.with_number_of_vehicle();
+    let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let mut choices = flags.over(&stated_in_sidecar);
     let wanted = choices.channel.take();

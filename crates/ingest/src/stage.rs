@@ -6,7 +6,9 @@ use std::process::ExitCode;
 
 use crumple_artifact::InputDigest;
 use crumple_artifact::records::{TestV1, VehiclesV1};
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, ingest, list};
+use crumple_ingest::{
+    Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, ingest, list,
+};
 use crumple_stage::{
     ExitStatus, Loaded, Outcome, Output, Progress, Refused, Stage, Usage, keep_budget, nearest, printable, to_stdout,
 };
@@ -241,8 +243,8 @@ pub(crate) fn show_progress(what: String, total: u64) -> Box<dyn FnMut(u64)> {
 
 /// A refusal of the library as one of the process, with the nearest key of a sidecar for an unknown one.
 pub(crate) fn refused(error: IngestError) -> anyhow::Error {
-    let nearest_key = match &error {
-        IngestError::UnknownKey { key, .. } => nearest(key, IngestSettings::KEYS),
+    let nearest_key = match &error.refusal {
+        Refusal::UnknownKey(key) => nearest(key, IngestSettings::KEYS),
         _ => None,
     };
     let hint = nearest_key.map_or_else(|| error.hint().to_owned(), |name| format!("did you mean {name:?}?"));

@@ -1,7 +1,7 @@
 //! Times of the double integration on one thread, beside a plain memory pass over the same record.
 
 use crumple_signal::{IntegrationRule, integrate_twice, integrate_twice_into};
-use crumple_testkit::stopwatch::{best_ms, memory_pass_ms, print_line};
+use crumple_testkit::benchmark::{best_ms, memory_pass_ms, print_line};
 
 fn main() {
     for n in [10_000, 1_000_000, 10_000_000] {

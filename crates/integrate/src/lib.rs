@@ -5,12 +5,11 @@ mod barrier;
 mod events;
 mod uncertainty;
 
-pub use barrier::barrier_force;
-pub use barrier::{CellSum, impulse_n_s, sum_of_cells};
-pub use events::findings::findings;
-pub use events::sign::{WRONG_SIGN, events_of, wrong_sign};
-pub use events::speed_question::question_speed;
-pub use events::time_zero::{TimeZeroEstimate, contact_edge, edr_start, threshold_crossing};
+pub use barrier::{CellSum, barrier_force, impulse_n_s, sum_of_cells};
+pub use events::{
+    TimeZeroEstimate, WRONG_SIGN, contact_edge, edr_start, events_of, findings, question_speed, threshold_crossing,
+    wrong_sign,
+};
 pub use uncertainty::{
     EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,
 };

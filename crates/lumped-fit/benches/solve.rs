@@ -12,7 +12,7 @@ use crumple_lumped_fit::{
     fit_nonlinear1, search_nonlinear2, solve,
 };
 use crumple_signal::{Notes, Signal};
-use crumple_testkit::stopwatch::best_us;
+use crumple_testkit::benchmark::best_us;
 use crumple_testkit::table_5;
 
 /// Shortest of repeated runs, µs: what else runs on the machine only adds.

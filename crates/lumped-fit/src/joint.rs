@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::parameters::{FitParameter, Map, free_parameters};
 use crate::record::observation::{Impact, Observation};
-use crate::solvers::crush_curves::USUAL_RESTITUTION;
+use crate::solvers::closed_forms::USUAL_RESTITUTION;
 use crate::solvers::table::{mass_count, solve};
 use crate::{
     Candidate, Fit, FitQuantity, Measurement, Method, Minimum, ObservedWave, SolveError, SolveSettings, TestData,
@@ -18,7 +18,6 @@ use crate::{
 
 /// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
-
 const WORTH_ANOTHER: f64 = 0.01;
 
 /// Noise levels of the tests, as shares of their waves, lie within this factor of their mean: a curve with many knots

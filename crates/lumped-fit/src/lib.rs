@@ -28,25 +28,71 @@
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two
 //! nonlinear models; each function names its own.
 
-mod assessed;
 mod candidate;
 mod chain;
 mod closed_form;
 mod coordinates;
 mod error;
-mod extraction;
-mod fit;
+mod extraction {
+    //! Force-deflection curves and masses read off measured motions: a bounded linear least squares problem.
+
+    pub mod extract;
+    pub mod problem;
+}
+mod fit {
+    //! Models fitted to records by bounded least squares: searches on the motion itself, and the one fit as measured.
+
+    pub mod as_measured;
+    pub mod nonlinear;
+    pub mod problem;
+    pub mod search;
+}
 mod joint;
 mod matching;
 mod papers;
 mod parameters;
-mod record;
-mod selection;
-mod solvers;
-mod uncertainty;
+mod record {
+    //! What is known of a test: its events, its waves, how they were measured, where they are compared.
 
-pub use assessed::{Assessed, Assessment, BlockBootstrap, Intervals, LeastMisfit, Profile, Propagation};
-pub use candidate::{Candidate, Fit, METHODS, Method, Minimum, Uncertainty, all_in_words, bounds_remark, in_words};
+    pub mod observation;
+    pub mod sensor;
+    pub mod sensor_noise;
+}
+mod selection {
+    //! Which candidate to use: evidence as measured, prior knowledge of vehicles, and the choice with its reasons.
+
+    pub mod choice;
+    pub mod compared;
+    pub mod evidence;
+    pub mod other_speeds;
+    pub mod rating;
+}
+mod solvers {
+    //! The table of solvers, the functions of its rows, and the call that runs all that settings ask for.
+
+    pub mod closed_forms;
+    pub mod fitting;
+    pub mod load_paths;
+    pub mod sensors;
+    pub mod single_mass;
+    pub mod table;
+}
+mod uncertainty {
+    //! How well fitted parameters are determined: covariance, intervals, profiles, bootstrap, propagation of uncertain
+    //! inputs.
+
+    pub mod acceleration_likelihood;
+    pub mod assessment;
+    pub mod curve_posterior;
+    pub mod mass_division;
+    pub mod propagation;
+    pub mod transfer_posterior;
+}
+
+pub use candidate::{
+    Assessed, Assessment, BlockBootstrap, Candidate, Fit, Intervals, LeastMisfit, METHODS, Method, Minimum, Profile,
+    Propagation, Uncertainty, all_in_words, bounds_remark, in_words,
+};
 pub use chain::{Stated, StatedChain, StatedElement, StatedMass, fit_chain};
 pub use closed_form::{
     KelvinBranch, KelvinSolution, MaxwellExponents, centroid_to_crush_time_ratio, elastoplastic_from_events,
@@ -56,12 +102,11 @@ pub use coordinates::MassFit;
 pub use crumple_numerics::estimation::minimise::StopReason;
 pub use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 pub use crumple_numerics::estimation::statistics::{Covariance, covariance};
-pub use crumple_signal::Distribution;
+pub use crumple_signal::{Distribution, IntegrationRule, Measurement, TwoPassFilter};
 pub use error::SolveError;
 pub use extraction::extract::{extract, hats};
 pub use extraction::problem::{
-    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall, RatePrior,
-    extract_with_rate,
+    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall,
 };
 pub use fit::as_measured::fit_as_measured;
 pub use fit::nonlinear::{fit_nonlinear1, search_nonlinear2};
@@ -75,8 +120,7 @@ pub use papers::{
 pub use parameters::{
     FitParameter, MassEvidence, MassSplit, free_masses, free_parameters, mass_of, masses, triple_masses,
 };
-pub use record::measurement::MeasureModel;
-pub use record::observation::{Impact, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
+pub use record::observation::{Impact, MeasureModel, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
 pub use record::sensor::{
     FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce, errors_in_words, note_of_errors,
 };
@@ -87,7 +131,7 @@ pub use selection::compared::{
 pub use selection::evidence::{least_without_shift, slow_misfit, without_shift};
 pub use selection::other_speeds::{affects_predictions, crush_error_at_lower_speeds};
 pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
-pub use solvers::crush_curves::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
+pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{
     DEFAULT_MODELS, FRONT_MASS_FRACTION, MODELS, Needs, SolveSettings, Solver, solve, solvers_of,
 };
@@ -97,5 +141,3 @@ pub use uncertainty::propagation::{
     FollowedEvents, InputUncertainty, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_chain,
     propagate_closed_form, propagate_conditioned, repeat, repetition,
 };
-
-pub use crumple_signal::{IntegrationRule, Measurement, TwoPassFilter};

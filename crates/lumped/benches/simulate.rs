@@ -10,7 +10,7 @@ use crumple_lumped::{
     CollisionQuestions, DoubleSpringMassDamper, Drive, ForceDeflection, ForceDeflectionParameter, Instants, Model,
     Place, Structure, Waves,
 };
-use crumple_testkit::stopwatch::best_us;
+use crumple_testkit::benchmark::best_us;
 use crumple_testkit::table_5;
 
 /// Shortest of repeated runs, µs: what else runs on the machine only adds.

@@ -40,26 +40,65 @@
 //! never a NaN.
 
 mod error;
-mod exact;
-mod families;
+mod exact {
+    //! Exact steps of linear equations of motion, their derivatives, and the search for the first zero on them.
+
+    pub mod crossing;
+    pub mod derivatives;
+    pub mod linear_motion;
+}
+mod families {
+    //! One file a family of models: what it is made of, its closed form where it has one, the names of its parameters.
+
+    pub mod chain;
+    pub mod load_paths;
+    pub mod one_mass;
+}
 mod kind;
-mod matching;
+mod matching {
+    //! Springs and dampers of the double model from poles or a state space: every solution, in double length.
+
+    pub mod coefficient_matching;
+    pub mod cubic;
+    pub mod physical_coordinates;
+}
 mod model;
-mod motion;
-mod response;
-mod series;
-mod structure;
+mod motion {
+    //! What moves a model and what it answers: start, drive, motion, forces, energies, events, derivatives.
+
+    pub mod collision;
+    pub mod mass_motion;
+}
+mod response {
+    //! What a structure answers: motions, derivatives, forces, energies, events; exactly or by series.
+
+    pub mod collisions;
+    pub mod element_paths;
+    pub mod front_to_front;
+    pub mod motions;
+}
+mod series {
+    //! Motions of any structure by Taylor series from event to event, with their derivatives.
+
+    pub mod changes;
+    pub mod step;
+    pub mod walk;
+}
+mod structure {
+    //! What a model is made of: masses, and elements between any two nodes.
+
+    pub mod connected_masses;
+    pub mod crush_curve;
+    pub mod elements;
+    pub mod force_deflection;
+    pub mod piecewise_linear;
+}
 
 pub use crumple_numerics::lti::Complex;
 pub use error::LumpedError;
 pub use families::chain::{Chain, TripleSpringMassDamper};
-pub use families::double_spring_mass_damper::DoubleSpringMassDamper;
-pub use families::elastoplastic::Elastoplastic;
-pub use families::force_deflection::CrushedStructure;
-pub use families::kelvin::Kelvin;
-pub use families::load_paths::{CrushedLoadPaths, LoadPath};
-pub use families::maxwell::Maxwell;
-pub use families::nonlinear::{Nonlinear1, Nonlinear2};
+pub use families::load_paths::{CrushedLoadPaths, CrushedStructure, LoadPath};
+pub use families::one_mass::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Nonlinear1, Nonlinear2};
 pub use kind::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, ModelKind, Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
@@ -67,25 +106,17 @@ pub use matching::coefficient_matching::{
 pub use matching::physical_coordinates::{PhysicalCoordinates, RealisedModel};
 pub use model::{Model, parameter_kind, parameter_kind_of_unit, structure_of};
 pub use motion::collision::{
-    Collision, ElementEnergy, ElementEvent, ElementState, Extremum, Meeting, MeetingState, Moment, Turn,
+    Collision, Dynamics, ElementEnergy, ElementEvent, ElementForce, ElementState, Energy, Extremum, Meeting,
+    MeetingState, Moment, Turn,
 };
-pub use motion::drive::{Drive, HORIZON_S};
-pub use motion::dynamics::{Dynamics, ElementForce, Energy};
-pub use motion::mass_motion::{CrushEvents, Motion, Response, State, Waves};
-pub use motion::pulse::CrashPulse;
-pub use motion::sensitivity::{Instants, Sensitivity};
-pub use motion::start::Start;
-pub use response::collisions::CollisionQuestions;
+pub use motion::mass_motion::{
+    CrashPulse, CrushEvents, Drive, HORIZON_S, Instants, Motion, Response, Sensitivity, Start, State, Waves,
+};
+pub use response::collisions::{CollisionQuestions, Occupant, OccupantMotion, OccupantStop};
 pub use response::element_paths::{Leg, PathPoint, lead};
 pub use response::front_to_front::{CONTACT_SHARE, FrontToFront};
-pub use response::occupants::{Occupant, OccupantMotion, OccupantStop};
-pub use response::partners::{Partner, PartnerCollision, PartnerOutcome, collide};
-pub use structure::connected_masses::{Connection, Node, Place, Structure};
-pub use structure::element::Element;
-pub use structure::elements::crush_curve::Extrapolation;
-pub use structure::elements::force_deflection::{ForceDeflection, ForceDeflectionParameter};
-pub use structure::elements::in_series::InSeries;
-pub use structure::elements::piecewise_linear::PiecewiseLinear;
-pub use structure::elements::plastic_spring::PlasticSpring;
-pub use structure::elements::secant::{Damper, Spring};
-pub use structure::elements::series_spring_damper::SeriesSpringDamper;
+pub use structure::connected_masses::{Connection, Element, Node, Place, Structure};
+pub use structure::crush_curve::{Extrapolation, InSeries};
+pub use structure::elements::{Damper, PlasticSpring, SeriesSpringDamper, Spring};
+pub use structure::force_deflection::{ForceDeflection, ForceDeflectionParameter};
+pub use structure::piecewise_linear::PiecewiseLinear;

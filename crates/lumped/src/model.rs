@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::families::chain::places_of_constants;
 use crate::families::load_paths::CrushedLoadPaths;
 use crate::kind::MOST_KNOTS;
-use crate::motion::drive::HORIZON_S;
+use crate::motion::mass_motion::HORIZON_S;
 use crate::structure::connected_masses::Place;
 use crate::{
     Chain, CrushEvents, CrushedStructure, DoubleSpringMassDamper, Drive, Dynamics, Elastoplastic, Instants, Kelvin,

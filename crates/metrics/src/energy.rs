@@ -3,8 +3,7 @@
 use crumple_signal::{Acceleration, Displacement, Signal};
 
 use crate::metric::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
-
-use crate::metric::grid::same_grid;
+use crate::metric::value::same_grid;
 use crate::{DynamicCrush, Metric, MetricsError};
 
 // Average stiffness from mass, impact speed and dynamic crush.

@@ -31,17 +31,6 @@ pub enum MetricsError {
     /// The impact speed is no speed.
     #[error("impact speed {0} m/s is not a positive number")]
     ImpactSpeed(f64),
-    /// One test has no spread.
-    #[error("a corridor of {tests} tests, at least 2 are needed")]
-    TooFewTests {
-        /// How many there are.
-        tests: usize,
-    },
-    /// Bounds of a corridor that bound nothing.
-    #[error(
-        "the corridor's bounds need points at increasing finite times, the lower below the upper, over a common time"
-    )]
-    Polyline,
     /// The result is not a signal: the samples are so large that a sum overflows.
     #[error("the result is not a finite signal")]
     Result(#[from] crumple_signal::SignalError),

@@ -10,52 +10,54 @@
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
-//! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`Corridor`], [`agreement`], [`over_channels`]
+//! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`agreement`], [`over_channels`]
 
-mod curves;
+mod agreement;
+mod best_shift;
+mod cora;
+mod crash_events;
 mod energy;
 mod error;
-mod events;
-mod metric;
+mod hic;
+mod iso18571;
+mod metric {
+    //! What a metric is: value, unit, definition, window, interval; the catalogue of definitions.
+
+    pub mod definitions;
+    pub mod value;
+}
 mod occupant;
+mod plausibility;
 mod pulse;
+mod restrained_occupant;
 mod roadside;
 mod sums;
+mod warping;
 
-pub use curves::channel_agreement::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, agreement, over_channels};
-pub use curves::cora::{Cora, CoraInterval, CoraOptions, cora};
-pub use curves::corridor::{Corridor, CorridorOptions, CorridorResult, Excursion};
-pub use curves::iso18571::rating::{Grade, Iso18571, Iso18571Options, iso18571};
-pub use curves::residuals::{Residuals, fit_percent, residuals, rmse};
+pub use agreement::{
+    Agreement, ChannelMotion, LARGEST_CRUSH_GAP, Residuals, agreement, fit_percent, over_channels, residuals, rmse,
+};
+pub use cora::{Cora, CoraInterval, CoraOptions, cora};
+pub use crash_events::{
+    CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, MutualCrush, Rebound, ThresholdRule, TwoVehicleImpact,
+    Unstopped, acceleration_after_separation, collision, common_velocity, crash_events, event_end_by_velocity_change,
+    time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
+};
 pub use energy::{
     CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,
     average_stiffness, energy_equivalent_speed, wall_stiffness,
 };
 pub use error::MetricsError;
-pub use events::collision::{MutualCrush, TwoVehicleImpact, collision, common_velocity};
-pub use events::crash_events::{CrashEvents, DynamicCrush, Rebound, crash_events};
-pub use events::plausibility::{
-    EXCHANGES, Exchange, Impact, Plausibility, largest_restitution, number_typed, plausibility,
-};
-pub use events::separation::{acceleration_after_separation, restitution_of_two_bodies};
-pub use events::time_zero::{
-    EDR_INTERVAL_S, ThresholdRule, event_end_by_velocity_change, time_zero_by_threshold, time_zero_by_velocity_change,
-};
-pub use events::unstopped::{EventEnd, Unstopped, unstopped};
+pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, hic, hic_all_pairs, hic_d, hic_d_of};
+pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use metric::definitions::{self, Definition, Mark};
 pub use metric::value::{Interval, IntervalBy, Metric, Window};
-pub use occupant::clip::{CLIP_3MS_S, clip_contiguous, clip_cumulative};
-pub use occupant::hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, hic, hic_all_pairs, hic_d, hic_d_of};
-pub use occupant::resultant::resultant;
-pub use occupant::ride_down::{RideDown, ride_down};
-pub use pulse::centroid::{centroid_time_by_moment, centroid_time_from_crush};
-pub use pulse::mean::mean_deceleration;
-pub use pulse::olc::{OlcOptions, olc};
-pub use pulse::peak::{Peak, peak};
-pub use pulse::pulse_metrics::{Pulse, pulse_metrics};
-pub use pulse::recorder::maximum_delta_v;
-pub use pulse::square_wave::{average_square_wave, equivalent_square_wave};
-pub use pulse::vpi::{VpiOptions, vpi};
-pub use roadside::asi::{AsiLimits, AsiMethod, asi};
-pub use roadside::flail_space::{FlailSpace, oiv_ora, thiv_phd};
+pub use occupant::{CLIP_3MS_S, RideDown, clip_contiguous, clip_cumulative, resultant, ride_down};
+pub use plausibility::{EXCHANGES, Exchange, Impact, Plausibility, largest_restitution, number_typed, plausibility};
+pub use pulse::{
+    Peak, Pulse, average_square_wave, centroid_time_by_moment, centroid_time_from_crush, equivalent_square_wave,
+    maximum_delta_v, mean_deceleration, peak, pulse_metrics,
+};
+pub use restrained_occupant::{OlcOptions, VpiOptions, olc, vpi};
+pub use roadside::{AsiLimits, AsiMethod, FlailSpace, asi, oiv_ora, thiv_phd};
 pub use sums::sliding_mean;

@@ -12,8 +12,23 @@
 //! Quantities are SI; displacement is crush, positive towards the barrier.
 
 mod error;
-mod impact;
-mod intervals;
+mod impact {
+    //! One impact of one candidate: its structure with the mass asked for, the wall or a partner, an occupant, what
+    //! comes out, how far it reaches.
+
+    pub mod candidate;
+    pub mod made_test;
+    pub mod outcome;
+    pub mod partner;
+    pub mod restraint;
+}
+mod intervals {
+    //! How sure a prediction is: directions of the parameters, the other models, everything else that is not known.
+
+    pub mod prediction;
+    pub mod sources;
+    pub mod tested;
+}
 mod predict;
 
 pub use error::PredictError;

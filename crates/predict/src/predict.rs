@@ -6,9 +6,8 @@ use crate::error::PredictError;
 use crate::impact::candidate::{Candidate, ImpactSetup, Scenario, TestedImpact};
 use crate::impact::outcome::Outcome;
 use crate::impact::partner::PreparedSetup;
-use crate::intervals::models::{PreparedPartner, weights};
 use crate::intervals::prediction::{Impact, Prediction};
-use crate::intervals::sources::Inputs;
+use crate::intervals::sources::{Inputs, PreparedPartner, weights};
 use crate::intervals::tested::{OwnTest, SAMPLING_S, Tested};
 
 /// Lets every candidate named by its place meet every impact: for each impact, in their order, what each of the named

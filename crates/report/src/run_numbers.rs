@@ -44,7 +44,7 @@ pub const DELTA_V: RunNumber = RunNumber {
     quantity: table::DELTA_V,
     of: |run| run.metric(table::MAXIMUM_DELTA_V.key).or_else(|| run.events.as_ref()?.delta_v_m_per_s),
 };
-/// Largest deceleration of the filtered pulse.
+/// Largest magnitude of the filtered acceleration.
 pub const PEAK: RunNumber = RunNumber { quantity: table::PEAK, of: |run| run.metric(table::PEAK.key) };
 /// Occupant load criterion.
 pub const OLC: RunNumber = RunNumber { quantity: table::OLC, of: |run| run.metric(table::OLC.key) };

@@ -9,13 +9,22 @@
 
 mod command;
 pub mod fleet;
-mod folder;
+mod folder {
+    //! The run folder: its lock, who holds it, whose files are in it, what an earlier run left behind.
+
+    pub mod content;
+    pub mod lock;
+}
 mod messages;
 mod run;
 mod steps;
-mod together;
+mod together {
+    //! One model for several tests: their runs, the joint stages, every test predicted from the others.
+
+    pub mod joint_run;
+    pub mod summary;
+}
 
 pub use command::{Options, Pipeline, own_program, typed_commands};
 pub use run::run;
-pub use together::joint_run::together;
-pub use together::options::TogetherOptions;
+pub use together::joint_run::{TogetherOptions, together};

@@ -11,16 +11,15 @@ use crumple_stage::{ExitStatus, Usage, chain, memory_limit_flag, say};
 use crate::command::{
     Options, PIPELINE_OF_A_RUN, Pipeline, Program, Stage, Words, chain_of, dependents, own_program, stages_of,
 };
-use crate::folder::foreign_files::refuse_files_of_others;
+use crate::folder::content::{
+    PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, state_of, sweep, written,
+};
 use crate::folder::lock::{LockedFolder, is_at};
-use crate::folder::pipeline_of_run::{PipelineOfRun, pipeline_before, written};
-use crate::folder::state::state_of;
-use crate::folder::sweep::{folder_of_new_results, sweep};
 use crate::messages::{
     say_what_changed, say_what_failed, say_what_is_replaced, say_which_stage_failed, suggest_stage_of_flag,
 };
 use crate::steps::{StageExit, arguments, install_outputs, run_program, start};
-use crate::together::files::{INTEGRATED, SOLVED};
+use crate::together::joint_run::{INTEGRATED, SOLVED};
 
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
 /// shows the diagnosis, and the last stage decides. Any other failure does.

@@ -47,7 +47,16 @@ mod notes;
 mod resampling;
 mod samples;
 mod summation;
-mod units;
+mod units {
+    //! Quantities, their units, values that a person types with a unit, and stated uncertainties.
+
+    pub mod gravity;
+    pub mod key_quantities;
+    pub mod quantity;
+    pub mod uncertain;
+    pub mod unit;
+    pub mod value;
+}
 mod zero_phase;
 
 pub use butterworth::{Butterworth, Design, Phase, run_sections};

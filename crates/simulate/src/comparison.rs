@@ -11,7 +11,6 @@ use crumple_signal::{Cfc, Channel, Sampled, through_class};
 
 /// Zero acceleration before contact, as a laboratory records it: the filter looks ahead.
 const BEFORE_CONTACT_S: f64 = 0.04;
-
 /// Channel frequency class of vehicle structures.
 const CLASS: Cfc = Cfc::Cfc60;
 

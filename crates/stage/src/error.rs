@@ -1,6 +1,5 @@
 //! Errors that people can act on, and exit codes.
 
-use std::fmt;
 use std::process::ExitCode;
 
 use crumple_artifact::ReadError;
@@ -29,7 +28,8 @@ impl From<ExitStatus> for ExitCode {
 }
 
 /// Input that cannot be used: what was found and where, what was expected, one thing to do. Exit code 3.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{found}")]
 pub struct Refused {
     found: String,
     expected: Option<String>,
@@ -57,14 +57,6 @@ impl Refused {
     }
 }
 
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.found)
-    }
-}
-
-impl std::error::Error for Refused {}
-
 impl From<ReadError> for Refused {
     fn from(error: ReadError) -> Self {
         Self::new(error.to_string()).hint(error.hint())
@@ -72,7 +64,8 @@ impl From<ReadError> for Refused {
 }
 
 /// A command line or pipeline file that asks for something that does not exist. Exit code 2.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{problem}")]
 pub struct Usage {
     problem: String,
     hint: Option<String>,
@@ -91,14 +84,6 @@ impl Usage {
         self
     }
 }
-
-impl fmt::Display for Usage {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.problem)
-    }
-}
-
-impl std::error::Error for Usage {}
 
 /// An error about a name that does not exist: with the nearest that does, or all of them.
 pub fn unknown_name(problem: &str, name: &str, choices: &[&str]) -> anyhow::Error {

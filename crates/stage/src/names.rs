@@ -3,6 +3,8 @@
 use std::path::{Component, PathBuf};
 use std::sync::LazyLock;
 
+use crumple_artifact::records::AgainstTestV1;
+
 // Folders by what tells them apart.
 
 /// The folders by what tells them apart: their paths without the folders that all begin with and the names that all
@@ -110,6 +112,20 @@ pub(crate) fn writer_of(topic: &str) -> &'static str {
         return "crumple-integrate";
     }
     WRITERS.iter().find(|(prefix, _)| topic.starts_with(prefix)).map_or("another stage", |(_, writer)| writer)
+}
+
+/// The errors of a prediction beside a test, a dash where one is not known: crush, its time and peak in percent, the
+/// coefficient of restitution, the score by ISO/TS 18571.
+pub fn errors_in_words(against: &AgainstTestV1) -> [String; 5] {
+    let percent = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.1} %"));
+    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.3}"));
+    [
+        percent(against.dynamic_crush_error_percent),
+        percent(against.time_of_dynamic_crush_error_percent),
+        percent(against.peak_acceleration_error_percent),
+        number(against.coefficient_of_restitution_error),
+        against.iso18571_score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}")),
+    ]
 }
 
 #[cfg(test)]

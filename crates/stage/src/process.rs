@@ -15,12 +15,11 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::artifacts::inputs::{Loaded, open};
-use crate::artifacts::output::Output;
-use crate::artifacts::overwriting::refuse_to_overwrite;
-use crate::command_line::args::{Cli, SharedFlags};
-use crate::command_line::memory_limit;
-use crate::command_line::memory_limit::keep_budget;
-use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, is_flag, merge};
+use crate::artifacts::output::{Output, refuse_to_overwrite};
+use crate::command_line::args;
+use crate::command_line::args::{Cli, SharedFlags, keep_budget};
+use crate::command_line::left_out::{self, LeftOut};
+use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
 use crate::terminal::{be_quiet, say, to_stdout};
 
@@ -68,13 +67,13 @@ pub trait Stage {
     /// What the stage works on.
     type Input;
 
+    /// Options and values that earlier versions had.
+    const LEFT_OUT: &'static [LeftOut] = &[];
+
     /// Flags that the program takes before it becomes a stage; they stand in its help like all others.
     fn other_flags() -> Vec<Arg> {
         Vec::new()
     }
-    /// Learns which options were typed as flags, for a stage where that says more than the same value in a pipeline
-    /// file.
-    fn typed(_options: &mut Self::Options, _is_flag: &dyn Fn(&str) -> bool) {}
     /// Fills in the defaults and checks what can be checked without data.
     fn resolve(options: Self::Options) -> anyhow::Result<Self::Settings>;
     /// Reads the inputs.
@@ -101,13 +100,13 @@ pub fn main<S: Stage>() -> ExitCode {
              Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
              (its diagnosis is written).",
         );
+    if let Err(error) = left_out::refuse(&left_out::typed(std::env::args().skip(1)), S::LEFT_OUT, "") {
+        return finish(Err(Err(error.into())));
+    }
     let parsed = parse::<Cli<S::Options>>(command);
     finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
-        merge(S::NAME, cli.common.pipeline.as_deref(), &cli.options, &matches)
-            .and_then(|mut options| {
-                S::typed(&mut options, &|key| is_flag(&matches, key));
-                execute::<S>(&cli.common, options)
-            })
+        merge(S::NAME, S::LEFT_OUT, cli.common.pipeline.as_deref(), &cli.options, &matches)
+            .and_then(|options| execute::<S>(&cli.common, options))
             .map_err(Err)
     }))
 }
@@ -381,7 +380,7 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
         .exclusive(true)
         .help_heading(None)
         .help("Print a completion script for a shell, or the man page, and do nothing else");
-    let command = memory_limit::with_flag(command.arg(flag));
+    let command = args::with_flag(command.arg(flag));
     // Where a subcommand is needed, this flag is exclusive of it as well.
     let is_generating = std::env::args_os().any(|word| word.to_string_lossy().starts_with("--generate"));
     let parser = command.clone();
@@ -389,7 +388,7 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
     let matches = parser.try_get_matches().and_then(|matches| match matches.get_one::<String>(GENERATE) {
         Some(kind) => Ok(Err(generate(command, kind))),
         None => {
-            memory_limit::take(&matches);
+            args::take(&matches);
             Ok(Ok((C::from_arg_matches(&matches)?, matches)))
         }
     });

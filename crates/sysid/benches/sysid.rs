@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use crumple_numerics::lti::{StateSpace, discretize_first_order_hold};
 use crumple_sysid::{
-    ArxOrder, Criterion, Era, EraDcOptions, EraOptions, FirOptions, IoData, Kernel, Lags, MarkovParameters, Okid,
-    OkidOptions, OkidRealization, Order, OutputErrorOptions, Start, Stop, Subspace, SubspaceOptions,
-    TransferFunctionOptions, Weighting, arx, era_dc, fir, output_error, transfer_function_fit,
+    ArxOrder, Criterion, Era, EraOptions, IoData, Lags, MarkovParameters, Okid, OkidOptions, Order, OutputErrorOptions,
+    Start, Stop, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting, arx, output_error,
+    transfer_function_fit,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -152,28 +152,8 @@ fn subspace_times() {
     line("    naive: block Hankel matrix formed, dense QR alone", "", time, y);
 }
 
-fn era_dc_times() {
+fn era_sensor_times() {
     let wave = |t: f64| (-30.0 * t).exp() * (60.0 * t).sin() + 0.2 * (-12.0 * t).exp() * (400.0 * t).cos();
-    let record: Vec<f64> = (0..10_001).map(|k| wave(k as f64 * 1e-4) + 0.01 * noise(k)).collect();
-    let options =
-        EraDcOptions { era: EraOptions { order: Order::Given(4), ..EraOptions::new(1e-4) }, ..EraDcOptions::new(1e-4) };
-    let time = shortest(5, || {
-        black_box(era_dc(&record, options)).ok();
-    });
-    line("era-dc order 4, half the record, 10 lag blocks, 10,001 samples", "", time, &record);
-    let few = EraDcOptions { era: EraOptions { rows: Some(50), ..options.era }, ..options };
-    let time = shortest(5, || {
-        black_box(era_dc(&record, few)).ok();
-    });
-    line("era-dc order 4, 50 rows, 10 lag blocks, 10,001 samples", "", time, &record);
-    let time = shortest(3, || {
-        let hankel = |k: usize| DMatrix::from_fn(50, 9930, |i, j| record[1 + i + j + k]);
-        let first = hankel(0).transpose();
-        let lags: Vec<DMatrix<f64>> = (0..=20).map(|k| hankel(k) * &first).collect();
-        let stacked = DMatrix::from_fn(550, 550, |i, j| lags[i / 50 + j / 50][(i % 50, j % 50)]);
-        black_box(stacked.svd(true, true));
-    });
-    line("    naive: correlations formed, dense SVD of 550 x 550", "", time, &record);
     let sensors: Vec<Vec<f64>> = (0..4)
         .map(|s| (0..2501).map(|k| wave((k + 20 * s) as f64 * 1e-4) + 0.01 * noise(k + 9 * s)).collect())
         .collect();
@@ -193,8 +173,7 @@ fn okid_times() {
         ("lags by AICc of 1 to 20", Lags::Best { highest: 20, criterion: Criterion::Aicc }),
     ] {
         let time = shortest(9, || {
-            let model = Okid::new(&data, OkidOptions::new(lags))
-                .and_then(|okid| okid.realize(Order::Given(4), OkidRealization::default()));
+            let model = Okid::new(&data, OkidOptions::new(lags)).and_then(|okid| okid.realize(Order::Given(4)));
             black_box(model).ok();
         });
         line(&format!("okid order 4, {name}, 10^4 samples"), "2 ms", time, &data.outputs()[0]);
@@ -211,13 +190,6 @@ fn okid_times() {
         black_box(qr.r().solve_upper_triangular(&qr.q().tr_mul(&target)));
     });
     line("    naive: whole matrix by QR, the regression alone", "", time, y);
-    let short = arx_data(1000);
-    for kernel in [Kernel::TunedCorrelated, Kernel::DiagonalCorrelated] {
-        let time = shortest(3, || {
-            black_box(fir(&short, FirOptions { taps: 100, kernel, at_rest: true })).ok();
-        });
-        line(&format!("fir of 100 taps, kernel {}, 1000 samples", kernel.name()), "", time, &short.outputs()[0]);
-    }
 }
 
 fn transfer_function_times() {
@@ -313,7 +285,7 @@ fn main() {
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
     let groups: [(&str, fn()); 7] = [
         ("era", era_times),
-        ("era-dc", era_dc_times),
+        ("era-sensors", era_sensor_times),
         ("okid", okid_times),
         ("arx", arx_times),
         ("subspace", subspace_times),

@@ -296,11 +296,9 @@ fn average_linkage(poles: &[AmbientPole], cut: f64) -> Vec<Vec<usize>> {
         let Some((_, kept, merged)) = closest else { break };
         let moved = std::mem::take(&mut members[merged]);
         members[kept].extend(moved);
-        for other in 0..n {
-            let sum = sums[kept][other] + sums[merged][other];
-            sums[kept][other] = sum;
-            sums[other][kept] = sum;
-        }
+        let both: Vec<f64> = sums[kept].iter().zip(&sums[merged]).map(|(a, b)| a + b).collect();
+        sums.iter_mut().zip(&both).for_each(|(row, sum)| row[kept] = *sum);
+        sums[kept] = both;
     }
     members.into_iter().filter(|cluster| !cluster.is_empty()).collect()
 }

@@ -50,21 +50,6 @@ pub enum EraError {
         /// Columns.
         columns: usize,
     },
-    /// Fewer Markov parameters than the correlations take.
-    #[error(
-        "{parameters} Markov parameters, but correlations of {rows}x{columns} Hankel matrices over {lags} lags need {}",
-        rows + (*columns).max(1) + lags
-    )]
-    TooShortForCorrelations {
-        /// Samples after the first.
-        parameters: usize,
-        /// Rows of the Hankel matrices.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-        /// The offset and twice the lag blocks.
-        lags: usize,
-    },
     /// More states than rows or columns.
     #[error("order {order} needs at least {order} rows and columns, the Hankel matrix is {rows}x{columns}")]
     OrderAboveSize {
@@ -98,14 +83,6 @@ pub enum EraError {
         columns: usize,
         /// Steps taken.
         steps: usize,
-    },
-    /// The shift of the observability matrix determines no state matrix.
-    #[error("the {form} form determines no state matrix of order {order}; lower the order, or use the form hankel")]
-    NoShift {
-        /// The order asked for.
-        order: usize,
-        /// Name of the form.
-        form: &'static str,
     },
     /// The realised matrices cannot be analysed.
     #[error(transparent)]
@@ -263,9 +240,6 @@ pub enum MissReason {
         /// Its modulus.
         factor: f64,
     },
-    /// Growing poles were mirrored at the unit circle, so that the model could be simulated.
-    #[error("its unstable poles were mirrored into the unit circle, and without them the model does not fit")]
-    Mirrored,
     /// A pole lies on the unit circle: it neither grows nor dies down over the record.
     #[error("a pole of the model is marginal, on the unit circle")]
     Marginal,

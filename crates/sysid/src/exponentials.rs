@@ -9,11 +9,12 @@ use crumple_numerics::lti::Complex;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::era::era::era;
 use crate::poles::cascade::{SectionChain, sections_of};
 use crate::poles::pole_problem::{PoleProblem, scaled_poles};
-use crate::poles::starts::{exponential_poles, random_poles};
+use crate::poles::starts::random_poles;
 use crate::poles::time_scale::unscaled;
-use crate::{FitMeasures, Hold, IdentifyError, InformationCriteria, fit_measures};
+use crate::{EraOptions, FitMeasures, Hold, IdentifyError, InformationCriteria, Order, fit_measures};
 
 // Sums of exponentials fitted to a record.
 
@@ -264,6 +265,9 @@ impl ExponentialOptions {
 
 // Exponents that the fit of a sum of exponentials starts from.
 
+/// Samples to which a record is thinned for the matrix pencil, at least.
+const THINNED: usize = 250;
+
 /// Slowest and fastest decay of a start for a slow curve, in units of one over the record.
 const SLOWEST: f64 = 0.1;
 
@@ -305,6 +309,18 @@ pub(crate) fn starting_exponents(
         }
     }
     candidates
+}
+
+/// Poles of the thinned signal taken for a free motion: ERA, which is the matrix pencil with a filtered rank.
+/// `None` where ERA has no model of that order, or one with a pole at the Nyquist frequency.
+fn exponential_poles(signal: &[f64], dt: f64, count: usize) -> Option<Vec<Complex>> {
+    let every = (signal.len() / THINNED).max(1);
+    let thin: Vec<f64> = signal.iter().step_by(every).copied().collect();
+    let dt = dt * every as f64;
+    let model = era(&thin, EraOptions { order: Order::Given(count), ..EraOptions::new(dt) }).ok()?;
+    let poles: Vec<Complex> = model.modes.iter().filter_map(|m| m.mode.map(|mode| mode.pole)).collect();
+    // A negative real z has a pole at the Nyquist frequency without partner.
+    (poles.len() == count && poles.iter().all(|s| s.im.abs() < 0.99 * std::f64::consts::PI / dt)).then_some(poles)
 }
 
 /// Exponents for curves that are slow against the sampling, in scaled time: around one decay each, and, where random

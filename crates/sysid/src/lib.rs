@@ -1,8 +1,8 @@
 //! System identification: linear models from records, with the evidence for them.
 //!
-//! Free motion, from one channel or several: [`era`] and [`era_dc`] realise a state space from Markov parameters,
+//! Free motion, from one channel or several: [`era`] realises a state space from Markov parameters,
 //! [`exponential_sum`] fits a sum of exponentials. From inputs and outputs ([`IoData`]): [`Subspace`] (N4SID, MOESP,
-//! CVA), [`arx`] and [`vector_arx`], [`Okid`], [`fir`], [`output_error`], and [`transfer_function_fit`] and
+//! CVA), [`arx`] and [`vector_arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] and
 //! [`transfer_function_array`] for continuous models. What speaks for a model: [`stabilization`] over orders,
 //! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`] among
 //! several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
@@ -17,7 +17,6 @@ mod data;
 mod era;
 mod error;
 mod exponentials;
-mod fir;
 mod hankel;
 mod modes;
 mod okid;
@@ -39,19 +38,16 @@ pub use crumple_numerics::estimation::statistics::{
 };
 pub use data::{Hold, IoData, MarkovParameters, automatic_thinning, end_of_contact, markov_parameters, thinned};
 pub use era::era::{Era, EraOptions, Order, era};
-pub use era::era_dc::{EraDc, EraDcOptions, era_dc};
 pub use era::realization::Realization;
-pub use era::shift_form::ShiftForm;
 pub use error::{EraError, IdentifyError, MissReason};
 pub use exponentials::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, exponential_sum};
-pub use fir::{Fir, FirOptions, Hyperparameters, Kernel, fir};
 pub use hankel::singular_value_gap::GapOrder;
 pub use hankel::svd::Decomposition;
 pub use modes::{
     IdentifiedMode, PoleKind, PoleRecord, modal_assurance, mode_shapes, phase_collinearity, pole_kinds,
     response_deviations,
 };
-pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions, OkidRealization};
+pub use okid::{Criterion, Lags, Okid, OkidModel, OkidOptions};
 pub use order::{
     DiagramPole, OrderPoles, PoleCluster, Quartiles, Stability, StabilizationDiagram, StabilizationOptions,
     era_order_scan, era_order_scan_of, stabilization, subspace_order_scan,
@@ -64,7 +60,6 @@ pub use poles::starts::Start;
 pub use polynomial_form::{PolynomialDeviations, PolynomialForm};
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
-pub use simulation::mirrored_poles::mirrored_poles;
 pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
 pub use transfer_function::{
     TransferFunctionArray, TransferFunctionFit, transfer_function_array, transfer_function_fit,

@@ -163,21 +163,6 @@ pub struct Okid {
     sample_time_s: f64,
 }
 
-/// Settings of [`Okid::realize`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct OkidRealization {
-    /// Whether ERA is given the sequences of system and gain together.
-    pub jointly: bool,
-    /// Highest order that [`Order::Automatic`] considers.
-    pub max_order: usize,
-}
-
-impl Default for OkidRealization {
-    fn default() -> Self {
-        Self { jointly: true, max_order: 20 }
-    }
-}
-
 /// A model from OKID.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OkidModel {
@@ -185,7 +170,7 @@ pub struct OkidModel {
     pub model: StateSpace,
     /// Kalman gain `K`, states x outputs: the predictor is `x[k+1] = A x + B u + K (y - C x - D u)`.
     pub kalman_gain: DMatrix<f64>,
-    /// Leading singular values of the joint Hankel matrix, in scaled units, and bounds of their errors.
+    /// Leading singular values of the Hankel matrix, in scaled units, and bounds of their errors.
     pub singular_values: Vec<(f64, f64)>,
 }
 
@@ -306,25 +291,22 @@ impl Okid {
         self.sequences[i * width + m + j].iter().map(|o| o * scale).collect()
     }
 
-    /// The model of one order by ERA: on both sequences jointly, or on those of the system alone with the gain then
-    /// fitted by least squares to `C A^(k-1) G`.
+    /// The model of one order by ERA on the sequences of the system, the gain then fitted by least squares to
+    /// `C A^(k-1) G`; without an input by ERA on those of the gain. [`Order::Automatic`] considers orders up to 20.
     ///
-    /// Jointly the gain takes part in the choice of states. Where the regression is rank-deficient (data without noise,
-    /// equal outputs) the gain is not determined and its sequence has states of its own, which disturb; and where it is
-    /// large, the states that few inputs move are lost first. Then take the system alone.
-    pub fn realize(&self, order: Order, options: OkidRealization) -> Result<OkidModel, IdentifyError> {
+    /// The gain takes no part in the choice of states. (In the published form it does: where it is large, the states
+    /// that few inputs move are lost first, and where the regression is rank-deficient it has states of its own.)
+    pub fn realize(&self, order: Order) -> Result<OkidModel, IdentifyError> {
         let (m, q) = (self.input_scales.len(), self.output_scales.len());
-        let jointly = options.jointly || m == 0;
-        let width = if jointly { m + q } else { m };
+        let width = if m == 0 { q } else { m };
         let sequence = |i: usize, s: usize| self.sequences[i * (m + q) + s].as_slice();
         let sequences = (0..q).flat_map(|i| (0..width).map(move |s| (i, s))).map(|(i, s)| sequence(i, s)).collect();
         let markov = MarkovParameters::new(sequences, width)?;
-        let era = EraOptions { max_order: options.max_order, ..EraOptions::new(self.sample_time_s) };
-        let realized = Era::from_markov(markov, era, &[order])?.realize(order)?;
+        let realized = Era::from_markov(markov, EraOptions::new(self.sample_time_s), &[order])?.realize(order)?;
         let n = realized.order();
         let StateSpace { a, b, c, d, .. } = realized.discrete;
-        let gain = if jointly {
-            b.columns(m, q).into_owned()
+        let gain = if m == 0 {
+            b.clone()
         } else {
             let gains: Vec<Vec<&[f64]>> = (0..q).map(|i| (0..q).map(|j| &sequence(i, m + j)[1..]).collect()).collect();
             input_matrix_of(&a, &c, &gains)

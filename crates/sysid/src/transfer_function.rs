@@ -13,7 +13,7 @@ use crate::poles::cascade::SectionChain;
 use crate::poles::multistart::{Search, best_search};
 use crate::poles::options::TransferFunctionOptions;
 use crate::poles::search_outcome::SearchOutcome;
-use crate::poles::time_scale::{cascade, combined, in_seconds, state_powers, unscaled};
+use crate::poles::time_scale::{combined, in_seconds, state_powers, unscaled};
 use crate::{FitMeasures, IdentifyError, InformationCriteria, IoData, fit_measures};
 
 // Continuous transfer functions of several inputs and outputs with one denominator.
@@ -36,8 +36,16 @@ pub struct TransferFunctionArray {
     pub fits: Vec<Option<FitMeasures>>,
     /// Simulated outputs.
     pub simulated: Vec<Vec<f64>>,
+    /// Numerators of the free motions of every output over the same denominator, highest power first: `y_free =
+    /// N(s)/A(s)` of a unit impulse. Empty: from rest.
+    pub initial_numerators: Vec<Vec<f64>>,
+    /// Covariance of the coefficients: the numerators of all entries, then the denominator after its leading 1; `None`
+    /// where the sensitivities do not determine it.
+    pub coefficient_covariance: Option<DMatrix<f64>>,
     /// Number of unknowns: poles, numerators, initial motions.
     pub parameters: usize,
+    /// Independent samples that the residuals of all outputs are worth.
+    pub effective_samples: f64,
     /// The search that found them.
     pub search: SearchOutcome,
 }
@@ -54,7 +62,7 @@ pub fn transfer_function_array(
     data: &IoData,
     options: &TransferFunctionOptions,
 ) -> Result<TransferFunctionArray, IdentifyError> {
-    let mut search = best_search(data, options)?;
+    let mut search = best_search("tfest", data, options)?;
     weigh_by_residuals(&mut search, data.samples(), options.stop);
     let Search { problem, best, .. } = &search;
     let (m, q, samples) = (data.inputs().len(), data.outputs().len(), data.samples());
@@ -81,13 +89,11 @@ pub fn transfer_function_array(
     };
     let values = describe(&unknowns);
     let residuals: Vec<&[f64]> = best.residual.chunks_exact(samples).collect();
-    let effective = residuals.iter().map(|residual| autoregressive_effective_samples(residual)).sum();
+    let effective = residuals.iter().map(|residual| autoregressive_effective_samples(residual)).sum::<f64>();
     let (covariance, condition) = unknowns_covariance(problem, best, effective);
-    let deviations: Vec<f64> = match &covariance {
-        Some(covariance) => {
-            let described = propagated(&describe, &unknowns, covariance);
-            described.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect()
-        }
+    let described = covariance.map(|covariance| propagated(&describe, &unknowns, &covariance));
+    let deviations: Vec<f64> = match &described {
+        Some(described) => described.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect(),
         None => vec![f64::INFINITY; values.len()],
     };
     let numerators = q * m * b_count;
@@ -105,8 +111,18 @@ pub fn transfer_function_array(
         .zip(&search.output_scales)
         .map(|((y, residual), scale)| y.iter().zip(*residual).map(|(y, e)| y - e * scale).collect())
         .collect();
+    let free_motion = |i: usize| -> Vec<f64> {
+        let c: Vec<f64> = best.coefficients.column(i).iter().copied().collect();
+        let sum =
+            combined(&problem.chain(&best.theta).state_numerators(), &problem.state_coefficients(&best.theta, &c).1);
+        // A unit impulse in scaled time has the area of the duration.
+        in_seconds(&sum, n, duration).into_iter().map(|x| x * search.output_scales[i]).collect()
+    };
     Ok(TransferFunctionArray {
         entries,
+        initial_numerators: if problem.free { (0..q).map(free_motion).collect() } else { Vec::new() },
+        coefficient_covariance: described.map(|all| all.view((0, 0), (numerators + n, numerators + n)).into_owned()),
+        effective_samples: effective,
         numerator_deviations: (0..q).map(|i| (0..m).map(|j| deviations[entry(i, j)].to_vec()).collect()).collect(),
         state_space: state_space(&search, &chain, duration, &gain)?,
         modes: chain.poles().into_iter().map(Mode::continuous).collect(),
@@ -122,7 +138,7 @@ pub fn transfer_function_array(
 ///
 /// Starts from the optimum of equal weights. With independent white noises of unknown variances these weights
 /// maximise the likelihood once they no longer change. Nothing happens for one output.
-fn weigh_by_residuals(search: &mut Search, samples: usize, stop: Stop) {
+pub(crate) fn weigh_by_residuals(search: &mut Search, samples: usize, stop: Stop) {
     for _ in 0..if search.problem.output.len() > 1 { REWEIGHTED } else { 0 } {
         let rms = |residual: &[f64]| (dot(residual, residual) / samples as f64).sqrt();
         let weights: Vec<f64> = search.best.residual.chunks_exact(samples).map(rms).collect();
@@ -146,7 +162,7 @@ fn weigh_by_residuals(search: &mut Search, samples: usize, stop: Stop) {
 /// With `n` poles, `m` inputs, `q` outputs: `min(m, q) n` states. For `m <= q` copy `j` is driven by input `j` and
 /// every output reads all copies; else output `i` reads copy `i`, which all inputs drive. Block diagonal, seconds,
 /// units of the data.
-fn state_space(
+pub(crate) fn state_space(
     search: &Search,
     chain: &SectionChain,
     duration: f64,
@@ -262,86 +278,48 @@ pub fn transfer_function_fit(
             outputs: data.outputs().len(),
         });
     }
-    best_search(data, options)?.finish(data, options)
-}
-
-impl Search {
-    /// From scaled unknowns to a transfer function in units of the data, with its covariance.
-    fn finish(self, data: &IoData, options: &TransferFunctionOptions) -> Result<TransferFunctionFit, IdentifyError> {
-        let Self { problem, best, .. } = &self;
-        let samples = data.samples();
-        let duration = samples as f64 * data.sample_time_s();
-        let k = best.theta.len();
-        let c: Vec<f64> = best.coefficients.column(0).iter().copied().collect();
-        let unknowns: Vec<f64> = best.theta.iter().chain(&c).copied().collect();
-        let (input_scale, output_scale) = (self.input_scales[0], self.output_scales[0]);
-        let gain = output_scale / input_scale;
-        // Numerator, denominator without its 1, frequency and damping of every section.
-        let describe = |unknowns: &[f64]| -> Vec<f64> {
-            let (theta, c) = unknowns.split_at(k);
-            let chain = unscaled(&problem.chain(theta), duration);
-            let mut all: Vec<f64> =
-                self.numerator(theta, c, 0, options.zeros, duration).into_iter().map(|b| b * gain).collect();
-            all.extend(&chain.denominator()[1..]);
-            all.extend(chain.poles().iter().map(|s| s.norm()));
-            all.extend(chain.poles().iter().map(|s| -s.re / s.norm()));
-            all
-        };
-        let values = describe(&unknowns);
-        let effective = autoregressive_effective_samples(&best.residual);
-        let (covariance, condition) = unknowns_covariance(problem, best, effective);
-        let n = options.poles;
-        let b_count = options.zeros + 1;
-        let described = covariance.map(|covariance| propagated(&describe, &unknowns, &covariance));
-        let deviations: Vec<f64> = match &described {
-            Some(described) => described.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect(),
-            None => vec![f64::INFINITY; values.len()],
-        };
-        let chain = unscaled(&problem.chain(&best.theta), duration);
-        let mut denominator = vec![1.0];
-        denominator.extend(&values[b_count..b_count + n]);
-        let transfer_function = TransferFunction::new(&values[..b_count], &denominator)?;
-        let simulated: Vec<f64> =
-            data.outputs()[0].iter().zip(&best.residual).map(|(y, e)| y - e * output_scale).collect();
-        let loss = best.cost * output_scale * output_scale / samples as f64;
-        let (forced, free) = problem.state_coefficients(&best.theta, &c);
-        let forced = &forced[0];
-        let initial_numerator = if problem.free {
-            let numerators = problem.chain(&best.theta).state_numerators();
-            let sum = combined(&numerators, &free);
-            // A unit impulse in scaled time has the area of the duration.
-            in_seconds(&sum, n, duration).into_iter().map(|x| x * output_scale).collect()
-        } else {
-            Vec::new()
-        };
-        let direct = if problem.direct { c[problem.numerator] * gain } else { 0.0 };
-        let zeros = transfer_function.zeros()?;
-        // Coefficients that vanish exactly are not part of the polynomial.
-        let shown = transfer_function.numerator();
-        let dropped = b_count - shown.len();
-        let zero_deviations = match &described {
-            Some(covariance) => {
-                let of_numerator = covariance.view((dropped, dropped), (shown.len(), shown.len())).into_owned();
-                root_deviations(shown, &of_numerator, &zeros)
-            }
-            None => vec![None; zeros.len()],
-        };
-        Ok(TransferFunctionFit {
-            coefficient_covariance: described.map(|c| c.view((0, 0), (b_count + n, b_count + n)).into_owned()),
-            zero_deviations,
-            zeros,
-            transfer_function,
-            state_space: cascade(&chain, forced, duration, gain, direct)?,
-            initial_numerator,
-            modes: chain.poles().into_iter().map(Mode::continuous).collect(),
-            numerator_deviations: deviations[..b_count].to_vec(),
-            loss,
-            fit: fit_measures(&data.outputs()[0], &simulated),
-            simulated,
-            criteria: InformationCriteria::new(loss, effective, unknowns.len()),
-            search: SearchOutcome::new(&self, condition, n, &deviations[b_count..]),
-        })
-    }
+    let TransferFunctionArray {
+        mut entries,
+        mut numerator_deviations,
+        state_space,
+        modes,
+        fits,
+        mut simulated,
+        mut initial_numerators,
+        coefficient_covariance,
+        parameters,
+        effective_samples,
+        search,
+    } = transfer_function_array(data, options)?;
+    let transfer_function = entries.swap_remove(0).swap_remove(0);
+    let simulated = simulated.swap_remove(0);
+    let zeros = transfer_function.zeros()?;
+    // Coefficients that vanish exactly are not part of the polynomial.
+    let shown = transfer_function.numerator();
+    let dropped = options.zeros + 1 - shown.len();
+    let zero_deviations = match &coefficient_covariance {
+        Some(covariance) => {
+            let of_numerator = covariance.view((dropped, dropped), (shown.len(), shown.len())).into_owned();
+            root_deviations(shown, &of_numerator, &zeros)
+        }
+        None => vec![None; zeros.len()],
+    };
+    let loss = search.losses[0];
+    Ok(TransferFunctionFit {
+        zeros,
+        zero_deviations,
+        transfer_function,
+        state_space,
+        initial_numerator: initial_numerators.pop().unwrap_or_default(),
+        modes,
+        numerator_deviations: numerator_deviations.swap_remove(0).swap_remove(0),
+        coefficient_covariance,
+        loss,
+        fit: fits[0],
+        simulated,
+        criteria: InformationCriteria::new(loss, effective_samples, parameters),
+        search,
+    })
 }
 
 #[cfg(test)]

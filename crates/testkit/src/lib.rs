@@ -1,6 +1,6 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
-mod benchmark;
+pub mod benchmark;
 pub mod browser;
 pub mod bytes;
 pub mod fuzz;
@@ -8,14 +8,12 @@ pub mod interval_cover;
 pub mod made_fleet;
 mod places;
 pub mod prediction_error;
-mod programs;
+pub mod programs;
 mod random;
 mod records;
 pub mod truth;
 
-pub use benchmark::stopwatch;
 pub use places::{shared, workspace};
-pub use programs::{StepError, asked_for_tests, fleet, pipeline, program};
 pub use random::{uniform, white_noise};
 pub use records::{
     IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, integrated, kinds, known_truth, known_truths,

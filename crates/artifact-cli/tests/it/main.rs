@@ -4,4 +4,3 @@
 
 mod cli;
 mod curve;
-mod notes;

@@ -1,16 +1,15 @@
-//! Which channels are filtered, and to which class.
+//! Which channels are filtered, and by which class.
 
 use std::collections::BTreeMap;
 
 use crumple_signal::{
-    Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel, part_of,
+    Axis, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel, part_of,
 };
 use crumple_stage::records::QualityV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
 
+use crate::stage::filtering::{Remarks, first_of};
 use crate::stage::options::StageSettings;
-use crate::stage::remarks::{Remarks, first_of};
-use crate::stage::selection::{SelectionError, class_of_body, is_barrier_force, occupants_left, select};
 
 /// A channel on its way in.
 pub struct ChannelToFilter<'a> {
@@ -56,13 +55,13 @@ pub fn channels_to_filter<'a>(
             channel_settings.class = Class::Cfc(Cfc::Cfc60);
         }
         // Nor is a dummy filtered like the structure: head 1000, chest 180.
-        let for_criteria = for_criteria(settings, channel, pulse);
         if let Some(class) = class_of_body(channel)
-            && let Class::Cfc(asked) = channel_settings.class
-            && (asked != class || channel_settings.butterworth.is_some())
-            && (channel_settings.butterworth.is_none() || for_criteria)
+            && channel_settings.class != Class::None
+            && (channel_settings.butterworth.is_none() || for_criteria(settings, channel, pulse))
         {
-            if settings.class_for_all && !for_criteria {
+            let asked = settings.occupant_cfc.unwrap_or(Class::Cfc(class));
+            (channel_settings.class, channel_settings.butterworth) = (asked, None);
+            if asked != Class::Cfc(class) {
                 remarks.warning(
                     &channel.id,
                     format!(
@@ -70,17 +69,11 @@ pub fn channels_to_filter<'a>(
                         J211-1)"
                     ),
                 );
-            } else {
-                channel_settings.class = Class::Cfc(class);
-                channel_settings.butterworth = None;
-                if channel.cfc.is_none() {
-                    remarks.info(
-                        &channel.id,
-                        format!(
-                            "of a dummy, filtered to cfc {class} (SAE J211-1); another class by --cfc beside --channels"
-                        ),
-                    );
-                }
+            } else if channel.cfc.is_none() {
+                remarks.info(
+                    &channel.id,
+                    format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by --occupant-cfc"),
+                );
             }
         }
         channels.push(ChannelToFilter {
@@ -153,4 +146,220 @@ fn note_occupants_left(
         first_of(&places),
         example.id
     ));
+}
+
+/// Why a list of channels cannot be filtered.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SelectionError {
+    /// A named channel is not in the test.
+    #[error("the test has no channel {id:?}, it has {known}")]
+    Unknown {
+        /// What was asked for.
+        id: String,
+        /// What there is.
+        known: String,
+    },
+    /// A named channel has no samples.
+    #[error("channel {id:?} has no data: {status}")]
+    NoData {
+        /// What was asked for.
+        id: String,
+        /// Why there is none.
+        status: ChannelStatus,
+    },
+    /// Nothing to filter.
+    #[error("the test has no acceleration channel on the vehicle structure with data that is not marked failed")]
+    None,
+}
+
+/// The ids that names, codes and patterns such as `1?VEHC*X?` mean, each once. A pattern leaves out channels without
+/// data.
+pub fn resolve_ids(test: &TestDescription, asked: &[String]) -> Result<Vec<String>, SelectionError> {
+    let mut ids: Vec<String> = Vec::new();
+    for wanted in asked {
+        let meant = test.resolve_channels(wanted);
+        let Some(first) = meant.first() else {
+            return Err(SelectionError::Unknown { id: wanted.clone(), known: known(test) });
+        };
+        let with_data: Vec<&&Channel> = meant.iter().filter(|channel| channel.status.has_data()).collect();
+        if with_data.is_empty() {
+            return Err(SelectionError::NoData { id: first.id.clone(), status: first.status });
+        }
+        for channel in with_data {
+            if !ids.contains(&channel.id) {
+                ids.push(channel.id.clone());
+            }
+        }
+    }
+    Ok(ids)
+}
+
+/// The channels to filter, in the order of the test.
+///
+/// With `asked`, exactly those ([`resolve_ids`]), whatever they measure. Without: every acceleration channel with data
+/// that is not marked failed and whose location does not begin with an occupant or the barrier ("driver, head"; an
+/// unknown location counts as structure); the pulse in any case; the accelerometers in heads and chests of occupants,
+/// along all axes, because criteria are made of them; and the load cells of the barrier ([`is_barrier_force`]), failed
+/// ones too, because whoever sums them has to name what is left out.
+fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Channel>, SelectionError> {
+    let asked = resolve_ids(test, asked)?;
+    let pulse = test.pulse_channel().ok().map(|channel| channel.id.as_str());
+    let taken = |channel: &&Channel| match asked.as_slice() {
+        [] => {
+            let usable = channel.quantity == QuantityKind::Acceleration && channel.status.has_data();
+            (usable && (Some(channel.id.as_str()) == pulse || on_structure(channel) || is_of_body(channel)))
+                || is_barrier_force(channel)
+        }
+        _ => asked.contains(&channel.id),
+    };
+    let channels: Vec<&Channel> = test.channels.iter().filter(taken).collect();
+    // Load cells alone are no motion.
+    if channels.iter().all(|channel| asked.is_empty() && is_barrier_force(channel)) {
+        return Err(SelectionError::None);
+    }
+    Ok(channels)
+}
+
+/// Whether a channel is an accelerometer in a head or a chest, with data and not marked failed.
+fn is_of_body(channel: &Channel) -> bool {
+    part_of(channel).is_some() && channel.status.has_data() && channel.status != ChannelStatus::Failed
+}
+
+/// Channels with data in or on occupants that are not among the `taken`, in the order of the test: neck, pelvis, femur
+/// and the like, of which a note tells that they were measured and not filtered.
+fn occupants_left<'a>(test: &'a TestDescription, taken: &[&Channel]) -> Vec<&'a Channel> {
+    let of_occupant = |channel: &Channel| {
+        let barrier = channel.location.trim().to_lowercase().starts_with("barrier");
+        channel.status.has_data() && ((!channel.may_be_on_vehicle() && !barrier) || part_of(channel).is_some())
+    };
+    let left = |channel: &&Channel| of_occupant(channel) && !taken.iter().any(|other| other.id == channel.id);
+    test.channels.iter().filter(left).collect()
+}
+
+/// Whether a channel is the force along x of a load cell in the barrier, with data: its location begins with
+/// `barrier`, and its axis is x or not stated. SAE J211-1 Table 1 asks for CFC 60 for barrier force.
+fn is_barrier_force(channel: &Channel) -> bool {
+    channel.quantity == QuantityKind::Force
+        && channel.axis.is_none_or(|axis| axis == Axis::X)
+        && channel.status.has_data()
+        && channel.location.trim().to_lowercase().starts_with("barrier")
+}
+
+/// The class that SAE J211-1 Table 1 asks for in a dummy's head (CFC 1000) and chest (CFC 180); `None` elsewhere. HIC
+/// and the 3 ms clip are defined on these classes.
+fn class_of_body(channel: &Channel) -> Option<Cfc> {
+    Some(if part_of(channel)?.cfc() == 180 { Cfc::Cfc180 } else { Cfc::Cfc1000 })
+}
+
+/// Whether a channel may be of the vehicle's structure and is not marked failed. An unknown location counts as
+/// structure: a plain table states none.
+fn on_structure(channel: &Channel) -> bool {
+    channel.status != ChannelStatus::Failed && channel.may_be_on_vehicle()
+}
+
+/// The first channels by name: a list of hundreds helps nobody.
+fn known(test: &TestDescription) -> String {
+    const SHOWN: usize = 12;
+    let names: Vec<&str> = test.channels.iter().take(SHOWN).map(|channel| channel.id.as_str()).collect();
+    match test.channels.len().saturating_sub(SHOWN) {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn test_with(channels: &[(&str, &str, QuantityKind, ChannelStatus)]) -> TestDescription {
+        let channels = channels
+            .iter()
+            .map(|&(id, location, quantity, status)| Channel {
+                location: location.to_owned(),
+                status,
+                ..Channel::new(id, quantity)
+            })
+            .collect();
+        TestDescription { channels, ..TestDescription::default() }
+    }
+
+    fn camry() -> TestDescription {
+        use ChannelStatus::{Failed, NotInstalled, Questionable, Valid};
+        use QuantityKind::{Acceleration, Force};
+        test_with(&[
+            ("001", "Driver, head", Acceleration, Valid),
+            ("045", "driver, belt", Force, NotInstalled),
+            ("093", "vehicle, rear floor, left", Acceleration, Valid),
+            ("095", "vehicle, top of engine", Acceleration, Questionable),
+            ("096", "vehicle, bottom of engine", Acceleration, Failed),
+            ("347", "barrier, load cell", Force, Valid),
+            ("348", "barrier", Acceleration, Valid),
+            ("349", "front passenger, chest", Acceleration, Valid),
+        ])
+    }
+
+    fn ids<'a>(channels: &[&'a Channel]) -> Vec<&'a str> {
+        channels.iter().map(|channel| channel.id.as_str()).collect()
+    }
+
+    #[test]
+    fn takes_structure_load_cells_heads_and_chests_and_leaves_other_parts_belts_and_failed_channels() {
+        let mut test = camry();
+        let pelvis =
+            Channel { id: "007".to_owned(), location: "driver, pelvis".to_owned(), ..test.channels[0].clone() };
+        let failed = Channel { id: "008".to_owned(), status: ChannelStatus::Failed, ..test.channels[0].clone() };
+        test.channels.extend([pelvis, failed]);
+        let taken = select(&test, &[]).unwrap();
+        assert_eq!(ids(&taken), ["001", "093", "095", "347", "349"]);
+        assert_eq!(ids(&occupants_left(&test, &taken)), ["007", "008"], "045 has no data");
+    }
+
+    #[test]
+    fn the_pulse_is_taken_wherever_it_sits() {
+        let test = TestDescription { pulse: Some("096".to_owned()), ..camry() };
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["001", "093", "095", "096", "347", "349"]);
+    }
+
+    #[test]
+    fn a_failed_load_cell_is_taken_and_one_across_the_barrier_is_not() {
+        let mut test = camry();
+        test.channels[5].status = ChannelStatus::Failed;
+        assert!(ids(&select(&test, &[]).unwrap()).contains(&"347"));
+        test.channels[5].axis = Some(Axis::Y);
+        assert!(!ids(&select(&test, &[]).unwrap()).contains(&"347"));
+    }
+
+    #[test]
+    fn load_cells_alone_are_no_motion() {
+        let mut test = camry();
+        test.channels.retain(|channel| channel.id == "347");
+        assert_eq!(select(&test, &[]), Err(SelectionError::None));
+        assert_eq!(ids(&select(&test, &["347".to_owned()]).unwrap()), ["347"]);
+    }
+
+    #[test]
+    fn a_head_comes_with_its_axes_and_each_part_has_its_class() {
+        let mut test = camry();
+        test.channels.push(Channel { id: "002".to_owned(), ..test.channels[0].clone() });
+        test.pulse = Some("001".to_owned());
+        assert_eq!(ids(&select(&test, &[]).unwrap()), ["001", "093", "095", "347", "349", "002"]);
+        assert_eq!(class_of_body(&test.channels[0]), Some(Cfc::Cfc1000));
+        assert_eq!(class_of_body(&test.channels[7]), Some(Cfc::Cfc180));
+        assert_eq!(class_of_body(&test.channels[2]), None);
+    }
+
+    #[test]
+    fn a_list_is_taken_as_it_is() {
+        assert_eq!(ids(&select(&camry(), &["347".to_owned(), "001".to_owned()]).unwrap()), ["001", "347"]);
+    }
+
+    #[test]
+    fn names_what_is_missing() {
+        let error = |id: &str| select(&camry(), &[id.to_owned()]).unwrap_err().to_string();
+        assert_eq!(error("94"), "the test has no channel \"94\", it has 001, 045, 093, 095, 096, 347, 348, 349");
+        assert_eq!(error("045"), "channel \"045\" has no data: not installed");
+        assert_eq!(resolve_ids(&camry(), &["09?".to_owned(), "093".to_owned()]).unwrap(), ["093", "095", "096"]);
+        assert_eq!(resolve_ids(&camry(), &["0*5".to_owned()]).unwrap(), ["095"], "045 has no data");
+        assert_eq!(select(&test_with(&[]), &[]), Err(SelectionError::None));
+    }
 }

@@ -1,14 +1,18 @@
-//! Filters all channels at once.
+//! Filters the chosen channels and writes them, with what a person should know of it.
 
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use crumple_signal::{FilterError, Filtered, Note, filter_reporting};
-use crumple_stage::{Output, Refused};
+use crumple_signal::{
+    Applied, Channel, ChannelStatus, Class, Coefficients, ConcernContext, CorridorPoint, FilterError, FilterSettings,
+    Filtered, Note, Notes, QuantityKind, Severity, TestDescription, ZeroLevel, acceleration_of_velocity_change,
+    corridor, derivative_note, filter, filter_reporting,
+};
+use crumple_stage::records::{ChannelFilterV1, CorridorPointV1};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused};
 use rayon::prelude::*;
 
 use crate::stage::channels_to_filter::ChannelToFilter;
-use crate::stage::filtered_channel::{Extra, FilteredChannel};
-use crate::stage::remarks::Remarks;
 
 /// The channels after filtering, in their order. One that cannot be filtered is refused, or left out with a warning
 /// where nobody named it and it is not the pulse.
@@ -71,5 +75,182 @@ fn hint(error: &FilterError) -> &'static str {
         FilterError::Cutoff { .. } => "--cutoff takes the -3 dB frequency with its unit, e.g. --cutoff 100Hz",
         FilterError::Window { .. } => "--zero-level-from comes before --zero-level-to",
         _ => "--cfc none leaves the signal as it is, --channels names the channels to filter",
+    }
+}
+
+/// What was done to a channel after filtering.
+#[derive(Default)]
+pub struct Extra {
+    pub resampled_to_hz: Option<f64>,
+    /// The filter at the rate that is kept, and the samples it mirrors at each end there; `None`: all samples are kept.
+    pub as_kept: Option<(Coefficients, usize)>,
+}
+
+/// A channel on its way out.
+pub struct FilteredChannel {
+    pub id: String,
+    pub quantity: QuantityKind,
+    pub filtered: Filtered,
+    pub extra: Extra,
+}
+
+/// The acceleration of a pulse that is a velocity or a change of it, which becomes the pulse in its place; nothing for
+/// any other. What a recorder kept is not filtered to a class: the recorder has filtered, nobody says how. A velocity
+/// is where it is sampled fast enough for the class.
+pub fn derived(
+    settings: &FilterSettings,
+    input: &Inputs,
+    test: &mut TestDescription,
+    remarks: &mut Remarks,
+) -> anyhow::Result<Option<FilteredChannel>> {
+    let change = |channel: &&Channel| {
+        matches!(channel.quantity, QuantityKind::VelocityChange | QuantityKind::Velocity) && channel.status.has_data()
+    };
+    let Some(of) = test.pulse_channel().ok().filter(change).cloned() else { return Ok(None) };
+    let wave = &input.wave(&of.id)?.sampled;
+    let acceleration =
+        acceleration_of_velocity_change(wave).refuse_with_hint("check the steps of the velocity change")?;
+    let is_recorder = of.quantity == QuantityKind::VelocityChange;
+    let class = match settings.class {
+        Class::Cfc(cfc) if !is_recorder && wave.rate_hz() >= 10.0 * f64::from(cfc.number()) => settings.class,
+        _ => Class::None,
+    };
+    let of_derived = FilterSettings { class, zero_level: ZeroLevel::None, ..*settings };
+    let mut filtered = filter(&acceleration, None, &of_derived).refuse_with_hint("leave the filter out")?;
+    if is_recorder {
+        derivative_note(wave, &of.id, &mut filtered.notes);
+    } else {
+        filtered.notes.warning(format!(
+            "derived from the velocity {} by central differences over {:.3} ms, not measured: noise of the velocity is \
+             amplified in it",
+            of.id,
+            2e3 * wave.dt_s()
+        ));
+    }
+    let mut id = format!("{}_derivative", of.id);
+    while test.channel(&id).is_some() {
+        id.push('_');
+    }
+    for note in filtered.notes.iter() {
+        remarks.add(&id, note.clone());
+    }
+    test.pulse = Some(id.clone());
+    test.channels.push(Channel {
+        location: of.location,
+        axis: of.axis,
+        status: ChannelStatus::Computed,
+        comment: Some(format!(
+            "derived from the velocity {}{}, central differences",
+            if is_recorder { "change " } else { "" },
+            of.id
+        )),
+        filter_state: is_recorder.then(|| "not stated by the recorder".to_owned()),
+        polarity: of.polarity,
+        sensor: of.sensor,
+        ..Channel::new(id.clone(), QuantityKind::Acceleration)
+    });
+    Ok(Some(FilteredChannel { id, quantity: QuantityKind::Acceleration, filtered, extra: Extra::default() }))
+}
+
+/// The line of the summary about the pulse.
+pub fn pulse_line(id: &str, cfc: Option<u16>, filtered: &Filtered) -> String {
+    let class = cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
+    let how = filtered.applied.as_ref().map_or("passed through", Applied::name);
+    format!("pulse {id}: {class} ({how}), zero level {:+.4} m/s^2 removed", filtered.zero_level_removed)
+}
+
+/// The record of how a channel was filtered.
+pub fn record(filtered: &Filtered, extra: &Extra) -> ChannelFilterV1 {
+    let applied = filtered.applied.as_ref();
+    let mut record = ChannelFilterV1 {
+        cfc: None,
+        mode: applied.map_or("none", Applied::name).to_owned(),
+        frequency_factor: None,
+        samples_added: applied.map_or(0, |applied| applied.samples_added() as u64),
+        coefficients: Vec::new(),
+        gain_at_class_db: None,
+        zero_level_removed: filtered.zero_level_removed,
+        notes: filtered.notes.to_texts(),
+        corridor: Vec::new(),
+        corridor_ok: None,
+        cutoff_hz: Vec::new(),
+        phase: applied.map(|applied| applied.phase().name().to_owned()),
+        width_s: None,
+        resampled_to_hz: extra.resampled_to_hz,
+        shift_s: None,
+    };
+    match applied {
+        Some(Applied::Class { cfc, coefficients, .. }) => {
+            let points = corridor(*cfc, coefficients);
+            record.cfc = Some(cfc.number());
+            record.frequency_factor = Some(coefficients.mode().frequency_factor());
+            record.coefficients = coefficients.to_array().to_vec();
+            record.gain_at_class_db = Some(coefficients.two_pass_gain_db(cfc.frequency_hz()));
+            record.corridor_ok = Some(points.iter().all(CorridorPoint::is_inside));
+            record.corridor = points.into_iter().map(corridor_point).collect();
+        }
+        Some(Applied::Butterworth { design, .. }) => {
+            record.coefficients = design.sections.concat();
+            record.cutoff_hz = vec![design.asked.cutoff_hz];
+        }
+        None => {}
+    }
+    // What the kept samples show is this filter at their rate.
+    if let Some((coefficients, samples_added)) = &extra.as_kept {
+        record.coefficients = coefficients.to_array().to_vec();
+        record.samples_added = *samples_added as u64;
+    }
+    record
+}
+
+fn corridor_point(point: CorridorPoint) -> CorridorPointV1 {
+    let CorridorPoint { frequency_hz, gain_db, upper_db, lower_db } = point;
+    CorridorPointV1 { frequency_hz, gain_db, upper_db, lower_db }
+}
+
+/// Notes by text, with the channels they hold for.
+#[derive(Default)]
+pub struct Remarks(BTreeMap<(Severity, String), (Option<ConcernContext>, Vec<String>)>);
+
+impl Remarks {
+    pub fn add(&mut self, id: &str, note: Note) {
+        let (bearing, ids) = self.0.entry((note.severity, note.text)).or_default();
+        *bearing = note.bearing.or(bearing.take());
+        ids.push(id.to_owned());
+    }
+
+    pub fn info(&mut self, id: &str, text: impl Into<String>) {
+        self.add(id, Note::info(text));
+    }
+
+    pub fn warning(&mut self, id: &str, text: impl Into<String>) {
+        self.add(id, Note::warning(text));
+    }
+
+    /// A note on no channel of those that are filtered.
+    pub fn of_test(&mut self, text: impl Into<String>) {
+        self.0.entry((Severity::Info, text.into())).or_default();
+    }
+
+    pub fn into_notes(self) -> Notes {
+        let mut notes = Notes::new();
+        for ((severity, text), (bearing, ids)) in self.0 {
+            if ids.is_empty() {
+                notes.info(text);
+                continue;
+            }
+            let text = format!("channel{} {}: {text}", if ids.len() > 1 { "s" } else { "" }, first_of(&ids));
+            notes.push(Note { severity, text, bearing });
+        }
+        notes
+    }
+}
+
+/// The first of a list of names: hundreds of load cells help nobody.
+pub fn first_of(ids: &[String]) -> String {
+    const SHOWN: usize = 12;
+    match ids.len().saturating_sub(SHOWN) {
+        0 => ids.join(", "),
+        more => format!("{} and {more} more", ids[..SHOWN].join(", ")),
     }
 }

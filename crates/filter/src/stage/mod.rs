@@ -1,13 +1,8 @@
 //! The program: reads the raw channels, filters them, writes them with the record of how.
 
 mod channels_to_filter;
-mod derived;
-mod filtered_channel;
 mod filtering;
 mod options;
-mod record;
-mod remarks;
-mod selection;
 
 use std::path::PathBuf;
 
@@ -18,14 +13,9 @@ use crumple_signal::{
 use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
 
-use crate::stage::channels_to_filter::channels_to_filter;
-use crate::stage::derived::derived;
-use crate::stage::filtered_channel::FilteredChannel;
-use crate::stage::filtering::filter_channels;
+use crate::stage::channels_to_filter::{channels_to_filter, resolve_ids};
+use crate::stage::filtering::{FilteredChannel, Remarks, derived, filter_channels, first_of, pulse_line, record};
 use crate::stage::options::{KeptRate, Options, StageSettings};
-use crate::stage::record::{pulse_line, record};
-use crate::stage::remarks::{Remarks, first_of};
-use crate::stage::selection::resolve_ids;
 
 /// The stage.
 pub struct Filter;
@@ -38,10 +28,6 @@ impl Stage for Filter {
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;
-
-    fn typed(options: &mut Options, is_flag: &dyn Fn(&str) -> bool) {
-        options.note_typed(is_flag);
-    }
 
     fn resolve(options: Options) -> anyhow::Result<StageSettings> {
         Ok(options.try_into()?)

@@ -13,16 +13,14 @@ use serde::{Deserialize, Serialize};
 pub struct Options {
     /// Channel frequency class to filter to: 60, 180, 600, 1000, or none to leave the signal as it is [default: 60]
     ///
-    /// 60 is for the vehicle structure; a dummy's head and chest go to their own, 1000 and 180, unless the class is
-    /// typed here and the channel named by --channels. A channel that already has the class or a lower one passes
-    /// through.
+    /// That of the vehicle structure and of the pulse; a dummy's head and chest have --occupant-cfc. A channel that
+    /// already has the class or a lower one passes through.
     #[arg(long, value_name = "CLASS")]
     pub cfc: Option<Class>,
 
-    /// The class is meant for whatever is filtered: set by where it stands, not by a flag of its own.
-    #[arg(skip)]
-    #[serde(skip)]
-    pub class_for_all: bool,
+    /// Class of a dummy's head and chest [default: that of their criteria, 1000 and 180]
+    #[arg(long, value_name = "CLASS")]
+    pub occupant_cfc: Option<Class>,
 
     /// Standard whose filter is used [default: iso6487]
     #[arg(long, value_enum)]
@@ -78,15 +76,6 @@ pub struct Options {
     /// How values between samples are found when resampling [default: sinc]
     #[arg(long, value_enum, value_name = "HOW")]
     pub interpolation: Option<Interpolation>,
-}
-
-impl Options {
-    /// A class typed as a flag, or stated in the pipeline file together with the channels, is meant for all that is
-    /// filtered. One that stands in a pipeline file alone is that of the vehicle's structure.
-    pub fn note_typed(&mut self, is_flag: &dyn Fn(&str) -> bool) {
-        let with_its_channels = self.cfc.is_some() && !self.channels.is_empty() && !is_flag("channels");
-        self.class_for_all = is_flag("cfc") || with_its_channels;
-    }
 }
 
 /// Which rate is kept of what was filtered to a class.
@@ -158,9 +147,9 @@ pub enum ZeroLevelRule {
 pub struct StageSettings {
     #[serde(flatten)]
     pub filter: FilterSettings,
-    /// The class holds for a dummy's head and chest too.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub class_for_all: bool,
+    /// Class of a dummy's head and chest, if not that of their criteria.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub occupant_cfc: Option<Class>,
     /// Ids, codes or patterns asked for; empty: those on the vehicle structure and the barrier.
     pub channels: Vec<String>,
     /// Ids, codes or patterns of those handed on as they are.
@@ -192,7 +181,7 @@ impl TryFrom<Options> for StageSettings {
                 zero_level: zero_level(&options)?,
                 butterworth: butterworth(&options)?,
             },
-            class_for_all: options.class_for_all,
+            occupant_cfc: options.occupant_cfc,
             channels: options.channels,
             pass: options.pass,
             resample,

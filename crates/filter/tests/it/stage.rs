@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{ChannelFilterV1, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_signal::{Channel, FilterSettings, QuantityKind, Sampled, TestDescription, filter};
-use crumple_testkit::program::Program;
+use crumple_testkit::programs::Program;
 
 /// A half-sine pulse of 20 g over 100 ms on a zero level of 2 m/s².
 fn pulse(rate_hz: f64) -> Sampled {
@@ -81,7 +81,7 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
         notes.notes,
         [
             "channel 097: already cfc 60, passed through unfiltered",
-            "channel 001: of a dummy, filtered to cfc 1000 (SAE J211-1); another class by --cfc beside --channels",
+            "channel 001: of a dummy, filtered to cfc 1000 (SAE J211-1); another class by --occupant-cfc",
             "channel 001: sampling rate 10000 Hz is only 10.0 times cfc 1000: the -3 dB point lies at 1756.4 Hz \
              instead of 1666.7 Hz"
         ]
@@ -317,9 +317,9 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
         std::fs::write(&path, text).unwrap();
         path.to_str().unwrap().to_owned()
     };
-    // Of its own accord, and where a pipeline file states the class of the structure.
+    // A flag and the key of a pipeline file mean the same: the class of the structure, and that of the dummies.
     let structure = pipeline("[filter]\ncfc = '180'\n");
-    for (flags, class) in [(vec![], 60), (vec!["--pipeline", &structure], 180)] {
+    for (flags, class) in [(vec![], 60), (vec!["--pipeline", &structure], 180), (vec!["--cfc", "180"], 180)] {
         let artifact = result(&input, &flags);
         assert_eq!(classes(&artifact), [Some(1000), Some(1000), Some(180), Some(class)]);
         assert!(said(&artifact).contains("channels 001, 002: of a dummy, filtered to cfc 1000"), "{}", said(&artifact));
@@ -328,15 +328,16 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     let artifact = result(&input, &["--channels", "001,013,093"]);
     assert_eq!(classes(&artifact), [Some(1000), None, Some(180), Some(60)]);
 
-    let artifact = result(&input, &["--cfc", "60"]);
-    assert_eq!(classes(&artifact), [Some(60), Some(60), Some(180), Some(60)], "the chest is not of the pulse");
-    let warning =
-        "warning: channels 001, 002: of a dummy, filtered to cfc 60 as asked for: its criteria ask for cfc 1000";
-    assert!(said(&artifact).contains(warning), "{}", said(&artifact));
-    let artifact = result(&input, &["--cfc", "180", "--channels", "001"]);
+    let dummies = pipeline("[filter]\noccupant_cfc = '60'\n");
+    for flags in [["--pipeline", &dummies], ["--occupant-cfc", "60"]] {
+        let artifact = result(&input, &flags);
+        assert_eq!(classes(&artifact), [Some(60); 4]);
+        let warning =
+            "warning: channels 001, 002: of a dummy, filtered to cfc 60 as asked for: its criteria ask for cfc 1000";
+        assert!(said(&artifact).contains(warning), "{}", said(&artifact));
+    }
+    let artifact = result(&input, &["--cfc", "60", "--occupant-cfc", "180", "--channels", "001"]);
     assert_eq!(classes(&artifact), [Some(180), None, None, None]);
-    let named = pipeline("[filter]\ncfc = '180'\nchannels = ['001']\n");
-    assert_eq!(classes(&result(&input, &["--pipeline", &named])), [Some(180), None, None, None]);
 }
 
 #[test]

@@ -12,11 +12,12 @@ use std::path::PathBuf;
 
 use crumple_signal::{About, Weight};
 use crumple_stage::records::TestV1;
-use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage};
+use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage};
 
 use crate::stage::methods::{arx, discrete, era, exponentials, tfest};
 use crate::stage::options::choices::Method;
 use crate::stage::options::flags::Options;
+use crate::stage::options::left_out::LEFT_OUT;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Source, level_note, window_start};
@@ -32,6 +33,7 @@ impl Stage for Identify {
     type Options = Options;
     type Settings = Settings;
     type Input = Inputs;
+    const LEFT_OUT: &'static [LeftOut] = LEFT_OUT;
 
     fn resolve(options: Options) -> anyhow::Result<Settings> {
         Ok(Settings::resolve(options)?)
@@ -55,7 +57,7 @@ impl Stage for Identify {
         let mut failures: Vec<(Method, Failure)> = Vec::new();
         for &method in &settings.methods {
             let outcome = match method {
-                Method::Era | Method::EraDc => era::run(method, source, &mut results),
+                Method::Era => era::run(source, &mut results),
                 Method::Tfest => tfest::run(source, &mut results),
                 Method::Arx if settings.has_arx_structures() => arx::run(source, &mut results),
                 Method::Exponentials => exponentials::run(source, &mut results),

@@ -55,14 +55,14 @@ fn any_quantity_is_realised_by_name_and_keeps_its_unit() {
     ];
     let input = artifact(folder.path(), &waves);
     for (flag, output) in [
-        ("--channel=y", "voltage of channel y, V"),
-        ("--channels=y", "voltage of channel y, V"),
-        ("--outputs=y", "voltage of channel y, V"),
-        ("--outputs=93/displacement", "displacement of channel 93/displacement, m"),
-        ("--output-channel=93/displacement", "displacement of channel 93/displacement, m"),
+        ("--channel=y", "voltage y, V"),
+        ("--channels=y", "voltage y, V"),
+        ("--outputs=y", "voltage y, V"),
+        ("--outputs=93/displacement", "displacement 93/displacement, m"),
+        ("--output-channel=93/displacement", "displacement 93/displacement, m"),
     ] {
-        let result = run(&input, &["--methods=era,era-dc", "--orders=4", flag]);
-        for id in ["era-4", "era-dc-4"] {
+        let result = run(&input, &["--methods=era", "--orders=4", flag]);
+        for id in ["era-4"] {
             // A clean record; correlations square the condition.
             assert!(worst(&result, id) < 1e-8, "{flag} {id}: {:e}", worst(&result, id));
             let model: StateSpaceV1 = result.record(&format!("/model/{id}/discrete")).unwrap().unwrap();
@@ -79,8 +79,7 @@ fn a_record_without_a_pulse_is_asked_for_inputs_and_outputs() {
     let folder = tempfile::tempdir().unwrap();
     let silent = |id| (id, QuantityKind::Voltage, decay(1.0, 1.0, 0.0, 0, 301));
     let input = artifact(folder.path(), &[silent("a"), silent("b")]);
-    for (method, named) in [("era", "--outputs"), ("era-dc", "--outputs"), ("okid", "--inputs"), ("n4sid", "--inputs")]
-    {
+    for (method, named) in [("era", "--outputs"), ("okid", "--inputs"), ("n4sid", "--inputs")] {
         let refused = identify(&input, &input.with_file_name("4-identify.mcap"), &["--methods", method]);
         let told = refused.said;
         assert_eq!(refused.code, Some(3), "{told}");
@@ -97,11 +96,11 @@ fn quantities_of_very_different_sizes_are_realised_together() {
         ("x", QuantityKind::Displacement, decay(0.0, 1e-4, 0.0, 0, 501)),
     ];
     let input = artifact(folder.path(), &waves);
-    let result = run(&input, &["--methods=era,era-dc", "--outputs=a,x", "--orders=4"]);
-    for id in ["era-4", "era-dc-4"] {
+    let result = run(&input, &["--methods=era", "--outputs=a,x", "--orders=4"]);
+    for id in ["era-4"] {
         assert!(worst(&result, id) < 1e-8, "{id}: {:e}", worst(&result, id));
         let model: StateSpaceV1 = result.record(&format!("/model/{id}/discrete")).unwrap().unwrap();
-        assert_eq!(model.output, "acceleration of channel a, m/s^2; displacement of channel x, m");
+        assert_eq!(model.output, "acceleration a, m/s^2; displacement x, m");
         let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
         assert!(identification.output_fits_percent.iter().all(|fit| fit.unwrap() > 99.9999), "{identification:?}");
         // Losses have units: each output has evidence of its own, of the model in its own unit.
@@ -128,7 +127,7 @@ fn sensors(level: f64) -> Vec<(&'static str, QuantityKind, Vec<f64>)> {
 fn several_channels_have_a_stabilisation_diagram() {
     let folder = tempfile::tempdir().unwrap();
     let input = artifact(folder.path(), &sensors(1.0));
-    for method in ["era", "era-dc"] {
+    for method in ["era"] {
         let flags = ["--methods", method, "--channels=11,12,13", "--orders=4", "--max-order=12", "--stabilisation"];
         let result = run(&input, &flags);
         let diagram: StabilizationV1 = result.record(&format!("/stabilisation/{method}")).unwrap().unwrap();
@@ -182,9 +181,9 @@ fn models_of_several_outputs_have_shapes_and_standard_deviations() {
             assert!((frequency - exact).abs() < 5.0 * spread.deviation, "{id}: {frequency} {exact} {spread:?}");
         }
     };
-    let flags = ["--methods=era,era-dc", "--channels=11,12,13", "--orders=4", "--bootstrap=20"];
+    let flags = ["--methods=era", "--channels=11,12,13", "--orders=4", "--bootstrap=20"];
     let result = run(&free, &flags);
-    for id in ["era-4", "era-dc-4"] {
+    for id in ["era-4"] {
         check(&result, id, id);
     }
     let driven = artifact(folder.path(), &driven());

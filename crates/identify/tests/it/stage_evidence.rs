@@ -153,9 +153,9 @@ fn an_exact_regression_passes_its_tests_and_counts_what_it_fitted() {
 fn methods_through_markov_parameters_have_the_same_evidence() {
     let folder = tempfile::tempdir().unwrap();
     let input = artifact(folder.path(), Some(30));
-    let flags = ["--methods=okid,fir,era-dc", "--orders=4", "--bootstrap=8", "--rows=100", "--validate-from=300ms"];
+    let flags = ["--methods=okid,moesp,era", "--orders=4", "--bootstrap=8", "--rows=100", "--validate-from=300ms"];
     let result = done(&input, &folder.path().join("4.mcap"), &flags);
-    for id in ["okid-4", "fir-4", "era-dc-4"] {
+    for id in ["okid-4", "moesp-4", "era-4"] {
         let evidence: EvidenceV1 = result.record(&format!("/evidence/{id}")).unwrap().unwrap();
         let modes: ModesV2 = result.record(&format!("/modes/{id}")).unwrap().unwrap();
         assert_eq!(evidence.frequency_spreads.len(), modes.modes.len(), "{id}");

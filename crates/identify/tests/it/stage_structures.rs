@@ -123,39 +123,23 @@ fn output_error_of_two_inputs_and_outputs_has_common_poles_with_deviations() {
 }
 
 #[test]
-fn fir_does_not_pass_a_model_that_explodes() {
+fn what_was_left_out_is_answered_with_one_line_and_what_to_do_instead() {
     let folder = tempfile::tempdir().unwrap();
-    // An input that does not excite and an output that outlasts the taps: the deceleration of a crash and its
-    // displacement.
-    let u: Vec<f64> = (0..2000).map(|k| -300.0 * (f64::from(k) * 0.0028).sin().max(0.0)).collect();
-    let (mut v, mut x) = (15.0, 0.0);
-    let y = u
-        .iter()
-        .map(|a| {
-            x += v * 1e-4;
-            v += a * 1e-4;
-            x
-        })
-        .collect();
-    let waves = [("a", QuantityKind::Acceleration, u), ("x", QuantityKind::Displacement, y)];
-    let (input, output) = (artifact(folder.path(), &waves), folder.path().join("4.mcap"));
-    for taps in ["--taps=30", "--taps=100", "--taps=300"] {
-        for orders in ["--orders=4", "--orders=8", "--orders=12"] {
-            let run =
-                identify(&input, &output, &["--methods=fir", "--inputs=a", "--outputs=x", taps, orders, "--force"]);
-            let code = run.code.unwrap();
-            assert!([0, 3, 4].contains(&code), "{taps} {orders}: {}", run.said);
-            if code == 0 {
-                let result = Artifact::open(&output).unwrap();
-                let topic = orders.replace("--orders=", "/identification/fir-");
-                let whole: IdentificationV1 = result.record(&topic).unwrap().unwrap();
-                let fit = whole.fit_percent.unwrap();
-                assert!(fit > -100.0, "{taps} {orders}: {fit} {:?}", whole.notes);
-                let evidence: EvidenceV1 =
-                    result.record(&topic.replace("identification", "evidence")).unwrap().unwrap();
-                assert!(evidence.no_deviations.is_some(), "{evidence:?}");
-            }
-        }
+    let (input, output) = (delayed(folder.path()), folder.path().join("4.mcap"));
+    let pipeline = folder.path().join("p.toml");
+    std::fs::write(&pipeline, "base = 'none'\n[identify]\nmethods = ['fir', 'arx']\ntaps = 80\n").unwrap();
+    let file = format!("--pipeline={}", pipeline.display());
+    for (flags, told) in [
+        (vec!["--methods=fir"], "fir of methods is left out"),
+        (vec!["--methods", "era,era-dc"], "era-dc of methods is left out"),
+        (vec!["--methods=tfest", "--starts=svf,gpmf"], "gpmf of starts is left out"),
+        (vec!["--methods=okid", "--okid-states=joint"], "okid_states is left out"),
+        (vec![file.as_str()], "p.toml: fir of methods is left out"),
+    ] {
+        let run = identify(&input, &output, &flags);
+        assert_eq!(run.code, Some(2), "{flags:?} {}", run.said);
+        let lines: Vec<&str> = run.said.lines().collect();
+        assert!(lines[0].ends_with(told) && lines[1].contains("hint: ") && lines.len() == 2, "{flags:?} {}", run.said);
     }
 }
 

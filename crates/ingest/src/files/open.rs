@@ -12,13 +12,12 @@ use rayon::prelude::*;
 
 use crate::error::WHAT_IS_READ;
 use crate::files::zip;
-use crate::formats::iso_mme::IsoMme;
-use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
+use crate::formats::iso_mme::{IsoMme, is_channel_folder, is_channel_name};
 use crate::formats::reader::{
     Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, Stamp, check_total, stem,
 };
 use crate::formats::registry::recognise;
-use crate::{IngestError, Place};
+use crate::{IngestError, IngestSettings, Place};
 
 /// Tables above this are read piece by piece, bytes.
 const STREAM_ABOVE: u64 = 64 << 20;
@@ -65,11 +64,11 @@ impl Bundle {
             return Ok(None);
         }
         if length > LARGE_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::file(&path.display().to_string()),
-                found: format!("{} GiB", length >> 30),
-                limit: format!("tables up to {} GiB", LARGE_LIMIT >> 30),
-            });
+            return Err(IngestError::too_large(
+                Place::file(&path.display().to_string()),
+                format!("{} GiB", length >> 30),
+                format!("tables up to {} GiB", LARGE_LIMIT >> 30),
+            ));
         }
         let mut hasher = blake3::Hasher::new();
         let file = Unchanging::open(path).map_err(|error| unreadable(path, &error))?;
@@ -203,10 +202,12 @@ fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
         return Err(unreadable(path, &io::Error::new(io::ErrorKind::InvalidInput, "it is a device, not a file")));
     }
     let length = metadata.len();
-    let too_large = |found: u64| IngestError::TooLarge {
-        place: Place::file(&path.display().to_string()),
-        found: format!("{} MiB", found >> 20),
-        limit: format!("files up to {} MiB", FILE_LIMIT >> 20),
+    let too_large = |found: u64| {
+        IngestError::too_large(
+            Place::file(&path.display().to_string()),
+            format!("{} MiB", found >> 20),
+            format!("files up to {} MiB", FILE_LIMIT >> 20),
+        )
     };
     if length > FILE_LIMIT {
         return Err(too_large(length));
@@ -256,17 +257,17 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
             [one] => return Ok((*one).clone()),
             [] => {}
             several => {
-                return Err(IngestError::Path {
-                    path: folder.display().to_string(),
-                    found: format!(
+                return Err(IngestError::path(
+                    folder.display(),
+                    format!(
                         "a folder with {} .{} files: {}",
                         several.len(),
                         extension.to_uppercase(),
                         several.iter().take(10).map(|p| file_name(p)).collect::<Vec<_>>().join(", ")
                     ),
-                    expected: "the folder of one test".to_owned(),
-                    hint: format!("give the .{} file of the test", extension.to_uppercase()),
-                });
+                    "the folder of one test",
+                    format!("give the .{} file of the test", extension.to_uppercase()),
+                ));
             }
         }
     }
@@ -277,12 +278,12 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
     }
     match all.as_slice() {
         [only] if only.is_dir() => main_file_of(only),
-        _ => Err(IngestError::Path {
-            path: folder.display().to_string(),
-            found: format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
-            expected: "the folder of one test, or a file".to_owned(),
-            hint: "give the file itself, such as crash.csv".to_owned(),
-        }),
+        _ => Err(IngestError::path(
+            folder.display(),
+            format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
+            "the folder of one test, or a file",
+            "give the file itself, such as crash.csv",
+        )),
     }
 }
 
@@ -311,19 +312,49 @@ fn unreadable(path: &Path, error: &io::Error) -> IngestError {
         io::ErrorKind::InvalidInput => (error.to_string(), "give the file with the record"),
         _ => (error.to_string(), "check the path and the disk"),
     };
-    IngestError::Path {
-        path: path.display().to_string(),
-        found,
-        expected: format!("{WHAT_IS_READ}, or the folder of a test"),
-        hint: hint.to_owned(),
+    IngestError::path(path.display(), found, format!("{WHAT_IS_READ}, or the folder of a test"), hint)
+}
+
+/// Reads a sidecar. An unknown key is refused; a value has its unit in it.
+pub fn parse(file: &str, bytes: &[u8]) -> Result<IngestSettings, IngestError> {
+    const EXPECTED: &str = "lines such as mass = \"873 kg\"";
+    let refuse = |found: String, hint: &str| IngestError::content(Place::file(file), found, EXPECTED, hint);
+    let text = std::str::from_utf8(bytes)
+        .map_err(|_| refuse("the text is not UTF-8".to_owned(), "save the sidecar as UTF-8"))?;
+    let table: toml::Table = text
+        .parse()
+        .map_err(|error: toml::de::Error| refuse(one_line(&error.to_string()), "put text values in quotes"))?;
+    for key in table.keys() {
+        if !IngestSettings::KEYS.contains(&key.as_str()) {
+            return Err(IngestError::unknown_key(
+                file,
+                key,
+                EXPECTED,
+                format!("the keys are: {}", IngestSettings::KEYS.join(", ")),
+            ));
+        }
     }
+    table
+        .try_into()
+        .map_err(|error: toml::de::Error| refuse(one_line(error.message()), "write the value with its unit, in quotes"))
+}
+
+/// What the sidecar of a record states; nothing where there is none.
+pub fn settings(bundle: &Bundle) -> Result<IngestSettings, IngestError> {
+    bundle
+        .sidecar
+        .as_ref()
+        .map_or_else(|| Ok(IngestSettings::default()), |sidecar| parse(&sidecar.name, &sidecar.bytes))
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
 mod tests {
-    use std::io::Write;
-
     use super::*;
+    use std::io::Write;
 
     #[test]
     fn a_file_that_grows_while_it_is_read_is_refused() -> io::Result<()> {
@@ -338,5 +369,46 @@ mod tests {
         let error = reader.read_to_string(&mut text).map_err(|error| error.to_string());
         assert_eq!(error, Err("it changed while it was read".to_owned()));
         Ok(())
+    }
+
+    #[test]
+    fn reads_values_with_units() {
+        let settings = parse("a.toml", b"mass = \"873 kg\"\nimpact_speed = \"36 km/h\"\nsign = \"flip\"\n").unwrap();
+        assert_eq!(settings.mass.unwrap().si(), 873.0);
+        assert_eq!(settings.impact_speed.unwrap().si(), 10.0);
+        assert_eq!(settings.sign, Some(crate::Sign::Flip));
+    }
+
+    #[test]
+    fn an_unknown_key_is_refused() {
+        let error = parse("a.toml", b"impact-sped = \"36 km/h\"\n").unwrap_err();
+        assert_eq!(error.to_string(), "a.toml: unknown key \"impact-sped\"");
+        assert!(error.hint().starts_with("the keys are: mass, impact_speed, "), "{}", error.hint());
+    }
+
+    #[test]
+    fn asks_back_for_a_unit() {
+        let error = parse("a.toml", b"mass = 873\n").unwrap_err();
+        assert!(error.to_string().contains("\"873\" has no unit"), "{error}");
+    }
+
+    #[test]
+    fn every_key_is_a_field() {
+        // A key in the list that is no field would pass the spelling check and fail later with another message.
+        for key in IngestSettings::KEYS {
+            let value = match key {
+                "mass" => "\"1 kg\"",
+                "impact_speed" => "\"1 m/s\"",
+                "time_zero" => "\"1 s\"",
+                "sign" => "\"keep\"",
+                "sample_time" => "\"1 s\"",
+                "resample" => "\"100 Hz\"",
+                "profile" => "\"edr\"",
+                "vehicle_number" => "1",
+                "allow_missing" => "true",
+                _ => "\"x\"",
+            };
+            parse("a.toml", format!("{key} = {value}").as_bytes()).unwrap();
+        }
     }
 }

@@ -4,8 +4,7 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::formats::iso_mme::IsoMme;
-use crate::formats::iso_mme::file_names::{is_channel_folder, is_channel_name};
+use crate::formats::iso_mme::{IsoMme, is_channel_folder, is_channel_name};
 use crate::formats::reader::{Bundle, FILE_LIMIT, Reader, check_total, stem};
 use crate::{IngestError, Place};
 
@@ -39,11 +38,11 @@ impl Entry {
 pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
     let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
     if zip.len() > ENTRY_LIMIT {
-        return Err(IngestError::TooLarge {
-            place: Place::file(file),
-            found: format!("{} entries", zip.len()),
-            limit: format!("archives of one test, at most {ENTRY_LIMIT} files"),
-        });
+        return Err(IngestError::too_large(
+            Place::file(file),
+            format!("{} entries", zip.len()),
+            format!("archives of one test, at most {ENTRY_LIMIT} files"),
+        ));
     }
     let entries = list_entries(&zip);
     refuse_documents(file, &entries)?;
@@ -136,7 +135,7 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
     if ends("ev5") {
         return Ok(());
     }
-    Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() })
+    Err(IngestError::foreign(file, what, instead))
 }
 
 /// The EV5 file, else the only table, else the only file.
@@ -153,12 +152,12 @@ fn main_entry<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestE
             [one] => return Ok(one),
             several => {
                 let names: Vec<&str> = several.iter().take(10).map(|e| e.name.as_str()).collect();
-                return Err(IngestError::Path {
-                    path: file.to_owned(),
-                    found: format!("{} records in one archive: {}", several.len(), names.join(", ")),
-                    expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
-                    hint: "unpack it and give the one you mean".to_owned(),
-                });
+                return Err(IngestError::path(
+                    file,
+                    format!("{} records in one archive: {}", several.len(), names.join(", ")),
+                    "an archive with one .EV5 file, one ISO-MME test or one table",
+                    "unpack it and give the one you mean",
+                ));
             }
         }
     }
@@ -168,28 +167,28 @@ fn main_entry<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestE
         _ => {}
     }
     if let Some(inner) = entries.iter().find(|e| e.extension() == "zip") {
-        return Err(IngestError::Path {
-            path: file.to_owned(),
-            found: format!("an archive inside the archive: {}", inner.name),
-            expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
-            hint: format!("unpack it and give {}", inner.name),
-        });
+        return Err(IngestError::path(
+            file,
+            format!("an archive inside the archive: {}", inner.name),
+            "an archive with one .EV5 file, one ISO-MME test or one table",
+            format!("unpack it and give {}", inner.name),
+        ));
     }
     let curves = entries.iter().filter(|e| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.'));
     let (curves, example) = (curves.clone().count(), curves.map(|e| stem(&e.name)).next());
     Err(match example {
-        Some(stem) => IngestError::Path {
-            path: file.to_owned(),
-            found: format!("{curves} signal files but no .EV5 file"),
-            expected: format!("{stem}.EV5 in the same folder of the archive"),
-            hint: "take the whole \"EV5 ASCII X-Y\" archive of the test".to_owned(),
-        },
-        None => IngestError::Path {
-            path: file.to_owned(),
-            found: format!("{} files, none of them an .EV5 file or a table", entries.len()),
-            expected: "an archive with one .EV5 file, one ISO-MME test or one table".to_owned(),
-            hint: "unpack it and give the record itself".to_owned(),
-        },
+        Some(stem) => IngestError::path(
+            file,
+            format!("{curves} signal files but no .EV5 file"),
+            format!("{stem}.EV5 in the same folder of the archive"),
+            "take the whole \"EV5 ASCII X-Y\" archive of the test",
+        ),
+        None => IngestError::path(
+            file,
+            format!("{} files, none of them an .EV5 file or a table", entries.len()),
+            "an archive with one .EV5 file, one ISO-MME test or one table",
+            "unpack it and give the record itself",
+        ),
     })
 }
 
@@ -199,11 +198,11 @@ fn refuse_beyond_memory(place: Place, claimed: u64) -> Result<(), IngestError> {
     if claimed <= left {
         return Ok(());
     }
-    Err(IngestError::TooLarge {
+    Err(IngestError::too_large(
         place,
-        found: format!("{} MiB when unpacked", claimed >> 20),
-        limit: format!("at most the {} MiB that are left of the memory limit (--memory-limit gives more)", left >> 20),
-    })
+        format!("{} MiB when unpacked", claimed >> 20),
+        format!("at most the {} MiB that are left of the memory limit (--memory-limit gives more)", left >> 20),
+    ))
 }
 
 /// One entry, up to [`FILE_LIMIT`]: a small archive may claim to hold terabytes.
@@ -226,11 +225,11 @@ fn inflate(
             .map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
     }
     if claimed.max(bytes.len() as u64) > limit {
-        return Err(IngestError::TooLarge {
-            place: Place::file(&format!("{file}: {}", entry.name)),
-            found: format!("more than {} MiB when unpacked", limit >> 20),
-            limit: format!("entries up to {} MiB", limit >> 20),
-        });
+        return Err(IngestError::too_large(
+            Place::file(&format!("{file}: {}", entry.name)),
+            format!("more than {} MiB when unpacked", limit >> 20),
+            format!("entries up to {} MiB", limit >> 20),
+        ));
     }
     *total += bytes.len() as u64;
     check_total(file, *total)?;

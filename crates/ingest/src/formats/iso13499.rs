@@ -7,11 +7,9 @@
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{Channel, Notes, QuantityKind};
 
-use crate::IngestSettings;
-use crate::pulse::place_rank;
-use crate::recording::content::PulseRule;
-use crate::recording::read_channel::ReadChannel;
-use crate::recording::unheeded_flags;
+use crate::recording::content::{PulseRule, ReadChannel};
+use crate::recording::settings;
+use crate::{IngestSettings, pulse};
 
 /// Test objects a code may begin with.
 const OBJECTS: &str = "?0123456789BMSPHDCT";
@@ -82,12 +80,12 @@ pub fn pulse_rule(channels: &mut [ReadChannel], settings: &IngestSettings, notes
     let code_of =
         |read: &ReadChannel| read.channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()).map(|(c, _)| c);
     if settings.vehicle_number.is_some() && !channels.iter().any(|read| code_of(read).is_some()) {
-        unheeded_flags::warn("--vehicle-number", "no channel is named by a channel code", notes);
+        settings::warn("--vehicle-number", "no channel is named by a channel code", notes);
     }
     let candidates: Vec<usize> = (0..channels.len()).filter(|k| channels[*k].fitness.is_some()).collect();
     let vehicle = settings.vehicle_number.unwrap_or(1);
     let fitness: Vec<_> =
-        candidates.iter().map(|k| code_of(&channels[*k]).map(|code| place_rank::fitness(&code, vehicle))).collect();
+        candidates.iter().map(|k| code_of(&channels[*k]).map(|code| pulse::fitness(&code, vehicle))).collect();
     if candidates.len() < 2 || fitness.iter().any(Option::is_none) || !fitness.iter().flatten().any(Option::is_some) {
         return PulseRule::OnlyOne;
     }

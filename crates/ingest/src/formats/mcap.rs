@@ -13,12 +13,12 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::formats::messages::{
     self, Component, StampedSample, Topic, Track, imu_components, is_imu, json_number, json_stamp_ns,
 };
-use crate::formats::protobuf::decoder::{self, Decoder};
+use crate::formats::protobuf;
+use crate::formats::protobuf::Decoder;
 use crate::formats::reader::{Bundle, Reader};
-use crate::recording::content::{PulseRule, Recording};
+use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
 use crate::recording::details::{Details, Stated};
-use crate::recording::read_channel::{Fitness, ReadChannel};
-use crate::recording::unheeded_flags;
+use crate::recording::settings;
 use crate::{IngestError, IngestSettings, Place};
 
 /// Largest chunk that is unpacked, bytes.
@@ -46,7 +46,7 @@ impl Reader for Mcap {
         if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
             let mut recording = read_artifact(file, bytes)?;
             let why = "channels and samples of an artifact are as its stage left them";
-            unheeded_flags::warn_except(settings, self.relevant_flags(), why, &mut recording.notes);
+            settings::warn_except(settings, self.relevant_flags(), why, &mut recording.notes);
             return Ok(recording);
         }
         read_messages(file, bytes, &topics, settings)
@@ -152,19 +152,19 @@ fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestErr
         let McapRecord::Chunk { header, .. } = record else { return Ok(()) };
         total = total.saturating_add(header.uncompressed_size);
         if header.uncompressed_size > CHUNK_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
+                format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
+            ));
         }
         let left = crumple_memory::left();
         if header.uncompressed_size > left {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                limit: format!("chunks up to the {} MiB left of the memory limit (--memory-limit)", left >> 20),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
+                format!("chunks up to the {} MiB left of the memory limit (--memory-limit)", left >> 20),
+            ));
         }
         crate::formats::reader::check_total(file, total)
     })?;
@@ -230,7 +230,7 @@ fn unit_of_fields(file: &str, settings: &IngestSettings) -> Result<Option<(Quant
 }
 
 /// A protobuf type and the ways to the fields in it; `None` if one leads nowhere.
-type Protobuf = (Decoder, Option<Vec<decoder::Path>>);
+type Protobuf = (Decoder, Option<Vec<protobuf::Path>>);
 
 /// Messages read, and what stood in the way of others.
 #[derive(Default)]
@@ -271,7 +271,7 @@ impl Collected {
             Ok((decoder, ways))
         });
         let (decoder, ways) = decoder.as_ref().ok()?;
-        let values = ways.as_ref()?.iter().map(|way| decoder::number(message.data, way)).collect::<Option<_>>()?;
+        let values = ways.as_ref()?.iter().map(|way| protobuf::number(message.data, way)).collect::<Option<_>>()?;
         let stamp = decoder.stamp_ns(message.data);
         self.stamped(stamp, message.log_time_ns, values)
     }
@@ -293,7 +293,7 @@ fn read_messages(
     let named = settings.field.as_deref().map(fields).unwrap_or_default();
     let unit = unit_of_fields(file, settings)?;
     if named.is_empty() && settings.unit.is_some() {
-        unheeded_flags::warn("--unit", "it is the unit of --field, which is not given", &mut notes);
+        settings::warn("--unit", "it is the unit of --field, which is not given", &mut notes);
     }
     let plans: BTreeMap<&str, Plan> =
         topics.iter().filter_map(|(name, topic)| Some((name.as_str(), plan(name, topic, &named, unit)?))).collect();

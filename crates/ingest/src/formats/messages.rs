@@ -9,12 +9,10 @@ use std::collections::BTreeMap;
 use crumple_signal::value::Frequency;
 use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
 
-use crate::recording::content::{PulseRule, Recording};
+use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::{Fitness, ReadChannel};
-use crate::time::grid::{self, Grid, GridError};
-use crate::time::resampling::{LinearInterpolation, jitter, resample};
-use crate::{IngestError, IngestSettings, Place};
+use crate::time::{Grid, GridError, LinearInterpolation, jitter, resample};
+use crate::{IngestError, IngestSettings, Place, time};
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
@@ -248,7 +246,7 @@ fn track_grid(
     notes: &mut Notes,
 ) -> Result<TrackGrid, IngestError> {
     let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
-    match (grid::fit(times, 1e-9), settings.resample) {
+    match (time::fit(times, 1e-9), settings.resample) {
         (Ok(grid), None) => Ok(TrackGrid { grid, interpolation: None, comment: None }),
         (Err(GridError::Repeated { index }), _) => {
             error_at(index, "it has the stamp of the one before".to_owned(), "remove the message that is there twice")

@@ -1,14 +1,12 @@
 //! What can be read: one reader a format, the registry that recognises them, what several formats share. Sees bytes and
 //! settings only.
 
-pub mod diadem;
 pub mod ev5;
 pub mod iso13499;
 pub mod iso_mme;
 pub mod lvm;
 pub mod mcap;
 pub mod messages;
-pub mod not_read;
 pub mod protobuf;
 pub mod reader;
 pub mod registry;
@@ -16,5 +14,16 @@ pub mod ros_bag;
 pub mod table;
 pub mod tdm;
 pub mod tdms;
-pub mod text;
-pub mod waveform;
+pub mod text {
+    //! Lines, numbers and column names of text files.
+
+    pub mod column_names;
+    pub mod lines;
+}
+pub mod waveform {
+    //! Named waveforms of TDMS, TDM and LVM files as channels: identity, unit, time; what these formats share.
+
+    pub mod channel;
+    pub mod clock;
+    pub mod conversion;
+}

@@ -11,10 +11,10 @@ use crate::{IngestError, IngestSettings, Place};
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
 /// Most memory the files of one record may take, bytes.
-pub const TOTAL_LIMIT: u64 = 2 << 30;
+const TOTAL_LIMIT: u64 = 2 << 30;
 
 /// A format that is read. To add one: a file with a type that implements this, and a line in
-/// [`READERS`](super::registry::READERS).
+/// [`READERS`](crate::formats::registry::READERS).
 pub trait Reader: Sync {
     /// Name in artifacts: `csv`, `nhtsa-ev5`.
     fn format(&self) -> &'static str;
@@ -150,11 +150,11 @@ pub fn check_total(name: &str, total: u64) -> Result<(), IngestError> {
     if total <= TOTAL_LIMIT {
         return Ok(());
     }
-    Err(IngestError::TooLarge {
-        place: Place::file(name),
-        found: format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
-        limit: format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
-    })
+    Err(IngestError::too_large(
+        Place::file(name),
+        format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
+        format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
+    ))
 }
 
 /// A file's name without its last extension.

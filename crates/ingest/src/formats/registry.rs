@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::error::WHAT_IS_READ;
 use crate::formats::reader::{Bundle, NamedBytes, Reader};
-use crate::formats::{ev5, iso_mme, lvm, mcap, not_read, ros_bag, table, tdm, tdms};
+use crate::formats::{ev5, iso_mme, lvm, mcap, ros_bag, table, tdm, tdms};
 use crate::{IngestError, Place};
 
 /// All readers, the most particular first: the first that recognises a file reads it.
@@ -38,17 +38,17 @@ pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader,
             "check that the export or the download is complete",
         ));
     }
-    if let Some((what, instead)) = not_read::recognise(bytes) {
-        return Err(IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() });
+    if let Some((what, instead)) = recognise_foreign(bytes) {
+        return Err(IngestError::foreign(file, what, instead));
     }
     let head = &bytes[..bytes.len().min(8192)];
     let is_mme = file.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("mme"));
-    if is_mme && !iso_mme::IsoMme.recognises(head) && iso_mme::header::has_keyword_lines(head) {
+    if is_mme && !iso_mme::IsoMme.recognises(head) && iso_mme::channel_file::has_keyword_lines(head) {
         return Ok(&iso_mme::IsoMme);
     }
     READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
-        if let Some((what, instead)) = not_read::recognise_ending(file) {
-            return IngestError::Foreign { file: file.to_owned(), what: what.to_owned(), instead: instead.to_owned() };
+        if let Some((what, instead)) = recognise_ending(file) {
+            return IngestError::foreign(file, what, instead);
         }
         let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
         IngestError::content(
@@ -58,4 +58,200 @@ pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader,
             "export the channels as CSV: time and acceleration columns with their units in the header",
         )
     })
+}
+
+/// A format known by its first bytes.
+struct Foreign {
+    what: &'static str,
+    instead: &'static str,
+    matches: fn(&[u8]) -> bool,
+}
+
+const TABLE: &str = "export the channels as CSV: time and acceleration columns with their units in the header";
+
+/// In the order they are tried.
+const FORMATS: &[Foreign] = &[
+    Foreign { what: "a PDF document", instead: TABLE, matches: |b| has_early(b, b"%PDF-") },
+    Foreign {
+        what: "a TDMS index file",
+        instead: "the samples are in the .tdms file beside it: give that",
+        matches: |b| b.starts_with(b"TDSh"),
+    },
+    Foreign {
+        what: "an NHTSA EV6 or other specification file than EV5",
+        instead: "take the \"EV5 ASCII X-Y\" download of the test",
+        matches: |b| has_early(b, b"----- EV") && !has_early(b, b"----- EV5"),
+    },
+    Foreign {
+        what: "an SQLite database (a ROS 2 bag .db3, perhaps)",
+        instead: "convert a ROS 2 bag to MCAP (ros2 bag convert), anything else: export the channels as CSV",
+        matches: |b| b.starts_with(b"SQLite format 3"),
+    },
+    Foreign {
+        what: "an enDAQ recording (IDE)",
+        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the \
+            header",
+        matches: |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
+    },
+    Foreign { what: "a DTS channel file (SLICE)", instead: DTS, matches: |b| b.starts_with(b"\x1F\x35\x36\x2C") },
+    Foreign { what: "a DTS setup file", instead: DTS, matches: |b| xml(b) && (has(b, b"<DTS") || has(b, b"DTS.")) },
+    Foreign {
+        what: "NHTSA test data as JSON (version 6)",
+        instead: "take the \"EV5 ASCII X-Y\" download of the test",
+        matches: |b| json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info")),
+    },
+    Foreign { what: "an HDF5 file", instead: TABLE, matches: |b| b.starts_with(b"\x89HDF\r\n") },
+    Foreign { what: "a MATLAB file", instead: TABLE, matches: |b| b.starts_with(b"MATLAB ") },
+    Foreign {
+        what: "an MDF measurement file (MDF 3 or MDF4)",
+        instead: TABLE,
+        matches: |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
+    },
+    Foreign { what: "a Parquet file", instead: TABLE, matches: |b| b.starts_with(b"PAR1") },
+    Foreign {
+        what: "an old Excel or other Office document",
+        instead: TABLE,
+        matches: |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"),
+    },
+    Foreign {
+        what: "a universal file (UFF 58)",
+        instead: TABLE,
+        matches: |b| text(b).starts_with(b"-1") && universal(b),
+    },
+    // A zip archive that is given is opened before this; what comes here was in one.
+    Foreign {
+        what: "a zip archive inside an archive",
+        instead: "unpack the outer one and give the inner one",
+        matches: |b| b.starts_with(b"PK\x03\x04"),
+    },
+    Foreign { what: "a gzip archive", instead: UNPACK, matches: |b| b.starts_with(b"\x1F\x8B") },
+    Foreign { what: "a 7z archive", instead: UNPACK, matches: |b| b.starts_with(b"7z\xBC\xAF\x27\x1C") },
+    Foreign { what: "an xz archive", instead: UNPACK, matches: |b| b.starts_with(b"\xFD7zXZ") },
+    Foreign { what: "a bzip2 archive", instead: UNPACK, matches: |b| b.starts_with(b"BZh") && b.get(4) == Some(&b'1') },
+    Foreign { what: "a zstd archive", instead: UNPACK, matches: |b| b.starts_with(b"\x28\xB5\x2F\xFD") },
+    Foreign { what: "a RAR archive", instead: UNPACK, matches: |b| b.starts_with(b"Rar!\x1A\x07") },
+    Foreign { what: "a tar archive", instead: UNPACK, matches: |b| b.get(257..262) == Some(b"ustar") },
+    Foreign {
+        what: "a picture",
+        instead: TABLE,
+        matches: |b| b.starts_with(b"\x89PNG") || b.starts_with(b"\xFF\xD8\xFF") || b.starts_with(b"GIF8"),
+    },
+    Foreign { what: "a web page", instead: "download the data file itself", matches: |b| html(b) },
+    Foreign { what: "an XML document", instead: TABLE, matches: |b| xml(b) && !has(b, b"usi:tdm") },
+    Foreign { what: "JSON text", instead: TABLE, matches: |b| json(b) },
+    Foreign { what: "a RIFF file (sound or video)", instead: TABLE, matches: |b| b.starts_with(b"RIFF") },
+    Foreign {
+        what: "an executable program",
+        instead: "give the record itself",
+        matches: |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0"),
+    },
+];
+
+const DTS: &str = "export the test as ISO-MME (ISO 13499) or CSV from the DTS software";
+
+/// Binary formats without a mark of their own, by the ending of the name: only asked where the content is not known.
+const BY_ENDING: &[(&[&str], &str, &str)] = &[
+    (
+        &["uds"],
+        "an NHTSA UDS-1992 file",
+        "take the \"EV5 ASCII X-Y\" download of the same NHTSA test, its ISO-MME or its TDMS files",
+    ),
+    (
+        &["tdx"],
+        "the file of samples of a DIAdem TDM record (TDX)",
+        "give the .TDM file of the same name, beside it: it says what the samples are",
+    ),
+    (&["tlf", "bin"], "a DTS TDAS file, perhaps", DTS),
+    (&["dts", "chn"], "a DTS SLICE file, perhaps", DTS),
+    (&["pi", "dsp"], "a DADiSP file, perhaps", "export the channels as CSV from DADiSP"),
+];
+
+/// What a file of unknown content may be by its name, and what to do instead.
+fn recognise_ending(file: &str) -> Option<(&'static str, &'static str)> {
+    let ending = file.rsplit_once('.')?.1.to_ascii_lowercase();
+    BY_ENDING
+        .iter()
+        .find(|(endings, ..)| endings.contains(&ending.as_str()))
+        .map(|(_, what, instead)| (*what, *instead))
+}
+
+const UNPACK: &str = "unpack it and give the record itself (zip archives are read as they are)";
+
+/// What `bytes` are, if they are in a known format that is not read, and what to do instead.
+fn recognise_foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    let head = &bytes[..bytes.len().min(4096)];
+    FORMATS.iter().find(|format| (format.matches)(head)).map(|format| (format.what, format.instead))
+}
+
+fn has(bytes: &[u8], needle: &[u8]) -> bool {
+    bytes.windows(needle.len()).any(|window| window == needle)
+}
+
+/// PDF allows junk in front; so do files that went through mail.
+fn has_early(bytes: &[u8], needle: &[u8]) -> bool {
+    has(&bytes[..bytes.len().min(1024)], needle)
+}
+
+fn text(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start()
+}
+
+fn xml(bytes: &[u8]) -> bool {
+    text(bytes).starts_with(b"<?xml")
+}
+
+fn html(bytes: &[u8]) -> bool {
+    let start = text(bytes);
+    let start = start[..start.len().min(14)].to_ascii_lowercase();
+    start.starts_with(b"<!doctype html") || start.starts_with(b"<html")
+}
+
+fn json(bytes: &[u8]) -> bool {
+    let start = text(bytes);
+    start.first() == Some(&b'{') || (start.first() == Some(&b'[') && has(start, b"\""))
+}
+
+/// Second line of a data set is its number.
+fn universal(bytes: &[u8]) -> bool {
+    let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
+    lines.next() == Some(b"-1")
+        && lines.next().is_some_and(|n| matches!(n, b"58" | b"151" | b"58b") || n.starts_with(b"58b"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_formats_by_their_magic() {
+        let cases: [(&[u8], &str); 7] = [
+            (b"%PDF-1.7\n", "PDF"),
+            (b"TDSh\x0e\0\0\0", "TDMS index"),
+            (b"SQLite format 3\0", "SQLite"),
+            (b"\x1A\x45\xDF\xA3\x01", "enDAQ"),
+            (b"MDF     4.10    ", "MDF4"),
+            (b"{\"General Test Info\": {}}", "NHTSA"),
+            (b"<?xml version=\"1.0\"?>\n<test>", "XML"),
+        ];
+        for (bytes, name) in cases {
+            let (what, instead) = recognise_foreign(bytes).unwrap();
+            assert!(what.contains(name), "{what}");
+            assert!(!instead.is_empty());
+        }
+    }
+
+    #[test]
+    fn an_ending_tells_what_the_content_does_not() {
+        assert!(recognise_ending("v01234.UDS").unwrap().1.contains("EV5 ASCII"));
+        assert_eq!(recognise_ending("a.xyz"), None);
+    }
+
+    #[test]
+    fn leaves_tables_and_ev5_alone() {
+        for text in
+            ["time_s,accel_g\n0,1\n", "# channel: 3\n0 1\n", "# Source\n----- EV5 -----\n", "-1 2\n-0.9 3\n", ""]
+        {
+            assert_eq!(recognise_foreign(text.as_bytes()), None, "{text}");
+        }
+    }
 }

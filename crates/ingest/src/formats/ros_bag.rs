@@ -139,11 +139,11 @@ fn unpack<'a>(
     };
     let size = u64::from(number(header, b"size").unwrap_or(0));
     if size > CHUNK_LIMIT {
-        return Err(IngestError::TooLarge {
-            place: Place::file(file),
-            found: format!("a chunk that claims {} MiB when unpacked (byte {start})", size >> 20),
-            limit: format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-        });
+        return Err(IngestError::too_large(
+            Place::file(file),
+            format!("a chunk that claims {} MiB when unpacked (byte {start})", size >> 20),
+            format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
+        ));
     }
     // Nothing is reserved from a claim, and no more is unpacked than claimed.
     let mut bytes = Vec::new();

@@ -5,16 +5,15 @@ use std::collections::{BTreeMap, HashMap};
 use crumple_signal::Notes;
 use roxmltree::{Document, Node, ParsingOptions};
 
+use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::formats::tdms::metadata::Type;
-use crate::formats::tdms::samples::{Strided, numbers, times};
+use crate::formats::tdms::metadata::{Strided, Type, numbers, times};
 use crate::formats::text::lines::{decode, without_mark};
 use crate::formats::waveform::channel::{Instant, Waveform};
+use crate::formats::waveform::clock::instant;
 use crate::formats::waveform::conversion;
-use crate::formats::waveform::date::instant;
-use crate::formats::{diadem, iso13499};
-use crate::recording::content::Recording;
-use crate::recording::read_channel::ReadChannel;
+use crate::recording::content::{ReadChannel, Recording};
+use crate::recording::details::{Details, Stated};
 use crate::{IngestError, IngestSettings, Place};
 
 /// Largest header, bytes.
@@ -55,11 +54,11 @@ impl Reader for Tdm {
 fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let file = bundle.main.name.as_str();
     if bundle.main.bytes.len() > HEADER_LIMIT {
-        return Err(IngestError::TooLarge {
-            place: Place::file(file),
-            found: format!("a TDM header of {} MiB", bundle.main.bytes.len() >> 20),
-            limit: format!("headers up to {} MiB", HEADER_LIMIT >> 20),
-        });
+        return Err(IngestError::too_large(
+            Place::file(file),
+            format!("a TDM header of {} MiB", bundle.main.bytes.len() >> 20),
+            format!("headers up to {} MiB", HEADER_LIMIT >> 20),
+        ));
     }
     let header = parse(&decode(&without_mark(&bundle.main.bytes))).map_err(|found| {
         IngestError::content(
@@ -76,18 +75,18 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     for channel in &header.channels {
         samples = samples.saturating_add(channel.samples.as_ref().map_or(0, |sequence| sequence.most(tdx)));
         if samples > SAMPLE_LIMIT {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
-                limit: format!("at most {SAMPLE_LIMIT} samples in all channels together"),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
+                format!("at most {SAMPLE_LIMIT} samples in all channels together"),
+            ));
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
     let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
-    let details = diadem::details(&header.root);
+    let details = details(&header.root);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
@@ -442,4 +441,45 @@ fn block(id: &str, by_id: &NodeIndex) -> Result<Block, String> {
         other => return Err(format!("its samples are of type {other}, only real numbers and times are read")),
     };
     Ok(Block { offset: number("byteOffset")?, length: number("length")?, kind })
+}
+
+/// Title, vehicle and facts by the names of properties, case aside. Speeds and masses in properties carry no unit and
+/// are told as facts only.
+pub fn details(properties: &BTreeMap<String, String>) -> Details {
+    let find = |names: &[&str]| {
+        names.iter().find_map(|wanted| {
+            properties
+                .iter()
+                .find(|(name, value)| name.eq_ignore_ascii_case(wanted) && !value.trim().is_empty())
+                .map(|(name, value)| Stated { value: value.trim().to_owned(), from: format!("property {name}") })
+        })
+    };
+    let mut facts = Vec::new();
+    for (name, value) in properties {
+        let squeezed: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).take(40).collect();
+        let is_fact = matches!(
+            squeezed.as_str(),
+            "testid"
+                | "testdate"
+                | "description"
+                | "impactvelocity"
+                | "impactspeed"
+                | "testspeed"
+                | "testmass"
+                | "vehiclemass"
+                | "occupantposition"
+                | "dummytype"
+                | "laboratory"
+                | "author"
+        );
+        if is_fact && !value.trim().is_empty() {
+            facts.push(format!("{name}: {}", value.trim()));
+        }
+    }
+    Details {
+        title: find(&["title", "Test_Title", "TestTitle"]),
+        vehicle: find(&["Vehicle_Name", "VehicleName", "Vehicle"]),
+        facts,
+        ..Details::default()
+    }
 }

@@ -1,9 +1,13 @@
-//! What a reader reads in a file, before flags and choices are applied.
+//! What a reader makes of a file: channels, their waves, their quality, where they stand.
 
-use crumple_signal::Notes;
+use std::sync::Arc;
+
+use crumple_artifact::records::QualityV1;
+use crumple_signal::{
+    Channel, ChannelStatus, FreeFall, Notes, PreEvent, PreEventWindow, QuantityKind, Sampled, free_fall, pre_event,
+};
 
 use crate::recording::details::Details;
-use crate::recording::read_channel::ReadChannel;
 
 /// Fewer samples than this are no crash record.
 pub const MINIMUM_SAMPLES: usize = 50;
@@ -30,4 +34,226 @@ pub struct Recording {
     pub contact_at_zero: bool,
     /// Remarks of the reader.
     pub notes: Notes,
+}
+
+/// A channel and its samples.
+#[derive(Debug, Clone)]
+pub struct ReadChannel {
+    /// Identity and state.
+    pub channel: Channel,
+    /// Samples in SI; `None` where the file lists the channel without data.
+    pub wave: Option<Sampled>,
+    /// Largest distance of a time stamp from the uniform grid, in intervals.
+    pub jitter: f64,
+    /// How well the channel serves as the crash pulse; `None`: only if asked for.
+    pub fitness: Option<Fitness>,
+    /// Other names under which the channel may be asked for.
+    pub aliases: Vec<String>,
+    /// Where it is attached by the record's own code: `DSLF`, `VECG`.
+    pub attachment: Option<String>,
+    /// Why its file cannot be read, with file and line, where it is here.
+    pub unread: Option<String>,
+    /// The lines of its samples, where they stand in a text with other channels.
+    pub lines: Option<Arc<LineNumbers>>,
+}
+
+impl ReadChannel {
+    /// A channel without samples, neither named otherwise nor fit for the pulse.
+    pub fn new(channel: Channel) -> Self {
+        Self {
+            channel,
+            wave: None,
+            jitter: 0.0,
+            fitness: None,
+            aliases: Vec::new(),
+            attachment: None,
+            unread: None,
+            lines: None,
+        }
+    }
+
+    /// A channel whose file is here and cannot be read: listed without data, the reason in its comment.
+    pub fn without_readable_file(mut channel: Channel, reason: String) -> Self {
+        channel.status = ChannelStatus::Absent;
+        channel.comment = Some(format!("its file is not read: {reason}"));
+        Self { unread: Some(reason), ..Self::new(channel) }
+    }
+}
+
+/// Order among candidates for the pulse: smaller is better; equal ones are settled by the order of channels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Fitness {
+    /// A second sensor at the place of a primary one.
+    pub redundant: bool,
+    /// Rank of the place on the vehicle.
+    pub place: u8,
+    /// Why the place ranks as it does, in words.
+    pub why: &'static str,
+}
+
+/// A channel's samples and what was measured on them.
+#[derive(Debug, Clone)]
+pub struct Wave {
+    /// Id of the channel.
+    pub id: String,
+    /// What is measured.
+    pub quantity: QuantityKind,
+    /// Samples in SI, t = 0 at first contact.
+    pub samples: Sampled,
+    /// State as read.
+    pub quality: Quality,
+}
+
+/// Dropouts are looked for up to this time, s.
+const ACTIVE_UNTIL_S: f64 = 0.150;
+/// Length of the end of a record that is looked at for drift, s.
+const END_S: f64 = 0.020;
+
+/// State of a channel as read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quality {
+    /// `None` without 10 ms of data before the event.
+    pub pre_event: Option<PreEvent>,
+    /// Whether gravity may change what it reads.
+    pub feels_gravity: bool,
+    /// Of an acceleration whose level before the event is that of a free fall.
+    pub fall: Option<FreeFall>,
+    /// What stands of it in the artifact.
+    pub record: QualityV1,
+}
+
+impl Quality {
+    /// The level that is no motion, where the record shows it: that at rest, or before the event.
+    pub fn zero_level(&self) -> Option<f64> {
+        self.fall.map(|fall| fall.rest_level).or(self.pre_event.map(|before| before.zero_level))
+    }
+}
+
+/// Measures a channel whose t = 0 is the event.
+///
+/// Zero level and noise floor: mean and standard deviation of the raw samples from -50 ms to -10 ms ([`pre_event`]).
+///
+/// `feels_gravity`: it may be in free fall before the event.
+pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality {
+    let pre_event = pre_event(wave, PreEventWindow::default());
+    let fall = pre_event.filter(|_| feels_gravity).and_then(|before| free_fall(wave, &before));
+    let samples = wave.samples();
+    let (minimum, maximum) =
+        samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    let (minimum, maximum) = if samples.is_empty() { (0.0, 0.0) } else { (minimum, maximum) };
+    let zero = fall.map(|fall| fall.rest_level).or(pre_event.map(|p| p.zero_level)).unwrap_or(0.0);
+    let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero);
+    let record = QualityV1 {
+        zero_level: pre_event.map(|before| before.zero_level),
+        noise_floor: pre_event.map(|before| before.noise_floor),
+        pre_event_from_s: pre_event.map(|before| before.from_s),
+        pre_event_to_s: pre_event.map(|before| before.to_s),
+        sample_rate_hz: wave.rate_hz(),
+        time_jitter,
+        minimum,
+        maximum,
+        clipped_run: clipped_run(samples, minimum, maximum, zero),
+        constant_run: Some(constant_run),
+        constant_run_from_s,
+        end_level: end_level(wave, zero),
+        rest_level: fall.map(|fall| fall.rest_level),
+    };
+    Quality { pre_event, feels_gravity, fall, record }
+}
+
+/// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero
+/// level than a tenth of the range. Runs at the extremes are clipping and not counted here.
+fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (u64, Option<f64>) {
+    let from = wave.index_at_or_after(0.0);
+    let window = &wave.samples()[from..wave.index_at_or_after(ACTIVE_UNTIL_S).max(from)];
+    let far = |x: &f64| (x - zero).abs() > 0.1 * (maximum - minimum);
+    let (Some(first), Some(last)) = (window.iter().position(far), window.iter().rposition(far)) else {
+        return (0, None);
+    };
+    let (mut longest, mut at, mut run) = (0, first, 0);
+    for k in first..=last {
+        let x = window[k];
+        run = if k > first && x == window[k - 1] { run + 1 } else { 1 };
+        if run > longest && !(far(&x) && (x == minimum || x == maximum)) {
+            (longest, at) = (run, k + 1 - run);
+        }
+    }
+    (longest as u64, Some(wave.time_s(from + at)))
+}
+
+fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
+    let from = wave.index_at_or_after(wave.end_s() - END_S);
+    let window = wave.samples().get(from..).filter(|w| w.len() >= 2 && from > 0)?;
+    Some(window.iter().sum::<f64>() / window.len() as f64 - zero).filter(|level| level.is_finite())
+}
+
+/// A recorder that runs into its range repeats the extreme value. An extreme near the zero level is the quiet part of a
+/// one-sided pulse and not counted: it must lie at least a tenth of the range away.
+fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64) -> u64 {
+    let far = 0.1 * (maximum - minimum);
+    let longest = |extreme: f64| {
+        let (mut longest, mut run) = (0, 0);
+        for x in samples {
+            run = if *x == extreme { run + 1 } else { 0 };
+            longest = longest.max(run);
+        }
+        longest
+    };
+    [minimum, maximum].into_iter().filter(|x| far > 0.0 && (x - zero).abs() > far).map(longest).max().unwrap_or(0)
+}
+
+/// Line numbers of rows, as runs of rows on consecutive lines: a few bytes for a table without comments, however long.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct LineNumbers {
+    /// First row of a run, and its line.
+    runs: Vec<(usize, usize)>,
+    rows: usize,
+}
+
+impl LineNumbers {
+    /// Adds a row.
+    #[inline]
+    pub fn push(&mut self, line: usize) {
+        let follows = self.runs.last().is_some_and(|(row, first)| first + (self.rows - row) == line);
+        if !follows {
+            self.runs.push((self.rows, line));
+        }
+        self.rows += 1;
+    }
+
+    /// Adds the rows of a part whose lines are counted from `line`.
+    pub fn append(&mut self, part: &Self, line: usize) {
+        for (k, (row, first)) in part.runs.iter().enumerate() {
+            let end = part.runs.get(k + 1).map_or(part.rows, |next| next.0);
+            self.push(line + first);
+            self.rows += end - row - 1;
+        }
+    }
+
+    /// Number of rows.
+    #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
+    pub fn len(&self) -> usize {
+        self.rows
+    }
+
+    /// The line of a row; 0 past the end.
+    pub fn of_row(&self, row: usize) -> usize {
+        let run = self.runs.partition_point(|(first, _)| *first <= row);
+        self.runs.get(run.wrapping_sub(1)).filter(|_| row < self.rows).map_or(0, |(first, line)| line + (row - first))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flat_tops_are_clipping_and_quiet_starts_are_not() {
+        let quiet = Sampled::new(-0.02, 1e-3, vec![0.0, 0.0, 0.0, 0.0, -1.0, -3.0, -1.0]).unwrap();
+        assert_eq!(measure(&quiet, 0.0, true).record.clipped_run, 1);
+        let flat = Sampled::new(0.0, 1e-3, vec![0.0, -3.0, -3.0, -3.0, -3.0, 1.0, 0.0]).unwrap();
+        assert_eq!(measure(&flat, 0.0, true).record.clipped_run, 4);
+        let dead = Sampled::new(0.0, 1e-3, vec![7.0; 60]).unwrap();
+        assert_eq!(measure(&dead, 0.0, true).record.clipped_run, 0);
+    }
 }

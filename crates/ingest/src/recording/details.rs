@@ -1,10 +1,9 @@
 //! Facts about the test from several places: the record, its sidecar, flags. The later beats the earlier, and says so.
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
-use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::{About, Notes, QuantityKind, Weight};
 
 use crate::{IngestError, IngestSettings, Place};
 
@@ -197,12 +196,12 @@ pub fn check(file: &str, details: &Details) -> Result<(), IngestError> {
     let wrong_speed = speed.filter(|s| !(s.value >= 0.0 && s.value.is_finite()));
     for (what, stated) in [("mass", wrong_mass), ("impact speed", wrong_speed)] {
         if let Some(Stated { value, from }) = stated {
-            return Err(IngestError::NotStated {
-                file: file.to_owned(),
-                what: format!("a usable {what}: {from} gives {value}"),
-                expected: if what == "mass" { "a positive value" } else { "a value of 0 or more" }.to_owned(),
-                hint: "give it by its flag: --mass 1500kg, --impact-speed 50km/h".to_owned(),
-            });
+            return Err(IngestError::not_stated(
+                file,
+                format!("a usable {what}: {from} gives {value}"),
+                if what == "mass" { "a positive value" } else { "a value of 0 or more" },
+                "give it by its flag: --mass 1500kg, --impact-speed 50km/h",
+            ));
         }
     }
     Ok(())

@@ -1,7 +1,12 @@
 //! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
 
 use crumple_signal::value::{Frequency, Mass, Speed, Time};
+use crumple_signal::{Channel, Notes, resolve_channels};
 use serde::{Deserialize, Serialize};
+
+use crate::recording::content::ReadChannel;
+
+pub use crumple_signal::is_pattern;
 
 /// What to do with the polarity of acceleration channels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
@@ -152,4 +157,60 @@ impl IngestSettings {
         "barrier",
         "allow_missing",
     ];
+}
+
+/// Flags about the form of a file that are given. Facts about the test (mass, speed, time zero ...) and the choice of
+/// the pulse count for every format.
+fn given(settings: &IngestSettings) -> Vec<&'static str> {
+    let flags = [
+        ("--unit", settings.unit.is_some()),
+        ("--time-unit", settings.time_unit.is_some()),
+        ("--sample-time", settings.sample_time.is_some()),
+        ("--profile", settings.profile.is_some()),
+        ("--skip-to", settings.skip_to.is_some()),
+        ("--field", settings.field.is_some()),
+        ("--resample", settings.resample.is_some()),
+        ("--vehicle-number", settings.vehicle_number.is_some()),
+    ];
+    flags.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag).collect()
+}
+
+/// Warns of every flag given that is not among the `relevant` ones. `why` says what settles the matter instead.
+pub fn warn_except(settings: &IngestSettings, relevant: &[&str], why: &str, notes: &mut Notes) {
+    for flag in given(settings).into_iter().filter(|flag| !relevant.contains(flag)) {
+        warn(flag, why, notes);
+    }
+}
+
+/// Warns of a flag that this record does not need.
+pub fn warn(flag: &str, why: &str, notes: &mut Notes) {
+    notes.warning(format!("{flag} has no effect: {why}"));
+}
+
+/// The channels meant, as indices, see [`resolve_channels`].
+pub fn select(channels: &[ReadChannel], wanted: &str) -> Vec<usize> {
+    let named: Vec<(&Channel, &[String])> = channels.iter().map(|f| (&f.channel, f.aliases.as_slice())).collect();
+    resolve_channels(&named, wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_signal::QuantityKind;
+
+    fn named(id: &str, aliases: &[&str]) -> ReadChannel {
+        let aliases = aliases.iter().map(|a| (*a).to_owned()).collect();
+        ReadChannel { aliases, ..ReadChannel::new(Channel::new(id, QuantityKind::Acceleration)) }
+    }
+
+    #[test]
+    fn an_id_beats_a_name_beats_a_pattern() {
+        let channels = [named("93", &["FLLR", "FLLR XG"]), named("99", &["FLLR", "93"]), named("FLRR", &["94"])];
+        assert_eq!(select(&channels, "93"), [0]);
+        assert_eq!(select(&channels, "fllr"), [0, 1]);
+        assert_eq!(select(&channels, "FL*"), [0, 1, 2]);
+        assert_eq!(select(&channels, "*xg"), [0]);
+        assert_eq!(select(&channels, "nothing"), [0_usize; 0]);
+        assert_eq!(select(&channels, "9?"), [0, 1, 2]);
+    }
 }

@@ -10,20 +10,14 @@ use crumple_signal::{ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G
 use crumple_testkit::shared;
 use zip::write::SimpleFileOptions;
 
+use crate::{lenient, notes};
+
 fn read(path: &Path, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::open(path)?, settings)
 }
 
 fn channel(id: &str) -> IngestSettings {
     IngestSettings { channel: Some(id.to_owned()), ..IngestSettings::default() }
-}
-
-fn lenient() -> IngestSettings {
-    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
-}
-
-fn notes(ingested: &Ingested) -> String {
-    ingested.notes.to_texts().join("\n")
 }
 
 /// Exit code, stdout and stderr of the program.

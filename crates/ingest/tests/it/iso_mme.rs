@@ -9,6 +9,8 @@ use crumple_signal::{ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
+use crate::notes;
+
 const MME: &str = "Data format edition number  :1.6\r\nTitle                       :sled 7\r\n\
     Name of test object 1       :white car\r\n\
     Mass test object 1          :1500\r\nVelocity test object 1      :50 km/h\r\n";
@@ -65,10 +67,6 @@ fn read(path: &Path, settings: &IngestSettings) -> Result<Ingested, IngestError>
 fn lone(content: &str) -> Result<Ingested, IngestError> {
     let settings = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
     ingest(&Bundle::from_bytes("a.001", content.as_bytes().to_vec())?, &settings)
-}
-
-fn notes(ingested: &Ingested) -> String {
-    ingested.notes.to_texts().join("\n")
 }
 
 fn check(ingested: &Ingested) {

@@ -5,6 +5,8 @@ use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 
+use crate::{has_note, samples};
+
 fn read(text: impl AsRef<[u8]>) -> Result<Recording, IngestError> {
     let bundle = Bundle::from_bytes("t.lvm", text.as_ref().to_vec())?;
     bundle.reader.read(&bundle, &IngestSettings::default())
@@ -16,19 +18,9 @@ fn recording(path: &str) -> Option<Recording> {
     Some(bundle.reader.read(&bundle, &IngestSettings::default()).unwrap())
 }
 
-fn samples(found: &ReadChannel) -> &[f64] {
-    found.wave.as_ref().unwrap().samples()
-}
-
 fn grid(found: &ReadChannel) -> (f64, f64) {
     let wave = found.wave.as_ref().unwrap();
     (wave.t0_s(), wave.dt_s())
-}
-
-#[track_caller]
-fn has_note(recording: &Recording, words: &str) {
-    let notes = recording.notes.to_texts();
-    assert!(notes.iter().any(|note| note.contains(words)), "{words:?} is not in {notes:#?}");
 }
 
 /// Acceptance 9, first half.

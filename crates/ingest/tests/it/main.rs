@@ -3,23 +3,37 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod acceptance;
-mod bags;
 mod choices;
 mod exchanges;
 mod iso_mme;
-mod limits;
-mod listing;
 mod lvm;
 mod messages;
 mod messy_tables;
-mod mutated_real_files;
 mod nhtsa;
 mod protobuf;
-mod recorders;
 mod refusals;
 mod robustness;
 mod spreadsheets;
 mod tables;
 mod tdm;
 mod tdms;
-mod two_vehicles;
+
+use crumple_ingest::{IngestSettings, Ingested, ReadChannel, Recording};
+
+fn lenient() -> IngestSettings {
+    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
+}
+
+fn notes(ingested: &Ingested) -> String {
+    ingested.notes.to_texts().join("\n")
+}
+
+fn samples(found: &ReadChannel) -> &[f64] {
+    found.wave.as_ref().unwrap().samples()
+}
+
+#[track_caller]
+fn has_note(recording: &Recording, words: &str) {
+    let notes = recording.notes.to_texts();
+    assert!(notes.iter().any(|note| note.contains(words)), "{words:?} is not in {notes:#?}");
+}

@@ -7,6 +7,8 @@ use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Sign, ingest
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
+use crate::notes;
+
 fn from_text(text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("crash.csv", text.as_bytes().to_vec())?, settings)
 }
@@ -35,10 +37,6 @@ fn pulse(header: &str, n: usize) -> String {
         format!("{t:.4},{a:.6}\n")
     });
     header.to_owned() + &rows.collect::<String>()
-}
-
-fn notes(ingested: &Ingested) -> String {
-    ingested.notes.to_texts().join("\n")
 }
 
 #[test]

@@ -3,25 +3,17 @@
 use std::fs;
 use std::io::{Cursor, Write};
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, ReadChannel, Recording, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Recording, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use proptest::prelude::*;
 
-fn samples(found: &ReadChannel) -> &[f64] {
-    found.wave.as_ref().unwrap().samples()
-}
+use crate::{has_note, samples};
 
 fn read(tdm: impl AsRef<[u8]>, tdx: &[u8]) -> Result<Recording, IngestError> {
     let mut bundle = Bundle::from_bytes("t.TDM", tdm.as_ref().to_vec())?;
     bundle.companions.insert("t.tdx".to_owned(), tdx.to_vec());
     bundle.reader.read(&bundle, &IngestSettings::default())
-}
-
-#[track_caller]
-fn has_note(recording: &Recording, words: &str) {
-    let notes = recording.notes.to_texts();
-    assert!(notes.iter().any(|note| note.contains(words)), "{words:?} is not in {notes:#?}");
 }
 
 /// Acceptance 7: eight sequences of 500, one of them the times of the others.

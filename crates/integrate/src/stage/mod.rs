@@ -1,12 +1,12 @@
 //! The program: reads the filtered pulse, integrates it, writes motion, events and metrics.
 
+pub mod channels;
 mod collision;
 mod criteria;
-mod metric_record;
+pub mod integration;
+pub mod occupants_and_roadside;
 mod options;
-mod pulse;
-mod without_motion;
-mod without_speed;
+pub mod records;
 
 use std::path::PathBuf;
 
@@ -14,21 +14,17 @@ use crumple_signal::{About, Channel, Sampled, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV2, TestV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
 
-use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
-use crate::stage::criteria::load_cells;
-use crate::stage::criteria::occupants_and_roadside::Criteria;
-use crate::stage::criteria::recorder::recorded_changes;
-use crate::stage::options::Options;
-use crate::stage::options::StageSettings;
-use crate::stage::pulse::channel_agreement::ChannelAgreement;
-use crate::stage::pulse::impact_speed::impact_speed;
-use crate::stage::pulse::integration::{ChannelIntegration, acceleration};
-use crate::stage::pulse::other_channels::{channels_named, other_channels};
-use crate::stage::pulse::records::{events_record, metric_records};
-use crate::stage::pulse::summary::{SpeedRule, note_findings, note_warnings, summary, warn_unless_of_the_vehicle};
-use crate::stage::pulse::time_zero::time_zero;
-use crate::stage::without_motion::{missing_for_motion, without_motion};
-use crate::stage::without_speed::without_speed;
+use crate::stage::channels::{ChannelAgreement, channels_named, other_channels};
+use crate::stage::collision::{
+    missing_for_motion, of_one_vehicle, other_vehicle, vehicles, without_motion, without_speed,
+};
+use crate::stage::criteria::recorded_changes;
+use crate::stage::integration::{ChannelIntegration, acceleration, impact_speed, time_zero};
+use crate::stage::occupants_and_roadside::Criteria;
+use crate::stage::options::{Options, StageSettings};
+use crate::stage::records::{
+    SpeedRule, events_record, metric_records, note_findings, note_warnings, summary, warn_unless_of_the_vehicle,
+};
 
 /// The stage.
 pub struct Integrate;
@@ -103,13 +99,13 @@ impl Stage for Integrate {
         metrics.extend(integrate_others(&own_task, &channel, &mut others, out)?);
         metrics.extend(other_vehicle(&task, &vehicles, &channel, &pulse, out)?);
         metrics.extend(others.spread(out));
-        let against = load_cells::Pulse {
+        let against = criteria::Pulse {
             id: &channel.id,
             motion: &pulse.motion,
             time_zero_s: zero.time_s,
             separation_s: pulse.events.rebound.map(|rebound| zero.time_s + rebound.time_s),
         };
-        metrics.extend(load_cells::barrier(settings.barrier_cells, input, &test, &against, out)?);
+        metrics.extend(criteria::barrier(settings.barrier_cells, input, &test, &against, out)?);
         let criteria = Criteria {
             settings,
             input,

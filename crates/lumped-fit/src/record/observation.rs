@@ -9,9 +9,9 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
-use crumple_signal::{Displacement, Sampled, Signal};
+use crumple_signal::{ABREAST, Displacement, Sampled, Signal};
+use rayon::prelude::*;
 
-use crate::record::measurement::{MeasureModel, derivatives};
 use crate::record::sensor::{motion_of, response_of};
 use crate::{FitQuantity, Measurement, SolveError};
 
@@ -401,6 +401,91 @@ impl Observation {
         }
         moved
     }
+}
+
+/// What a measurement makes of a model. Errors: the model's own.
+pub trait MeasureModel {
+    /// The displacement of a model's compartment, from the first sample of the record to sample `last`.
+    fn displacement(&self, model: &Model, v0_m_per_s: f64, last: usize) -> Result<Vec<f64>, LumpedError> {
+        self.motion(model, None, FitQuantity::Displacement, v0_m_per_s, last)
+    }
+
+    /// The same for any mass (by its index from the barrier on; `None`: the compartment, also for an index beyond it)
+    /// and quantity.
+    fn motion(
+        &self,
+        model: &Model,
+        mass: Option<usize>,
+        quantity: FitQuantity,
+        v0_m_per_s: f64,
+        last: usize,
+    ) -> Result<Vec<f64>, LumpedError> {
+        self.of_structure((mass, quantity), v0_m_per_s, last, &model.structure()?)
+    }
+
+    /// The same of any structure.
+    fn of_structure(
+        &self,
+        what: (Option<usize>, FitQuantity),
+        v0_m_per_s: f64,
+        last: usize,
+        structure: &Structure,
+    ) -> Result<Vec<f64>, LumpedError>;
+}
+
+impl MeasureModel for Measurement {
+    fn of_structure(
+        &self,
+        (mass, quantity): (Option<usize>, FitQuantity),
+        v0_m_per_s: f64,
+        last: usize,
+        structure: &Structure,
+    ) -> Result<Vec<f64>, LumpedError> {
+        let respond = |quantity, at: Instants| response_of(quantity, structure, v0_m_per_s, &at, &[]);
+        let Some(samples) = self.instants(last) else {
+            return Ok(self.record(&[], quantity.kind(), v0_m_per_s, last));
+        };
+        if self.is_exact() {
+            let before = self.contact_index();
+            let samples = (last + 1).saturating_sub(before);
+            let at = Instants { first_s: self.time_s(before).max(0.0), dt_s: self.dt_s, samples };
+            let motions = respond(quantity, at)?.motions;
+            let mut seen = vec![if quantity == FitQuantity::Velocity { v0_m_per_s } else { 0.0 }; before];
+            seen.extend(motion_of(&motions, mass).map_or(&[][..], |motion| quantity.of(motion)));
+            return Ok(seen);
+        }
+        let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
+        let motions = respond(quantity.recorded(), at)?.motions;
+        let acceleration = motion_of(&motions, mass).map_or(&[][..], |m| &m.acceleration_m_per_s2);
+        Ok(self.record(acceleration, quantity.kind(), v0_m_per_s, last))
+    }
+}
+
+/// Derivatives of that by the parameters at these places: a measurement is linear, so they are the derivatives of the
+/// acceleration measured without an impact speed. Not of an exact one.
+pub(crate) fn derivatives(
+    measurement: &Measurement,
+    (mass, quantity): (Option<usize>, FitQuantity),
+    v0_m_per_s: f64,
+    last: usize,
+    (structure, places): (&Structure, &[Place]),
+) -> Result<Vec<Vec<f64>>, LumpedError> {
+    let Some(samples) = measurement.instants(last) else {
+        return Ok(vec![measurement.record(&[], quantity.kind(), 0.0, last); places.len()]);
+    };
+    let at = Instants { first_s: 0.0, dt_s: measurement.dt_s, samples };
+    let of_some = |places: &[Place]| -> Result<Vec<Vec<f64>>, LumpedError> {
+        let response = response_of(quantity.recorded(), structure, v0_m_per_s, &at, places)?;
+        let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
+        let accelerations: Vec<&[f64]> =
+            motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
+        Ok(measurement.record_all(&accelerations, quantity.kind(), last))
+    };
+    // In parts of equal size, on as many threads as are idle.
+    let parts = places.len().div_ceil(ABREAST).max(1);
+    let size = places.len().div_ceil(parts).max(1);
+    let parts: Vec<Vec<Vec<f64>>> = places.par_chunks(size).map(of_some).collect::<Result<_, _>>()?;
+    Ok(parts.into_iter().flatten().collect())
 }
 
 #[cfg(test)]

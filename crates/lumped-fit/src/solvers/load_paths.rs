@@ -11,7 +11,7 @@ use crumple_signal::{Displacement, Notes, Sampled, Signal};
 
 use crate::parameters::{free_masses, free_parameters};
 use crate::selection::evidence::{independent_samples, visible_misfit};
-use crate::solvers::crush_curves::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
+use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
 use crate::solvers::fitting::{FitStart, FitTask};
 use crate::solvers::table::{Extent, Task};
 use crate::{

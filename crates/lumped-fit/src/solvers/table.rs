@@ -11,8 +11,8 @@ use crumple_signal::{About, Notes, Sampled, Weight};
 use rayon::prelude::*;
 
 use crate::record::sensor::{Sensor, TestData};
-use crate::solvers::crush_curves::ONE_MASS_RATE_S_PER_M;
-use crate::solvers::{closed_forms, crush_curves, sensors, single_mass};
+use crate::solvers::closed_forms::ONE_MASS_RATE_S_PER_M;
+use crate::solvers::{closed_forms, sensors, single_mass};
 use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError};
 
 /// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
@@ -220,7 +220,7 @@ pub(crate) const SOLVERS: &[Solver] = {
         Solver { model: DOUBLE, method: Method::CurveFit, needs: IdentifiedModel, by_default: false, solve: None },
         solver(K::TripleSpringMassDamper, Method::DirectFit, Motion, true, sensors::fit),
         solver(K::TripleSpringMassDamper, Method::LShade, Motion, false, sensors::fit),
-        solver(K::ForceDeflection, Method::DirectFit, Motion, true, crush_curves::fit),
+        solver(K::ForceDeflection, Method::DirectFit, Motion, true, closed_forms::fit),
     ]
 };
 

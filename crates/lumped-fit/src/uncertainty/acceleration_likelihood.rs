@@ -9,15 +9,14 @@ use crumple_numerics::estimation::statistics::{Covariance, shortest_with, studen
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::assessed::{LeastMisfit, Profile};
-use crate::candidate::Minimum;
+use crate::candidate::{LeastMisfit, Minimum, Profile};
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::fit::problem::Problem;
 use crate::parameters::FitParameter;
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor_noise::{SensorNoise, as_acceleration};
-use crate::uncertainty::profile_likelihood::{Profiled, RISE_95};
+use crate::uncertainty::mass_division::{Profiled, RISE_95};
 
 /// Both ends of an interval; `None`: open.
 pub(crate) type Ends = (Option<f64>, Option<f64>);

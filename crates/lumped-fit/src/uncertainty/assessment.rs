@@ -16,15 +16,14 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::FitQuantity;
-use crate::assessed::{Assessment, BlockBootstrap, Intervals, Profile};
-use crate::candidate::Minimum;
+use crate::candidate::{Assessment, BlockBootstrap, Intervals, Minimum, Profile};
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::record::observation::Observation;
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends, holding};
 use crate::uncertainty::curve_posterior::curve_intervals;
-use crate::uncertainty::profile_likelihood::Profiled;
+use crate::uncertainty::mass_division::Profiled;
 
 /// Parameters whose part of the weakest direction is below this share of the largest part are not named.
 const WORTH_NAMING: f64 = 0.2;
@@ -383,11 +382,11 @@ impl AtMinimum<'_> {
                 noises.map_or_else(|| rows.tr_mul(rows), |of| of[k].0.projected_noise_covariance(&waves[k], rows))
             }
         };
-        let middles: Vec<_> = (0..waves.len()).map(middle_of).collect();
+        let projected: Vec<_> = (0..waves.len()).map(middle_of).collect();
         let sensor = |k: usize| {
             let (noise, explains_residuals) = &noises?[k];
             let explains_residuals = *explains_residuals;
-            Some(SensorError { middle: &middles[k], freedom: noise.freedom, explains_residuals })
+            Some(SensorError { projected_noise_covariance: &projected[k], freedom: noise.freedom, explains_residuals })
         };
         let blocks = self.observed.blocks().into_iter().enumerate();
         let blocks: Vec<Block<'_>> =

@@ -10,8 +10,7 @@ use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Distribution;
 use rayon::prelude::*;
 
-use crate::assessed::Propagation;
-use crate::candidate::Minimum;
+use crate::candidate::{Minimum, Propagation};
 use crate::closed_form::elastoplastic_of_record;
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;

@@ -3,9 +3,7 @@
 use crate::error::{finite, positive};
 use crate::series::step::{integral, product};
 use crate::series::walk::Walk;
-use crate::structure::connected_masses::{Connection, Node, Structure};
-use crate::structure::element::Element;
-use crate::structure::form::Strain;
+use crate::structure::connected_masses::{Connection, Element, Node, Strain, Structure};
 use crate::{Drive, LumpedError, Start};
 
 /// A part of a path.

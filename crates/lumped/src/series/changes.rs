@@ -12,9 +12,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::series::step::{LinkSeries, ORDER, Series, Step};
-use crate::structure::connected_masses::{Place, Structure};
-use crate::structure::form::{Form, Strain};
-use crate::structure::law::{Branch, Law};
+use crate::structure::connected_masses::{Branch, Form, Law, Place, Strain, Structure};
 
 /// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the
 /// others fill the time.

@@ -2,10 +2,9 @@
 
 use crumple_lumped::{
     Collision, CollisionQuestions, CrashPulse, Damper, Drive, Elastoplastic, Element, ElementEvent, Extrapolation,
-    ForceDeflection, ForceDeflectionParameter, Leg, Model, Motion, Node, Occupant, Partner, PiecewiseLinear, Place,
-    SeriesSpringDamper, Start, Structure, collide, lead,
+    ForceDeflection, ForceDeflectionParameter, Instants, Leg, LumpedError, Model, Motion, Node, Occupant,
+    PiecewiseLinear, Place, SeriesSpringDamper, Start, Structure, lead,
 };
-use crumple_lumped::{Instants, LumpedError};
 use proptest::prelude::*;
 
 /// A curve that buckles and rises, scaled.
@@ -278,25 +277,6 @@ fn derivatives_by_knots_and_speeds_agree_with_central_differences() {
             check("velocity", state.velocity_m_per_s, &|c| c.instants[k].masses[1].velocity_m_per_s);
         }
     }
-}
-
-#[test]
-fn a_curve_in_series_with_itself_is_the_wall_at_half_the_speed() {
-    let partner = |velocity_m_per_s: f64| Partner { mass_kg: 1500.0, velocity_m_per_s, front: rising(1.0, 2e7) };
-    let found = collide(&partner(15.0), &partner(-15.0)).unwrap();
-    let structure = Structure::row(&[1500.0], [vec![rising(1.0, 2e7).into()]]).unwrap();
-    let wall = structure.collision(&Drive::Impact(15.0), 0.3, &CollisionQuestions::default()).unwrap();
-    let turn = wall.turn.unwrap();
-    for one in found.partners {
-        assert!((one.crush_m - turn.crush_m).abs() < 1e-13);
-    }
-    assert!((found.time_of_common_velocity_s - turn.moment.time_s).abs() < 1e-13);
-    assert!(!found.is_share_open && found.common_velocity_m_per_s.abs() < 1e-13);
-    // Two plateaus of the same force leave the shares open.
-    let plateau = ForceDeflection::new(&[(0.0, 0.0), (0.005, 2e5), (0.5, 2e5)], 1e8).unwrap();
-    let partner = |velocity_m_per_s: f64| Partner { mass_kg: 1500.0, velocity_m_per_s, front: plateau.clone() };
-    assert!(collide(&partner(10.0), &partner(0.0)).unwrap().is_share_open);
-    assert!(collide(&partner(0.0), &partner(10.0)).is_err(), "they part");
 }
 
 #[test]

@@ -239,12 +239,6 @@ catalogue! {
         "||m - c||/(||m|| + ||c||), 0 to 1" "Theil (1958)";
     THEIL_U2 = "theil-u2" "theil_u2" "1" FromMemory
         "||m - c||/||m||" "Theil (1966)";
-    CORRIDOR_INSIDE = "corridor-inside" "corridor_time_inside" "1" Checked
-        "share of the common time at which the signal lies inside the corridor" "definition";
-    CORRIDOR_EXCURSION = "corridor-excursion" "corridor_longest_excursion" "s" Checked
-        "duration of the longest stay outside the corridor" "definition";
-    CORRIDOR_EXIT = "corridor-exit" "corridor_first_exit" "s" Checked
-        "time at which the signal first leaves the corridor" "definition";
     DRIFT = "drift-correction" "drift_correction" "m/s^2" Checked
         "acceleration subtracted so that the stated velocity is met" "definition";
     BARRIER_PEAK = "barrier-peak" "barrier_peak_force" "N" Checked

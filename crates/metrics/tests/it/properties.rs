@@ -1,5 +1,6 @@
 //! What holds for every signal.
 
+use crumple_metrics::definitions::{CATALOGUE, Mark};
 use crumple_metrics::{
     CoraOptions, Iso18571Options, OlcOptions, VpiOptions, clip_contiguous, clip_cumulative, cora, crash_events, hic,
     hic_all_pairs, hic_d, iso18571, olc, residuals, ride_down, sliding_mean, thiv_phd, vpi,
@@ -186,5 +187,80 @@ proptest! {
         if let Ok(r) = residuals(&s, &s) {
             prop_assert!(r.metrics("1").iter().all(|m| m.value.is_none_or(f64::is_finite)));
         }
+    }
+}
+
+const BEGIN: &str = "<!-- catalogue: generated, see crates/metrics/tests/it/properties.rs -->\n";
+
+const END: &str = "<!-- end of catalogue -->\n";
+
+fn table() -> String {
+    let mut table =
+        String::from("| name | definition id | unit | what is computed | source | mark |\n|---|---|---|---|---|---|\n");
+    for d in CATALOGUE {
+        let text = d.text.replace('|', "\\|");
+        table += &format!(
+            "| `{}` | `{}` | {} | {text} | {} | {} |\n",
+            d.name,
+            d.id,
+            d.unit,
+            d.source.replace('|', "\\|"),
+            d.mark.letter()
+        );
+    }
+    table
+}
+
+/// `CRUMPLE_WRITE_DOCS=1 cargo test -p crumple-metrics --test it catalogue` writes the table.
+#[test]
+fn the_page_lists_every_definition() {
+    let path = crumple_testkit::workspace().join("docs/metrics.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let (before, rest) = page.split_once(BEGIN).unwrap();
+    let (found, after) = rest.split_once(END).unwrap();
+    if std::env::var_os("CRUMPLE_WRITE_DOCS").is_some() {
+        std::fs::write(&path, format!("{before}{BEGIN}{}{END}{after}", table())).unwrap();
+        return;
+    }
+    assert_eq!(found, table(), "docs/metrics.md and the catalogue differ: run with CRUMPLE_WRITE_DOCS=1");
+}
+
+/// Rows of the table of marks beyond the catalogue, and the mark of each.
+fn rows(page: &str) -> Vec<(&str, &str)> {
+    let (_, table) = page.split_once("## Marks beyond the catalogue").unwrap();
+    let (table, _) = table.split_once("\n## ").unwrap();
+    let cells = table.lines().filter(|line| line.starts_with("| ")).skip(1).map(|line| {
+        let mut cells = line.split('|').map(str::trim).skip(1);
+        (cells.next().unwrap(), cells.next().unwrap())
+    });
+    cells.collect()
+}
+
+fn page() -> String {
+    std::fs::read_to_string(crumple_testkit::workspace().join("docs/metrics.md")).unwrap()
+}
+
+#[test]
+fn every_mark_of_the_specification_is_on_the_page() {
+    let Some(path) = crumple_testkit::shared("reference/crash-metrics.md") else { return };
+    let specification = std::fs::read_to_string(path).unwrap();
+    // Behind the paragraph that explains the marks.
+    let (_, body) = specification.split_once("## 0.").unwrap();
+    let page = page();
+    let rows = rows(&page);
+    for (mark, letter) in [("[U", "U"), ("[M", "M")] {
+        let stated = body.matches(mark).count();
+        let found = rows.iter().filter(|(_, row)| *row == letter).count();
+        assert_eq!(found, stated, "{mark}]: {found} rows, {stated} in the specification");
+    }
+}
+
+#[test]
+fn a_definition_that_is_an_option_is_named_among_the_marks() {
+    let page = page();
+    let uncertain: Vec<&str> = rows(&page).into_iter().filter(|(_, mark)| *mark == "U").map(|(row, _)| row).collect();
+    for definition in CATALOGUE.iter().filter(|definition| definition.mark == Mark::Uncertain) {
+        let family = definition.id.split('-').next().unwrap().to_uppercase();
+        assert!(uncertain.iter().any(|row| row.starts_with(&family)), "{}", definition.id);
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::linalg::product::dot;
-use crate::linalg::svd;
+use crate::linalg;
+use crate::linalg::dot;
 
 // Non-negative least squares by an active set on the triangular factor; the normal equations are not formed.
 
@@ -240,7 +240,7 @@ impl TriangularFactor {
         let norms: Vec<f64> =
             (0..p).map(|j| r.column(j).norm()).map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
         let scaled = DMatrix::from_fn(p, p, |i, j| r[(i, j)] / norms[j]);
-        let svd = svd::jacobi_svd(&scaled)?;
+        let svd = linalg::jacobi_svd(&scaled)?;
         let largest = svd.values.first().copied().unwrap_or(0.0);
         let rank = svd.values.iter().take_while(|s| **s > truncation * largest && **s > 0.0).count();
         let smallest = svd.values.last().copied().unwrap_or(0.0);

@@ -5,22 +5,18 @@
 //! Time is in seconds, poles in 1/s and rad/s.
 
 mod conversion;
+pub mod eigenvalues;
 mod error;
-mod matrix;
+pub mod matrix_functions;
 mod model;
 mod responses;
 
-pub use conversion::continuous::{Continuous, InputHold, to_continuous};
-pub use conversion::first_order_hold::{FirstOrderHold, discretize_first_order_hold};
-pub use conversion::to_transfer_function::to_transfer_function;
-pub use conversion::zero_order_hold::{discretize_zero_order_hold, undo_zero_order_hold};
+pub use conversion::{
+    Continuous, FirstOrderHold, InputHold, discretize_first_order_hold, discretize_zero_order_hold, to_continuous,
+    to_transfer_function, undo_zero_order_hold,
+};
+pub use eigenvalues::{Complex, eigenvalues, eigenvectors, polynomial_roots};
 pub use error::LtiError;
-pub use matrix::complex::Complex;
-pub use matrix::eigen::{eigenvalues, eigenvectors};
-pub use matrix::exponential::matrix_exponential;
-pub use matrix::logarithm::matrix_logarithm;
-pub use matrix::roots::polynomial_roots;
+pub use matrix_functions::{matrix_exponential, matrix_logarithm};
 pub use model::{Mode, StateSpace, TransferFunction};
-pub use responses::frequency_response::frequency_response;
-pub use responses::response::{free_response, impulse_response, response, step_response};
-pub use responses::simulate::simulate;
+pub use responses::{free_response, frequency_response, impulse_response, response, simulate, step_response};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
 
-use crate::lti::matrix::checks::check_finite;
+use crate::lti::eigenvalues::check_finite;
 use crate::lti::{Complex, LtiError, eigenvalues, polynomial_roots};
 
 // Natural frequency and damping of a pole.

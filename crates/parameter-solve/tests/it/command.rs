@@ -11,7 +11,7 @@ use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Kelvin, Model};
 use crumple_signal::{QuantityKind, Sampled};
 use crumple_testkit::{IMPACT_SPEED_M_PER_S, integrated};
 
-use crate::program::{run, said, solved, write};
+use crate::command_models::{run, said, solved, write};
 
 fn kelvin() -> Kelvin {
     Kelvin { mass_kg: 873.0, stiffness_n_per_m: 330_000.0, damping_n_s_per_m: 2_500.0 }

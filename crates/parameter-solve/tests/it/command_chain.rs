@@ -8,7 +8,7 @@ use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{Chain, Drive, PiecewiseLinear};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
-use crate::program;
+use crate::command_models;
 
 const V0: f64 = 14.0;
 
@@ -47,14 +47,14 @@ fn write_integrated(path: &Path, pulse: &str) {
         let x = Sampled::new(0.0, 1e-4, motion.displacement_m.clone()).unwrap();
         builder.wave(&format!("{id}/displacement"), QuantityKind::Displacement, x).unwrap();
     }
-    program::write(&builder, path);
+    command_models::write(&builder, path);
 }
 
 fn run(folder: &Path, pipeline: &str, flags: &[&str]) -> Output {
     write_integrated(&folder.join("3.mcap"), if pipeline.contains("occupant") { "102" } else { "103" });
     let file = folder.join("p.toml");
     std::fs::write(&file, pipeline).unwrap();
-    program::run(folder, &[&["--pipeline", file.to_str().unwrap()], flags].concat())
+    command_models::run(folder, &[&["--pipeline", file.to_str().unwrap()], flags].concat())
 }
 
 const CAR: &str = r#"

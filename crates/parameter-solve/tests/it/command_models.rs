@@ -1,12 +1,13 @@
 //! The program on identified models, on a paper's printed numbers, and on a vehicle that never stops.
 
+use std::path::Path;
+use std::process::{Command, Output};
+
 use crumple_artifact::records::{CandidateV1, EvidenceV1, MatchingV1, NotesV1, TestV1, TransferFunctionV1};
-use crumple_artifact::{Artifact, ArtifactBuilder};
+use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Maxwell, Model};
 use crumple_signal::TestDescription;
 use crumple_testkit::integrated;
-
-use crate::program::{run, said, solved, write};
 
 const MATCHING: [&str; 4] = ["--models", "double-spring-mass-damper", "--method", "coefficient-matching"];
 const ID: &str = "/parameters/double-spring-mass-damper/coefficient-matching";
@@ -152,4 +153,33 @@ fn a_vehicle_that_never_stops_is_judged_over_the_window_of_its_fits() {
     let bound = "warning: elastoplastic/closed-form/1: on a bound of the search, not determined by the record: \
         unloading stiffness";
     assert!(notes.contains(bound), "{notes}");
+}
+
+/// Writes an artifact as integration does.
+pub fn write(builder: &ArtifactBuilder, path: &Path) {
+    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), Vec::new());
+    builder.write(path, &provenance, Compression::None).unwrap();
+}
+
+pub fn run(folder: &Path, flags: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_crumple-parameter-solve"))
+        .args([folder.join("3.mcap").as_os_str(), "-o".as_ref(), folder.join("5.mcap").as_os_str()])
+        .args(flags)
+        .output()
+        .unwrap()
+}
+
+pub fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// What a run that is done wrote.
+pub fn result(folder: &Path, output: &Output) -> Artifact {
+    assert_eq!(output.status.code(), Some(0), "{}", said(output));
+    Artifact::open(&folder.join("5.mcap")).unwrap()
+}
+
+/// The result of [`run`].
+pub fn solved(folder: &Path, flags: &[&str]) -> Artifact {
+    result(folder, &run(folder, flags))
 }

@@ -5,6 +5,4 @@
 mod command;
 mod command_chain;
 mod command_models;
-mod program;
 mod sensor_assessment;
-mod several_tests;

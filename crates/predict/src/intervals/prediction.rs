@@ -10,9 +10,9 @@ use crate::error::PredictError;
 use crate::impact::candidate::Scenario;
 use crate::impact::outcome::{Energy, Outcome, QUANTITIES, Quantity, Reach, Side, Wave, energy};
 use crate::impact::partner::{CollisionOutcome, Opponent, PreparedSetup, collision};
-use crate::intervals::models::PreparedPartner;
 use crate::intervals::sources::{
-    Inputs, Interval, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front, by_rate_effect, interval,
+    Inputs, Interval, PreparedPartner, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front,
+    by_rate_effect, interval,
 };
 use crate::intervals::tested::{
     COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, at_crush, half_difference, relative,

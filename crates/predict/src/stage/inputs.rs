@@ -6,7 +6,7 @@ use crumple_lumped::Model;
 use crumple_predict::{Candidate, HALF_WIDTH, MadeTest, ParameterSpread, Prediction, Quantity, TestedImpact};
 use crumple_signal::{Sampled, TestDescription};
 use crumple_stage::records::{AgainstTestV1, CandidateV1, EventsV1, MetricsV2, RecommendationV1, TestsV1};
-use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts, unknown_name};
+use crumple_stage::{InputDigest, Inputs, Refused, Usage, errors_in_words, load_artifacts, unknown_name};
 
 /// A candidate that is to predict.
 #[derive(Debug, PartialEq, Eq)]
@@ -221,17 +221,12 @@ impl OtherTest {
 
 /// A line for a person.
 pub fn beside_in_words(against: &AgainstTestV1) -> String {
-    let percent = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.1} %"));
-    let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:+.3}"));
-    let score = against.iso18571_score.map_or_else(|| "-".to_owned(), |score| format!("{score:.3}"));
-    let crush = if against.held.iter().any(|name| name == "dynamic_crush_m") { "holds" } else { "does not hold" };
+    let [crush, time, peak, restitution, score] = errors_in_words(against);
+    let holds = if against.held.iter().any(|name| name == "dynamic_crush_m") { "holds" } else { "does not hold" };
     format!(
-        "  against {:?}: crush {}, its time {}, peak {}, e {}, ISO/TS 18571 {score}; the interval {crush} the crush",
+        "  against {:?}: crush {crush}, its time {time}, peak {peak}, e {restitution}, ISO/TS 18571 {score}; the interval \
+         {holds} the crush",
         against.test,
-        percent(against.dynamic_crush_error_percent),
-        percent(against.time_of_dynamic_crush_error_percent),
-        percent(against.peak_acceleration_error_percent),
-        number(against.coefficient_of_restitution_error),
     )
 }
 

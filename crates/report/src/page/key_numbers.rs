@@ -8,6 +8,10 @@ use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::IntervalSourceV1;
 use crumple_signal::ANOTHER_VEHICLE;
+use crumple_signal::key_quantities::{
+    CRUSH, DELTA_V, HIC15, HIC36, KM_PER_H_PER_M_PER_S, KeyQuantity, MAXIMUM_DELTA_V, OLC, PEAK, RESTITUTION,
+    TIME_OF_CRUSH,
+};
 
 pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
     if numbers.is_empty() {
@@ -68,29 +72,15 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 /// The word of the trade.
 pub(crate) fn title(run: &Run, name: &str) -> String {
     let texts = &PHRASES.numbers;
-    let title = match name {
-        "dynamic_crush" if run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) => texts.motion_over_ground,
-        "dynamic_crush" => texts.dynamic_crush,
-        "time_of_dynamic_crush" => texts.time_of_crush,
-        "delta_v" => texts.delta_v,
-        "maximum_delta_v" => texts.maximum_delta_v,
-        "time_of_maximum_delta_v" => texts.time_of_maximum_delta_v,
-        "coefficient_of_restitution" => texts.restitution,
-        "olc" => "OLC",
-        "hic15" => "HIC15",
-        "hic36" => "HIC36",
-        "clip_3ms_contiguous" => texts.clip_3ms,
-        "peak_acceleration" => {
-            let filter = run.filter.as_ref();
-            return match (filter.and_then(|filter| filter.cfc), filter.and_then(|f| f.cutoff_hz.first())) {
-                (Some(cfc), _) => fill(texts.peak_cfc, &[("cfc", cfc.to_string())]),
-                (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", words::quantity(*hz, 0, "Hz"))]),
-                (None, None) => texts.peak.to_owned(),
-            };
-        }
-        other => return words::metric(other),
-    };
-    title.to_owned()
+    if name == CRUSH.key && run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) {
+        return texts.motion_over_ground.to_owned();
+    }
+    let filter = run.filter.as_ref().filter(|_| name == PEAK.key);
+    match (filter.and_then(|filter| filter.cfc), filter.and_then(|filter| filter.cutoff_hz.first())) {
+        (Some(cfc), _) => fill(texts.peak_cfc, &[("cfc", cfc.to_string())]),
+        (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", words::quantity(*hz, 0, "Hz"))]),
+        (None, None) => KeyQuantity::of(name).map_or_else(|| words::metric(name), |known| known.title.to_owned()),
+    }
 }
 
 fn interval_name(number: &KeyNumber) -> String {
@@ -107,21 +97,23 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
     let texts = &PHRASES.numbers;
     let events = run.events.as_ref();
     let at = || number.at_s.map(|t| fill(texts.at, &[("time", words::quantity(MILLI * t, 1, "ms"))]));
-    match &*number.name {
-        "peak_acceleration" | "maximum_delta_v" => at(),
-        "delta_v" if events.is_some_and(|e| e.end_of_event_s.is_some()) => {
-            at().map(|at| format!("{at}{}", texts.does_not_reach_zero))
-        }
-        "coefficient_of_restitution" => events
-            .and_then(|events| events.rebound_velocity_m_per_s)
-            .map(|v| fill(texts.rebound, &[("speed", words::quantity(3.6 * v.abs(), 1, "km/h"))])),
-        "time_of_dynamic_crush" => {
-            let ratio = events.and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))?;
-            Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", words::decimals(ratio, 3)))
-        }
-        "olc" => Some(texts.olc.to_owned()),
-        "hic15" | "hic36" => Some(texts.hic.to_owned()),
-        _ => None,
+    let is = |quantities: &[KeyQuantity]| quantities.contains(number.quantity());
+    if is(&[PEAK, MAXIMUM_DELTA_V]) {
+        at()
+    } else if is(&[DELTA_V]) {
+        let not_zero = events.is_some_and(|events| events.end_of_event_s.is_some());
+        at().filter(|_| not_zero).map(|at| format!("{at}{}", texts.does_not_reach_zero))
+    } else if is(&[RESTITUTION]) {
+        let rebound = events.and_then(|events| events.rebound_velocity_m_per_s)?.abs();
+        let speed = words::quantity(KM_PER_H_PER_M_PER_S * rebound, 1, "km/h");
+        Some(fill(texts.rebound, &[("speed", speed)]))
+    } else if is(&[TIME_OF_CRUSH]) {
+        let ratio = events.and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))?;
+        Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", words::decimals(ratio, 3)))
+    } else if is(&[OLC]) {
+        Some(texts.olc.to_owned())
+    } else {
+        is(&[HIC15, HIC36]).then(|| texts.hic.to_owned())
     }
 }
 

@@ -183,13 +183,7 @@ texts! { ConclusionTexts
     more: "{count} more warnings";
     verdict: "Verdict";
     what_to_do: "What to do: {remedy}.";
-    crush_label: "dynamic crush";
     ground_label: "motion over ground";
-    time_label: "time of crush";
-    change_label: "delta-v";
-    restitution_label: "restitution";
-    peak_label: "peak";
-    olc_label: "OLC";
     curve: "curve of {count} knots to {end}";
     as_one_spring: "as one spring k {stiffness}";
     given: "given";

@@ -2,15 +2,7 @@
 
 texts! { NumberTexts
     key_numbers: "Key numbers";
-    dynamic_crush: "Dynamic crush C";
     motion_over_ground: "Motion over ground";
-    time_of_crush: "Time of crush tₘ";
-    delta_v: "Velocity change Δv";
-    maximum_delta_v: "Maximum Δv as recorded";
-    time_of_maximum_delta_v: "Time of maximum Δv";
-    restitution: "Restitution e";
-    clip_3ms: "3 ms clip";
-    peak: "Peak";
     peak_cfc: "Peak, CFC\u{a0}{cfc}";
     peak_filtered: "Peak, filtered at {frequency}";
     no_interval:

@@ -6,6 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
+use Kind::{Count, Flag, Number, Text};
 use anyhow::Context;
 use crumple_artifact::records::PredictionV1;
 use crumple_artifact::{OutputKind, write_atomically};
@@ -19,7 +20,6 @@ use parquet::schema::types::Type;
 use rayon::prelude::*;
 
 use crate::fleet::runs::{JournalEntry, Run, path_in};
-use Kind::{Count, Flag, Number, Text};
 
 // `candidates`: one row a candidate of a run.
 

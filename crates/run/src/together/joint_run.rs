@@ -1,23 +1,18 @@
-//! The joint stages into one folder.
+//! One model for several tests: the runs of each, then the joint run.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use crumple_stage::{ExitStatus, say};
+use crumple_stage::{ExitStatus, Usage, say};
 
-use crate::command::Pipeline;
-use crate::command::Program;
+use crate::command::{Pipeline, Program, Words, own_program};
+use crate::folder::content::PipelineOfRun;
 use crate::folder::lock::LockedFolder;
-use crate::folder::pipeline_of_run::PipelineOfRun;
-use crate::steps::StageExit;
-use crate::steps::start;
-use crate::together::each_run::{TestRun, run_each, test_runs};
-use crate::together::files::{PREDICTED, REPORT, SOLVED, SUMMARY};
-use crate::together::leave_one_out::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others};
-use crate::together::options::{Asked, TogetherOptions};
-use crate::together::summary::write_summary;
+use crate::steps::{StageExit, run_program, start};
+use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others, write_summary};
 
 /// Runs every record, fits one model to all of them, predicts every test from the others, and predicts with the model.
 ///
@@ -181,5 +176,224 @@ impl JointRun<'_> {
     fn step(&self, stage: &str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
         let program = Program::of_stage(stage, &self.options.flags)?;
         Ok(StageExit::of(start(&program, arguments, &self.options.flags)?).status_of(&program.file))
+    }
+}
+
+/// What a joint fit reads of a test.
+const FILTERED: &str = "2-filter.mcap";
+
+/// A test with its run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct TestRun {
+    /// Name in the joint result: that of its record.
+    pub(crate) name: String,
+    /// Its run folder.
+    pub(crate) folder: PathBuf,
+    /// The record to run; `None`: the folder was given.
+    record: Option<PathBuf>,
+}
+
+impl TestRun {
+    /// The artifacts of a joint fit, each with the name of the test in front.
+    pub(crate) fn named_artifacts(&self) -> impl Iterator<Item = String> {
+        let path = |file: &str| format!("{}:{}", self.name, self.folder.join(file).display());
+        [path(FILTERED), path(INTEGRATED)].into_iter()
+    }
+
+    /// The artifacts with which the test alone predicts.
+    pub(crate) fn own_candidates(&self) -> [PathBuf; 2] {
+        [self.folder.join(INTEGRATED), self.folder.join(SOLVED)]
+    }
+}
+
+/// Which run each record has. Errors: two records of one name.
+fn test_runs(records: &[PathBuf], options: &TogetherOptions) -> Result<Vec<TestRun>, Usage> {
+    let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
+    let mut runs: Vec<TestRun> = Vec::new();
+    let mut seen: BTreeMap<String, &Path> = BTreeMap::new();
+    for record in records {
+        let run = test_run(record, &pipeline, options)?;
+        if let Some(other) = seen.insert(run.name.clone(), record) {
+            let problem = format!("{} and {} have one name, {}", other.display(), record.display(), run.name);
+            return Err(Usage::new(problem).hint("their results would share a folder: rename one of the files"));
+        }
+        runs.push(run);
+    }
+    Ok(runs)
+}
+
+fn test_run(record: &Path, pipeline: &Pipeline, options: &TogetherOptions) -> Result<TestRun, Usage> {
+    let name_of = |path: &Path| path.file_name().map(|name| name.to_string_lossy().replace([':', '/'], "-"));
+    let without_name = || Usage::new(format!("{} has no file name", record.display()));
+    if record.join(INTEGRATED).is_file() {
+        // A folder made by `just run` has the name of its pipeline.
+        let last = Path::new(&pipeline.name).file_name();
+        let of_record = if record.file_name() == last { record.parent() } else { Some(record) };
+        let name = of_record.and_then(name_of).ok_or_else(without_name)?;
+        return Ok(TestRun { name, folder: record.to_owned(), record: None });
+    }
+    let stem = record.file_stem().ok_or_else(without_name)?;
+    let name = name_of(Path::new(stem)).ok_or_else(without_name)?;
+    let folder = options.project.join("runs").join(stem).join(&pipeline.name);
+    Ok(TestRun { name, folder, record: Some(record.to_owned()) })
+}
+
+/// Runs the records that no folder was given for. `Some`: the exit status of one that failed, which is named.
+fn run_each(runs: &[TestRun], options: &TogetherOptions) -> anyhow::Result<Option<ExitStatus>> {
+    for run in runs {
+        let Some(record) = &run.record else { continue };
+        let mut arguments: Vec<OsString> = vec!["--project".into(), options.project.clone().into()];
+        arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
+        arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into(), record.into()]);
+        let failed = match StageExit::of(run_program(&own_program("run"), &arguments)?) {
+            StageExit::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
+            StageExit::WithResult(status) | StageExit::Failed(status) => Some(status),
+            StageExit::Unforeseen(_) => Some(ExitStatus::Failure),
+        };
+        if let Some(status) = failed {
+            say(format_args!("error: the run of {} failed; no joint result was written", record.display()));
+            return Ok(Some(status));
+        }
+    }
+    Ok(None)
+}
+
+/// Motion of a test.
+pub(crate) const INTEGRATED: &str = "3-integrate.mcap";
+/// Joint candidates.
+pub(crate) const SOLVED: &str = "5-parameter-solve.mcap";
+/// Predictions.
+pub(crate) const PREDICTED: &str = "7-predict.mcap";
+/// All of it for scripts.
+pub(crate) const SUMMARY: &str = "summary.json";
+/// What a person looks at.
+const REPORT: &str = "report.html";
+
+/// Fits one model to several tests, and predicts every test from the others.
+///
+/// The recipe `together` of the justfile calls it. Each record has its ordinary run first; then the joint fit, its
+/// predictions, and for each test a fit to the others that predicts it: into one folder, with summary.json.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-together",
+    version,
+    after_help = "Exit codes: 0 done, 1 a program failed unforeseen, 2 usage, 3 a record refused, 4 no acceptable \
+                  result (its diagnosis is written)."
+)]
+pub struct TogetherOptions {
+    /// Folder with `pipelines/` and `runs/`.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub(crate) project: PathBuf,
+
+    /// Pipeline: a file below `pipelines/` without its ending, or the path of a file elsewhere.
+    #[arg(long, value_name = "NAME|FILE", default_value = "default", allow_hyphen_values = true)]
+    pub(crate) pipeline: String,
+
+    /// Folder of the joint result [default: runs/together/NAME in the project].
+    #[arg(long, value_name = "FOLDER", default_value = "", allow_hyphen_values = true)]
+    pub(crate) out: OsString,
+
+    /// Flags for every stage, as one would type them.
+    #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
+    pub(crate) flags: Words,
+
+    /// Predicts again with the joint result in this folder; behind `--` stand flags of that prediction.
+    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
+    pub(crate) again: Option<PathBuf>,
+
+    /// Records or run folders, then `--name NAME` and flags of the joint prediction, such as --speed 64km/h.
+    #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
+    pub(crate) rest: Vec<OsString>,
+}
+
+/// What stands behind `--`.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Asked {
+    /// Records and run folders.
+    pub(crate) records: Vec<PathBuf>,
+    /// Name of the result.
+    pub(crate) name: Option<String>,
+    /// Flags of the joint prediction.
+    pub(crate) flags: Vec<OsString>,
+}
+
+impl Asked {
+    /// Records up to the first flag, then flags. Errors: fewer than two records, a name without value or with a slash.
+    pub(crate) fn read(rest: &[OsString]) -> Result<Self, Usage> {
+        let is_flag = |word: &OsString| word.as_encoded_bytes().starts_with(b"-");
+        let count = rest.iter().take_while(|word| !is_flag(word)).count();
+        let mut asked = Self { records: rest[..count].iter().map(PathBuf::from).collect(), ..Self::default() };
+        let mut words = rest[count..].iter();
+        while let Some(word) = words.next() {
+            let text = word.to_string_lossy();
+            let value = match text.strip_prefix("--name") {
+                Some("") => words.next().map(|value| value.to_string_lossy().into_owned()),
+                Some(value) if value.starts_with('=') => Some(value[1..].to_owned()),
+                _ => {
+                    asked.flags.push(word.clone());
+                    continue;
+                }
+            };
+            let name = value.filter(|name| !name.is_empty() && !name.contains('/') && !name.starts_with(['-', '.']));
+            asked.name = Some(name.ok_or_else(|| Usage::new("--name needs a name without slashes"))?);
+        }
+        if asked.records.len() < 2 {
+            return Err(Usage::new(format!(
+                "{} record, and one model for several tests needs two",
+                asked.records.len()
+            ))
+            .hint("just together A.EV5 B.EV5 ... [--name NAME]; records come first"));
+        }
+        Ok(asked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    fn options(project: &Path) -> TogetherOptions {
+        let project = project.to_str().unwrap();
+        TogetherOptions::parse_from(["together", "--project", project, "--", "a", "b"])
+    }
+
+    #[test]
+    fn a_record_and_its_run_folder_have_one_name() {
+        let project = tempfile::tempdir().unwrap();
+        let folder = project.path().join("runs/a/default");
+        fs::create_dir_all(&folder).unwrap();
+        let options = options(project.path());
+        let runs = |records: &[PathBuf]| test_runs(records, &options);
+        let [of_record] = &runs(&["x/a.csv".into()]).unwrap()[..] else { panic!() };
+        assert_eq!((of_record.name.as_str(), &of_record.folder), ("a", &folder));
+        fs::write(folder.join(INTEGRATED), "").unwrap();
+        let [of_folder] = &runs(std::slice::from_ref(&folder)).unwrap()[..] else { panic!() };
+        assert_eq!((of_folder.name.as_str(), of_folder.record.is_none()), ("a", true));
+        let error = runs(&[folder, "a.EV5".into()]).unwrap_err();
+        assert!(error.to_string().contains("have one name, a"), "{error}");
+    }
+
+    fn read(words: &[&str]) -> Result<Asked, Usage> {
+        Asked::read(&words.iter().map(OsString::from).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn records_come_first_and_the_name_is_no_flag_of_a_stage() {
+        let asked = read(&["a.csv", "b.csv", "--speed", "64km/h", "--name", "both", "--mass=9kg"]).unwrap();
+        assert_eq!(asked.records, [PathBuf::from("a.csv"), PathBuf::from("b.csv")]);
+        assert_eq!(asked.name.as_deref(), Some("both"));
+        assert_eq!(asked.flags, ["--speed", "64km/h", "--mass=9kg"]);
+        assert_eq!(read(&["a", "b", "--name=c"]).unwrap().name.as_deref(), Some("c"));
+    }
+
+    #[test]
+    fn one_record_and_a_name_that_is_a_path_are_refused() {
+        assert!(read(&["a.csv"]).unwrap_err().to_string().starts_with("1 record"));
+        assert!(read(&["--name", "x", "a", "b"]).is_err());
+        for name in ["", "a/b", "..", "-x"] {
+            assert!(read(&["a", "b", "--name", name]).is_err(), "{name:?}");
+        }
+        assert!(read(&["a", "b", "--name"]).is_err());
     }
 }

@@ -1,6 +1,11 @@
 //! How stages end, and what is said of it.
 
 use std::fs;
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Instant;
 
 use crate::chain::{Chain, RESULTS, Stages, said};
 
@@ -135,7 +140,7 @@ fn a_command_of_several_is_one_of_a_shell_that_is_named() {
 fn a_stage_of_the_project_that_would_only_print_is_refused() {
     let mut chain = Chain::new(Stages::Own);
     assert!(chain.run("a").status().unwrap().success());
-    let refused = |mut run: std::process::Command, place: &str| {
+    let refused = |mut run: Command, place: &str| {
         let output = run.output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{}", said(&output));
         assert!(said(&output).contains(&format!("--version in {place}: crumple-")), "{}", said(&output));
@@ -158,5 +163,163 @@ fn a_first_stage_that_cannot_print_what_is_asked_is_named() {
         let output = chain.run("a").arg("--list").output().unwrap();
         assert_eq!(output.status.code(), Some(code), "{}", said(&output));
         assert!(said(&output).contains(words), "{}", said(&output));
+    }
+}
+
+/// Moments at which a run is killed; `CRUMPLE_KILLS` states another number.
+fn kills() -> u32 {
+    std::env::var("CRUMPLE_KILLS").ok().and_then(|number| number.parse().ok()).unwrap_or(15)
+}
+
+/// Kills runs of `b` over a finished run of `a`, spread over the time that one takes.
+fn kill_at_many_moments(stages: Stages, whole_group: bool) {
+    let chain = Chain::new(stages);
+    assert!(chain.run("a").status().unwrap().success());
+    let started = Instant::now();
+    assert!(chain.run("b").status().unwrap().success());
+    let duration = started.elapsed();
+    let mut unfinished = 0;
+    for kill in 0..kills() {
+        assert!(chain.run("a").status().unwrap().success());
+        chain.assert_whole("a");
+        let mut run = chain.run("b").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        sleep(duration.mul_f64(f64::from(kill) / f64::from(kills())));
+        if whole_group {
+            let group = format!("kill -KILL -{}", run.id());
+            Command::new("sh").args(["-c", &group]).stderr(Stdio::null()).status().unwrap();
+        } else {
+            run.kill().unwrap();
+        }
+        run.wait().unwrap();
+        // A stage that still runs keeps the folder locked.
+        File::open(chain.folder()).unwrap().lock().unwrap();
+        chain.assert_unmixed(&format!("{stages:?}, group {whole_group}, kill {kill}"));
+        unfinished += u32::from(RESULTS.iter().any(|name| !chain.folder().join(name).exists()));
+    }
+    assert!(unfinished > 0, "no run was killed on its way");
+    assert!(chain.run("b").status().unwrap().success());
+    chain.assert_whole("b");
+}
+
+#[test]
+fn a_killed_run_leaves_no_mixture() {
+    kill_at_many_moments(Stages::Own, false);
+}
+
+#[test]
+fn a_run_killed_with_its_stages_leaves_no_mixture() {
+    kill_at_many_moments(Stages::Own, true);
+}
+
+#[test]
+fn a_killed_run_of_programs_from_elsewhere_leaves_no_mixture() {
+    kill_at_many_moments(Stages::Foreign, false);
+}
+
+#[test]
+fn a_run_killed_with_programs_from_elsewhere_leaves_no_mixture() {
+    kill_at_many_moments(Stages::Foreign, true);
+}
+
+#[test]
+fn a_folder_is_named_by_record_and_pipeline_and_made_only_for_a_result() {
+    let chain = Chain::new(Stages::Foreign);
+    let runs = chain.folder().with_file_name("runs");
+    let mut refused = chain.run_into(Path::new(""), Path::new("/nowhere/x.csv"));
+    assert!(!refused.status().unwrap().success());
+    assert!(!runs.exists(), "nothing was read, and nothing is left");
+    assert!(chain.run_into(Path::new(""), &chain.record("a")).status().unwrap().success());
+    assert!(runs.join("a/default/report.html").exists());
+}
+
+#[test]
+fn records_with_special_names_are_read() {
+    let chain = Chain::new(Stages::Own);
+    for name in ["two words", "it's", "$HOME", "\"x\"", "a;b", "ü"] {
+        let record = chain.record(name);
+        fs::copy(chain.record("a"), &record).unwrap();
+        let folder = chain.folder().join("b").join(name);
+        let output = chain.run_into(&folder, &record).output().unwrap();
+        assert!(output.status.success(), "{name}: {}", said(&output));
+        assert!(folder.join("report.html").exists(), "{name}");
+    }
+}
+
+#[test]
+fn a_record_does_not_begin_as_a_flag() {
+    let chain = Chain::new(Stages::Foreign);
+    let output = chain.run_into(&chain.folder(), Path::new("--list")).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("the record comes first: just run RECORD"), "{}", said(&output));
+}
+
+#[test]
+fn a_folder_with_a_report_of_somebody_else_is_left_alone() {
+    let chain = Chain::new(Stages::Own);
+    fs::create_dir(chain.folder()).unwrap();
+    fs::write(chain.folder().join("report.html"), "mine").unwrap();
+    let output = chain.run("a").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("just out=DIR run RECORD"), "{}", said(&output));
+    assert_eq!(chain.contents().into_iter().collect::<Vec<_>>(), [("report.html".to_owned(), "mine".to_owned())]);
+}
+
+#[test]
+fn what_a_killed_run_left_is_swept_and_nothing_else() {
+    let chain = Chain::new(Stages::Foreign);
+    let path = |name: &str| chain.folder().join(name);
+    fs::create_dir_all(path(".crumple-run.new")).unwrap();
+    for name in [".crumple-run.new/4-identify.mcap", ".report.html.x1.tmp", ".3-integrate.mcap.x2.tmp", "mine.txt"] {
+        fs::write(path(name), "half").unwrap();
+    }
+    assert!(chain.run("a").status().unwrap().success());
+    fs::remove_file(path("mine.txt")).unwrap();
+    chain.assert_whole("a");
+    // A file that no stage is known to write stays, and disturbs no run.
+    fs::create_dir(path(".crumple-run.new")).unwrap();
+    fs::write(path(".crumple-run.new/mine.txt"), "mine").unwrap();
+    assert!(chain.run("b").status().unwrap().success());
+    assert_eq!(fs::read_dir(path(".crumple-run.new")).unwrap().count(), 1);
+    fs::remove_dir_all(path(".crumple-run.new")).unwrap();
+    chain.assert_whole("b");
+}
+
+fn without_a_table(stages: Stages) {
+    let chain = Chain::new(stages);
+    let run = || {
+        let output = chain.run("a").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    };
+    let pipeline = chain.record("pipelines/default.toml");
+    run();
+    chain.assert_whole("a");
+    // What was written once goes, and the report is that of the others.
+    fs::write(&pipeline, "base = 'none'\n[ingest]\n").unwrap();
+    run();
+    let left: Vec<&str> = RESULTS.into_iter().filter(|name| *name != "7-predict.mcap").collect();
+    assert_eq!(chain.names(), left);
+}
+
+#[test]
+fn a_stage_without_a_table_is_left_out_with_what_it_wrote_once() {
+    without_a_table(Stages::Own);
+    without_a_table(Stages::Foreign);
+}
+
+#[test]
+fn stages_run_again_in_the_folder_of_a_run_and_nowhere_else() {
+    for stages in [Stages::Own, Stages::Foreign] {
+        let chain = Chain::new(stages);
+        assert_eq!(chain.run("a").output().unwrap().status.code(), Some(0));
+        fs::write(chain.folder().join("3-integrate.mcap"), b"\x89MCAP other").unwrap();
+        let output = chain.again(&chain.folder(), &["--speed", "40km/h"]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        let contents = chain.contents();
+        assert!(contents["7-predict.mcap"].ends_with("other"), "{contents:?}");
+        assert!(contents["report.html"].ends_with('a') && contents.len() == RESULTS.len());
+        let elsewhere = chain.again(&chain.record("nowhere"), &[]).output().unwrap();
+        assert_eq!(elsewhere.status.code(), Some(2));
+        assert!(said(&elsewhere).contains("is no folder of a run"), "{}", said(&elsewhere));
+        assert!(!chain.record("nowhere").exists());
     }
 }

@@ -5,9 +5,4 @@
 mod chain;
 mod endings;
 mod fleet;
-mod folders;
-mod killed;
-mod optional;
-mod pipelines;
 mod stand_in;
-mod together;

@@ -19,6 +19,10 @@ pub struct KeyQuantity {
     pub key: &'static str,
     /// In words.
     pub name: &'static str,
+    /// As its card on the page has it.
+    pub title: &'static str,
+    /// As its line on the console has it; empty: it has none there.
+    pub console: &'static str,
     /// As the head of a column has it.
     pub symbol: &'static str,
     /// Unit that people use; empty: none.
@@ -33,7 +37,7 @@ const fn quantity(
     [key, name, symbol]: [&'static str; 3],
     (factor, decimals, unit): (f64, usize, &'static str),
 ) -> KeyQuantity {
-    KeyQuantity { key, name, symbol, unit, factor, decimals }
+    KeyQuantity { key, name, title: name, console: "", symbol, unit, factor, decimals }
 }
 
 /// Test mass.
@@ -43,33 +47,47 @@ pub const SPEED: KeyQuantity = quantity(["impact_speed", "impact speed", "speed"
 /// Model year.
 pub const YEAR: KeyQuantity = quantity(["model_year", "model year", "year"], (1.0, 0, ""));
 /// Dynamic crush.
-pub const CRUSH: KeyQuantity = quantity(["dynamic_crush", "dynamic crush", "C"], (MILLI, 0, "mm"));
+pub const CRUSH: KeyQuantity =
+    quantity(["dynamic_crush", "dynamic crush", "C"], (MILLI, 0, "mm")).called("Dynamic crush C", "dynamic crush");
 /// Time of dynamic crush.
 pub const TIME_OF_CRUSH: KeyQuantity =
-    quantity(["time_of_dynamic_crush", "time of dynamic crush", "tₘ"], (MILLI, 1, "ms"));
+    quantity(["time_of_dynamic_crush", "time of dynamic crush", "tₘ"], (MILLI, 1, "ms"))
+        .called("Time of crush tₘ", "time of crush");
 /// Change of velocity over the event.
-pub const DELTA_V: KeyQuantity = quantity(["delta_v", "change of velocity", "Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+pub const DELTA_V: KeyQuantity = quantity(["delta_v", "change of velocity", "Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"))
+    .called("Velocity change Δv", "delta-v");
 /// The largest change of velocity that a recorder kept.
 pub const MAXIMUM_DELTA_V: KeyQuantity =
-    quantity(["maximum_delta_v", "maximum change of velocity", "Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"));
+    quantity(["maximum_delta_v", "maximum change of velocity", "Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"))
+        .called("Maximum Δv as recorded", "delta-v");
 /// When it was reached.
 pub const TIME_OF_MAXIMUM_DELTA_V: KeyQuantity =
-    quantity(["time_of_maximum_delta_v", "time of the maximum change of velocity", "t"], (MILLI, 0, "ms"));
-/// Largest deceleration of the filtered pulse.
-pub const PEAK: KeyQuantity = quantity(["peak_acceleration", "peak deceleration", "peak"], (G_PER_M_PER_S2, 1, "g"));
+    quantity(["time_of_maximum_delta_v", "time of the maximum change of velocity", "t"], (MILLI, 0, "ms"))
+        .called("Time of maximum Δv", "");
+/// Largest magnitude of the filtered acceleration.
+pub const PEAK: KeyQuantity =
+    quantity(["peak_acceleration", "peak deceleration", "peak"], (G_PER_M_PER_S2, 1, "g")).called("Peak", "peak");
 /// Occupant load criterion.
-pub const OLC: KeyQuantity = quantity(["olc", "occupant load criterion", "OLC"], (G_PER_M_PER_S2, 1, "g"));
+pub const OLC: KeyQuantity =
+    quantity(["olc", "occupant load criterion", "OLC"], (G_PER_M_PER_S2, 1, "g")).called("OLC", "OLC");
 /// Coefficient of restitution.
 pub const RESTITUTION: KeyQuantity =
-    quantity(["coefficient_of_restitution", "coefficient of restitution", "e"], (1.0, 2, ""));
+    quantity(["coefficient_of_restitution", "coefficient of restitution", "e"], (1.0, 2, ""))
+        .called("Restitution e", "restitution");
 /// Head injury criterion over 15 ms.
-pub const HIC15: KeyQuantity = quantity(["hic15", "head injury criterion, 15 ms", "HIC15"], (1.0, 0, ""));
+pub const HIC15: KeyQuantity =
+    quantity(["hic15", "head injury criterion, 15 ms", "HIC15"], (1.0, 0, "")).called("HIC15", "");
 /// Head injury criterion over 36 ms.
-pub const HIC36: KeyQuantity = quantity(["hic36", "head injury criterion, 36 ms", "HIC36"], (1.0, 0, ""));
+pub const HIC36: KeyQuantity =
+    quantity(["hic36", "head injury criterion, 36 ms", "HIC36"], (1.0, 0, "")).called("HIC36", "");
 /// Acceleration that lasts 3 ms.
-pub const CLIP_3MS: KeyQuantity = quantity(["clip_3ms_contiguous", "3 ms clip", "3 ms clip"], (G_PER_M_PER_S2, 1, "g"));
+pub const CLIP_3MS: KeyQuantity =
+    quantity(["clip_3ms_contiguous", "3 ms clip", "3 ms clip"], (G_PER_M_PER_S2, 1, "g")).called("3 ms clip", "");
 /// Stiffness: of the Kelvin model, of a curve as one spring.
 pub const STIFFNESS: KeyQuantity = quantity(["stiffness", "Kelvin stiffness", "k"], (KILO, 0, "kN/m"));
+
+/// A number of a name that the table does not have, as records of other programs may.
+pub const UNKNOWN: KeyQuantity = quantity(["", "", ""], (1.0, 1, ""));
 
 /// Those that a report has among its key numbers.
 const OF_REPORTS: [KeyQuantity; 11] = [
@@ -90,6 +108,11 @@ impl KeyQuantity {
     /// The key number of this name.
     pub fn of(key: &str) -> Option<&'static Self> {
         OF_REPORTS.iter().find(|quantity| quantity.key == key)
+    }
+
+    /// The same with a title on the page and a label on the console of its own.
+    const fn called(self, title: &'static str, console: &'static str) -> Self {
+        Self { title, console, ..self }
     }
 
     /// Factor, decimals and unit.

@@ -1,12 +1,15 @@
 //! The artifacts a stage was given. It looks for topics, not for positions.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, TestV1};
+use crumple_artifact::records::{ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
-use crumple_signal::TestDescription;
+use crumple_signal::{
+    Acceleration, BeforeEvent, IntegrationRule, Measurement, QuantityKind, Sampled, TestDescription, TwoPassFilter,
+};
 
-use crate::error::{MissingTopic, RefuseExt, Refused};
+use crate::error::{MissingTopic, RefuseExt, Refused, Usage};
 use crate::names::{stage_order, writer_of};
 use crate::terminal::Progress;
 
@@ -149,7 +152,7 @@ impl Inputs {
 
     /// All records of a type under a topic prefix, as `(rest of the topic, record)`, sorted by topic.
     pub fn records<R: Record>(&self, prefix: &str) -> anyhow::Result<Vec<(String, R)>> {
-        let mut by_topic = std::collections::BTreeMap::new();
+        let mut by_topic = BTreeMap::new();
         for artifact in &self.artifacts {
             for raw in artifact.records() {
                 if let Some(rest) = raw.topic.strip_prefix(prefix)
@@ -174,7 +177,7 @@ impl Inputs {
 
     /// All waveforms as `(id, waveform)`, sorted by id.
     pub fn waves(&self) -> impl Iterator<Item = (&str, &Wave)> {
-        let mut by_id = std::collections::BTreeMap::new();
+        let mut by_id = BTreeMap::new();
         for artifact in &self.artifacts {
             by_id.extend(artifact.waves().iter().map(|(id, wave)| (id.as_str(), wave)));
         }
@@ -192,12 +195,189 @@ impl Inputs {
     }
 }
 
+/// What a stage that can join tests was given.
+#[derive(Debug)]
+pub enum Tests {
+    /// Artifacts of one test.
+    One(Inputs),
+    /// Two or more tests in the order of their names on the command line, each with its own artifacts.
+    Several(Vec<(String, Inputs)>),
+}
+
+/// Name and path of an input `NAME:PATH`; `None` for a plain path. A path that exists is a path, whatever is in it.
+fn named(input: &Path) -> Option<(&str, &Path)> {
+    if input.exists() {
+        return None;
+    }
+    let (name, path) = input.to_str()?.split_once(':')?;
+    (!name.is_empty() && !name.contains('/') && !path.is_empty()).then(|| (name, Path::new(path)))
+}
+
+/// The path of an input, without the name of its test.
+pub(crate) fn path_of(input: &Path) -> &Path {
+    named(input).map_or(input, |(_, path)| path)
+}
+
+/// Reads artifacts of one test, or of several where each path has the name of its test in front: `NAME:PATH`.
+///
+/// Provenance then has the kinds `NAME:STAGE`. Errors: as for [`load_artifacts`], test by test; some paths with a name
+/// and some without; one name alone; one record under two names.
+pub fn load_tests(paths: &[PathBuf]) -> anyhow::Result<Loaded<Tests>> {
+    let pairs: Vec<(&str, &Path)> = paths.iter().filter_map(|path| named(path)).collect();
+    if pairs.is_empty() {
+        return Ok(load_artifacts(paths)?.map(Tests::One));
+    }
+    let hint = "a:runs/a/default/3-integrate.mcap b:runs/b/default/3-integrate.mcap";
+    if let Some(plain) = paths.iter().find(|path| named(path).is_none()) {
+        let problem = format!("{} has no name of a test in front, other inputs have one", plain.display());
+        return Err(Usage::new(problem).hint(hint).into());
+    }
+    let mut names: Vec<&str> = Vec::new();
+    let mut by_name: BTreeMap<&str, Vec<PathBuf>> = BTreeMap::new();
+    for (name, path) in pairs {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+        by_name.entry(name).or_default().push(path.to_owned());
+    }
+    if let [only] = names[..] {
+        let problem = format!("{only} is the only test; one model for several tests needs two or more");
+        return Err(Usage::new(problem).hint(format!("leave {only}: out for the artifacts of one test")).into());
+    }
+    let (mut tests, mut digests) = (Vec::new(), Vec::new());
+    let mut diagnosed = Diagnosed::default();
+    for name in names {
+        let loaded = load_artifacts(&by_name[name])?;
+        let kind = |input: InputDigest| InputDigest { kind: format!("{name}:{}", input.kind), ..input };
+        digests.extend(loaded.digests.into_iter().map(kind));
+        for mut diagnosis in loaded.diagnosed.diagnoses {
+            diagnosis.reason = format!("{name}: {}", diagnosis.reason);
+            diagnosed.diagnoses.push(diagnosis);
+        }
+        diagnosed.test = diagnosed.test.or(loaded.diagnosed.test);
+        tests.push((name.to_owned(), loaded.input));
+    }
+    refuse_one_record_twice(&tests)?;
+    Ok(Loaded { input: Tests::Several(tests), digests, diagnosed })
+}
+
+fn refuse_one_record_twice(tests: &[(String, Inputs)]) -> anyhow::Result<()> {
+    let mut seen: BTreeMap<String, &str> = BTreeMap::new();
+    for (name, inputs) in tests {
+        let Some(test) = inputs.record_if::<TestV1>("/test")? else { continue };
+        let digest = test.source.digest;
+        if let Some(other) = seen.get(&digest).filter(|_| !digest.is_empty()) {
+            return Err(Refused::new(format!("{other} and {name} are one record"))
+                .expected("several tests")
+                .hint("name each test once")
+                .into());
+        }
+        seen.insert(digest, name);
+    }
+    Ok(())
+}
+
+/// The coefficients of a channel class filter and the samples mirrored before it; `None` of any other.
+fn class_filter(record: &ChannelFilterV1) -> Option<TwoPassFilter> {
+    let is_class = record.mode.starts_with("iso6487") || record.mode.starts_with("sae");
+    let coefficients: [f64; 5] = record.coefficients.clone().try_into().ok()?;
+    (is_class && record.cfc.is_some())
+        .then_some(TwoPassFilter { coefficients, samples_added: record.samples_added as usize })
+}
+
+/// Whether both have one interval, and samples at the same instants where they overlap.
+fn is_on_grid_of(wave: &Sampled, motion: &Sampled) -> bool {
+    let apart = (motion.t0_s() - wave.t0_s()) / wave.dt_s();
+    (wave.dt_s() - motion.dt_s()).abs() <= 1e-9 * wave.dt_s() && (apart - apart.round()).abs() <= 1e-3
+}
+
+impl Inputs {
+    /// The steps from the acceleration of this channel to its motion. Time zero, start and rule are those of the
+    /// events: all channels are integrated alike.
+    ///
+    /// Known are CFC filters with their coefficients, no filter, the trapezoidal rule and forward Euler, at the rate of
+    /// the record; else the measurement is exact. Errors: a record that cannot be read.
+    pub fn recording_steps(&self, events: &EventsV1, channel: &str, motion: &Sampled) -> anyhow::Result<Measurement> {
+        let record: Option<ChannelFilterV1> = self.record_if(&format!("/filter/{channel}"))?;
+        let acceleration = self
+            .wave_if(channel)
+            .map(Wave::signal::<Acceleration>)
+            .transpose()
+            .refuse()?
+            .filter(|wave| is_on_grid_of(wave, motion));
+        let (dt_s, t0_s, samples) = match &acceleration {
+            Some(wave) => (wave.dt_s(), wave.t0_s(), wave.len()),
+            None => (motion.dt_s(), motion.t0_s(), motion.len()),
+        };
+        let filter = record.as_ref().and_then(class_filter);
+        let untouched = record.as_ref().is_some_and(|r| r.coefficients.is_empty() && r.width_s.is_none());
+        let test: Option<TestV1> = self.record_if("/test")?;
+        let recorded = test.iter().flat_map(|test| &test.channels).find(|recorded| recorded.id == channel);
+        let unfiltered = untouched && recorded.and_then(|recorded| recorded.cfc).is_none();
+        let as_sampled = record.as_ref().is_some_and(|r| r.resampled_to_hz.is_none());
+        let rule = match events.rule.as_deref() {
+            None | Some("trapezoid") => Some(IntegrationRule::Trapezoid),
+            Some("forward-euler") => Some(IntegrationRule::ForwardEuler),
+            Some(_) => None,
+        };
+        let known = acceleration.is_some() && as_sampled && (filter.is_some() || unfiltered);
+        let end_s = filter.map_or(0.0, |filter| filter.samples_added as f64 * dt_s);
+        let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, events.time_zero_s, end_s));
+        let measurement = Measurement {
+            dt_s,
+            first_s: t0_s - events.time_zero_s,
+            samples,
+            filter,
+            from_contact: events.start.as_deref() != Some("record-start"),
+            rule,
+            before_event,
+        };
+        Ok(if known && rule.is_some() { measurement } else { measurement.exact() })
+    }
+}
+
+impl Inputs {
+    /// The sum of the load cells that integrate wrote, N, positive in compression, with the filter of its cells; `None`
+    /// without one.
+    ///
+    /// The measurement is known where all cells with data went through one filter at their own rate, else exact.
+    /// Errors: a record that cannot be read.
+    pub fn wall_force(&self, events: &EventsV1) -> anyhow::Result<Option<(Sampled, Measurement)>> {
+        let Some(wave) = self.wave_if("barrier/force") else { return Ok(None) };
+        let force = wave.sampled.clone();
+        let test = self.test()?;
+        let is_cell = |location: &str| location.trim().to_lowercase().starts_with("barrier");
+        let cells = test.channels.iter().filter(|c| c.quantity == QuantityKind::Force && is_cell(&c.location));
+        let mut filters: Vec<TwoPassFilter> = Vec::new();
+        let mut known = true;
+        for cell in cells {
+            let Some(record) = self.record_if::<ChannelFilterV1>(&format!("/filter/{}", cell.id))? else { continue };
+            match class_filter(&record).filter(|_| record.resampled_to_hz.is_none()) {
+                Some(filter) => filters.push(filter),
+                None => known = false,
+            }
+        }
+        filters.dedup();
+        known &= filters.len() == 1;
+        let measurement = Measurement {
+            dt_s: force.dt_s(),
+            first_s: force.t0_s() - events.time_zero_s,
+            samples: force.len(),
+            filter: filters.pop(),
+            from_contact: false,
+            rule: Some(IntegrationRule::Trapezoid),
+            // What is not known of a sum of load cells are their gains more than their noise.
+            before_event: None,
+        };
+        Ok(Some((force, if known { measurement } else { measurement.exact() })))
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crumple_artifact::records::SeverityV1;
     use crumple_artifact::{ArtifactBuilder, Compression, Provenance, put_json};
-
-    use super::*;
 
     /// An artifact of a stage about the record with this digest.
     fn written(folder: &Path, name: &str, stage: &str, record: &str) -> PathBuf {
@@ -244,5 +424,27 @@ mod tests {
             problem(&[&of_another_record, &integrate]).unwrap().split(" are ").nth(1),
             Some("both of the stage integrate")
         );
+    }
+
+    #[test]
+    fn a_name_stands_before_the_path_of_its_test() {
+        assert_eq!(named(Path::new("a:x/3.mcap")), Some(("a", Path::new("x/3.mcap"))));
+        assert_eq!(path_of(Path::new("a:x/3.mcap")), Path::new("x/3.mcap"));
+        for plain in ["x/3.mcap", "x/y:3.mcap", ":3.mcap", "a:"] {
+            assert_eq!(named(Path::new(plain)), None, "{plain}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let odd = folder.path().join("a:b");
+        std::fs::write(&odd, "").unwrap();
+        assert_eq!(named(&odd), None);
+    }
+
+    #[test]
+    fn one_name_alone_and_a_missing_name_are_refused() {
+        let refused = |paths: &[&str]| load_tests(&paths.iter().map(PathBuf::from).collect::<Vec<_>>()).unwrap_err();
+        let alone = refused(&["a:2.mcap", "a:3.mcap"]).to_string();
+        assert!(alone.starts_with("a is the only test"), "{alone}");
+        let mixed = refused(&["a:2.mcap", "3.mcap"]).to_string();
+        assert!(mixed.starts_with("3.mcap has no name of a test in front"), "{mixed}");
     }
 }

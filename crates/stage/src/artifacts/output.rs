@@ -1,9 +1,13 @@
-//! What a stage found, on its way into the artifact.
+//! What a stage writes, and what it does not overwrite.
+
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_artifact::{ArtifactBuilder, Record};
+use crumple_artifact::{ArtifactBuilder, OutputKind, Record};
 use crumple_signal::{Notes, QuantityKind, Sampled};
 
+use crate::artifacts::inputs::path_of;
+use crate::error::{Refused, Usage};
 use crate::terminal::Progress;
 
 /// Collects records, waveforms, notes and the summary of a stage.
@@ -58,5 +62,79 @@ impl Output {
     /// Starts to show the progress of work with `total` parts.
     pub fn progress(&self, what: impl Into<String>, total: u64) -> Progress {
         Progress::new(what, total)
+    }
+}
+
+/// Refuses an output that is an input too, or a file that exists and is of another kind: it would be lost.
+///
+/// Asked before anything is computed; the writing itself refuses other kinds once more.
+pub fn refuse_to_overwrite(output: &Path, kind: OutputKind, inputs: &[PathBuf]) -> anyhow::Result<()> {
+    let Ok(existing) = output.canonicalize() else { return Ok(()) };
+    let problem = if inputs.iter().any(|input| path_of(input).canonicalize().is_ok_and(|path| path == existing)) {
+        "is an input too"
+    } else {
+        let problem = kind.problem_at(&existing).with_context(|| format!("cannot read {}", output.display()))?;
+        match problem {
+            Some(problem) => problem,
+            None => return Ok(()),
+        }
+    };
+    Err(Usage::new(format!("the output {} {problem}", output.display())).hint("give it another name").into())
+}
+
+/// The artifacts of a run folder, in the order of their stages. Refuses a folder without any.
+pub fn artifacts_of_a_run(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let refused = |problem: String| {
+        Refused::new(problem)
+            .expected("the folder of a run, with 1-ingest.mcap and what was made from it")
+            .hint("just run RECORD makes one, and says where it is")
+    };
+    let cannot = |error: std::io::Error| refused(format!("cannot read the folder {}: {error}", folder.display()));
+    let mut artifacts = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(cannot)? {
+        let path = entry.map_err(cannot)?.path();
+        // A stage that was killed may leave a hidden temporary file.
+        let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        if !is_hidden && path.extension().is_some_and(|ending| ending == "mcap") {
+            artifacts.push(path);
+        }
+    }
+    artifacts.sort();
+    if artifacts.is_empty() {
+        return Err(refused(format!("{} holds no artifact", folder.display())).into());
+    }
+    Ok(artifacts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn inputs_and_files_of_other_kinds_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, content: &[u8]| {
+            let path = folder.path().join(name);
+            fs::write(&path, content).unwrap();
+            path
+        };
+        let old = write("2-filter.mcap", b"\x89MCAP0\r\n crumple.Test.v1");
+        let input = write("1-ingest.mcap", b"\x89MCAP0\r\n crumple.Test.v1");
+        let record = write("crash.csv", b"time_s,accel_g\n");
+        let refused = |output: &Path| {
+            let asked = refuse_to_overwrite(output, OutputKind::Artifact, std::slice::from_ref(&input));
+            asked.err().map(|error| error.to_string().replace(&folder.path().display().to_string(), "F"))
+        };
+        assert_eq!(refused(&old), None);
+        assert_eq!(refused(&folder.path().join("new.mcap")), None);
+        assert_eq!(refused(&input).unwrap(), "the output F/1-ingest.mcap is an input too");
+        // by another way to it
+        assert_eq!(
+            refused(&folder.path().join(".").join("1-ingest.mcap")).unwrap(),
+            "the output F/./1-ingest.mcap is an input too"
+        );
+        assert_eq!(refused(&record).unwrap(), "the output F/crash.csv exists and is no artifact of this project");
+        assert_eq!(refused(folder.path()).unwrap(), "the output F exists and is no regular file");
     }
 }

@@ -8,19 +8,31 @@ use clap::parser::ValueSource;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::command_line::left_out::{self, LeftOut};
 use crate::command_line::pipeline_file::Pipeline;
 use crate::error::{Usage, find_in_chain, unknown_name};
 
 /// Merges the stage's table of `pipeline` with the flags given on the command line; a flag wins.
 ///
 /// Errors: an unreadable file; a table or key that does not exist, with the nearest name; a value of the wrong type.
-pub(crate) fn merge<O>(stage: &str, pipeline: Option<&Path>, flags: &O, matches: &ArgMatches) -> anyhow::Result<O>
+pub(crate) fn merge<O>(
+    stage: &str,
+    left_out: &[LeftOut],
+    pipeline: Option<&Path>,
+    flags: &O,
+    matches: &ArgMatches,
+) -> anyhow::Result<O>
 where
     O: clap::Args + Serialize + DeserializeOwned + Default,
 {
     let command = O::augment_args(clap::Command::new("options"));
     let keys = option_keys::<O>(&command)?;
     let pipeline = pipeline.map(|path| Pipeline::read(path, None)).transpose()?;
+    if let Some(pipeline) = &pipeline
+        && let Some(table) = pipeline.table(stage)
+    {
+        left_out::refuse(table, left_out, &format!("{}: ", pipeline.file()))?;
+    }
     let mut table = match &pipeline {
         Some(pipeline) => with_lists(stage_table(stage, pipeline, &keys)?, &command),
         None => toml::Table::new(),
@@ -80,7 +92,7 @@ fn with_lists(mut table: toml::Table, command: &clap::Command) -> toml::Table {
 }
 
 /// Whether an option was typed on the command line.
-pub(crate) fn is_flag(matches: &ArgMatches, key: &str) -> bool {
+fn is_flag(matches: &ArgMatches, key: &str) -> bool {
     matches.try_contains_id(key).is_ok() && matches.value_source(key) == Some(ValueSource::CommandLine)
 }
 
@@ -199,7 +211,7 @@ mod tests {
         let arguments = ["x", "in.mcap", "-o", "out.mcap"].iter().chain(flags);
         let matches = Cli::<Options>::command().try_get_matches_from(arguments).unwrap();
         let cli = Cli::<Options>::from_arg_matches(&matches).unwrap();
-        merge("filter", Some(&path), &cli.options, &matches)
+        merge("filter", &[], Some(&path), &cli.options, &matches)
             .map_err(|e| anyhow::anyhow!(render(&e).replace(&path.display().to_string(), "p.toml")))
     }
 

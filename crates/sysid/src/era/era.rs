@@ -6,7 +6,6 @@ use nalgebra::{DMatrix, DVector};
 use crate::EraError;
 use crate::data::MarkovParameters;
 use crate::era::realization::{Known, Realization, realization};
-use crate::era::shift_form::{ShiftForm, state_matrix};
 use crate::hankel::block_hankel::Hankel;
 use crate::hankel::shift_pair::{Shift, ShiftPair};
 use crate::hankel::singular_value_gap::{GapOrder, order_by_gap};
@@ -37,21 +36,12 @@ pub struct EraOptions {
     pub rows: Option<usize>,
     /// Block columns of the Hankel matrix; `None`: half of the record, or what `rows` leaves of it.
     pub columns: Option<usize>,
-    /// How the state matrix is found.
-    pub shift: ShiftForm,
 }
 
 impl EraOptions {
     /// Whole record, order by the gap rule up to 20.
     pub fn new(sample_time_s: f64) -> Self {
-        Self {
-            sample_time_s,
-            order: Order::Automatic,
-            max_order: 20,
-            rows: None,
-            columns: None,
-            shift: ShiftForm::Hankel,
-        }
+        Self { sample_time_s, order: Order::Automatic, max_order: 20, rows: None, columns: None }
     }
 
     /// The same with a Hankel matrix of `2 order` rows and columns, the size other toolboxes start from
@@ -165,8 +155,7 @@ impl<'a> Era<'a> {
 
         let roots = DVector::from_iterator(n, self.factors.values[..n].iter().map(|s| s.sqrt()));
         let left = self.factors.left.columns(0, n).into_owned();
-        let a = state_matrix(self.opt.shift, &left, &roots, &self.shifted, q)
-            .ok_or(EraError::NoShift { order: n, form: self.opt.shift.name() })?;
+        let a = DMatrix::from_fn(n, n, |i, j| self.shifted[(i, j)] / (roots[i] * roots[j]));
         let controllability =
             DMatrix::from_fn(n, columns, |i, j| roots[i] * self.factors.right[(j, i)]) * self.scale.sqrt();
         let b = controllability.columns(0, m).into_owned();
@@ -197,7 +186,7 @@ impl<'a> Era<'a> {
 
 /// Leading singular triplets of the first of the pair, and `U' H1 V`: for orders up to `given`, and up to the order by
 /// the gap rule if a highest order for that is stated.
-pub(crate) fn decompose(
+fn decompose(
     pair: &mut impl ShiftPair,
     given: usize,
     max_order: Option<usize>,
@@ -221,7 +210,7 @@ pub(crate) fn decompose(
 
 /// Rows and columns: as given, else half of the parameters each; an odd one is left out, for a square matrix is
 /// symmetric.
-pub(crate) fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
+fn shape(parameters: usize, rows: Option<usize>, columns: Option<usize>) -> (usize, usize) {
     match (rows, columns) {
         (Some(rows), Some(columns)) => (rows, columns),
         (Some(rows), None) => (rows, parameters.saturating_sub(rows)),

@@ -16,7 +16,7 @@ pub(crate) enum Shift {
 /// Large ones are multiplied without being formed, which may need scratch space: hence `&mut self`.
 ///
 /// With `H0 = O C` (observability times controllability) the shifted one is `H1 = O A C`: the state matrix is all
-/// that stands between them. Implemented by the Hankel matrix of Markov parameters and by that of data correlations.
+/// that stands between them.
 pub(crate) trait ShiftPair {
     /// Rows.
     fn rows(&self) -> usize;

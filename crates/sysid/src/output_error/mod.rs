@@ -1,6 +1,4 @@
 //! Sampled models whose simulated output is nearest to the measured one.
 
-pub(crate) mod cascade;
 pub(crate) mod options;
 pub(crate) mod output_error;
-pub(crate) mod starts;

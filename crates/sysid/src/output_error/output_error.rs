@@ -2,19 +2,17 @@
 
 use crumple_numerics::estimation::minimise::StopReason;
 use crumple_numerics::estimation::minimise::separable_covariance::{nonlinear_covariance, propagated};
-use crumple_numerics::estimation::minimise::variable_projection::{SeparableFit, evaluate, minimize};
 use crumple_numerics::estimation::statistics::autoregressive_effective_samples;
+use crumple_numerics::linalg::dot;
 use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
-use crate::output_error::cascade::CascadeFilter;
 use crate::output_error::options::OutputErrorOptions;
-use crate::output_error::starts::{starts, unknowns};
-use crate::{IdentifyError, InformationCriteria, IoData};
-
-/// Starting points that are refined, of all that were tried.
-const REFINED: usize = 6;
+use crate::poles::multistart::{Search, best_search};
+use crate::poles::starts::continuous;
+use crate::poles::time_scale::unscaled;
+use crate::transfer_function::{state_space, weigh_by_residuals};
+use crate::{Hold, IdentifyError, InformationCriteria, InitialConditions, IoData, TransferFunctionOptions, sampled};
 
 /// A model whose simulation fits best.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,22 +44,15 @@ pub struct OutputError {
     pub simulated: Vec<Vec<f64>>,
 }
 
-/// Finds the stable model of given order whose simulated output, from a free initial state, is nearest to the measured
-/// one.
+/// Finds the model of given order whose simulated output, from a free initial state, is nearest to the measured one.
 ///
-/// Poles are unknowns of a bounded Levenberg-Marquardt, everything else is linear and projected out. The poles stand
-/// in second-order sections in cascade, each with reflection coefficients `tanh` of its two unknowns, so that every
-/// model on the way is stable and coinciding poles are ordinary points. Starts: ARX of the order and of four times as
-/// many taps, by its least damped poles and by balanced truncation, the three subspace methods, continuous transfer
-/// functions by refined instrumental variables and by a subspace method on a thinned record, and seeded random poles;
-/// the best six are refined in parallel.
-///
-/// A local method: it is as good as its best start. All paths share the poles, and each output has a motion of its own
-/// at the start. With one input or one output the model has `order` states, with several of both that many for each of
-/// the fewer ones. Standard deviations rest on errors that are alike in all outputs, each divided by its root mean
-/// square.
+/// The same search as that of [`transfer_function_array`](crate::transfer_function_array()), with as many zeros as
+/// poles and inputs that are held between samples; what it finds is sampled. Every sampled model has such a form,
+/// except one with an odd number of equal poles on the negative real axis, which a pair at the Nyquist frequency comes
+/// close to. With one input or one output the model has `order` states, with several of both that many for each of the
+/// fewer ones.
 pub fn output_error(data: &IoData, options: OutputErrorOptions) -> Result<OutputError, IdentifyError> {
-    refined(data, options, starts(data, options))
+    fitted(data, options, &engine(options))
 }
 
 /// The same from given sampled poles alone, one list a start: those of a model that is near.
@@ -70,65 +61,78 @@ pub fn output_error_from(
     options: OutputErrorOptions,
     poles: &[Vec<Complex>],
 ) -> Result<OutputError, IdentifyError> {
-    refined(data, options, poles.iter().map(|poles| unknowns(poles, options.order)).collect())
+    let given = poles.iter().map(|poles| continuous(poles, options.order, data.sample_time_s())).collect();
+    fitted(data, options, &TransferFunctionOptions { starts: Vec::new(), given, ..engine(options) })
 }
 
-/// The best of these starts, refined.
-fn refined(
+/// The search as that of transfer functions.
+fn engine(options: OutputErrorOptions) -> TransferFunctionOptions {
+    let OutputErrorOptions { order, direct, delay, from_rest, random_starts, stop } = options;
+    TransferFunctionOptions {
+        hold: Hold::Zero,
+        delay,
+        initial: if from_rest { InitialConditions::Zero } else { InitialConditions::Estimate },
+        stable: true,
+        random_starts,
+        stop,
+        ..TransferFunctionOptions::new(order, order.saturating_sub(usize::from(!direct)))
+    }
+}
+
+fn fitted(
     data: &IoData,
     options: OutputErrorOptions,
-    candidates: Vec<Vec<f64>>,
+    engine: &TransferFunctionOptions,
 ) -> Result<OutputError, IdentifyError> {
-    let problem = CascadeFilter::new(data, options)?;
-    let tried = candidates.len();
-    let mut scored: Vec<(f64, Vec<f64>)> =
-        candidates.into_par_iter().filter_map(|theta| Some((evaluate(&problem, &theta)?.cost, theta))).collect();
-    // Stable sort: equal losses keep the order of the starts.
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    scored.truncate(REFINED);
-    let mut fits: Vec<SeparableFit> =
-        scored.par_iter().filter_map(|(_, theta)| minimize(&problem, theta, options.stop)).collect();
-    fits.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let evaluations = tried as u64 + fits.iter().map(|fit| fit.evaluations).sum::<u64>();
-    let count = (data.samples() * data.outputs().len()) as f64;
-    let losses = fits.iter().map(|fit| fit.cost / count).collect();
-    let Some(best) = fits.into_iter().next() else {
-        return Err(IdentifyError::NoStart { method: "output error", starts: tried });
-    };
-    let loss = best.cost / count;
+    let mut search = best_search("output error", data, engine)?;
+    weigh_by_residuals(&mut search, data.samples(), options.stop);
+    let Search { problem, best, losses, input_scales, output_scales, .. } = &search;
+    let samples = data.samples();
+    let residuals = best.residual.chunks_exact(samples);
+    let rms = data.output_scales();
+    let relative = |(residual, k): (&[f64], usize)| dot(residual, residual) * (output_scales[k] / rms[k]).powi(2);
+    let count = best.residual.len() as f64;
+    let loss = residuals.clone().zip(0..).map(relative).sum::<f64>() / count;
     let parameters = best.theta.len() + best.coefficients.len();
-    let effective = best.residual.chunks_exact(data.samples()).map(autoregressive_effective_samples).sum();
-    let (covariance, condition) = nonlinear_covariance(&problem, &best, effective);
-    let poles = CascadeFilter::poles(&best.theta);
+    let effective = residuals.map(autoregressive_effective_samples).sum();
+    let (covariance, condition) = nonlinear_covariance(problem, best, effective);
+    // In units of one sample, in which the matrix has entries of order 1.
+    let chain = unscaled(&problem.chain(&best.theta), samples as f64);
+    let gain = |i: usize, j: usize| output_scales[i] / input_scales[j];
+    let StateSpace { a, b, c, d, .. } =
+        sampled(&state_space(&search, &chain, samples as f64, &gain)?, Hold::Zero, 1.0)?.0;
+    let poles: Vec<Complex> = chain.poles().into_iter().map(|s| s.exp()).collect();
     let deviations = match covariance {
-        Some(covariance) => mode_deviations(&best.theta, &covariance, data.sample_time_s()),
+        Some(covariance) => mode_deviations(&search, &covariance, samples as f64 * data.sample_time_s()),
         None => vec![None; poles.len()],
     };
-    let residuals = best.residual.chunks_exact(data.samples()).zip(data.output_scales());
-    let simulated = data.outputs().iter().zip(residuals);
-    let simulated = simulated.map(|(y, (e, scale))| y.iter().zip(e).map(|(y, e)| y - e * scale).collect()).collect();
+    let simulated = data.outputs().iter().zip(best.residual.chunks_exact(samples)).zip(output_scales);
+    let simulated = simulated.map(|((y, e), scale)| y.iter().zip(e).map(|(y, e)| y - e * scale).collect()).collect();
+    // Those of a single output are in its unit.
+    let unit = if let [scale] = rms[..] { scale * scale } else { 1.0 };
     Ok(OutputError {
-        model: problem.state_space(&best)?,
+        model: StateSpace::new(a, b, c, d, Some(data.sample_time_s()))?,
         pole_deviations: poles.into_iter().zip(deviations).collect(),
         condition,
         delay: options.delay,
         loss,
         criteria: InformationCriteria::new(loss, count, parameters),
         iterations: best.iterations,
-        evaluations,
+        evaluations: search.evaluations,
         stop_reason: best.stop,
         on_bound: best.on_bound.contains(&true),
-        losses,
+        losses: losses.iter().map(|loss| loss / unit).collect(),
         simulated,
     })
 }
 
 /// Standard deviations of frequency (rad/s) and damping ratio of every pole from the covariance of the chain's
 /// unknowns.
-fn mode_deviations(theta: &[f64], covariance: &DMatrix<f64>, dt_s: f64) -> Vec<Option<(f64, f64)>> {
+fn mode_deviations(search: &Search, covariance: &DMatrix<f64>, duration_s: f64) -> Vec<Option<(f64, f64)>> {
+    let theta = &search.best.theta;
     let describe = |theta: &[f64]| -> Vec<f64> {
-        let rates: Vec<Complex> = CascadeFilter::poles(theta).into_iter().map(|z| z.ln() / dt_s).collect();
-        rates.iter().map(|s| s.norm()).chain(rates.iter().map(|s| -s.re / s.norm())).collect()
+        let poles = search.problem.chain(theta).poles();
+        poles.iter().map(|s| s.norm() / duration_s).chain(poles.iter().map(|s| -s.re / s.norm())).collect()
     };
     let described = propagated(&describe, theta, covariance);
     let deviation = |i: usize| Some(described[(i, i)].max(0.0).sqrt()).filter(|_| described[(i, i)].is_finite());
@@ -140,7 +144,6 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
-    use crumple_numerics::estimation::minimise::variable_projection::Separable;
     use crumple_numerics::estimation::random::uniform_at;
     use crumple_numerics::lti::simulate;
 
@@ -242,37 +245,5 @@ mod tests {
         let ratio = (squares / expected).sqrt();
         // Of 60 records a standard deviation is known to 9 %: three of these, and a tenth for effective samples.
         assert!((0.65..1.4).contains(&ratio), "{ratio}");
-    }
-
-    #[test]
-    fn sensitivities_are_the_derivatives() {
-        let (data, _) = data(1, 2, 0);
-        let problem = CascadeFilter::new(&data, OutputErrorOptions::new(3)).unwrap();
-        let theta = [-1.2, 1.5, -0.3];
-        let point = evaluate(&problem, &theta).unwrap();
-        let exact = problem.sensitivities(&theta, &point.coefficients).unwrap();
-        let predict = |theta: &[f64]| {
-            let columns = problem.basis(theta).unwrap().columns;
-            let one = |i: usize| {
-                (0..300)
-                    .map(|k| (0..columns.len()).map(|c| columns[c][k] * point.coefficients[(c, i)]).sum::<f64>())
-                    .collect::<Vec<f64>>()
-            };
-            [one(0), one(1)].concat()
-        };
-        for i in 0..3 {
-            let h = 1e-6;
-            let moved = |sign: f64| {
-                let mut theta = theta;
-                theta[i] += sign * h;
-                predict(&theta)
-            };
-            let (up, down) = (moved(1.0), moved(-1.0));
-            for k in 0..600 {
-                let numeric = (up[k] - down[k]) / (2.0 * h);
-                // Central differences: rounding over the step, 1e-10, and h² times third derivatives.
-                assert!((numeric - exact[i][k]).abs() < 1e-6, "{i} {k}: {numeric} {}", exact[i][k]);
-            }
-        }
     }
 }

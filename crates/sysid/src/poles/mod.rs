@@ -7,4 +7,5 @@ pub(crate) mod options;
 pub(crate) mod pole_problem;
 pub(crate) mod search_outcome;
 pub(crate) mod starts;
+pub(crate) mod stretches;
 pub(crate) mod time_scale;

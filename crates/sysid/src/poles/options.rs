@@ -11,7 +11,8 @@ use crate::poles::starts::Start;
 pub enum InitialConditions {
     /// At rest.
     Zero,
-    /// Any free motion, estimated with the model.
+    /// Any free motion, estimated with the model. With more outputs than inputs, where each has a motion of its own
+    /// instead of one of the model's states: only if the BIC (effective samples) says so.
     Estimate,
     /// Estimated if that lowers the loss by more than an F-test at 5 % allows for chance.
     Auto,
@@ -55,15 +56,7 @@ impl TransferFunctionOptions {
             delay: 0,
             initial: InitialConditions::Estimate,
             stable: false,
-            starts: vec![
-                Start::Svf,
-                Start::Gpmf,
-                Start::Iv,
-                Start::N4sid,
-                Start::Integrators,
-                Start::Exponentials,
-                Start::Random,
-            ],
+            starts: vec![Start::Svf, Start::Iv, Start::N4sid, Start::Arx, Start::Integrators, Start::Random],
             random_starts: 24,
             given: Vec::new(),
             stop: Stop::default(),

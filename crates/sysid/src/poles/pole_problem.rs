@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 
 use crate::Hold;
 use crate::poles::cascade::{Drive, Section, SectionChain, States};
+use crate::poles::time_scale::{state_powers, unscaled};
 
 /// Growth beyond `exp` of half of this over the record is not tried.
 /// A pole with `Re s T = 20` grows by 5e8 from the first sample to the last: nothing of its start can be seen then.
@@ -152,18 +153,27 @@ impl PoleProblem {
         (order, xi, derivatives)
     }
 
-    /// Signals of the motion forced by every input, and of the free one.
+    /// Factors from states of the free motion in time counted by samples to those in scaled time: of a numerator of
+    /// degree `d` over order `n`, `N^(d-n+1)`; those of driven states have one `N` less.
+    fn free_scales(&self, chain: &SectionChain) -> Vec<f64> {
+        let samples = self.output[0].len() as f64;
+        state_powers(chain).into_iter().map(|power| samples.powi(power + 1)).collect()
+    }
+
+    /// Signals of the motion forced by every input, and of the free one, in time counted by samples: there the entries
+    /// of a discretised chain are of one size, however long the record is.
     ///
     /// First of every input one signal per state, then one per state of the free motion from the unit entry state;
     /// `None` where they leave the range of `f64`.
     fn signals(&self, chain: &SectionChain) -> Option<(Vec<States>, States)> {
         let samples = self.output[0].len();
+        let chain = unscaled(chain, samples as f64);
         let forced = self
             .inputs
             .iter()
-            .map(|u| chain.states(Drive::Input(u, self.hold), self.dt()).ok())
+            .map(|u| chain.states(Drive::Input(u, self.hold), 1.0).ok())
             .collect::<Option<Vec<States>>>()?;
-        let free = if self.free { chain.states(Drive::Free(samples), self.dt()).ok()? } else { Vec::new() };
+        let free = if self.free { chain.states(Drive::Free(samples), 1.0).ok()? } else { Vec::new() };
         Some((forced, free))
     }
 
@@ -172,11 +182,23 @@ impl PoleProblem {
         self.numerator + usize::from(self.direct)
     }
 
-    /// Coefficients of all states, forced by every input, then free, from those of the basis for one output.
+    /// Coefficients of all states in scaled time, forced by every input, then free, from those of the basis for one
+    /// output.
+    pub(crate) fn state_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let samples = self.output[0].len() as f64;
+        let (mut forced, mut free) = self.sample_coefficients(theta, c);
+        for (s, scale) in self.free_scales(&self.chain(theta)).into_iter().enumerate() {
+            forced.iter_mut().for_each(|forced| forced[s] *= samples / scale);
+            free[s] /= scale;
+        }
+        (forced, free)
+    }
+
+    /// The same of the states in time counted by samples.
     ///
     /// `c` is in the order of [`Separable::basis`]: of every input `numerator` states by rising degree and the direct
     /// term, then those states of the free motion that `start` does not fix.
-    pub(crate) fn state_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    fn sample_coefficients(&self, theta: &[f64], c: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let chain = self.chain(theta);
         let n = chain.order();
         let mut forced = vec![vec![0.0; n]; self.inputs.len()];
@@ -191,9 +213,10 @@ impl PoleProblem {
         let mut free = vec![0.0; n];
         if self.free {
             let (order, xi, _) = self.fixed(&chain, theta);
+            let scales = self.free_scales(&chain);
             for (s, free) in free.iter_mut().enumerate() {
                 match order.iter().position(|o| *o == s) {
-                    Some(fixed) => *free = xi[fixed],
+                    Some(fixed) => *free = xi[fixed] * scales[s],
                     None => {
                         *free = c[at];
                         at += 1;
@@ -255,9 +278,10 @@ impl Separable for PoleProblem {
         let mut known = Vec::new();
         if !order.is_empty() {
             let mut sum = vec![0.0; self.output[0].len()];
+            let scales = self.free_scales(&chain);
             for (s, xi) in order.iter().zip(&xi) {
                 for (sum, x) in sum.iter_mut().zip(&free[*s]) {
-                    *sum += xi * x;
+                    *sum += xi * scales[*s] * x;
                 }
             }
             known.push(sum);
@@ -268,16 +292,17 @@ impl Separable for PoleProblem {
     }
 
     /// Derivatives by every unknown, outputs one after the other. Exact: states of a chain twice as long, discretised
-    /// at once (see [`SectionChain::sensitivities`]), times `cosh(theta)` for the `asinh`, plus what changes with the
-    /// coefficients that the start conditions fix.
+    /// at once (see [`SectionChain::sensitivities`]), times `cosh(theta)` for the `asinh` and the units of time, plus
+    /// what changes with the coefficients that the start conditions fix.
     fn sensitivities(&self, theta: &[f64], coefficients: &DMatrix<f64>) -> Option<Vec<Vec<f64>>> {
-        let chain = self.chain(theta);
         let samples = self.output[0].len();
+        let scaled = self.chain(theta);
+        let chain = unscaled(&scaled, samples as f64);
         let zeros = || vec![vec![0.0; samples * self.output.len()]; theta.len()];
         let mut result: States = if self.output.len() == 1 { Vec::new() } else { zeros() };
         for output in 0..self.output.len() {
             let c: Vec<f64> = coefficients.column(output).iter().copied().collect();
-            let (forced, free) = self.state_coefficients(theta, &c);
+            let (forced, free) = self.sample_coefficients(theta, &c);
             let mut add = |signals: States| {
                 if result.is_empty() {
                     // The first part of a single output needs no sum.
@@ -291,28 +316,30 @@ impl Separable for PoleProblem {
                 }
             };
             for (u, forced) in self.inputs.iter().zip(&forced) {
-                add(chain.sensitivities(forced, Drive::Input(u, self.hold), self.dt()).ok()?);
+                add(chain.sensitivities(forced, Drive::Input(u, self.hold), 1.0).ok()?);
             }
             if self.free {
-                add(chain.sensitivities(&free, Drive::Free(samples), self.dt()).ok()?);
+                add(chain.sensitivities(&free, Drive::Free(samples), 1.0).ok()?);
             }
         }
         if result.is_empty() {
             // Nothing moves the model.
             result = zeros();
         }
-        // By asinh of a coefficient instead of the coefficient.
-        for (result, theta) in result.iter_mut().zip(theta) {
-            let factor = theta.cosh();
+        // By asinh of a coefficient in scaled time instead of the coefficient in time counted by samples.
+        let units = self.layout.iter().flat_map(|order| if *order == 2 { &[2, 1][..] } else { &[1] });
+        for ((result, theta), unit) in result.iter_mut().zip(theta).zip(units) {
+            let factor = theta.cosh() * self.dt().powi(*unit);
             result.iter_mut().for_each(|x| *x *= factor);
         }
         if !self.start.is_empty() {
-            let states = chain.states(Drive::Free(samples), self.dt()).ok()?;
-            let (order, _, derivatives) = self.fixed(&chain, theta);
+            let states = chain.states(Drive::Free(samples), 1.0).ok()?;
+            let (order, _, derivatives) = self.fixed(&scaled, theta);
+            let scales = self.free_scales(&scaled);
             for (result, change) in result.iter_mut().zip(&derivatives) {
                 for (s, change) in order.iter().zip(change) {
                     for (result, x) in result.iter_mut().zip(&states[*s]) {
-                        *result += change * x;
+                        *result += change * scales[*s] * x;
                     }
                 }
             }

@@ -1,21 +1,20 @@
 //! Starting poles for a continuous transfer function.
 //!
 //! The search for poles is local, its starts are not: regressions behind filters, instrumental variables, subspace
-//! methods, exponentials of the output, and seeded random poles, each over a grid where it has a parameter of its
-//! own. No start has to be good; one of them has to lie in the right valley.
+//! methods, ARX models, and seeded random poles, each over a grid where it has a parameter of its own. No start has to
+//! be good; one of them has to lie in the right valley.
 
 use std::f64::consts::PI;
 
 use crumple_numerics::estimation::random::uniform_at;
 use crumple_numerics::linalg::TriangularFactor;
 use crumple_numerics::linalg::dot;
-use crumple_numerics::lti::{Complex, polynomial_roots, undo_zero_order_hold};
+use crumple_numerics::lti::{Complex, polynomial_roots};
 use nalgebra::{DMatrix, DVector};
 
 use crate::data::scale;
-use crate::era::era::era;
 use crate::poles::cascade::{Drive, SectionChain, sections_of};
-use crate::{EraOptions, Hold, IoData, Order, Subspace, SubspaceOptions, Weighting};
+use crate::{ArxOrder, Hold, IoData, Subspace, SubspaceOptions, Weighting, arx, automatic_thinning, thinned};
 
 /// Break frequencies of the filters that are tried, evenly spaced in the logarithm.
 const FILTERS: usize = 8;
@@ -23,8 +22,17 @@ const FILTERS: usize = 8;
 /// Iterations of the refined instrumental variables; a starting point need not converge.
 const IV_ITERATIONS: usize = 12;
 
-/// Samples to which a record is thinned for the discrete methods.
-const THINNED: usize = 250;
+/// Regressions on derivatives are starts up to this order: above, their coefficients have lost the digits.
+pub(crate) const MOST_CONTINUOUS: usize = 10;
+
+/// Samples that a thinned record keeps at least, in units of what its factorisation needs.
+const KEPT: usize = 2;
+
+/// Block rows of a subspace start, at least.
+const SHORTEST_HORIZON: usize = 10;
+
+/// Taps of the longer ARX start, in units of the poles.
+const LONGER: usize = 4;
 
 /// A way to a starting point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,18 +41,16 @@ pub enum Start {
     /// The derivatives of noisy signals are never formed: both sides of the differential equation are filtered alike,
     /// which leaves the equation as it is. Biased by noise, the more the wider the filter.
     Svf,
-    /// Generalised Poisson moments: the same with one filter order more.
-    Gpmf,
     /// Refined instrumental variables (SRIVC), started from the filters: Young & Jakeman 1980, Garnier & Wang 2008.
     /// Instruments from the simulated output take the bias away; needs a start, and gives no poles where it diverges.
     Iv,
-    /// Subspace method on a thinned record, then the matrix logarithm.
+    /// Subspace methods at the full rate, and on the filtered and thinned record where its band allows.
     N4sid,
+    /// ARX models at the full rate, of as many taps as poles and of four times as many, their least damped poles.
+    Arx,
     /// One or two integrators beside damped poles: how acceleration, velocity and displacement of one body hang
     /// together.
     Integrators,
-    /// Sums of exponentials: ERA of the output as a free motion.
-    Exponentials,
     /// Seeded random poles.
     Random,
     /// Given by the caller.
@@ -56,11 +62,10 @@ impl Start {
     pub fn name(self) -> &'static str {
         match self {
             Self::Svf => "svf",
-            Self::Gpmf => "gpmf",
             Self::Iv => "iv",
             Self::N4sid => "n4sid",
+            Self::Arx => "arx",
             Self::Integrators => "integrators",
-            Self::Exponentials => "exponentials",
             Self::Random => "random",
             Self::Given => "given",
         }
@@ -89,27 +94,24 @@ impl StartProblem<'_> {
         1.0 / self.output.len() as f64
     }
 
-    /// Poles of every starting point of one kind, in scaled time.
+    /// Poles of every starting point of one kind that looks at one input and one output, in scaled time.
     ///
-    /// An empty list where the method gives none: a regression without solution, a record too short for a subspace
-    /// method.
+    /// An empty list where the method gives none, and for those of all channels.
     pub(crate) fn poles_by(&self, start: Start, random_starts: usize) -> Vec<Vec<Complex>> {
         match start {
-            Start::Svf => self.filters().into_iter().filter_map(|f| self.filtered(f, self.poles)).collect(),
-            Start::Gpmf => self.filters().into_iter().filter_map(|f| self.filtered(f, self.poles + 1)).collect(),
+            Start::Svf | Start::Iv if self.poles > MOST_CONTINUOUS => Vec::new(),
+            Start::Svf => self.filters().into_iter().filter_map(|f| self.filtered(f)).collect(),
             Start::Iv => {
                 // From the slowest, a middle and the fastest filter: convergence is local.
                 let filters = self.filters();
                 [1, FILTERS / 2, FILTERS - 2]
                     .into_iter()
-                    .filter_map(|i| self.refined_instruments(self.filtered(filters[i], self.poles)?))
+                    .filter_map(|i| self.refined_instruments(self.filtered(filters[i])?))
                     .collect()
             }
-            Start::N4sid => self.subspace(),
             Start::Integrators => self.integrators(),
-            Start::Exponentials => self.exponentials().into_iter().collect(),
             Start::Random => (0..random_starts).map(|k| self.random(k)).collect(),
-            Start::Given => Vec::new(),
+            Start::N4sid | Start::Arx | Start::Given => Vec::new(),
         }
     }
 
@@ -135,10 +137,10 @@ impl StartProblem<'_> {
         crate::poles::cascade::propagate(&a, n - 1, drive, dt).ok()
     }
 
-    /// Least squares behind `order` equal filters; the roots of the denominator found.
-    fn filtered(&self, lambda: f64, order: usize) -> Option<Vec<Complex>> {
+    /// Least squares behind as many equal filters as poles; the roots of the denominator found.
+    fn filtered(&self, lambda: f64) -> Option<Vec<Complex>> {
         let dt = lambda * self.dt();
-        let binomial = (0..order).fold(vec![1.0], |p, _| crate::poles::cascade::multiply(&p, &[1.0, 1.0]));
+        let binomial = (0..self.poles).fold(vec![1.0], |p, _| crate::poles::cascade::multiply(&p, &[1.0, 1.0]));
         let columns = self.regression(&binomial, dt)?;
         let (regressors, target) = (&columns.regressors, &columns.target);
         let width = regressors.len() + 1;
@@ -156,13 +158,10 @@ impl StartProblem<'_> {
         let n = self.poles;
         let y = Self::derivatives(denominator, Drive::Input(self.output, Hold::First), dt)?;
         let u = Self::derivatives(denominator, Drive::Input(self.input, self.hold), dt)?;
-        let target = match y.get(n) {
-            Some(highest) => highest.clone(),
-            // s^n/A y = y - sum of lower terms.
-            None => (0..self.output.len())
-                .map(|k| self.output[k] - (0..n).map(|i| denominator[n - i] * y[i][k]).sum::<f64>())
-                .collect(),
-        };
+        // s^n/A y = y - sum of lower terms.
+        let target = (0..self.output.len())
+            .map(|k| self.output[k] - (0..n).map(|i| denominator[n - i] * y[i][k]).sum::<f64>())
+            .collect();
         let mut regressors: Vec<Vec<f64>> =
             y.into_iter().take(n).map(|y| y.into_iter().map(|y| -y).collect()).collect();
         for j in 0..self.numerator {
@@ -248,29 +247,6 @@ impl StartProblem<'_> {
         sum.iter().all(|x| x.is_finite()).then_some(sum)
     }
 
-    /// Every n-th sample, so that 250 to 500 are left of a longer record, and their interval. No filter: these are
-    /// starts.
-    fn thinned(&self, signal: &[f64]) -> (Vec<f64>, f64) {
-        let every = (signal.len() / THINNED).max(1);
-        (signal.iter().step_by(every).copied().collect(), every as f64 * self.dt())
-    }
-
-    /// Poles of N4SID, MOESP and CVA models of ten block rows, by the logarithm of the sampled state matrix.
-    fn subspace(&self) -> Vec<Vec<Complex>> {
-        let (output, dt) = self.thinned(self.output);
-        let (input, _) = self.thinned(self.input);
-        let Ok(data) = IoData::single(input, output, dt) else { return Vec::new() };
-        let realized = |weighting: Weighting, block_rows: usize| -> Option<Vec<Complex>> {
-            let subspace = Subspace::new(&data, SubspaceOptions { weighting, block_rows, direct: true }).ok()?;
-            let model = subspace.realize(self.poles).ok()?.model;
-            undo_zero_order_hold(&model).ok()?.poles().ok()
-        };
-        [(Weighting::N4sid, 10), (Weighting::Moesp, 10), (Weighting::Cva, 10)]
-            .into_iter()
-            .filter_map(|(weighting, rows)| realized(weighting, rows))
-            .collect()
-    }
-
     /// Poles near zero (a thousandth of one over the record), the others with a damping ratio of 0.7 at several
     /// frequencies.
     fn integrators(&self) -> Vec<Vec<Complex>> {
@@ -290,10 +266,6 @@ impl StartProblem<'_> {
             }
         }
         result
-    }
-
-    fn exponentials(&self) -> Option<Vec<Complex>> {
-        exponential_poles(self.output, self.dt(), self.poles)
     }
 
     /// Frequencies evenly spread in the logarithm, damping ratios from light to creeping.
@@ -327,16 +299,62 @@ pub(crate) fn random_poles(start: usize, count: usize, fastest: f64) -> Vec<Comp
     poles
 }
 
-/// Poles of the thinned signal taken for a free motion: ERA, which is the matrix pencil with a filtered rank.
-/// `None` where ERA has no model of that order, or one with a pole at the Nyquist frequency.
-pub(crate) fn exponential_poles(signal: &[f64], dt: f64, count: usize) -> Option<Vec<Complex>> {
-    let every = (signal.len() / THINNED).max(1);
-    let thin: Vec<f64> = signal.iter().step_by(every).copied().collect();
-    let dt = dt * every as f64;
-    let model = era(&thin, EraOptions { order: Order::Given(count), ..EraOptions::new(dt) }).ok()?;
-    let poles: Vec<Complex> = model.modes.iter().filter_map(|m| m.mode.map(|mode| mode.pole)).collect();
-    // A negative real z has a pole at the Nyquist frequency without partner.
-    (poles.len() == count && poles.iter().all(|s| s.im.abs() < 0.99 * PI / dt)).then_some(poles)
+/// Poles of every starting point of one kind that looks at all channels together, in the time of `data`; none for the
+/// other kinds, and where the record is too short for a method.
+///
+/// The subspace methods see twice the order of samples and more, and three times it; ARX sees each output alone.
+pub(crate) fn poles_of_all(start: Start, data: &IoData, poles: usize, direct: bool) -> Vec<Vec<Complex>> {
+    match start {
+        Start::N4sid => {
+            let horizons = [SHORTEST_HORIZON.max(poles + 2), 3 * poles + 2];
+            let needed = KEPT * Subspace::needed(horizons[0], data.inputs().len(), data.outputs().len());
+            let thin = Some(automatic_thinning(data, needed)).filter(|every| *every > 1);
+            let thin = thin.and_then(|every| thinned(data, every).ok());
+            let mut found = Vec::new();
+            for record in std::iter::once(data).chain(&thin) {
+                for (weighting, block_rows) in Weighting::ALL.into_iter().flat_map(|w| horizons.map(|rows| (w, rows))) {
+                    let options = SubspaceOptions { weighting, block_rows, direct };
+                    let Ok(sampled) = Subspace::new(record, options).and_then(|s| s.poles(poles)) else { continue };
+                    found.push(continuous(&sampled, poles, record.sample_time_s()));
+                }
+            }
+            found
+        }
+        Start::Arx => {
+            let mut found = Vec::new();
+            for output in data.outputs() {
+                let single = IoData::new(data.inputs().to_vec(), vec![output.clone()], data.sample_time_s());
+                let Ok(single) = single else { continue };
+                for taps in [poles, LONGER * poles] {
+                    let (nb, nk) = (taps + usize::from(direct), usize::from(!direct));
+                    let Ok(model) = arx(&single, ArxOrder { na: taps, nb, nk }) else { continue };
+                    let Ok(mut sampled) = model.state_space().and_then(|model| Ok(model.poles()?)) else { continue };
+                    // The least damped ones, pairs kept together.
+                    sampled.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(b.im.abs().total_cmp(&a.im.abs())));
+                    found.push(continuous(&sampled, poles, data.sample_time_s()));
+                }
+            }
+            found
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The leading `count` of sampled poles as continuous ones, pairs kept together. One on the negative real axis or at
+/// zero, which has no counterpart, becomes as fast as the sampling shows; so does what is missing.
+pub(crate) fn continuous(sampled: &[Complex], count: usize, dt: f64) -> Vec<Complex> {
+    let fastest = Complex::new(-PI / dt, 0.0);
+    let mut poles: Vec<Complex> = Vec::with_capacity(count);
+    for &z in sampled {
+        let s = if z.im == 0.0 && z.re <= 1e-9 { fastest } else { z.ln() / dt };
+        if z.im > 0.0 && poles.len() + 2 <= count {
+            poles.extend([s, s.conj()]);
+        } else if z.im == 0.0 && poles.len() < count {
+            poles.push(s);
+        }
+    }
+    poles.resize(count, fastest);
+    poles
 }
 
 /// A linear regression behind filters: one regressor per unknown coefficient, and what they should add up to.

@@ -3,10 +3,6 @@
 //! The fits run in scaled time, from 0 to 1 over a record of `T` seconds: `s' = s T`. A pole is divided by `T`, a
 //! denominator coefficient of `s^k` by `T^(n-k)`; what remains is which power of `T` belongs to each numerator.
 
-use crumple_numerics::lti::StateSpace;
-use nalgebra::DMatrix;
-
-use crate::IdentifyError;
 use crate::poles::cascade::{Section, SectionChain};
 
 /// `sum c_s p_s` of polynomials of one length.
@@ -51,25 +47,6 @@ pub(crate) fn unscaled(chain: &SectionChain, duration: f64) -> SectionChain {
             })
             .collect(),
     )
-}
-
-/// State space of a chain in seconds from coefficients in scaled time.
-///
-/// `forced` is one coefficient per state of the chain, `gain` the output's scale over the input's, `direct` the
-/// direct term in units of the data. The matrix is that of the chain, so the model is as well conditioned as its
-/// sections are, however widely the coefficients of the expanded polynomials range.
-pub(crate) fn cascade(
-    chain: &SectionChain,
-    forced: &[f64],
-    duration: f64,
-    gain: f64,
-    direct: f64,
-) -> Result<StateSpace, IdentifyError> {
-    let n = chain.order();
-    let powers = state_powers(chain);
-    let b = DMatrix::from_fn(n, 1, |i, _| if i == chain.entry() { 1.0 } else { 0.0 });
-    let c = DMatrix::from_fn(1, n, |_, s| forced[s] * duration.powi(powers[s]) * gain);
-    Ok(StateSpace::new(chain.matrix(), b, c, DMatrix::from_element(1, 1, direct), None)?)
 }
 
 /// Power of the duration that belongs to every state: one of degree d in the numerator is `(sT)^d/(sT)^n`.

@@ -2,8 +2,7 @@
 
 use crumple_numerics::lti::{StateSpace, simulate};
 use crumple_sysid::{
-    Criterion, IdentifyError, IoData, Lags, Okid, OkidOptions, OkidRealization, Order, compare, fit_measures,
-    markov_parameters,
+    Criterion, IdentifyError, IoData, Lags, Okid, OkidOptions, Order, compare, fit_measures, markov_parameters,
 };
 use crumple_testkit::white_noise;
 use nalgebra::{DMatrix, dmatrix};
@@ -37,15 +36,14 @@ fn clean_data_give_markov_parameters_model_and_predictor() {
         }
     }
     // No noise: the gain is not determined.
-    let alone = OkidRealization { jointly: false, max_order: 10 };
-    let estimated = okid.realize(Order::Given(3), alone).unwrap();
+    let estimated = okid.realize(Order::Given(3)).unwrap();
     for (estimated, exact) in estimated.model.poles().unwrap().iter().zip(truth.poles().unwrap()) {
         assert!((estimated - exact).norm() < 1e-9, "{estimated} {exact}");
     }
     for fit in compare(&estimated.model, &data).unwrap() {
         assert!(fit.unwrap().fit_percent.unwrap() > 100.0 - 1e-7, "{fit:?}");
     }
-    let automatic = okid.realize(Order::Automatic, alone).unwrap();
+    let automatic = okid.realize(Order::Automatic).unwrap();
     assert_eq!(automatic.model.order(), 3);
 }
 
@@ -65,7 +63,7 @@ fn the_kalman_gain_of_an_innovations_model_comes_back() {
     let data = IoData::new(u, y, 0.01).unwrap();
     let lags = Lags::Best { highest: 25, criterion: Criterion::Aicc };
     let okid = Okid::new(&data, OkidOptions::new(lags)).unwrap();
-    let estimated = okid.realize(Order::Given(3), OkidRealization::default()).unwrap();
+    let estimated = okid.realize(Order::Given(3)).unwrap();
     println!("{} lags, growth {:.2e}", okid.lags, okid.growth);
     let gain = |model: &StateSpace, k: &DMatrix<f64>| {
         let zero = DMatrix::zeros(2, 2);
@@ -125,8 +123,7 @@ fn equal_outputs_lower_the_rank_and_do_no_harm() {
     let okid = Okid::new(&data, OkidOptions::new(Lags::Given(8))).unwrap();
     assert_eq!(okid.regressors - okid.rank, 8);
     // The gain is not determined between equal outputs.
-    let alone = OkidRealization { jointly: false, ..OkidRealization::default() };
-    let model = okid.realize(Order::Given(3), alone).unwrap().model;
+    let model = okid.realize(Order::Given(3)).unwrap().model;
     let fits = compare(&model, &data).unwrap();
     assert!(fits.iter().all(|fit| fit.unwrap().fit_percent.unwrap() > 98.0), "{fits:?}");
 }

@@ -1,7 +1,125 @@
-//! Counts of intervals that hold the truth.
+//! Trials: how many intervals hold the truth, and what is recommended.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::ops::Range;
+use std::path::Path;
+
+use crumple_artifact::records::{CandidateV1, Certainty};
+use crumple_lumped::{LumpedError, Model};
+use crumple_numerics::estimation::random::RandomNumbers;
+use rayon::prelude::*;
+use serde_json::Value;
+
+use crate::interval_cover::{Car, Draw, Family, record};
+use crate::programs::{StepError, Steps, records};
+
+/// Interval, s, and number of the instants at which motions are compared: up to 100 ms.
+const INTERVAL_S: f64 = 1e-3;
+const INSTANTS: usize = 101;
+
+/// Why a trial could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum CoverError {
+    /// A program or a file.
+    #[error("{0}")]
+    Step(#[from] StepError),
+    /// The car has no motion.
+    #[error("{0}")]
+    Model(#[from] LumpedError),
+    /// A candidate that is none.
+    #[error("{0}")]
+    Record(#[from] serde_json::Error),
+}
+
+/// The cover of a family's intervals over the cars of these numbers.
+///
+/// Cars run beside each other; a car and its noise follow from its number and the family alone, so the counts are the
+/// same for any number of threads. `clean`: trigger and stated speed without error, a filter without phase. Errors: a
+/// program that is missing or fails.
+pub fn cover_of(
+    family: &Family,
+    records: Range<usize>,
+    clean: bool,
+    (bin, folder): (&Path, &Path),
+) -> Result<Cover, CoverError> {
+    let trials = records.into_par_iter().map(|number| {
+        let folder = folder.join(number.to_string());
+        trial(family, number, clean, &Steps { bin, folder: &folder, pipeline: None })
+    });
+    let covers: Vec<Cover> = trials.collect::<Result<_, _>>()?;
+    Ok(covers.iter().fold(Cover::default(), |mut total, one| {
+        total.add(one);
+        total
+    }))
+}
+
+/// Draws a car, records its test, solves for its parameters and counts their intervals.
+fn trial(family: &Family, number: usize, clean: bool, programs: &Steps<'_>) -> Result<Cover, CoverError> {
+    let car = measured((family.name, family.draw, number), clean, programs)?;
+    let mut arguments = vec!["2.mcap", "3.mcap", "--json", "-o", "5.mcap"];
+    arguments.extend(family.flags);
+    let printed = programs.run("parameter-solve", &arguments)?;
+    programs.remove_folder()?;
+    count(family.id, number, &car, &printed)
+}
+
+/// Draws a car and measures its test: `2.mcap` and `3.mcap` in the folder of the programs. Without a pipeline no
+/// input's uncertainty is propagated, so that the intervals are those of the fits.
+pub(crate) fn measured(
+    (name, draw, number): (&str, Draw, usize),
+    clean: bool,
+    programs: &Steps<'_>,
+) -> Result<Car, CoverError> {
+    let mut random = RandomNumbers::seeded(blend(name, number));
+    let car = draw.car(&mut random)?;
+    programs.write("crash.csv", &record(&car, clean, &mut random)?)?;
+    programs.run("ingest", &["crash.csv", "--time-zero", "0s", "--channel", "accel", "-o", "1.mcap"])?;
+    programs.run("filter", &["1.mcap", "-o", "2.mcap"])?;
+    let channels = if car.engine { "all,engine" } else { "all" };
+    programs.run("integrate", &["2.mcap", "--uncertainty-replicates", "0", "--channels", channels, "-o", "3.mcap"])?;
+    Ok(car)
+}
+
+/// A seed that depends on the family and the number.
+fn blend(name: &str, number: usize) -> u64 {
+    name.bytes().fold(number as u64, |seed, byte| seed.wrapping_mul(1_099_511_628_211) ^ u64::from(byte))
+}
+
+/// Counts the intervals of the candidate of a model and method whose masses move most like those of the car: a record
+/// cannot tell duals apart, and both are given; their springs and dampers may be near each other, the motion of the
+/// front is not.
+pub(crate) fn count(id: &str, number: usize, car: &Car, printed: &str) -> Result<Cover, CoverError> {
+    let truth = car.model.parameters();
+    let below = format!("/parameters/{id}/");
+    let candidates = records(printed, &below).map(|(_, candidate)| candidate);
+    let displacements = |model: &Model| {
+        let response = model.respond(car.impact_speed_m_per_s, INTERVAL_S, INSTANTS).ok()?;
+        Some(response.motions.into_iter().flat_map(|motion| motion.displacement_m).collect::<Vec<f64>>())
+    };
+    let true_motion = displacements(&car.model).unwrap_or_default();
+    let distance = |candidate: &Value| -> f64 {
+        let parameters = serde_json::from_value(candidate["parameters"].clone()).unwrap_or_default();
+        let model = Model::from_parameters(car.model.kind(), &parameters).ok();
+        let motion = model.and_then(|model| displacements(&model));
+        motion.map_or(f64::INFINITY, |x| x.iter().zip(&true_motion).map(|(x, truth)| (x - truth).powi(2)).sum())
+    };
+    let mut cover = Cover::default();
+    let Some(nearest) = candidates.min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+        cover.without = 1;
+        return Ok(cover);
+    };
+    let nearest: CandidateV1 = serde_json::from_value(nearest.clone())?;
+    let ends = nearest.uncertainty.iter().flat_map(|u| u.interval_low.iter().map(move |(name, low)| (u, name, *low)));
+    for (known, name, low) in ends {
+        if let Some(truth) = truth.get(name) {
+            let is_determined = nearest.certainty(name) == Some(Certainty::Determined);
+            let high = known.interval_high.get(name).copied().flatten();
+            cover.count(number, (name, *truth, is_determined), (low, high));
+        }
+    }
+    Ok(cover)
+}
 
 /// Closed intervals of one kind.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -72,7 +190,7 @@ pub struct Cover {
 
 impl Cover {
     /// Adds another count of the same family.
-    pub(super) fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         self.without += other.without;
         for (name, more) in &other.parameters {
             let counts = self.parameters.entry(name.clone()).or_default();
@@ -84,7 +202,7 @@ impl Cover {
     }
 
     /// Adds the interval that this record gives of a parameter whose true value is known.
-    pub(super) fn count(
+    pub(crate) fn count(
         &mut self,
         record: usize,
         (parameter, truth, is_determined): (&str, f64, bool),
@@ -106,7 +224,7 @@ impl Cover {
 
     /// All closed intervals: how many hold the truth, of how many, and the median width in percent of the truth of
     /// those of parameters whose name ends so.
-    pub(super) fn held(&self, unit: &str) -> (usize, usize, String) {
+    pub(crate) fn held(&self, unit: &str) -> (usize, usize, String) {
         let mut all = Closed::default();
         let mut of_unit = Closed::default();
         for (name, counts) in &self.parameters {
@@ -151,6 +269,196 @@ impl std::fmt::Display for Miss {
     }
 }
 
+/// A model that cars are made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn {
+    /// Name in the table.
+    pub name: &'static str,
+    /// Model name of its candidates.
+    model: &'static str,
+    pub(crate) draw: Draw,
+}
+
+/// All of them.
+pub const DRAWN: &[Drawn] = &[
+    Drawn { name: "kelvin", model: "kelvin", draw: Draw::Kelvin },
+    Drawn { name: "elastoplastic", model: "elastoplastic", draw: Draw::Elastoplastic },
+    Drawn { name: "maxwell", model: "maxwell", draw: Draw::Maxwell },
+    Drawn { name: "nonlinear-1", model: "nonlinear-1", draw: Draw::Nonlinear1 },
+    Drawn { name: "nonlinear-2", model: "nonlinear-2", draw: Draw::Nonlinear2 },
+    Drawn {
+        name: "double",
+        model: "double-spring-mass-damper",
+        draw: Draw::Double { front: (0.25, 0.25), engine: false },
+    },
+    Drawn {
+        name: "double, split 15 to 35 % taken as 25 %",
+        model: "double-spring-mass-damper",
+        draw: Draw::Double { front: (0.15, 0.35), engine: false },
+    },
+    Drawn {
+        name: "double-two-sensors, split 18 to 33 % taken as 25 %",
+        model: "double-spring-mass-damper",
+        draw: Draw::Double { front: (0.18, 0.33), engine: true },
+    },
+    Drawn { name: "triple", model: "triple-spring-mass-damper", draw: Draw::Triple },
+    Drawn { name: "force-deflection", model: "force-deflection", draw: Draw::ForceDeflection },
+];
+
+/// A record tells two candidates apart where their criteria differ by more (Burnham & Anderson 2002, section 2.6:
+/// essentially no support above 10).
+const TOLD_APART: f64 = 10.0;
+
+/// What a record's choice is, beside the model it was made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Choice {
+    /// That model.
+    True,
+    /// Another, whose criterion is not worse by more than [`TOLD_APART`].
+    NotToldApart,
+    /// Another, where the record has too few independent samples for the numbers of that model, so that its corrected
+    /// criterion is infinite, and where the uncorrected one is not worse by more than [`TOLD_APART`] either.
+    TooFewSamples,
+    /// Another.
+    Other,
+    /// None.
+    Nothing,
+}
+
+/// Counts of choices.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Choices {
+    records: usize,
+    /// Records with the true model, or one not told apart, as recommended or simplest.
+    held: usize,
+    /// Of the others, those too short for the numbers of the true model.
+    too_short: usize,
+    /// By name in the recommendation and choice.
+    counts: BTreeMap<(&'static str, Choice), usize>,
+    /// Models recommended where the record tells them from the true one.
+    others: BTreeMap<String, usize>,
+    /// Intervals of the true model: of its fitted candidate, or of its closed form.
+    cover: Cover,
+}
+
+/// The choices over the cars of these numbers, by the programs in `bin` with a pipeline.
+///
+/// A car and its noise follow from its number and model alone. `clean`: trigger and stated speed without error, a
+/// filter without phase. Errors: a program that is missing or fails.
+pub fn choices_of(
+    drawn: &Drawn,
+    numbers: Range<usize>,
+    clean: bool,
+    (bin, pipeline): (&Path, &Path),
+    folder: &Path,
+) -> Result<Choices, CoverError> {
+    let recommendations = numbers.into_par_iter().map(|number| -> Result<(Value, Cover), CoverError> {
+        let folder = folder.join(number.to_string());
+        let programs = Steps { bin, folder: &folder, pipeline: None };
+        let car = measured((drawn.name, drawn.draw, number), clean, &programs)?;
+        let programs = Steps { pipeline: Some(pipeline), ..programs };
+        programs.run("identify", &["2.mcap", "3.mcap", "-o", "4.mcap"])?;
+        let mut arguments = vec!["2.mcap", "3.mcap", "4.mcap", "--json", "-o", "5.mcap"];
+        arguments.extend(if car.engine { &["--sensors", "compartment=accel,engine=engine"][..] } else { &[] });
+        let printed = programs.run("parameter-solve", &arguments)?;
+        programs.remove_folder()?;
+        let mut cover = count(&format!("{}/direct-fit", drawn.model), number, &car, &printed)?;
+        if cover.parameters.is_empty() {
+            cover = count(&format!("{}/closed-form", drawn.model), number, &car, &printed)?;
+        }
+        let recommendation = records(&printed, "/recommendation").next().map(|(_, record)| record);
+        Ok((recommendation.unwrap_or_default(), cover))
+    });
+    let recommendations: Vec<(Value, Cover)> = recommendations.collect::<Result<_, _>>()?;
+    let mut choices = Choices::default();
+    for (recommendation, cover) in &recommendations {
+        choices.count(recommendation, drawn.model);
+        choices.cover.add(cover);
+    }
+    Ok(choices)
+}
+
+/// The model of a candidate's id.
+fn model_of(id: &str) -> &str {
+    id.split_once('/').map_or(id, |(model, _)| model)
+}
+
+impl Choices {
+    fn count(&mut self, recommendation: &Value, model: &str) {
+        let candidates = recommendation["candidates"].as_array().map_or(&[][..], Vec::as_slice);
+        let criterion = |of: &dyn Fn(&str) -> bool| {
+            let of = candidates.iter().filter(|candidate| candidate["id"].as_str().is_some_and(of));
+            of.filter_map(|candidate| candidate["aicc"].as_f64()).min_by(f64::total_cmp)
+        };
+        let truth = criterion(&|id| model_of(id) == model);
+        // `N ln V + 2 p`, Akaike's criterion without a correction for short records.
+        let samples = recommendation["evidence"]["effective_samples"].as_f64();
+        let uncorrected = |of: &dyn Fn(&str) -> bool| {
+            let of = candidates.iter().filter(|candidate| candidate["id"].as_str().is_some_and(of));
+            let value = |candidate: &Value| {
+                let (misfit, parameters) = (candidate["misfit"].as_f64()?, candidate["parameters"].as_f64()?);
+                Some(2.0 * samples? * misfit.ln() + 2.0 * parameters)
+            };
+            of.filter_map(value).min_by(f64::total_cmp)
+        };
+        let too_short = uncorrected(&|id| model_of(id) == model).filter(|_| truth.is_none());
+        let choice = |name: &str| match recommendation[name].as_str() {
+            None => Choice::Nothing,
+            Some(id) if model_of(id) == model => Choice::True,
+            Some(id) => match criterion(&|other| other == id).zip(truth) {
+                Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::NotToldApart,
+                None => match uncorrected(&|other| other == id).zip(too_short) {
+                    Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::TooFewSamples,
+                    _ => Choice::Other,
+                },
+                _ => Choice::Other,
+            },
+        };
+        let named = ["recommended", "simplest"].map(|name| (name, choice(name)));
+        self.records += 1;
+        let best = named.iter().map(|(_, choice)| *choice).min();
+        self.held += usize::from(best.is_some_and(|choice| choice <= Choice::NotToldApart));
+        self.too_short += usize::from(best == Some(Choice::TooFewSamples));
+        for key in named {
+            *self.counts.entry(key).or_default() += 1;
+        }
+        if let (Choice::Other, Some(id)) = (named[0].1, recommendation["recommended"].as_str()) {
+            *self.others.entry(model_of(id).to_owned()).or_default() += 1;
+        }
+    }
+
+    /// Share of records, %, with the true model or one not told apart as recommended or simplest, with those that have
+    /// too few independent samples for that model and do not tell it apart by the uncorrected criterion.
+    pub fn held_percent(&self) -> f64 {
+        100.0 * (self.held + self.too_short) as f64 / self.records as f64
+    }
+
+    /// Head of the table of [`Choices::row`].
+    pub const HEAD: &str = "\
+| made of | held, % | held, or too few samples, % | recommended: it / not told apart / too few samples / other / none \
+| simplest | others | intervals that hold | width of stiffnesses, % |
+|---|---|---|---|---|---|---|---|";
+
+    /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, the same with
+    /// the records that have too few independent samples for that model, then the counts of the recommended and of the
+    /// simplest: true, not told apart, too few samples, other, none; others that are recommended; of the closed 95 %
+    /// intervals of the true model those that hold the truth, and the median width of those of stiffnesses.
+    pub fn row(&self, name: &str) -> String {
+        let held = 100.0 * self.held as f64 / self.records as f64;
+        let mut row = format!("| {name} | {held:.1} | {:.1} |", self.held_percent());
+        for of in ["recommended", "simplest"] {
+            let count = |choice| self.counts.get(&(of, choice)).copied().unwrap_or_default();
+            let [truth, not_told_apart, too_few, other, nothing] =
+                [Choice::True, Choice::NotToldApart, Choice::TooFewSamples, Choice::Other, Choice::Nothing].map(count);
+            let _infallible = write!(row, " {truth} / {not_told_apart} / {too_few} / {other} / {nothing} |");
+        }
+        let others: Vec<String> = self.others.iter().map(|(model, count)| format!("{model} {count}")).collect();
+        let (held, closed, width) = self.cover.held("_n_per_m");
+        let _infallible = writeln!(row, " {} | {held} of {closed} | {width} |", others.join(", "));
+        row
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -172,5 +480,37 @@ mod tests {
         assert_eq!(cover.rows("x"), "| x | k | 2 | 50.0 | 100.0 | 1 | 100.0 | 1 | 0 |\n");
         assert_eq!(both.rows("x"), "| x | k | 4 | 50.0 | 100.0 | 2 | 100.0 | 2 | 0 |\n");
         assert_eq!(cover.misses[0].to_string(), "record 1: k = 4.000000e0 is not in 1.000000e0 to 3.000000e0");
+    }
+
+    #[test]
+    fn a_record_that_cannot_tell_two_models_apart_counts_for_both() {
+        let candidate = |id: &str, aicc: f64| serde_json::json!({ "id": id, "aicc": aicc });
+        let mut choices = Choices::default();
+        for (recommended, simplest) in [("a/fit/1", "b/fit/1"), ("b/fit/1", "c/fit/1"), ("c/fit/1", "c/fit/1")] {
+            let candidates = [candidate("a/fit/1", 0.0), candidate("b/fit/1", 9.0), candidate("c/fit/1", 11.0)];
+            let record = serde_json::json!({
+                "recommended": recommended, "simplest": simplest, "candidates": candidates
+            });
+            choices.count(&record, "a");
+        }
+        choices.count(&serde_json::json!({ "recommended": null, "simplest": null }), "a");
+        // A criterion of the true model that nobody can state: too many numbers for the samples.
+        let too_many = serde_json::json!({ "id": "a/fit/1", "aicc": null, "misfit": 0.1, "parameters": 9 });
+        // 9 ln V + 2 p: 7 numbers less are worth a misfit larger by exp(7/9), and 10 more one by exp(12/9).
+        for ratio in [1.3_f64, 1.4] {
+            let misfit = 0.1 * ratio.exp();
+            let other = serde_json::json!({ "id": "c/fit/1", "aicc": 11.0, "misfit": misfit, "parameters": 2 });
+            choices.count(
+                &serde_json::json!({
+                    "recommended": "c/fit/1", "simplest": null, "candidates": [too_many, other],
+                    "evidence": { "effective_samples": 9.0 }
+                }),
+                "a",
+            );
+        }
+        assert_eq!(
+            choices.row("a"),
+            "| a | 33.3 | 50.0 | 1 / 1 / 1 / 2 / 1 | 0 / 1 / 0 / 2 / 3 | c 2 | 0 of 0 | - |\n"
+        );
     }
 }

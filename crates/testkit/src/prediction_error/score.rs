@@ -1,18 +1,23 @@
-//! What was predicted for a car, beside what the car does.
+//! Scores of predictions, and their tables.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use crumple_numerics::estimation::statistics::quantile;
 use serde_json::Value;
 
-use super::car::Truth;
+use crate::prediction_error::car::Truth;
+use crate::prediction_error::kind::KINDS;
 
 /// The answers that a car is asked for: speed in km/h, factor of the mass. The kind at the pole, which is tested at 35,
 /// is asked at 5/8 of these speeds.
-pub(super) const ASKED: [(f64, f64); 8] =
+pub(crate) const ASKED: [(f64, f64); 8] =
     [(56.0, 1.0), (30.0, 1.0), (40.0, 1.0), (48.0, 1.0), (64.0, 1.0), (72.0, 1.0), (56.0, 0.8), (56.0, 1.2)];
 /// Places in [`ASKED`]: the test that was made, the speed that the status of a run is asked at, and what the cover of
 /// intervals is counted over.
-pub(super) const OWN_TEST: usize = 0;
-pub(super) const LOWER: usize = 2;
-pub(super) const COUNTED: [usize; 5] = [2, 3, 4, 6, 7];
+pub(crate) const OWN_TEST: usize = 0;
+pub(crate) const LOWER: usize = 2;
+const COUNTED: [usize; 5] = [2, 3, 4, 6, 7];
 
 /// A number that is predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,10 +36,10 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, in the order of a [`Prediction`].
-    pub(super) const ALL: [Self; 5] = [Self::Crush, Self::Time, Self::Peak, Self::DeltaV, Self::Restitution];
+    pub(crate) const ALL: [Self; 5] = [Self::Crush, Self::Time, Self::Peak, Self::DeltaV, Self::Restitution];
 
     /// Name in the tables.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Crush => "dynamic crush",
             Self::Time => "time of dynamic crush",
@@ -85,7 +90,7 @@ pub struct Scored {
 pub type Prediction = [Option<Scored>; 5];
 
 /// A record `/prediction/<n>` beside the truth.
-pub(super) fn scored(record: &Value, truth: &Truth) -> Prediction {
+pub(crate) fn scored(record: &Value, truth: &Truth) -> Prediction {
     Quantity::ALL.map(|quantity| {
         let (value, truth) = (record[quantity.field()].as_f64()?.abs(), quantity.of(truth));
         let mut intervals = record["intervals"].as_array().into_iter().flatten();
@@ -98,7 +103,7 @@ pub(super) fn scored(record: &Value, truth: &Truth) -> Prediction {
 }
 
 /// What one car would show beside what another one does.
-pub(super) fn scored_truth(predicted: &Truth, truth: &Truth) -> Prediction {
+pub(crate) fn scored_truth(predicted: &Truth, truth: &Truth) -> Prediction {
     Quantity::ALL.map(|quantity| {
         Some(Scored { error: quantity.error(quantity.of(predicted), quantity.of(truth)), interval: None })
     })
@@ -134,27 +139,215 @@ pub struct Outcome {
 
 impl Outcome {
     /// What was predicted at a question.
-    pub(super) fn prediction(&self, who: &Answer, question: usize) -> Option<Prediction> {
+    pub(crate) fn prediction(&self, who: &Answer, question: usize) -> Option<Prediction> {
         self.predictions.iter().find(|(answer, _)| answer == who)?.1[question]
     }
 
     /// Error of a quantity that the recommended model predicts.
-    pub(super) fn error(&self, quantity: Quantity, question: usize) -> Option<f64> {
+    pub(crate) fn error(&self, quantity: Quantity, question: usize) -> Option<f64> {
         Some(self.prediction(&Answer::Recommended, question)?[quantity as usize]?.error)
     }
 
     /// Whether a model that does not stay crushed is recommended.
-    pub(super) fn is_damped(&self) -> bool {
+    pub(crate) fn is_damped(&self) -> bool {
         let model = self.recommended.as_deref().and_then(|id| id.split('/').next());
         model.is_some_and(|model| !["elastoplastic", "force-deflection"].contains(&model))
     }
 
     /// Whether the recommended model repeats the test it was fitted to: it stops, with its crush within 3.5 %, its time
     /// within 5 % and its restitution within 0.1.
-    pub(super) fn repeats_own_test(&self) -> bool {
+    pub(crate) fn repeats_own_test(&self) -> bool {
         let limits = [(Quantity::Crush, 0.035), (Quantity::Time, 0.05), (Quantity::Restitution, 0.1)];
         limits.iter().all(|(quantity, limit)| self.error(*quantity, OWN_TEST).is_some_and(|e| e.abs() <= *limit))
     }
+}
+
+/// A status of `summary.json` that says a model may be relied on.
+const USABLE: &str = "usable";
+/// Place in [`ASKED`] of the speed above the tested one.
+const HIGHER: usize = 4;
+
+/// All tables: counts and what is recommended by kind; errors and intervals of each quantity by kind and question; the
+/// cover of all intervals; errors of the car itself; every candidate.
+pub fn tables(outcomes: &[Outcome]) -> String {
+    let kind_of = |outcome: &Outcome| KINDS.iter().find(|kind| kind.name == outcome.kind);
+    let is_plastic = |outcome: &&Outcome| kind_of(outcome).is_some_and(|kind| kind.is_plastic);
+    let mut groups: Vec<(String, Vec<&Outcome>)> = vec![
+        ("**all**".to_owned(), outcomes.iter().collect()),
+        ("**plastic**".to_owned(), outcomes.iter().filter(is_plastic).collect()),
+    ];
+    groups.extend(
+        KINDS
+            .iter()
+            .map(|kind| (kind.name.to_owned(), outcomes.iter().filter(|outcome| outcome.kind == kind.name).collect())),
+    );
+    groups.retain(|(_, cars)| !cars.is_empty());
+    let mut tables = vec![counts(outcomes, &outcomes.iter().filter(is_plastic).collect::<Vec<_>>())];
+    tables.push(recommended(&groups));
+    tables.extend(Quantity::ALL.map(|quantity| errors(&groups, &Answer::Recommended, quantity)));
+    tables.extend([cover(&groups), errors(&groups, &Answer::CarItself, Quantity::Crush), candidates(outcomes)]);
+    tables.join("\n")
+}
+
+/// What is recommended, and what should not be.
+fn counts(outcomes: &[Outcome], plastic: &[&Outcome]) -> String {
+    let damped: Vec<&&Outcome> = plastic.iter().filter(|car| car.is_damped()).collect();
+    let not_repeated = damped.iter().filter(|car| !car.repeats_own_test()).count();
+    let none = outcomes.iter().filter(|car| car.recommended.is_none()).count();
+    let usable: Vec<&Outcome> = outcomes.iter().filter(|car| car.status.as_deref() == Some(USABLE)).collect();
+    let off = usable.iter().filter(|car| car.error(Quantity::Crush, LOWER).is_none_or(|e| e.abs() > 0.1)).count();
+    let status = outcomes.iter().filter(|car| car.status.is_some()).count();
+    format!(
+        "| count | cars | of |\n|---|---|---|\n\
+         | plastic cars with a damped model | {} | {} |\n\
+         | ... that does not repeat its own test | {not_repeated} | {} |\n\
+         | cars without a recommendation | {none} | {} |\n\
+         | runs that state a status | {status} | {} |\n\
+         | ... \"{USABLE}\" for a crush at 40 km/h that is off by more than 10 % | {off} | {} |\n",
+        damped.len(),
+        plastic.len(),
+        plastic.len(),
+        outcomes.len(),
+        outcomes.len(),
+        usable.len(),
+    )
+}
+
+/// Numbers of a quantity that an answer predicts at a question.
+fn scored_cells<'a>(
+    cars: &'a [&Outcome],
+    who: &'a Answer,
+    question: usize,
+    quantity: Quantity,
+) -> impl Iterator<Item = Scored> + 'a {
+    let predictions = cars.iter().filter_map(move |car| car.prediction(who, question));
+    predictions.filter_map(move |prediction: Prediction| prediction[quantity as usize])
+}
+
+/// Quantiles of sizes, in percent.
+fn percent(sizes: impl Iterator<Item = f64>, shares: &[f64]) -> Vec<String> {
+    let mut sorted: Vec<f64> = sizes.map(f64::abs).collect();
+    sorted.sort_by(f64::total_cmp);
+    let at =
+        |share: &f64| quantile(&sorted, *share).map_or_else(|| "-".to_owned(), |size| format!("{:.1}", 100.0 * size));
+    shares.iter().map(at).collect()
+}
+
+/// How many in a hundred intervals hold the truth, and their median width in percent of it.
+fn held(scored: impl Iterator<Item = Scored>) -> Option<String> {
+    let intervals: Vec<(bool, f64)> = scored.filter_map(|scored| scored.interval).collect();
+    let held = intervals.iter().filter(|(held, _)| *held).count();
+    let share = 100.0 * held as f64 / intervals.len() as f64;
+    let width = percent(intervals.iter().map(|(_, width)| *width), &[0.5]);
+    (!intervals.is_empty()).then(|| format!("{share:.0} {}", width[0]))
+}
+
+fn recommended(groups: &[(String, Vec<&Outcome>)]) -> String {
+    let mut table = String::from(
+        "Crush and peak at 40 km/h over those at 56, medians of the cars themselves; what is recommended\n\n\
+         | kind | cars | crush | peak | recommended |\n|---|---|---|---|---|\n",
+    );
+    for (name, cars) in groups {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for car in cars {
+            *counts.entry(car.recommended.as_deref().unwrap_or("none")).or_default() += 1;
+        }
+        let mut counts: Vec<_> = counts.into_iter().collect();
+        counts.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
+        let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
+        let ratio = |which: usize| {
+            let mut ratios: Vec<f64> = cars.iter().map(|car| car.lower_ratios[which]).collect();
+            ratios.sort_by(f64::total_cmp);
+            quantile(&ratios, 0.5).unwrap_or_default()
+        };
+        let (crush, peak) = (ratio(0), ratio(1));
+        let _infallible =
+            writeln!(table, "| {name} | {} | {crush:.2} | {peak:.2} | {} |", cars.len(), counts.join(", "));
+    }
+    table
+}
+
+/// Names of the questions as heads of columns.
+fn questions() -> String {
+    ASKED.iter().fold(String::new(), |mut heads, (speed, factor)| {
+        let _infallible =
+            if *factor == 1.0 { write!(heads, " {speed} km/h |") } else { write!(heads, " {factor} of the mass |") };
+        heads
+    })
+}
+
+/// Errors of a quantity by question; of what is recommended with the intervals.
+fn errors(groups: &[(String, Vec<&Outcome>)], who: &Answer, quantity: Quantity) -> String {
+    let of_whom = match who {
+        Answer::Recommended => "median (nine in ten, worst); cover and median width of the 90 % intervals",
+        _ => "of the car itself, its curves known as far as it was crushed: median (nine in ten, worst)",
+    };
+    let mut table = format!(
+        "Error of {}, %, {of_whom}\n\n| kind |{}\n|---|{}\n",
+        quantity.name(),
+        questions(),
+        "---|".repeat(ASKED.len())
+    );
+    for (name, cars) in groups {
+        let _infallible = write!(table, "| {name} |");
+        for question in 0..ASKED.len() {
+            let sizes =
+                percent(scored_cells(cars, who, question, quantity).map(|scored| scored.error), &[0.5, 0.9, 1.0]);
+            let held =
+                held(scored_cells(cars, who, question, quantity)).map_or_else(String::new, |held| format!("; {held}"));
+            let _infallible = write!(table, " {} ({}, {}){held} |", sizes[0], sizes[1], sizes[2]);
+        }
+        table.push('\n');
+    }
+    table
+}
+
+/// Cover and median width of every quantity's intervals over all questions beside the own test.
+fn cover(groups: &[(String, Vec<&Outcome>)]) -> String {
+    let mut table = String::from(
+        "Cover and median width of the 90 % intervals, %, at 40, 48 and 64 km/h and both masses; at the own test\n\n\
+         | kind | crush | time | peak | delta-v | restitution |\n|---|---|---|---|---|---|\n",
+    );
+    for (name, cars) in groups {
+        let _infallible = write!(table, "| {name} |");
+        for quantity in Quantity::ALL {
+            let of = |questions: &[usize]| {
+                let who = &Answer::Recommended;
+                let scored = questions.iter().flat_map(|question| scored_cells(cars, who, *question, quantity));
+                held(scored).unwrap_or_else(|| "-".to_owned())
+            };
+            let _infallible = write!(table, " {}; {} |", of(&COUNTED), of(&[OWN_TEST]));
+        }
+        table.push('\n');
+    }
+    table
+}
+
+/// Every candidate over all cars, at the tested speed and away from it.
+fn candidates(outcomes: &[Outcome]) -> String {
+    let mut table = String::from(
+        "Error of dynamic crush by candidate, %: median (worst)\n\n\
+         | candidate | cars | at 56 km/h | at 40 | at 64 | peak at 40 and 64, median |\n|---|---|---|---|---|---|\n",
+    );
+    let cars: Vec<&Outcome> = outcomes.iter().collect();
+    let names: BTreeSet<&Answer> = outcomes.iter().flat_map(|o| o.predictions.iter().map(|(who, _)| who)).collect();
+    for who in names {
+        let name = match who {
+            Answer::Recommended => "**recommended**",
+            Answer::CarItself => "the car itself, as far as it was crushed",
+            Answer::Candidate(name) => name,
+        };
+        let count = scored_cells(&cars, who, OWN_TEST, Quantity::Crush).count();
+        let _infallible = write!(table, "| {name} | {count} |");
+        for question in [OWN_TEST, LOWER, HIGHER] {
+            let errors = scored_cells(&cars, who, question, Quantity::Crush).map(|scored| scored.error);
+            let sizes = percent(errors, &[0.5, 1.0]);
+            let _infallible = write!(table, " {} ({}) |", sizes[0], sizes[1]);
+        }
+        let peaks = [LOWER, HIGHER].into_iter().flat_map(|question| scored_cells(&cars, who, question, Quantity::Peak));
+        let _infallible = writeln!(table, " {} |", percent(peaks.map(|scored| scored.error), &[0.5])[0]);
+    }
+    table
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Model};
 use crumple_numerics::estimation::random::RandomNumbers;
-use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, value::Speed};
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
+use crumple_signal::value::Speed;
 use serde_json::{Value, json};
 
 const RATE_HZ: u32 = 10_000;

@@ -1,12 +1,11 @@
 //! A record of every kind that people bring, for what must hold of all of them.
 
 use std::f64::consts::PI;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use crate::places::{shared, workspace};
-use crate::records::two_vehicles::TwoVehicles;
+use crate::records::known_truth::TwoVehicles;
 
 /// A record and how it is run.
 #[derive(Debug, Clone)]

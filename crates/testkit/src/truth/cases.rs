@@ -2,19 +2,18 @@
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use crumple_lumped::Model;
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 
-use super::known::{Known, Maker, Subject};
 use crate::interval_cover::{DRAWN, made as made_by_family};
 use crate::places::workspace;
 use crate::prediction_error::{KINDS, made as made_by_kind};
 use crate::records::TwoVehicles;
 use crate::records::fixture::fixture_models;
+use crate::truth::known::{Known, Maker, Subject};
 
 /// What is asked of a run behind it, as flags of `just predict`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::shown::{Shown, numbers, plain};
+use crate::truth::run::{Shown, numbers, plain};
 
 /// What may stand in a place of a template.
 #[derive(Debug, Clone, Copy)]

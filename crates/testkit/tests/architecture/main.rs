@@ -4,9 +4,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod budget;
-mod circles;
-mod layers;
 mod paths;
 mod planted;
 mod sizes;
@@ -80,9 +77,9 @@ fn packages() -> Vec<Package> {
 #[test]
 fn the_house_keeps_its_rules() {
     let packages = packages();
-    let mut broken = layers::broken(&packages);
-    broken.extend(packages.iter().flat_map(circles::broken));
+    let mut broken = sizes::broken_layers(&packages);
+    broken.extend(packages.iter().flat_map(paths::broken));
     broken.extend(packages.iter().flat_map(sizes::broken));
-    broken.extend(budget::check(&packages));
+    broken.extend(sizes::check(&packages));
     assert!(broken.is_empty(), "{} rules broken\n{}", broken.len(), broken.join("\n"));
 }

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::budget::{Budget, Exception};
-use crate::sizes::{FILE_LINES, FUNCTION_LINES, WIDTH};
-use crate::{Package, circles, layers, sizes};
+use crate::sizes::{Budget, Exception, FILE_LINES, FUNCTION_LINES, WIDTH};
+use crate::{Package, paths, sizes};
 
 fn package(name: &str, manifest: &str, files: &[(&str, &str)]) -> Package {
     Package::new(name, manifest, files.iter().map(|(path, text)| ((*path).to_owned(), (*text).to_owned())))
@@ -19,7 +18,7 @@ fn assert_broken(broken: &[String], text: &str) {
 #[test]
 fn layers_go_down() {
     let check = |name: &str, manifest: &str, library: &str| {
-        layers::broken(&[package(name, manifest, &[("src/lib.rs", library)])])
+        sizes::broken_layers(&[package(name, manifest, &[("src/lib.rs", library)])])
     };
     assert_broken(&check("stage", "[dependencies]\ncrumple-signal.workspace = true\nclap = '4'", ""), "");
     assert_broken(&check("signal", "[dev-dependencies]\ncrumple-testkit = { path = '../testkit' }", ""), "");
@@ -35,7 +34,7 @@ fn layers_go_down() {
 fn modules_use_each_other_in_no_circle() {
     let check = |library: &str, a: &str, b: &str| {
         let files = [("src/lib.rs", library), ("src/a/mod.rs", "mod inner;"), ("src/a/inner.rs", a), ("src/b.rs", b)];
-        circles::broken(&package("x", "", &files))
+        paths::broken(&package("x", "", &files))
     };
     let library = "mod a;\nmod b;\npub use b::B;";
     let of_a = "fn f() {\n    crate::a::g();\n}";
@@ -51,7 +50,7 @@ fn modules_use_each_other_in_no_circle() {
         ("src/a.rs", "use crate::error::E;"),
         ("src/error.rs", "use crate::a::A;"),
     ];
-    assert_broken(&circles::broken(&package("x", "", &of_errors)), "");
+    assert_broken(&paths::broken(&package("x", "", &of_errors)), "");
 }
 
 #[test]

@@ -32,7 +32,7 @@ const SUBJECTS: [Subject; 4] = [
 ];
 
 fn main() -> ExitCode {
-    if crumple_testkit::asked_for_tests("cases") {
+    if crumple_testkit::programs::asked_for_tests("cases") {
         return ExitCode::SUCCESS;
     }
     let words: Vec<String> = std::env::args().skip(1).collect();

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crumple_testkit::browser::{Browser, Page, Screen};
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
-use crumple_testkit::pipeline::run;
+use crumple_testkit::programs::run;
 use crumple_testkit::truth::numbers;
 use serde_json::Value;
 

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::TestV1;
-use crumple_testkit::pipeline::{ARTIFACTS, binary, just, run};
+use crumple_testkit::programs::{ARTIFACTS, binary, just, run};
 use crumple_testkit::workspace;
 
 fn fixture(name: &str) -> PathBuf {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crumple_testkit::pipeline::binary;
+use crumple_testkit::programs::binary;
 use crumple_testkit::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 use serde_json::Value;
 

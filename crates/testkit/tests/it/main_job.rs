@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crumple_testkit::pipeline::{ARTIFACTS, number, run, summary_of};
+use crumple_testkit::programs::{ARTIFACTS, binary, number, run, summary_of};
+use crumple_testkit::truth::{self, Extent, Made, Net, Registry, cases};
 use crumple_testkit::{shared, workspace};
+use rayon::prelude::*;
 
 fn fixture(name: &str) -> PathBuf {
     workspace().join("fixtures").join(name).join("crash.csv")
@@ -192,4 +194,39 @@ fn a_channel_that_was_not_installed_is_refused_as_that() {
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{error}");
     assert!(error.to_lowercase().contains("not installed"), "{error}");
+}
+
+#[test]
+fn a_python_program_that_writes_json_serves_as_identify() {
+    let python = workspace().join(".venv/bin/python");
+    assert!(python.exists(), "{} is missing: run scripts/setup.sh test", python.display());
+    let script = workspace().join("docs/examples/identify.py");
+    let folder = tempfile::tempdir().unwrap();
+    let variable = format!("identify='{}' '{}'", python.display(), script.display());
+    let summary = summary_of(&[&variable], folder.path(), &workspace().join("fixtures/kelvin/crash.csv"), &[]);
+    let models = summary["models"].as_array().unwrap();
+    assert_eq!(models.len(), 1, "{models:?}");
+    assert_eq!(models[0]["id"], "ar-2");
+    // The record is one decaying mode of sqrt(330000/873) = 19.442 rad/s; the coarse AR fit through the filter's
+    // smeared contact finds it to a few percent.
+    let found = models[0]["modes"][0]["natural_frequency_rad_per_s"].as_f64().unwrap();
+    assert!((found / 19.442 - 1.0).abs() < 0.1, "{found}");
+    assert!(!summary["candidates"].as_array().unwrap().is_empty(), "the stages after it went on");
+}
+
+#[test]
+fn every_text_that_a_run_can_print_has_a_rule_or_a_reason_to_have_none() {
+    assert_eq!(Registry::new().without_rule(), Vec::<String>::new());
+}
+
+#[test]
+fn no_sentence_of_a_run_contradicts_the_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let bin = binary("crumple-run").parent().unwrap().to_owned();
+    let cases = cases(Extent::Short, folder.path()).unwrap();
+    let made: Vec<Made> = cases.par_iter().map(|case| truth::run(case, &bin, folder.path()).unwrap()).collect();
+    let (registry, mut net) = (Registry::new(), Net::default());
+    made.iter().for_each(|made| net.read(&registry, made));
+    assert!(net.contradictions.is_empty() && net.unread.is_empty(), "{}", net.table(&registry));
+    assert_eq!(net.counts.too_low(), Vec::<String>::new());
 }

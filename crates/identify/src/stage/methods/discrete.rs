@@ -5,13 +5,13 @@ use crumple_signal::{About, Notes, Weight};
 use crumple_stage::{Outcome, Output, RefuseExt};
 use crumple_sysid::{IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weighting, output_error};
 
-use crate::stage::methods::okid_fir::{impulse_response, okid};
+use crate::stage::methods::okid::okid;
 use crate::stage::methods::subspace::{Horizon, chosen_order, put_subspace_diagram};
 use crate::stage::methods::{arx, subspace};
 use crate::stage::options::choices::{Initial, Method};
 use crate::stage::options::settings::{HankelSettings, InputOutputSettings, Settings};
 use crate::stage::records::discrete::{
-    DiscreteModel, DiscreteTask, RecordChoices, mirror_growing_poles, put_discrete_model, simulate_accepted,
+    DiscreteModel, DiscreteTask, RecordChoices, put_discrete_model, simulate_accepted,
 };
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source, record};
@@ -228,9 +228,6 @@ fn identify(
 ) -> Result<DiscreteModel, IdentifyError> {
     match (method, hankel) {
         (Method::Okid, Some(hankel)) => okid(order, data, hankel),
-        (Method::Fir, Some(hankel)) => {
-            mirror_growing_poles(impulse_response(order, data, hankel, input_output.initial == Initial::Zero)?, data)
-        }
         (Method::Arx, _) => arx::identify_order(order, data),
         (Method::OutputError, _) => by_output_error(order, data, input_output),
         _ => {
@@ -247,6 +244,7 @@ fn by_output_error(
     input_output: &InputOutputSettings,
 ) -> Result<DiscreteModel, IdentifyError> {
     let options = OutputErrorOptions {
+        from_rest: input_output.initial == Initial::Zero,
         stop: Stop { max_iterations: input_output.most_iterations(), ..Stop::default() },
         ..OutputErrorOptions::new(order)
     };

@@ -1,11 +1,8 @@
-//! The methods `era` and `era-dc`: records taken for impulse responses.
+//! The method `era`: records taken for impulse responses.
 
 use crumple_signal::{About, QuantityKind, Weight};
 use crumple_stage::{Outcome, Output, RefuseExt};
-use crumple_sysid::{
-    Era, EraDc, EraDcOptions, EraError, EraOptions, MarkovParameters, Order, OrderPoles, Realization, caveats,
-    era_order_scan_of,
-};
+use crumple_sysid::{Era, EraError, EraOptions, MarkovParameters, Order, Realization, caveats, era_order_scan_of};
 
 use crate::stage::options::choices::{Method, Paper};
 use crate::stage::options::orders::OrderOption;
@@ -18,7 +15,6 @@ use crate::stage::waves::{ScaledWaves, Source, WindowedWave, channel, filter_edg
 
 /// What models of all orders are for and from.
 struct EraRun<'a> {
-    method: Method,
     settings: &'a Settings,
     /// The channels, sampled together.
     waves: &'a [WindowedWave],
@@ -28,7 +24,7 @@ struct EraRun<'a> {
 }
 
 /// Models of every order asked for, or those of the paper.
-pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
+pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let settings = source.settings;
     let channels = match &settings.hankel {
         Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
@@ -41,7 +37,7 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
     if !free {
         let pulse = source.is_of_a_crash() && waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
         results.out.notes().info(format!(
-            "{method}: the record of {names} is taken for an impulse response{}",
+            "era: the record of {names} is taken for an impulse response{}",
             if pulse {
                 "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
             } else {
@@ -49,15 +45,16 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
             }
         ));
     }
-    let task = EraRun { method, settings, waves: &waves, treated_as, remarks: &[] };
+    let task = EraRun { settings, waves: &waves, treated_as, remarks: &[] };
     if settings.paper.is_some() {
         return run_paper(&task, results);
     }
     if let Some(wanted) = &settings.stabilisation {
-        match order_scan(&task) {
+        let records = ScaledWaves::new(&waves);
+        match records.markov().and_then(|m| era_order_scan_of(m, settings.max_order, settings.rows, settings.columns)) {
             Ok(models) => {
                 realization::put_diagram(
-                    &method.to_string(),
+                    &Method::Era.to_string(),
                     &names,
                     &models,
                     waves[0].sampled.dt_s(),
@@ -65,7 +62,7 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
                     results.out,
                 )?;
             }
-            Err(error) => results.out.notes().warning(format!("{method}: no stabilisation diagram: {error}")),
+            Err(error) => results.out.notes().warning(format!("era: no stabilisation diagram: {error}")),
         }
     }
     let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
@@ -80,33 +77,6 @@ fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<
         waves[0].require_same_times(next, hint)?;
     }
     Ok(waves)
-}
-
-/// Poles of all orders, for the stabilisation diagram.
-fn order_scan(task: &EraRun<'_>) -> Result<Vec<OrderPoles>, EraError> {
-    let EraRun { method, settings, waves, .. } = *task;
-    let records = ScaledWaves::new(waves);
-    let highest = settings.max_order;
-    if method == Method::Era {
-        return era_order_scan_of(records.markov()?, highest, settings.rows, settings.columns);
-    }
-    let orders = [Order::Given(highest)];
-    let era = decompose(method, settings, records.slices(), waves[0].sampled.dt_s(), &orders)?;
-    let several = waves.len() > 1;
-    // What one order does not allow, no higher one does.
-    let models = (2..=highest).step_by(2).map_while(|order| era.realize(Order::Given(order)).ok());
-    Ok(models
-        .map(|model| OrderPoles {
-            order: model.order(),
-            poles: model.modes.iter().map(|mode| mode.discrete_pole).collect(),
-            shapes: if several {
-                model.mode_shapes.into_iter().map(Option::unwrap_or_default).collect()
-            } else {
-                Vec::new()
-            },
-            strengths: Vec::new(),
-        })
-        .collect())
 }
 
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
@@ -148,10 +118,10 @@ fn realize_all(
     written: &mut Vec<(usize, usize)>,
     results: &mut Results<'_>,
 ) -> anyhow::Result<Outcome> {
-    let EraRun { method, settings, waves, treated_as, remarks } = *task;
+    let EraRun { settings, waves, treated_as, remarks } = *task;
     let dt_s = waves[0].sampled.dt_s();
     let records = ScaledWaves::new(waves);
-    let decomposed = match decompose(method, settings, records.slices(), dt_s, orders) {
+    let decomposed = match decompose(settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
             let names: Vec<&str> = waves.iter().map(|wave| wave.id.as_str()).collect();
             return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
@@ -181,12 +151,13 @@ fn realize_all(
         let refit = |y: &[Vec<f64>]| {
             let divided = records.divided(y);
             let slices = divided.iter().map(Vec::as_slice).collect();
-            Some(records.unscaled(
-                decompose(method, settings, slices, dt_s, &[sizing_order]).ok()?.realize(realized_order).ok()?,
-            ))
+            Some(
+                records
+                    .unscaled(decompose(settings, slices, dt_s, &[sizing_order]).ok()?.realize(realized_order).ok()?),
+            )
         };
         let realization = RealizationTask {
-            method,
+            method: Method::Era,
             waves,
             treated_as,
             bootstrap: settings.bootstrap.as_ref(),
@@ -202,8 +173,8 @@ fn realize_all(
     // Where there is no model the first failure is the answer.
     let answer = if written.len() == before { failures.next() } else { None };
     for (order, error) in failures {
-        let text = format!("{method} of order {} gave no model: {error}", OrderOption(order));
-        results.out.notes().concern(About::Method(method.to_string()), Weight::Slight, text);
+        let text = format!("era of order {} gave no model: {error}", OrderOption(order));
+        results.out.notes().concern(About::Method(Method::Era.to_string()), Weight::Slight, text);
     }
     if let Some((_, error)) = answer {
         return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
@@ -215,8 +186,6 @@ fn realize_all(
 enum Decomposed<'a> {
     /// One decomposition of the record.
     Whole(Era<'a>),
-    /// One of its correlations.
-    Correlations(EraDc<'a>),
     /// One for every order, by the size of it.
     Sized(Vec<(Order, Era<'a>)>),
 }
@@ -225,7 +194,6 @@ impl Decomposed<'_> {
     fn realize(&self, order: Order) -> Result<Realization, EraError> {
         match self {
             Self::Whole(era) => era.realize(order),
-            Self::Correlations(era) => era.realize(order),
             Self::Sized(all) => {
                 let sized = all.iter().find(|(sized_for, _)| *sized_for == order).or(all.first());
                 sized.map_or(Err(EraError::OrderZero), |(_, era)| era.realize(order))
@@ -235,26 +203,19 @@ impl Decomposed<'_> {
 }
 
 fn decompose<'a>(
-    method: Method,
     settings: &Settings,
     samples: Vec<&'a [f64]>,
     dt_s: f64,
     orders: &[Order],
 ) -> Result<Decomposed<'a>, EraError> {
-    let hankel = settings.hankel.as_ref();
     let options = EraOptions {
         max_order: settings.max_order,
         rows: settings.rows,
         columns: settings.columns,
-        shift: hankel.map(|hankel| hankel.shift_form.into()).unwrap_or_default(),
         ..EraOptions::new(dt_s)
     };
     let markov = MarkovParameters::new(samples, 1)?;
-    match hankel {
-        Some(hankel) if method == Method::EraDc => {
-            let options = EraDcOptions { era: options, offset: hankel.offset, lag_blocks: hankel.lag_blocks };
-            Ok(Decomposed::Correlations(EraDc::from_markov(markov, options, orders)?))
-        }
+    match &settings.hankel {
         Some(hankel) if hankel.twice_the_order => {
             let mut all = Vec::with_capacity(orders.len());
             for &order in orders {

@@ -4,6 +4,6 @@ pub mod arx;
 pub mod discrete;
 pub mod era;
 pub mod exponentials;
-pub mod okid_fir;
+pub mod okid;
 pub mod subspace;
 pub mod tfest;

@@ -8,7 +8,8 @@ use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
     Hold, InitialConditions, IoData, PoleKind, SearchOutcome, Stop, TransferFunctionArray, TransferFunctionFit,
-    TransferFunctionOptions, pole_kinds, response_deviations, sampled, transfer_function_array, transfer_function_fit,
+    TransferFunctionOptions, mode_shapes, pole_kinds, response_deviations, sampled, transfer_function_array,
+    transfer_function_fit,
 };
 use nalgebra::DVector;
 
@@ -19,6 +20,7 @@ use crate::stage::records::discrete::note_on_fit;
 use crate::stage::records::evidence::{Poles, if_determined, notes_on_poles, pole_record, put_search};
 use crate::stage::records::lines::{ILL_CONDITIONED, with_deviation};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
+use crate::stage::records::realization::shapes;
 use crate::stage::records::responses::{Band, ModelResponses};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source, WindowedWave, record};
@@ -246,6 +248,14 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
         };
         Some(responses_of(&refitted, &record.outputs[0], options.delay).sample(grid))
     };
+    let poles = Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    // Several inputs and outputs have each pole several times: a mode has no one shape then.
+    let has_shapes = record.outputs.len() > 1 && fitted.state_space.order() == fitted.modes.len();
+    let shapes = has_shapes.then(|| {
+        let of_modes = mode_shapes(&fitted.state_space, &responses.poles);
+        let modes = fitted.modes.iter().zip(poles.are_modes()).map(|(mode, is)| (mode.pole, is.then_some(*mode)));
+        shapes(&modes.collect::<Vec<_>>(), &of_modes, &record.outputs)
+    });
     FittedModel {
         id,
         method: Method::Tfest,
@@ -261,8 +271,8 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
             is_transfer_function: true,
             ..Forms::default()
         },
-        poles: Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves())),
-        shapes: None,
+        poles,
+        shapes,
         simulated,
         evidence,
         hankel: (None, None),

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::ValueEnum;
 use crumple_signal::value::Time;
-use crumple_sysid::{Criterion, InitialConditions, Kernel, ShiftForm, Start, Weighting};
+use crumple_sysid::{Criterion, InitialConditions, Start, Weighting};
 use serde::{Deserialize, Serialize};
 
 /// An enum of names, the first the default; `as` an enum of the library, each variant as the one that it names there.
@@ -42,27 +42,15 @@ macro_rules! names {
 
 names!(
     /// A method of identification.
-    Method: Era, EraDc, Okid, Fir, Tfest, Exponentials, N4sid, Moesp, Cva, Arx, OutputError, Auto
+    Method: Era, Okid, Tfest, Exponentials, N4sid, Moesp, Cva, Arx, OutputError, Auto
 );
 names!(
     /// The size of the Hankel matrix of ERA.
     HankelSize: Half, TwiceOrder
 );
 names!(
-    /// The form of the shift equation.
-    Shift as ShiftForm: Hankel = Hankel, LeastSquares = LeastSquares, TotalLeastSquares = TotalLeastSquares
-);
-names!(
     /// The criterion for the number of lags.
     LagCriterion as Criterion: Aicc = Aicc, Bic = Bic
-);
-names!(
-    /// What OKID chooses its states from.
-    OkidStates: System, Joint
-);
-names!(
-    /// What is expected of an impulse response.
-    Prior as Kernel: Tc = TunedCorrelated, Dc = DiagonalCorrelated, None = None
 );
 names!(
     /// The input between its samples.
@@ -74,8 +62,8 @@ names!(
 );
 names!(
     /// A way to starting points of a transfer function.
-    StartName as Start: Svf = Svf, Gpmf = Gpmf, Iv = Iv, N4sid = N4sid, Integrators = Integrators,
-    Exponentials = Exponentials, Random = Random
+    StartName as Start: Svf = Svf, Iv = Iv, N4sid = N4sid, Arx = Arx, Integrators = Integrators,
+    Random = Random
 );
 names!(
     /// What a sum of exponentials has at the start of the window.
@@ -89,7 +77,7 @@ names!(
 impl Method {
     /// Whether it takes records for impulse responses, and has no input.
     pub fn is_of_free_motion(self) -> bool {
-        matches!(self, Self::Era | Self::EraDc)
+        self == Self::Era
     }
 
     /// The weighting of a subspace method.
@@ -281,7 +269,6 @@ mod tests {
         for start in StartName::value_variants() {
             assert_eq!(Start::from(*start).name(), start.to_string());
         }
-        assert_eq!(Kernel::ALL.map(Kernel::name), ["tc", "dc", "none"]);
     }
 
     #[test]

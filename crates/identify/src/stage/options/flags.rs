@@ -4,8 +4,7 @@ use crumple_signal::value::{Acceleration, Speed, Time};
 use serde::{Deserialize, Serialize};
 
 use crate::stage::options::choices::{
-    Condition, Delay, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, OkidStates, Paper, Prior, Shift,
-    StartName, ValidateFrom,
+    Condition, Delay, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Paper, StartName, ValidateFrom,
 };
 use crate::stage::options::orders::{ArxRanges, ArxStructure, OrdersOption};
 
@@ -14,15 +13,15 @@ use crate::stage::options::orders::{ArxRanges, ArxStructure, OrdersOption};
 #[serde(default, deny_unknown_fields)]
 #[allow(rustdoc::invalid_html_tags, reason = "comments of fields are the help texts of their flags")]
 pub struct Options {
-    /// Identification methods, separated by commas. From free motion: era (eigensystem realization), era-dc (the same
-    /// on correlations of the record), exponentials. From an input and an output: tfest (continuous transfer function),
-    /// okid (observer, then era), fir (impulse response, then era), n4sid, moesp, cva, arx, output-error. "auto": n4sid, moesp, cva, arx, okid and output-error, and the one to use among them;
-    /// of several outputs, or without an input, n4sid, moesp and cva. Default: era.
+    /// Identification methods, separated by commas. From free motion: era (eigensystem realization), exponentials. From
+    /// an input and an output: tfest (continuous transfer function), output-error (the same, sampled), okid (observer,
+    /// then era), n4sid, moesp, cva, arx. "auto": n4sid, moesp, cva, arx, okid and output-error, and the one to use
+    /// among them; of several outputs, or without an input, n4sid, moesp and cva. Default: era.
     #[arg(long, value_delimiter = ',', hide_possible_values = true)]
     pub methods: Vec<Method>,
-    /// Numbers of states to try, separated by commas, ranges as 1:10, and "auto": by the largest gap between singular values (era,
-    /// era-dc), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default: 4,
-    /// "auto" with --methods auto.
+    /// Numbers of states to try, separated by commas, ranges as 1:10, and "auto": by the largest gap between singular
+    /// values (era), by the BIC of the simulation (n4sid, moesp, cva). Two states are one damped oscillation. Default:
+    /// 4, "auto" with --methods auto.
     #[arg(long, value_delimiter = ',')]
     pub orders: Vec<OrdersOption>,
     /// Highest order that "auto" considers. Default: 20; 40 of several outputs with --methods auto.
@@ -40,8 +39,8 @@ pub struct Options {
     /// Waveform to identify from, of any quantity. Default: the crash pulse.
     #[arg(long)]
     pub channel: Option<String>,
-    /// Waveforms whose free motion is identified together by era and era-dc, separated by commas: one model with a
-    /// shape of every mode. Default: those of --outputs, else one channel.
+    /// Waveforms whose free motion is identified together by era, separated by commas: one model with a shape of every
+    /// mode. Default: those of --outputs, else one channel.
     #[arg(long, value_delimiter = ',')]
     pub channels: Vec<String>,
     /// Start where the contact force has ended: "separation" (the time of the rebound velocity) or a share of the peak
@@ -51,33 +50,12 @@ pub struct Options {
     /// Size of the Hankel matrix of era: half (of the record) or twice-order (rows and columns). Default: half.
     #[arg(long, hide_possible_values = true)]
     pub hankel_size: Option<HankelSize>,
-    /// How era, era-dc and fir find the state matrix: hankel, least-squares or total-least-squares. Default: hankel.
-    #[arg(long, hide_possible_values = true)]
-    pub shift_form: Option<Shift>,
-    /// Lag of the first correlation of era-dc, samples; from --rows on none has white noise in it. Default: 0.
-    #[arg(long)]
-    pub offset: Option<u32>,
-    /// Correlations that era-dc stacks beyond the first, each way. Default: 10.
-    #[arg(long)]
-    pub lag_blocks: Option<u32>,
     /// Past samples that the observer of okid sees. Default: chosen by --lag-criterion.
     #[arg(long)]
     pub lags: Option<u32>,
     /// Criterion for the number of lags: aicc or bic. Default: aicc.
     #[arg(long, hide_possible_values = true)]
     pub lag_criterion: Option<LagCriterion>,
-    /// What okid chooses its states from: system, or joint (system and observer gain, as published). Default:
-    /// system.
-    #[arg(long, hide_possible_values = true)]
-    pub okid_states: Option<OkidStates>,
-    /// Samples of the impulse response of fir, at most a third of the record unless it starts from rest (--initial
-    /// zero). Default: 100.
-    #[arg(long)]
-    pub taps: Option<u32>,
-    /// What fir expects of the impulse response: tc (dies out, neighbours alike), dc (the same, with a likeness of its
-    /// own) or none. Default: tc.
-    #[arg(long, hide_possible_values = true)]
-    pub kernel: Option<Prior>,
     /// Waveform that drives the system, for methods with an input: --inputs of a single one.
     #[arg(long, conflicts_with = "input_channels")]
     pub input_channel: Option<String>,
@@ -89,7 +67,7 @@ pub struct Options {
     #[arg(long = "inputs", alias = "input-channels", value_delimiter = ',')]
     pub input_channels: Vec<String>,
     /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash
-    /// pulse (era and era-dc: the crash pulse).
+    /// pulse (era: the crash pulse).
     #[arg(long = "outputs", alias = "output-channels", value_delimiter = ',')]
     pub output_channels: Vec<String>,
     /// Number of poles of a transfer function. Default: 4.
@@ -108,7 +86,7 @@ pub struct Options {
     /// Keep poles of transfer functions from growing; sums of exponentials never grow. Default: false.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub stable: Option<bool>,
-    /// Ways to starting points of a transfer function: svf, gpmf, iv, n4sid, integrators, exponentials, random.
+    /// Ways to starting points of a transfer function: svf, iv, n4sid, arx, integrators, random.
     /// Default: all.
     #[arg(long, value_delimiter = ',', hide_possible_values = true)]
     pub starts: Vec<StartName>,

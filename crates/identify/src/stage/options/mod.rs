@@ -2,6 +2,7 @@
 
 pub mod choices;
 pub mod flags;
+pub mod left_out;
 pub mod orders;
 pub mod paper;
 pub mod settings;

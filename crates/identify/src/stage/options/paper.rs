@@ -39,7 +39,6 @@ pub fn follow(options: &mut Options) -> Result<(), Usage> {
             ("columns", options.columns.is_some()),
             ("channels", !options.channels.is_empty()),
             ("hankel_size", options.hankel_size.is_some()),
-            ("shift_form", options.shift_form.is_some()),
             ("free_decay", options.free_decay.is_some()),
         ],
         Paper::Tfest => vec![

@@ -7,8 +7,7 @@ use crumple_sysid::{Order, Start};
 use serde::Serialize;
 
 use crate::stage::options::choices::{
-    Condition, Delay, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, OkidStates, Paper, Prior, Shift,
-    StartName, ValidateFrom,
+    Condition, Delay, FreeDecay, HankelSize, Hold, Initial, LagCriterion, Method, Paper, StartName, ValidateFrom,
 };
 use crate::stage::options::flags::Options;
 use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption, OrdersOption};
@@ -118,29 +117,17 @@ impl Settings {
     }
 }
 
-/// What `era-dc`, `okid` and `fir` need, and what is unusual about `era`.
+/// What `okid` needs, and what is unusual about `era`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HankelSettings {
-    /// Waveforms that `era` and `era-dc` take together; empty: the one of `--channel`, else the pulse.
+    /// Waveforms that `era` takes together; empty: the one of `--channel`, else the pulse.
     pub channels: Vec<String>,
-    /// Form of the shift equation.
-    pub shift_form: Shift,
     /// Whether the Hankel matrix has twice as many rows and columns as the model states.
     pub twice_the_order: bool,
-    /// Lag of the first correlation.
-    pub offset: usize,
-    /// Correlations stacked beyond the first.
-    pub lag_blocks: usize,
     /// Lags of the observer, if given.
     pub lags: Option<usize>,
     /// Criterion for their number otherwise.
     pub lag_criterion: LagCriterion,
-    /// Whether the observer gain takes part in the choice of states.
-    pub okid_states: OkidStates,
-    /// Taps of the impulse response.
-    pub taps: usize,
-    /// What is expected of it.
-    pub kernel: Prior,
     /// Share of the peak below which the contact force has ended; 0: from the time of separation on.
     pub free_decay_share: Option<f64>,
 }
@@ -148,28 +135,19 @@ pub struct HankelSettings {
 impl HankelSettings {
     /// `None` for plain ERA of one channel, which has no need of it. Errors: counts of zero, channels named twice.
     fn resolve(options: &Options) -> Result<Option<Self>, Usage> {
-        let size = |n: Option<u32>, default: usize| n.map_or(default, |n| n as usize);
-        if options.lags == Some(0) || options.taps == Some(0) {
-            return Err(Usage::new("lags and taps are counts of samples: a positive number is needed"));
+        if options.lags == Some(0) {
+            return Err(Usage::new("lags is a count of samples: a positive number is needed"));
         }
         let channels = channels(options)?;
-        let asked = !channels.is_empty() || options.shift_form.is_some() || options.hankel_size.is_some();
-        let needs_it = |method: &Method| matches!(method, Method::EraDc | Method::Okid | Method::Fir);
-        let method = options.methods.iter().any(needs_it);
-        if !asked && !method && options.free_decay.is_none() {
+        let asked = !channels.is_empty() || options.hankel_size.is_some() || options.free_decay.is_some();
+        if !asked && !options.methods.contains(&Method::Okid) {
             return Ok(None);
         }
         Ok(Some(Self {
             channels,
-            shift_form: options.shift_form.unwrap_or_default(),
             twice_the_order: options.hankel_size == Some(HankelSize::TwiceOrder),
-            offset: size(options.offset, 0),
-            lag_blocks: size(options.lag_blocks, 10),
             lags: options.lags.map(|n| n as usize),
             lag_criterion: options.lag_criterion.unwrap_or_default(),
-            okid_states: options.okid_states.unwrap_or_default(),
-            taps: size(options.taps, 100),
-            kernel: options.kernel.unwrap_or_default(),
             free_decay_share: options.free_decay.map(FreeDecay::share),
         }))
     }
@@ -467,7 +445,7 @@ mod tests {
     #[test]
     fn an_unknown_method_and_an_empty_window_are_refused() {
         let error = serde_json::from_str::<Options>(r#"{"methods": ["ERAA"]}"#).unwrap_err().to_string();
-        assert!(error.contains("unknown variant `ERAA`, expected one of `era`, `era-dc`"), "{error}");
+        assert!(error.contains("unknown variant `ERAA`, expected one of `era`, `okid`"), "{error}");
         let window = Options { from: Some(Time::from_si(0.1)), to: Some(Time::from_si(0.1)), ..Options::default() };
         assert_eq!(Settings::resolve(window).unwrap_err().to_string(), "the window from 0.1 s to 0.1 s is empty");
         let size = Options { rows: Some(0), ..Options::default() };

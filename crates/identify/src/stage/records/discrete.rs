@@ -3,9 +3,7 @@
 use crumple_numerics::lti::{Complex, InputHold, LtiError, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_signal::{Note, Notes};
 use crumple_stage::records::{EvidenceV1, ShapesV1};
-use crumple_sysid::{
-    IdentifyError, IoData, MissReason, fit_measures, mirrored_poles, mode_shapes, simulate_fitted, weak_fit,
-};
+use crumple_sysid::{IdentifyError, IoData, MissReason, fit_measures, mode_shapes, simulate_fitted, weak_fit};
 
 use crate::stage::options::choices::{Hold, Method};
 use crate::stage::options::settings::BootstrapSettings;
@@ -38,8 +36,6 @@ pub struct DiscreteModel {
     pub deviations: Option<Deviations>,
     /// What a reader should know of it.
     pub notes: Notes,
-    /// Growing poles that were mirrored at the unit circle after the fit.
-    pub mirrored_poles: usize,
     /// Models written beside the one that is simulated, by the last part of their topic.
     pub other_models: Vec<(&'static str, StateSpace)>,
     /// What the method chose by the record; the fits of a bootstrap keep these choices.
@@ -74,7 +70,6 @@ impl DiscreteModel {
             losses: Vec::new(),
             deviations: None,
             notes: Notes::new(),
-            mirrored_poles: 0,
             other_models: Vec::new(),
             choices: RecordChoices::default(),
         }
@@ -87,18 +82,6 @@ const LEAST_FIT_PERCENT: f64 = -100.0;
 /// A modulus within this of 1 is on the unit circle, as far as the eigenvalues of a double pole are known: their
 /// rounding is the root of that of the numbers.
 const ROUNDING: f64 = 1e-8;
-
-/// A model of an estimated impulse response with its growing poles mirrored at the unit circle, and a note of it;
-/// without the models beside it then, which belong to the poles as they were.
-pub fn mirror_growing_poles(model: DiscreteModel, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
-    let Some((state_space, mirrored_poles)) = mirrored_poles(&model.state_space, data)? else { return Ok(model) };
-    let DiscreteModel { parameters, singular_values, mut notes, choices, .. } = model;
-    notes.warning(format!(
-        "{mirrored_poles} unstable poles were mirrored into the unit circle, and the input matrix and the initial \
-         state were fitted again: these modes are not in the impulse response"
-    ));
-    Ok(DiscreteModel { singular_values, notes, mirrored_poles, choices, ..DiscreteModel::new(state_space, parameters) })
-}
 
 /// Simulates a model on the record it was identified from.
 ///
@@ -139,7 +122,6 @@ fn miss(fit_percent: f64, model: &DiscreteModel) -> IdentifyError {
     };
     let why = match largest {
         factor if factor > 1.0 + ROUNDING => MissReason::Grows { factor },
-        _ if model.mirrored_poles > 0 => MissReason::Mirrored,
         modulus if modulus >= 1.0 - ROUNDING => MissReason::Marginal,
         _ => MissReason::Stable,
     };

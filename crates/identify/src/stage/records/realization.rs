@@ -23,7 +23,7 @@ use crate::stage::waves::WindowedWave;
 
 /// What realised models come from.
 pub struct RealizationTask<'a> {
-    /// `era` or `era-dc`.
+    /// `era`.
     pub method: Method,
     /// The channels, sampled together, at least one.
     pub waves: &'a [WindowedWave],

@@ -1,27 +1,21 @@
 //! NHTSA vehicle tests: an EV5 specification file and ASCII signal files `.001`, `.002`, ... beside it.
 
-mod channels;
-mod code;
-mod fields;
-pub mod records;
-pub mod sensor;
-mod signal_file;
-mod specification;
-pub mod test_details;
-
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::VehicleV1;
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{About, ChannelStatus, Notes, QuantityKind, Weight};
+use crumple_signal::{About, Channel, ChannelStatus, Notes, QuantityKind, Sampled, Weight};
 
-use crate::formats::ev5::records::Vehicle;
+use crate::formats::ev5::specification::{Curve, Specification, Vehicle};
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::recording::content::{PulseRule, Recording};
+use crate::formats::text::lines::scan;
+use crate::recording::content::{PulseRule, ReadChannel, Recording};
 use crate::recording::details::Details;
-use crate::recording::read_channel::ReadChannel;
-use crate::{IngestError, IngestSettings, Place};
-use specification::Specification;
+use crate::time::{Grid, GridError};
+use crate::{IngestError, IngestSettings, Place, time};
+
+pub mod sensor;
+pub mod specification;
 
 /// Reader of EV5 sets.
 pub struct Ev5;
@@ -93,14 +87,14 @@ pub fn read(
     let channels = specification
         .curves
         .iter()
-        .map(|curve| channels::channel(curve, &files, number, asked_for(curve.number), &mut notes))
+        .map(|curve| channel(curve, &files, number, asked_for(curve.number), &mut notes))
         .collect::<Result<Vec<ReadChannel>, _>>()?;
     channel_notes(&channels, &mut notes);
     unit_note(&specification, &mut notes);
     Ok(Recording {
         details: Details {
             vehicles: vehicles(&specification, &channels),
-            ..test_details::details(
+            ..specification::details(
                 &specification.test,
                 specification.barrier.as_ref(),
                 vehicle,
@@ -133,9 +127,9 @@ fn vehicles(specification: &Specification, channels: &[ReadChannel]) -> Vec<Vehi
             .min_by_key(|(fitness, _)| *fitness);
         VehicleV1 {
             number: vehicle.number,
-            description: test_details::vehicle_words(test, vehicle),
+            description: specification::vehicle_words(test, vehicle),
             mass_kg: vehicle.test_mass_kg,
-            impact_speed_m_per_s: test_details::speed_km_per_h(test, vehicle, vehicles).map(|(v, _)| v / 3.6),
+            impact_speed_m_per_s: specification::speed_km_per_h(test, vehicle, vehicles).map(|(v, _)| v / 3.6),
             pulse: pulse.map(|(_, id)| id.clone()),
             channels: own().map(|(_, read)| read.channel.id.clone()).collect(),
         }
@@ -220,6 +214,215 @@ fn ranges(numbers: &[u32]) -> String {
     items.join(", ")
 }
 
+/// A curve as a channel, with its samples if `files` has them.
+///
+/// A file that cannot be read makes the channel absent with a warning; it is an error only for the channel asked for.
+pub fn channel(
+    curve: &Curve,
+    files: &BTreeMap<u32, (&str, &[u8])>,
+    vehicle: u32,
+    wanted: bool,
+    notes: &mut Notes,
+) -> Result<ReadChannel, IngestError> {
+    let (quantity, factor) = signal_unit(&curve.y_unit).unwrap_or((QuantityKind::Other, 1.0));
+    let id = curve.number.to_string();
+    let mut channel = Channel::new(id.clone(), quantity);
+    channel.location = sensor::location(curve);
+    channel.axis = sensor::axis(curve);
+    channel.status = curve.channel_status();
+    channel.redundant = curve.channel_status == "R";
+    // Division, not a product with 1/3.6: 57.09 km/h is then the nearest number to 15.858333... m/s.
+    channel.initial_velocity_m_per_s = curve.initial_velocity_km_per_h.map(|v| v / 3.6);
+    channel.comment = curve.comment.clone();
+    channel.code = sensor::code(curve).map(|code| code.to_string());
+    channel.filter_state = curve.prefilter_hz.map(|hz| format!("low-pass {hz} Hz"));
+    channel.sensor = sensor::words(curve);
+
+    // Two digits and three name the file; people copy either.
+    let mut aliases = vec![format!("{:03}", curve.number), format!("{:02}", curve.number)];
+    aliases.extend(channel.code.clone());
+    aliases.extend([curve.attachment.clone(), format!("{} {}", curve.attachment, curve.axis)]);
+    let fitness = sensor::fitness(curve, vehicle).filter(|_| quantity == QuantityKind::Acceleration);
+    let read = match files.get(&curve.number) {
+        None => {
+            if channel.status != ChannelStatus::NotInstalled {
+                channel.status = ChannelStatus::Absent;
+            }
+            ReadChannel::new(channel)
+        }
+        Some((file, bytes)) => match samples(curve, file, bytes, factor, notes) {
+            Ok((samples, jitter)) => {
+                if channel.status == ChannelStatus::NotInstalled {
+                    notes.warning(format!(
+                        "channel {id} is listed as not installed, but {file} is here: taken as questionable"
+                    ));
+                    channel.status = ChannelStatus::Questionable;
+                }
+                ReadChannel { wave: Some(samples), jitter, ..ReadChannel::new(channel) }
+            }
+            Err(error) if wanted => return Err(error),
+            Err(error) => {
+                notes.warning(format!("channel {id} is left out: {error}"));
+                let remark = channel.comment.take().map_or_else(String::new, |comment| format!("; {comment}"));
+                ReadChannel::without_readable_file(channel, format!("{error}{remark}"))
+            }
+        },
+    };
+    let attachment = Some(curve.attachment.clone()).filter(|code| !code.is_empty());
+    Ok(ReadChannel { fitness, aliases, attachment, ..read })
+}
+
+fn samples(
+    curve: &Curve,
+    file: &str,
+    bytes: &[u8],
+    factor: f64,
+    notes: &mut Notes,
+) -> Result<(Sampled, f64), IngestError> {
+    let refuse = |place: Place, found: String| {
+        IngestError::content(
+            place,
+            found,
+            "samples at a uniform rate",
+            "the file may be damaged: download the test again",
+        )
+    };
+    let unit_s = match curve.x_unit.as_str() {
+        "" | "SEC" | "S" | "SECS" => 1.0,
+        "MS" | "MSEC" => 1e3,
+        other => return Err(refuse(Place::file(file), format!("its X axis is in {other}, not in time"))),
+    };
+    let signal = parse(file, bytes)?;
+    let n = signal.y.len();
+    if let (Some(first), Some(last)) = (curve.first, curve.last)
+        && last.checked_sub(first).and_then(|d| d.checked_add(1)) != i64::try_from(n).ok()
+    {
+        notes.warning(format!(
+            "{file} has {n} samples, its entry lists {first} to {last}: the samples of the file are used"
+        ));
+    }
+    let listed = curve.interval_us.zip(curve.first).map(|(us, first)| Grid {
+        t0_s: first as f64 * us / 1e6,
+        dt_s: us / 1e6,
+        jitter: 0.0,
+    });
+    let grid = if signal.x.is_empty() {
+        listed.ok_or_else(|| {
+            refuse(Place::file(file), "no time column, and its entry lists no DELT and NFP".to_owned())
+        })?
+    } else {
+        let times: Vec<f64> = signal.x.iter().map(|x| x / unit_s).collect();
+        let largest = signal.x[0].abs().max(signal.x[n - 1].abs());
+        let resolution = 10_f64.powf(largest.log10().floor() - f64::from(signal.x_digits.max(1)) + 1.0) / unit_s;
+        let printed = time::fit(&times, resolution).map_err(|error| match error {
+            GridError::Repeated { index } => refuse(Place::line(file, index + 1), "a repeated time".to_owned()),
+            GridError::Backwards { index } => refuse(Place::line(file, index + 1), "time runs backwards".to_owned()),
+            GridError::Uneven { index, step_s, dt_s } => refuse(
+                Place::line(file, index + 1),
+                format!("a step of {step_s:.9} s, where the others are {dt_s:.9} s"),
+            ),
+        })?;
+        reconcile(curve.number, listed, printed, &times, resolution, notes)
+    };
+    let samples = signal.y.into_iter().map(|y| y * factor).collect();
+    let sampled =
+        Sampled::new(grid.t0_s, grid.dt_s, samples).map_err(|error| refuse(Place::file(file), error.to_string()))?;
+    Ok((sampled, grid.jitter))
+}
+
+/// The listed grid where the printed times agree with it, else the printed one: DELT is rounded to whole microseconds
+/// by the guide, so 16 kHz cannot be listed.
+fn reconcile(
+    number: u32,
+    listed: Option<Grid>,
+    printed: Grid,
+    times: &[f64],
+    resolution: f64,
+    notes: &mut Notes,
+) -> Grid {
+    let Some(listed) = listed else { return printed };
+    let end = |grid: &Grid| grid.t0_s + (times.len() - 1) as f64 * grid.dt_s;
+    let slack = resolution + time::STEP_TOLERANCE * printed.dt_s;
+    if (listed.t0_s - times[0]).abs() <= slack && (end(&listed) - times[times.len() - 1]).abs() <= slack {
+        return Grid { jitter: printed.jitter, ..listed };
+    }
+    notes.warning(format!(
+        "channel {number}: its entry lists samples every {} s from {} s, the times in its file say every {} s from {} \
+         s: those are used",
+        listed.dt_s, listed.t0_s, printed.dt_s, printed.t0_s
+    ));
+    printed
+}
+
+/// The numbers of a signal file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SignalFile {
+    /// X column, empty where the file has none.
+    pub x: Vec<f64>,
+    /// Most significant digits printed in it.
+    pub x_digits: u32,
+    /// Y column.
+    pub y: Vec<f64>,
+}
+
+/// Reads the file. The first line decides whether there is an X column.
+pub fn parse(file: &str, bytes: &[u8]) -> Result<SignalFile, IngestError> {
+    let mut signal = SignalFile { y: Vec::with_capacity(bytes.len() / 16), ..SignalFile::default() };
+    for (index, line) in bytes.split(|b| *b == b'\n').enumerate() {
+        let line = line.trim_ascii();
+        if line.is_empty() || line == [0x1A] {
+            continue;
+        }
+        let refuse = |found: String| {
+            IngestError::content(
+                Place::line(file, index + 1),
+                found,
+                "one sample a line: its value, or its time and its value",
+                "the file may be damaged: download the test again",
+            )
+        };
+        let not_a_number = |rest: &[u8]| {
+            let word: String = String::from_utf8_lossy(&rest[..rest.len().min(30)]).into_owned();
+            refuse(format!("{word:?} is not a finite number"))
+        };
+        let (first, length) = scan(line, b'.').ok_or_else(|| not_a_number(line))?;
+        let rest = &line[length..];
+        let second = rest.trim_ascii_start();
+        let second = second.strip_prefix(b",").unwrap_or(second).trim_ascii_start();
+        let has_x = !second.is_empty();
+        if has_x && second.len() == rest.len() {
+            return Err(not_a_number(line));
+        }
+        if !signal.y.is_empty() && has_x == signal.x.is_empty() {
+            return Err(refuse(format!(
+                "{} numbers, the lines above have {}",
+                1 + usize::from(has_x),
+                2 - usize::from(has_x)
+            )));
+        }
+        if has_x {
+            let (value, length) = scan(second, b'.').ok_or_else(|| not_a_number(second))?;
+            if length != second.len() {
+                return Err(not_a_number(second));
+            }
+            signal.x.push(first.value);
+            signal.x_digits = signal.x_digits.max(first.digits);
+            signal.y.push(value.value);
+        } else {
+            signal.y.push(first.value);
+        }
+    }
+    if signal.y.len() < 2 {
+        return Err(IngestError::content(
+            Place::file(file),
+            format!("{} samples", signal.y.len()),
+            "one sample a line",
+            "the file may be cut short: download the test again",
+        ));
+    }
+    Ok(signal)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,5 +445,22 @@ mod tests {
         ] {
             assert_eq!(Ev5.companion("v10146.EV5", name), belongs, "{name}");
         }
+    }
+
+    #[test]
+    fn both_kinds_and_fortran_numbers() {
+        let xy = parse("v.001", b"-0.050000\t0.114681\r\n-0.049900\t-.306171E+00\r\n").unwrap();
+        assert_eq!((xy.x, xy.y, xy.x_digits), (vec![-0.05, -0.0499], vec![0.114_681, -0.306_171], 5));
+        let y = parse("v.001", b"  -.206786E-02\n0.285321E-01\n").unwrap();
+        assert_eq!((y.x, y.y), (vec![], vec![-0.002_067_86, 0.028_532_1]));
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let error = |bytes: &[u8]| parse("v.001", bytes).unwrap_err().to_string();
+        assert_eq!(error(b"0 1\n1 x\n"), "v.001, line 2: \"x\" is not a finite number");
+        assert_eq!(error(b"0 1\n1\n"), "v.001, line 2: 1 numbers, the lines above have 2");
+        assert_eq!(error(b"0 1 2\n"), "v.001, line 1: \"1 2\" is not a finite number");
+        assert_eq!(error(b""), "v.001: 0 samples");
     }
 }

@@ -6,12 +6,11 @@ use crumple_signal::iso13499::IsoCode;
 use crumple_signal::unit::{signal_unit, without_brackets};
 use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
-use crate::formats::iso_mme::channel_file::ChannelFile;
-use crate::formats::iso_mme::header::Header;
+use crate::formats::iso_mme::channel_file::{ChannelFile, Header};
 use crate::formats::iso13499::describe_by_code;
-use crate::recording::read_channel::ReadChannel;
-use crate::time::grid::{self, Grid};
-use crate::{IngestError, IngestSettings, Place};
+use crate::recording::content::ReadChannel;
+use crate::time::Grid;
+use crate::{IngestError, IngestSettings, Place, time};
 
 /// Keywords that have a place of their own in a channel, or are checked here.
 const READ: [&str; 26] = [
@@ -285,7 +284,7 @@ fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Resu
     let largest = times[0].abs().max(times[times.len() - 1].abs());
     // Seven digits are what 32-bit recorders print.
     let resolution = 10_f64.powf(largest.log10().floor() - 6.0);
-    let fitted = grid::fit(&times, resolution).map_err(|error| {
+    let fitted = time::fit(&times, resolution).map_err(|error| {
         refuse(
             format!("the times of {wanted} ({time_name}) are no uniform grid: {error:?}"),
             "resample the record to a uniform rate first",

@@ -9,13 +9,13 @@ use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, 
 
 use crate::formats::iso13499;
 use crate::formats::table::header::{Column, TableHeader};
-use crate::formats::table::rows::numbers::Rows;
+use crate::formats::table::numbers::Rows;
 use crate::formats::table::time_axis::TimeAxis;
 use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
-use crate::recording::channel_selection::is_pattern;
+use crate::recording::content::{Fitness, ReadChannel};
 use crate::recording::details::Stated;
-use crate::recording::read_channel::{Fitness, ReadChannel};
-use crate::recording::unheeded_flags;
+use crate::recording::settings;
+use crate::recording::settings::is_pattern;
 use crate::{IngestError, IngestSettings, Place, Profile};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
@@ -47,11 +47,7 @@ pub fn channels(
     if let Some((factor, true)) = stated
         && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
     {
-        unheeded_flags::warn(
-            "--unit",
-            "the columns state units of their own; --channel names the one that is meant",
-            notes,
-        );
+        settings::warn("--unit", "the columns state units of their own; --channel names the one that is meant", notes);
     }
     // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one
     // named as acceleration, is asked about all the same.

@@ -2,10 +2,10 @@
 
 use crumple_signal::unit;
 
-use crate::formats::table::rows::layout::{Delimiter, Layout};
+use crate::formats::table::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
-use crate::formats::text::lines::{Line, decode};
-use crate::formats::text::numbers::unquoted;
+use crate::formats::text::lines::{Line, decode, field, line_at, unquoted};
+use crate::{IngestError, Place};
 
 /// Name and stated unit of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -218,11 +218,59 @@ fn unit_cell(cell: &str, title: &str) -> Unit {
     }
 }
 
+/// Lines looked through for the title.
+const LINE_LIMIT: usize = 9_000;
+
+/// The text from the line after the first one that holds `title` (any case) up to the first blank line or line without
+/// a leading number after its rows. Everything before becomes empty lines, so that line numbers stay.
+pub fn cut(text: &[u8], title: &str, file: &str) -> Result<Vec<u8>, IngestError> {
+    let wanted = title.trim().to_lowercase();
+    let (mut offset, mut number) = (0, 1);
+    let mut cut = Vec::new();
+    let (mut inside, mut rows) = (false, false);
+    while offset < text.len() {
+        let (line, next) = line_at(text, offset, number, file)?;
+        if inside {
+            let is_row = starts_with_a_number(line.bytes);
+            if rows && !is_row {
+                break;
+            }
+            rows |= is_row;
+            cut.extend_from_slice(&text[offset..next]);
+        } else {
+            cut.push(b'\n');
+            inside = decode(line.bytes).to_lowercase().contains(&wanted);
+            if !inside && number > LINE_LIMIT {
+                break;
+            }
+        }
+        (offset, number) = (next, number + 1);
+    }
+    if rows {
+        return Ok(cut);
+    }
+    let found = if inside {
+        format!("no rows of numbers after the line with {title:?}")
+    } else {
+        format!("no line holds {title:?}")
+    };
+    Err(IngestError::content(Place::file(file), found, "the title of a table in this file", "correct --skip-to"))
+}
+
+fn starts_with_a_number(line: &[u8]) -> bool {
+    let numeric = |bytes: &[u8]| field(bytes, b'.').is_some() || field(bytes, b',').is_some();
+    [Delimiter::Byte(b'\t'), Delimiter::Byte(b';'), Delimiter::Byte(b','), Delimiter::Blanks].into_iter().any(|way| {
+        let fields = way.split(line);
+        fields.len() >= 2 && numeric(unquoted(fields[0]))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::table::rows::layout::sniff;
     use crumple_signal::QuantityKind;
+
+    use crate::formats::table::layout::sniff;
 
     const G: Unit = Unit::Signal(QuantityKind::Acceleration, 9.806_65);
 
@@ -278,5 +326,15 @@ mod tests {
         assert_eq!((&header.columns[0].unit, &header.columns[1].unit), (&Unit::Time(1.0), &G));
         // A fact is no header.
         assert!(!read(&sniff(b"# impact speed: 35 km/h\n0.0 1.5\n0.1 2.5\n", "t", 2).unwrap()).named);
+    }
+
+    #[test]
+    fn the_section_is_cut_out_and_lines_keep_their_numbers() {
+        let text = b"Report\nPre-Crash\nt,v\n-5,60\n-4,60\n\nLongitudinal Crash Pulse (event 1)\nTime (msec),Delta-V \
+            (km/h)\n0,0\n10,-1\n\nLateral\n0,0\n";
+        let part = cut(text, "longitudinal crash pulse", "a.csv").unwrap();
+        assert_eq!(part, b"\n\n\n\n\n\n\nTime (msec),Delta-V (km/h)\n0,0\n10,-1\n");
+        let error = cut(text, "Rollover", "a.csv").unwrap_err();
+        assert_eq!(error.to_string(), "a.csv: no line holds \"Rollover\"");
     }
 }

@@ -1,24 +1,24 @@
 //! Tables of numbers: CSV, TSV, semicolons or blanks, as instruments and spreadsheets write them.
 
-mod columns;
-mod event_data_recorder;
-mod header;
-mod one_table;
-mod rows;
-mod section;
-mod time_axis;
-
 use std::borrow::Cow;
 
-use crumple_signal::QuantityKind;
+use crumple_signal::{Notes, QuantityKind};
 
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
-use crate::formats::table::event_data_recorder::report;
-use crate::formats::table::one_table::{OneTable, TextAbove, one_table};
-use crate::formats::text::lines::{is_text, without_mark};
-use crate::recording::content::Recording;
+use crate::formats::table::numbers::{LeftOut, Remnant};
+use crate::formats::text::lines::{Line, NumberStyle, decode, is_text, without_mark};
+use crate::recording::content::{MINIMUM_SAMPLES, ReadChannel, Recording};
+use crate::recording::details::{Details, from_comments};
+use crate::recording::settings;
 use crate::{IngestError, IngestSettings, Place, Profile};
+
+mod columns;
+mod event_data_recorder;
+mod header;
+mod layout;
+mod numbers;
+mod time_axis;
 
 /// Reader of tables: whatever is text and nothing else.
 pub struct Table;
@@ -56,31 +56,201 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     let mut text = without_mark(bytes);
     if edr
         && bundle.large.is_none()
-        && let Some(recording) = report::read(file, &text, bundle, settings)?
+        && let Some(recording) = event_data_recorder::read(file, &text, bundle, settings)?
     {
         return Ok(recording);
     }
     if let Some(title) = &settings.skip_to {
         if bundle.large.is_some() {
-            return Err(IngestError::TooLarge {
-                place: Place::file(file),
-                found: "--skip-to in a table that is read piece by piece".to_owned(),
-                limit: "one table to a file of this length".to_owned(),
-            });
+            return Err(IngestError::too_large(
+                Place::file(file),
+                "--skip-to in a table that is read piece by piece",
+                "one table to a file of this length",
+            ));
         }
-        text = Cow::Owned(section::cut(&text, title, file)?);
+        text = Cow::Owned(header::cut(&text, title, file)?);
     }
     let OneTable { mut channels, mut details, mut notes } =
         match one_table(file, bytes, &text, bundle, settings, TextAbove::Unused) {
-            Err(error) if !edr && bundle.large.is_none() => return Err(report::with_profile_hint(file, &text, error)),
+            Err(error) if !edr && bundle.large.is_none() => {
+                return Err(event_data_recorder::with_profile_hint(file, &text, error));
+            }
             table => table?,
         };
     if edr {
-        report::edr_notes(&channels, &mut details, &mut notes);
+        event_data_recorder::edr_notes(&channels, &mut details, &mut notes);
     }
     // A table of velocities has no acceleration to take as the pulse.
     let has = |quantity| channels.iter().any(|read| read.channel.quantity == quantity);
     details.no_pulse |= has(QuantityKind::Velocity) && !has(QuantityKind::Acceleration) && !has(QuantityKind::Other);
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+}
+
+/// Bytes read at a time of a long table.
+const PIECE: usize = 8 << 20;
+/// Event data recorders keep 25 to 35 samples.
+const MINIMUM_EDR_SAMPLES: usize = 5;
+
+/// What one table says.
+pub struct OneTable {
+    /// Its columns but that of the time.
+    pub channels: Vec<ReadChannel>,
+    /// Facts of its comments.
+    pub details: Details,
+    /// Remarks.
+    pub notes: Notes,
+}
+
+/// What lines of text above the names of a table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextAbove {
+    /// Not used, which is noted.
+    Unused,
+    /// The heading of a table in a report.
+    Heading,
+}
+
+/// Reads one table. `text` is that of `bytes` without its mark; a long table goes on in the file of the bundle.
+pub fn one_table(
+    file: &str,
+    bytes: &[u8],
+    text: &[u8],
+    bundle: &Bundle,
+    settings: &IngestSettings,
+    text_above: TextAbove,
+) -> Result<OneTable, IngestError> {
+    let edr = settings.profile == Some(Profile::Edr);
+    let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
+    let layout = layout::sniff(text, file, least_columns)?;
+    let header = header::read(&layout);
+    let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
+    let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())), settings)?;
+    if let Some(contradiction) = &header.contradiction {
+        return Err(two_units(file, contradiction));
+    }
+    refuse_scale_factor(file, &layout)?;
+    let name = |k: usize| header.columns[k].title.clone();
+    let mut rows = match &bundle.large {
+        None => numbers::read(text, &layout, file, name)?,
+        Some(large) => {
+            let skipped = bytes.len() - text.len() + layout.first_row;
+            let source = large.from_offset(skipped as u64).map_err(|error| {
+                IngestError::content(
+                    Place::file(file),
+                    error.to_string(),
+                    "a readable file",
+                    "check the disk and try again",
+                )
+            })?;
+            let length = usize::try_from(large.length).unwrap_or(usize::MAX).saturating_sub(skipped);
+            let head = &text[layout.first_row..];
+            let advance = (bundle.show_progress)(format!("reading {}", bundle.name), large.length);
+            numbers::read_stream(numbers::Pieces { source, length, head, piece: PIECE }, &layout, file, name, advance)?
+        }
+    };
+    let samples = rows.lines.len();
+    let columns = header.columns.len();
+    if columns > MINIMUM_SAMPLES && samples < MINIMUM_SAMPLES {
+        return Err(IngestError::content(
+            Place::line(file, layout.first_line),
+            format!("{samples} rows of {columns} numbers: the samples of a channel seem to stand in one row"),
+            "one sample a row, one channel a column",
+            "export the transpose of this table",
+        ));
+    }
+    let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
+    if samples < least {
+        return Err(IngestError::content(
+            Place::file(file),
+            format!("{samples} samples"),
+            format!("at least {least} samples, one in a row"),
+            "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
+        ));
+    }
+    if header.lacks_a_name && time_axis::counts(&rows.columns[0]) {
+        return Err(IngestError::content(
+            Place::line(file, layout.first_line),
+            format!("{columns} columns, {} names, and the first column counts the rows", columns - 1),
+            "a name for every column",
+            "the name of the count is missing, as R leaves it out: put \"row\" in front of the names, or export \
+             without the count (row.names = FALSE)",
+        ));
+    }
+    let mut notes = Notes::new();
+    header_notes(file, &header, text_above, &mut notes);
+    left_out_notes(file, &rows, &mut notes);
+    notes.extend(facts.notes);
+    let time = match settings.sample_time {
+        Some(interval) => {
+            if settings.time_unit.is_some() {
+                settings::warn("--time-unit", "--sample-time states the interval with its unit", &mut notes);
+            }
+            time_axis::stated(file, &header, &rows, interval.si(), &mut notes)?
+        }
+        None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
+    };
+    let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
+    Ok(OneTable { channels, details: facts.details, notes })
+}
+
+/// Refuses rows below `1.0e+03 *`, which MATLAB prints above numbers that it has divided by that.
+fn refuse_scale_factor(file: &str, layout: &layout::Layout) -> Result<(), IngestError> {
+    let is_factor = |line: &&Line| {
+        let factor = line.bytes.trim_ascii().strip_suffix(b"*").map(<[u8]>::trim_ascii);
+        factor.is_some_and(|text| NumberStyle::POINT.field(text).is_some())
+    };
+    let Some(line) = layout.header.iter().find(is_factor) else { return Ok(()) };
+    Err(IngestError::content(
+        Place::line(file, line.number),
+        format!("{:?}: the numbers below are divided by a common factor", decode(line.bytes.trim_ascii())),
+        "numbers as they are",
+        "write the table with writematrix or writetable, or multiply all columns and remove that line",
+    ))
+}
+
+fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {
+    if let Some(names) = header.surplus_names {
+        notes.warning(format!(
+            "{names} names in the header of {file}, but {} columns: the first names are used",
+            header.columns.len()
+        ));
+    }
+    if !header.kilo_g.is_empty() {
+        notes.info("unit kg in a column of acceleration is read as kilo-g, 9806.65 m/s^2");
+    }
+    if let Some(line) = header.ignored_lines.first().filter(|_| text_above == TextAbove::Unused) {
+        let count = header.ignored_lines.len();
+        notes.info(format!("{count} lines of text above the header of {file} are not used, the first is line {line}"));
+    }
+}
+
+fn left_out_notes(file: &str, rows: &numbers::Rows, notes: &mut Notes) {
+    let (gaps, text): (Vec<&LeftOut>, Vec<&LeftOut>) =
+        rows.left_out.iter().partition(|left_out| left_out.what == Remnant::Gap);
+    if let [first, ..] = gaps.as_slice() {
+        notes.warning(format!(
+            "{} rows without values at the ends of {file} are left out, the first is line {}",
+            gaps.len(),
+            first.line
+        ));
+    }
+    if let [first, ..] = text.as_slice()
+        && let Remnant::Footer(words) = &first.what
+    {
+        let (count, line) = (text.len(), first.line);
+        notes.warning(format!(
+            "{count} lines of text below the rows of {file} are not used, from line {line}: {words:?}"
+        ));
+    }
+}
+
+fn two_units(file: &str, contradiction: &header::Contradiction) -> IngestError {
+    let header::Contradiction { column, name, unit } = contradiction;
+    IngestError::content(
+        Place::line(file, unit.0).in_column((column + 1).to_string()),
+        format!("the unit {:?} is not the one that line {} states: {:?}", unit.1, name.0, name.1),
+        "one unit for a column",
+        format!("correct line {} or line {}", name.0, unit.0),
+    )
 }

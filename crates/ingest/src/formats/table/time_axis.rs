@@ -4,12 +4,11 @@ use crumple_signal::value::Frequency;
 use crumple_signal::{About, Notes, Weight};
 
 use crate::formats::table::header::TableHeader;
-use crate::formats::table::rows::numbers::Rows;
+use crate::formats::table::numbers::Rows;
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
-use crate::time::grid::{self, Grid, GridError};
-use crate::time::{resampling, time_unit};
-use crate::{IngestError, IngestSettings, Place};
+use crate::time::{Grid, GridError};
+use crate::{IngestError, IngestSettings, Place, time};
 
 /// The time column and its grid.
 #[derive(Debug, Clone)]
@@ -168,7 +167,7 @@ pub fn find(
         let grid = resampled(&place(0), &times, rate, rows, column, notes)?;
         return Ok(TimeAxis { columns, grid });
     }
-    let grid = grid::fit(&times, resolution).map_err(|error| match error {
+    let grid = time::fit(&times, resolution).map_err(|error| match error {
         GridError::Repeated { index } | GridError::Backwards { index } => {
             order(place(index), &times, index - 1, rows.lines.of_row(index - 1))
         }
@@ -176,13 +175,13 @@ pub fn find(
             place(index),
             format!(
                 "a step of {step_s:.9} s, where the median is {dt_s:.9} s (jitter, max|dt - median|/median: {:.3})",
-                resampling::step_jitter(&times, dt_s)
+                time::step_jitter(&times, dt_s)
             ),
-            format!("equal steps within {} of the interval", grid::STEP_TOLERANCE),
+            format!("equal steps within {} of the interval", time::STEP_TOLERANCE),
             format!(
                 "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
                  linear interpolation",
-                resampling::rate_to_type(dt_s)
+                time::rate_to_type(dt_s)
             ),
         ),
     })?;
@@ -198,15 +197,15 @@ fn resampled(
     column: usize,
     notes: &mut Notes,
 ) -> Result<Grid, IngestError> {
-    let interpolation = resampling::resample(times, rate.si()).ok_or_else(|| {
+    let interpolation = time::resample(times, rate.si()).ok_or_else(|| {
         IngestError::content(
             place.clone(),
             format!("--resample {rate} gives no usable number of samples"),
             "a rate near that of the rows",
-            format!("give --resample {}Hz", resampling::rate_to_type(grid::median_step(times))),
+            format!("give --resample {}Hz", time::rate_to_type(time::median_step(times))),
         )
     })?;
-    let median_s = grid::median_step(times);
+    let median_s = time::median_step(times);
     for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {
         *samples = interpolation.apply(samples.len(), |k| samples[k]);
     }
@@ -215,11 +214,11 @@ fn resampled(
          interpolation, \
          as asked: {} samples",
         times.len(),
-        resampling::step_jitter(times, median_s),
+        time::step_jitter(times, median_s),
         median_s,
         interpolation.len()
     ));
-    Ok(Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: resampling::jitter(times) })
+    Ok(Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: time::jitter(times) })
 }
 
 /// `x * factor`, by division where that is exact: 20 ms are 0.02 s to the last bit.
@@ -298,7 +297,7 @@ fn unit(
 ) -> Result<f64, IngestError> {
     let place = || Place::file(file).in_column(title);
     if let Some(symbol) = &settings.time_unit {
-        let flag = time_unit::stated_unit(place(), symbol, "--time-unit")?;
+        let flag = time::stated_unit(place(), symbol, "--time-unit")?;
         if matches!(header, Unit::Time(of_header) if *of_header != flag) {
             notes.concern(
                 About::Time,
@@ -317,18 +316,18 @@ fn unit(
         }
         Unit::Unstated => {}
         Unit::Unknown(_) | Unit::Signal(..) => {
-            return Err(time_unit::unit_error(place(), "the unit in the header of the time column is no unit of time"));
+            return Err(time::unit_error(place(), "the unit in the header of the time column is no unit of time"));
         }
     }
     if let Some(stated) = comment {
-        return time_unit::stated_unit(place(), &stated.value, &stated.from);
+        return time::stated_unit(place(), &stated.value, &stated.from);
     }
-    time_unit::unit_from_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
+    time::unit_from_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
 }
 
 /// Refuses a comment that states another unit of time than the header.
 fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>) -> Result<(), IngestError> {
-    let of_comment = time_unit::stated_unit(Place::file(file), &stated.value, &stated.from)?;
+    let of_comment = time::stated_unit(Place::file(file), &stated.value, &stated.from)?;
     if of_comment == factor {
         return Ok(());
     }

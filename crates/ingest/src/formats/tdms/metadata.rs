@@ -1,8 +1,13 @@
-//! What a segment says of its objects: paths, properties, and how their samples lie in the raw data.
+//! What a TDMS file says of its channels: properties, scaling, where the samples lie.
+//!
+//! NI scaling: raw values of a card to values with a unit.
+//!
+//! A channel lists scales by number; each takes its input from another one or from the raw values, and the last gives
+//! the result. Linear scales are applied; a channel with another kind is refused by its name.
 
 use std::collections::BTreeMap;
 
-use crate::formats::tdms::bytes::{Broken, Cursor};
+use crate::formats::tdms::segments::{Broken, Cursor};
 use crate::formats::waveform::channel::Instant;
 
 /// A property's value.
@@ -297,6 +302,108 @@ pub fn names(path: &str) -> Option<Vec<String>> {
     Some(names)
 }
 
+/// `y = slope·x + intercept`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Linear {
+    /// Slope.
+    pub slope: f64,
+    /// Intercept.
+    pub intercept: f64,
+}
+
+/// The scales to apply, in order; none if the values are final. `layers`: properties of the channel, its group, the
+/// file.
+pub fn chain(layers: &[&Properties], is_daqmx: bool) -> Result<Vec<Linear>, String> {
+    let find = |name: &str| layers.iter().find_map(|layer| layer.get(name));
+    let number = |name: &str| match find(name) {
+        Some(Property::Number(x)) => Some(*x),
+        _ => None,
+    };
+    let count = number("NI_Number_Of_Scales").filter(|n| *n >= 1.0);
+    let unscaled = match find("NI_Scaling_Status") {
+        Some(Property::Text(status)) => status == "unscaled",
+        _ => is_daqmx,
+    };
+    let Some(count) = count.filter(|_| unscaled) else { return Ok(Vec::new()) };
+    let mut scales = Vec::new();
+    let mut scale = count - 1.0;
+    // A scale without a kind, and the number 2^32 - 1, are the raw values.
+    while let Some(Property::Text(kind)) = find(&format!("NI_Scale[{scale}]_Scale_Type")) {
+        if kind != "Linear" {
+            return Err(format!("its scale {scale} is of kind {kind}, only Linear is applied"));
+        }
+        let part = |part: &str| {
+            let name = format!("NI_Scale[{scale}]_Linear_{part}");
+            number(&name).filter(|x| x.is_finite()).ok_or_else(|| format!("its property {name} is not a number"))
+        };
+        scales.push(Linear { slope: part("Slope")?, intercept: part("Y_Intercept")? });
+        if scales.len() > 64 {
+            return Err("its scales refer to each other in a circle".to_owned());
+        }
+        scale = number(&format!("NI_Scale[{scale}]_Linear_Input_Source")).unwrap_or(f64::from(u32::MAX));
+    }
+    scales.reverse();
+    Ok(scales)
+}
+
+/// `count` samples, each at the start of `stride` bytes; the last may end where `raw` ends.
+#[derive(Debug, Clone, Copy)]
+pub struct Strided<'a> {
+    /// The bytes, from the first sample on.
+    pub raw: &'a [u8],
+    /// Bytes from one sample to the next.
+    pub stride: usize,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Strided<'_> {
+    fn each<const N: usize>(self, big_endian: bool, out: &mut Vec<f64>, value: impl Fn([u8; N]) -> f64) {
+        // A count is never believed further than the bytes go.
+        out.reserve(self.count.min(self.raw.len()));
+        let decode = |sample: &[u8]| {
+            let mut array = [0; N];
+            array.copy_from_slice(&sample[..N]);
+            if big_endian {
+                array.reverse();
+            }
+            value(array)
+        };
+        if self.stride == N {
+            out.extend(self.raw.chunks_exact(N).take(self.count).map(decode));
+        } else {
+            out.extend(self.raw.chunks(self.stride).filter(|s| s.len() >= N).take(self.count).map(decode));
+        }
+    }
+}
+
+/// Numbers, added to `out`. Integers beyond 2^53 are rounded.
+pub fn numbers(raw: Strided, kind: Type, big_endian: bool, out: &mut Vec<f64>) {
+    match kind {
+        Type::Int(1) => raw.each(big_endian, out, |b| f64::from(i8::from_le_bytes(b))),
+        Type::Int(2) => raw.each(big_endian, out, |b| f64::from(i16::from_le_bytes(b))),
+        Type::Int(4) => raw.each(big_endian, out, |b| f64::from(i32::from_le_bytes(b))),
+        Type::Int(_) => raw.each(big_endian, out, |b| i64::from_le_bytes(b) as f64),
+        Type::Unsigned(1) => raw.each(big_endian, out, |b| f64::from(u8::from_le_bytes(b))),
+        Type::Unsigned(2) => raw.each(big_endian, out, |b| f64::from(u16::from_le_bytes(b))),
+        Type::Unsigned(4) => raw.each(big_endian, out, |b| f64::from(u32::from_le_bytes(b))),
+        Type::Unsigned(_) => raw.each(big_endian, out, |b| u64::from_le_bytes(b) as f64),
+        Type::Single => raw.each(big_endian, out, |b| f64::from(f32::from_le_bytes(b))),
+        Type::Double => raw.each(big_endian, out, f64::from_le_bytes),
+        Type::Time | Type::Text | Type::Unread(..) => {}
+    }
+}
+
+/// Times in seconds since `first`, the first one of all, so that nanoseconds are kept.
+pub fn times(raw: Strided, big_endian: bool, first: &mut Option<Instant>, out: &mut Vec<f64>) {
+    out.reserve(raw.count.min(raw.raw.len()));
+    for sample in raw.raw.chunks(raw.stride).take(raw.count) {
+        let Ok((fraction_s, seconds)) = time(&mut Cursor::new(sample, 0, big_endian)) else { continue };
+        let instant = Instant { seconds, fraction_s };
+        out.push(instant.since(*first.get_or_insert(instant)));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -320,5 +427,40 @@ mod tests {
         assert_eq!(Type::from_daqmx_code(3), Some(Type::Int(2)));
         assert_eq!(Type::from_daqmx_code(4), Some(Type::Unsigned(4)));
         assert_eq!((Type::from_code(0x99), Type::from_daqmx_code(6)), (None, None));
+    }
+
+    fn properties(list: &[(&str, Property)]) -> Properties {
+        list.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect()
+    }
+
+    fn text(text: &str) -> Property {
+        Property::Text(text.to_owned())
+    }
+
+    #[test]
+    fn scales_are_followed_to_the_raw_values() {
+        use Property::Number;
+        let mut all = properties(&[
+            ("NI_Number_Of_Scales", Number(3.0)),
+            ("NI_Scaling_Status", text("unscaled")),
+            ("NI_Scale[1]_Scale_Type", text("Linear")),
+            ("NI_Scale[1]_Linear_Slope", Number(2.0)),
+            ("NI_Scale[1]_Linear_Y_Intercept", Number(1.0)),
+            ("NI_Scale[1]_Linear_Input_Source", Number(0.0)),
+            ("NI_Scale[2]_Scale_Type", text("Linear")),
+            ("NI_Scale[2]_Linear_Slope", Number(10.0)),
+            ("NI_Scale[2]_Linear_Y_Intercept", Number(0.0)),
+            ("NI_Scale[2]_Linear_Input_Source", Number(1.0)),
+        ]);
+        let linear = |slope, intercept| Linear { slope, intercept };
+        let both = vec![linear(2.0, 1.0), linear(10.0, 0.0)];
+        assert_eq!(chain(&[&all], false), Ok(both.clone()));
+        assert_eq!(chain(&[&Properties::new(), &all], true), Ok(both));
+        all.insert("NI_Scale[1]_Linear_Input_Source".to_owned(), Number(2.0));
+        assert!(chain(&[&all], false).unwrap_err().contains("circle"));
+        all.insert("NI_Scale[1]_Scale_Type".to_owned(), text("Thermocouple"));
+        assert!(chain(&[&all], false).unwrap_err().contains("kind Thermocouple"));
+        all.insert("NI_Scaling_Status".to_owned(), text("scaled"));
+        assert_eq!(chain(&[&all], false), Ok(vec![]));
     }
 }

@@ -6,9 +6,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::formats::tdms::bytes::{Broken, Cursor};
+use crate::formats::tdms::metadata;
 use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
-use crate::formats::tdms::samples;
 use crate::formats::waveform::channel::Instant;
 
 /// Most objects in a file.
@@ -249,7 +248,13 @@ impl Walk {
         ))
     }
 
-    fn push(&mut self, object: usize, kind: Type, big_endian: bool, raw: samples::Strided) -> Result<(), SegmentError> {
+    fn push(
+        &mut self,
+        object: usize,
+        kind: Type,
+        big_endian: bool,
+        raw: metadata::Strided,
+    ) -> Result<(), SegmentError> {
         if let Type::Unread(what, _) = kind {
             self.content.objects[object].unread = Some(what);
             return Ok(());
@@ -257,9 +262,9 @@ impl Walk {
         self.count(raw.count as u64)?;
         let object = &mut self.content.objects[object];
         if kind == Type::Time {
-            samples::times(raw, big_endian, &mut object.first_stamp, &mut object.values);
+            metadata::times(raw, big_endian, &mut object.first_stamp, &mut object.values);
         } else {
-            samples::numbers(raw, kind, big_endian, &mut object.values);
+            metadata::numbers(raw, kind, big_endian, &mut object.values);
         }
         Ok(())
     }
@@ -277,7 +282,7 @@ impl Walk {
                 if *kind == Type::Text {
                     self.content.objects[*object].unread = Some("texts");
                 } else {
-                    let strided = samples::Strided { raw: mine, stride: kind.size(), count: mine.len() / kind.size() };
+                    let strided = metadata::Strided { raw: mine, stride: kind.size(), count: mine.len() / kind.size() };
                     self.push(*object, *kind, big_endian, strided)?;
                 }
                 if mine.len() < wanted {
@@ -313,7 +318,7 @@ impl Walk {
         let mut offset = 0;
         for (object, index) in active {
             let RawIndex::Plain { kind, .. } = index else { continue };
-            let strided = samples::Strided { raw: raw.get(offset..).unwrap_or_default(), stride, count: rows };
+            let strided = metadata::Strided { raw: raw.get(offset..).unwrap_or_default(), stride, count: rows };
             self.push(*object, *kind, big_endian, strided)?;
             offset += kind.size();
         }
@@ -365,7 +370,7 @@ impl Walk {
                                 return Ok(Cursor::broken(start, "a DAQmx sample outside its row")?);
                             }
                             let raw = mine.get(scaler.offset..).unwrap_or_default();
-                            let strided = samples::Strided { raw, stride: *width, count: here };
+                            let strided = metadata::Strided { raw, stride: *width, count: here };
                             self.push(*object, scaler.kind, big_endian, strided)?;
                         }
                         Ok(_) => {}
@@ -374,5 +379,112 @@ impl Walk {
             }
         }
         Ok(!whole)
+    }
+}
+
+/// What does not fit the format, and where.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Broken {
+    /// Offset of the byte from which it was read.
+    pub at: usize,
+    /// What was found.
+    pub found: String,
+}
+
+/// A reading position in bytes.
+#[derive(Debug, Clone)]
+pub struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Cursor<'a> {
+    /// Starts at offset `at`, which may lie past the end.
+    pub fn new(bytes: &'a [u8], at: usize, big_endian: bool) -> Self {
+        Self { bytes, at, big_endian }
+    }
+
+    /// Offset of the next byte.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Whether numbers are read with the high byte first.
+    pub fn is_big_endian(&self) -> bool {
+        self.big_endian
+    }
+
+    /// The error of something read from offset `at`.
+    pub fn broken<T>(at: usize, found: impl Into<String>) -> Result<T, Broken> {
+        Err(Broken { at, found: found.into() })
+    }
+
+    /// The next `length` bytes.
+    pub fn take(&mut self, length: usize) -> Result<&'a [u8], Broken> {
+        let end = self.at.checked_add(length).filter(|end| *end <= self.bytes.len());
+        match end {
+            Some(end) => {
+                let taken = &self.bytes[self.at..end];
+                self.at = end;
+                Ok(taken)
+            }
+            None => Self::broken(
+                self.at,
+                format!("{length} bytes should follow, {} are left", self.bytes.len().saturating_sub(self.at)),
+            ),
+        }
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], Broken> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        if self.big_endian {
+            array.reverse();
+        }
+        Ok(array)
+    }
+
+    /// An unsigned byte.
+    pub fn u8(&mut self) -> Result<u8, Broken> {
+        Ok(self.array::<1>()?[0])
+    }
+
+    /// Two bytes.
+    pub fn u16(&mut self) -> Result<u16, Broken> {
+        Ok(u16::from_le_bytes(self.array()?))
+    }
+
+    /// Four bytes.
+    pub fn u32(&mut self) -> Result<u32, Broken> {
+        Ok(u32::from_le_bytes(self.array()?))
+    }
+
+    /// Eight bytes.
+    pub fn u64(&mut self) -> Result<u64, Broken> {
+        Ok(u64::from_le_bytes(self.array()?))
+    }
+
+    /// A length in four bytes and as many bytes of UTF-8; what is none is replaced.
+    pub fn text(&mut self) -> Result<String, Broken> {
+        let length = self.u32()? as usize;
+        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_byte_orders_and_the_end() {
+        let bytes = [1, 0, 0, 0, 2, 0, 0, 0, b'a', b'b'];
+        assert_eq!(Cursor::new(&bytes, 0, false).u32(), Ok(1));
+        assert_eq!(Cursor::new(&bytes, 0, true).u32(), Ok(1 << 24));
+        assert_eq!(Cursor::new(&bytes, 4, false).text().as_deref(), Ok("ab"));
+        let error = Cursor::new(&bytes, 8, false).u32().unwrap_err();
+        assert_eq!((error.at, error.found.as_str()), (8, "4 bytes should follow, 2 are left"));
+        assert!(Cursor::new(&bytes, 99, false).u8().is_err());
+        assert!(Cursor::new(&[255, 255, 255, 255, 0], 0, false).text().is_err());
     }
 }

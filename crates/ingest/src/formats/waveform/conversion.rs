@@ -1,17 +1,16 @@
 //! Named waveforms as channels in SI, and what is noted about them.
 
-use crumple_signal::{Channel, Notes, QuantityKind, Sampled};
+use crumple_signal::unit::{self, Dimension, choices};
+use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, Weight};
 
 use crate::formats::iso13499;
-use crate::formats::text::column_names::{self, Unit};
-use crate::formats::waveform::channel::{Waveform, list};
+use crate::formats::text::column_names::{self, Unit, names_acceleration};
+use crate::formats::waveform::channel;
+use crate::formats::waveform::channel::{Label, Waveform, list};
 use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
-use crate::formats::waveform::label::{self, Label};
-use crate::formats::waveform::{identity, one_axis, units};
-use crate::recording::read_channel::{Fitness, ReadChannel};
-use crate::recording::unheeded_flags;
-use crate::time::time_unit;
-use crate::{IngestError, IngestSettings, Place};
+use crate::recording::content::{Fitness, ReadChannel};
+use crate::recording::settings;
+use crate::{IngestError, IngestSettings, Place, time};
 
 /// What is noted once for many channels.
 #[derive(Debug, Default)]
@@ -36,10 +35,10 @@ pub fn to_channels(
     settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<Vec<(usize, ReadChannel)>, IngestError> {
-    let labels: Vec<Label> = waveforms.iter().map(|w| label::label(&w.name, &w.unit)).collect();
-    let ids = identity::ids(&waveforms, &labels);
-    let aliases = identity::aliases(&waveforms, &labels);
-    let wanted = settings.channel.as_deref().and_then(|wanted| identity::find(wanted, &ids, &aliases));
+    let labels: Vec<Label> = waveforms.iter().map(|w| channel::label(&w.name, &w.unit)).collect();
+    let ids = channel::ids(&waveforms, &labels);
+    let aliases = channel::aliases(&waveforms, &labels);
+    let wanted = settings.channel.as_deref().and_then(|wanted| channel::find(wanted, &ids, &aliases));
     let mut remarks = Remarks::default();
     for (waveform, id) in waveforms.iter_mut().zip(&ids) {
         if let Ok(values) = &mut waveform.values {
@@ -53,14 +52,14 @@ pub fn to_channels(
     let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
     // The unit is that of the channels of times; without any, that of the steps.
     if let Some(symbol) = settings.time_unit.as_deref().filter(|_| !clocks.are_any()) {
-        let unit_s = time_unit::stated_unit(Place::file(file), symbol, "--time-unit or the sidecar")?;
+        let unit_s = time::stated_unit(Place::file(file), symbol, "--time-unit or the sidecar")?;
         let is_other = |waveform: &Waveform| waveform.steps.is_some() && waveform.step_unit_s != unit_s;
         if waveforms.iter().any(is_other) {
             notes.info(format!("the steps of the channels are in {symbol} by --time-unit; the file has another unit"));
         }
         waveforms.iter_mut().for_each(|waveform| waveform.step_unit_s = unit_s);
     }
-    let kinds = units::quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
+    let kinds = quantities(file, &waveforms, &labels, &clocks, wanted, settings, notes)?;
 
     let mut channels: Vec<(usize, ReadChannel)> = Vec::new();
     let mut origins = Vec::new();
@@ -98,7 +97,7 @@ pub fn to_channels(
         let jitter = time.grid.jitter;
         channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
     }
-    one_axis::align(file, &mut channels, &origins, notes)?;
+    channel::align(file, &mut channels, &origins, notes)?;
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {
             IngestError::content(
@@ -111,10 +110,10 @@ pub fn to_channels(
     }
     if settings.resample.is_some() && !clocks.resamples() {
         let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
-        unheeded_flags::warn("--resample", why, notes);
+        settings::warn("--resample", why, notes);
     }
     if settings.sample_time.is_some() && !clocks.is_stated_interval_used() {
-        unheeded_flags::warn("--sample-time", "every channel has its time in the file", notes);
+        settings::warn("--sample-time", "every channel has its time in the file", notes);
     }
     clocks.notes(notes);
     remarks.notes(notes);
@@ -190,5 +189,104 @@ impl Remarks {
         if self.left_out.len() > 12 {
             notes.warning(format!("{} more channels are left out", self.left_out.len() - 12));
         }
+    }
+}
+
+const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
+
+/// Quantity and factor to SI of every waveform; [`QuantityKind::Other`] and 1 where no unit is known.
+///
+/// `--unit` is for the channel asked for and for those named for acceleration, or for the only one.
+pub fn quantities(
+    file: &str,
+    waveforms: &[Waveform],
+    labels: &[Label],
+    clocks: &Clocks,
+    wanted: Option<usize>,
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<Vec<(QuantityKind, f64)>, IngestError> {
+    let stated = settings.unit.as_deref().map(|symbol| acceleration_unit(file, symbol)).transpose()?;
+    let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.is_clock(*k)).collect();
+    let is_acceleration = |k: usize| matches!(labels[k].unit, Unit::Signal(QuantityKind::Acceleration, _));
+    let accelerations = data.iter().filter(|k| is_acceleration(**k)).count();
+    let is_target =
+        |k: usize| speaks_of_acceleration(&labels[k].title) || wanted.map_or(data.len() == 1, |wanted| wanted == k);
+    let mut kinds = vec![(QuantityKind::Other, 1.0); waveforms.len()];
+    for &k in &data {
+        kinds[k] =
+            match (&labels[k].unit, stated) {
+                (Unit::Signal(QuantityKind::Acceleration, f), Some(over))
+                    if *f != over && (wanted == Some(k) || accelerations == 1) =>
+                {
+                    notes.concern(About::Pulse, Weight::Marked, format!(
+                    "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is \
+                     used",
+                    labels[k].title
+                ));
+                    (QuantityKind::Acceleration, over)
+                }
+                (Unit::Signal(kind, f), _) => (*kind, *f),
+                (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
+                _ => (QuantityKind::Other, 1.0),
+            };
+    }
+    if let Some(factor) = stated
+        && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))
+    {
+        settings::warn("--unit", "the channels state units of their own; --channel names the one that is meant", notes);
+    }
+    let lacks_unit = |k: usize| matches!(labels[k].unit, Unit::Unstated | Unit::Unknown(_)) && stated.is_none();
+    let ask = match wanted {
+        Some(wanted) => Some(wanted).filter(|k| lacks_unit(*k)),
+        None if accelerations == 0 => {
+            data.iter().copied().find(|k| lacks_unit(*k) && speaks_of_acceleration(&labels[*k].title))
+        }
+        None => None,
+    };
+    match ask.filter(|_| !settings.listing) {
+        Some(k) => Err(no_unit(file, &labels[k])),
+        None => Ok(kinds),
+    }
+}
+
+/// Whether a title names acceleration; `Femur (Acceptable)` does not.
+fn speaks_of_acceleration(title: &str) -> bool {
+    let other_words = ["accept", "accur", "access", "accum", "accord"];
+    names_acceleration(&other_words.iter().fold(title.to_lowercase(), |title, word| title.replace(word, "")))
+}
+
+fn no_unit(file: &str, label: &Label) -> IngestError {
+    let found = match &label.unit {
+        Unit::Unknown(symbol) => format!("unit {symbol:?} is not known"),
+        _ => "no unit is stated".to_owned(),
+    };
+    IngestError::content(
+        Place::file(file).in_column(label.title.clone()),
+        found,
+        format!("a unit of acceleration: {}", choices(ACCELERATION)),
+        "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers",
+    )
+}
+
+fn acceleration_unit(file: &str, symbol: &str) -> Result<f64, IngestError> {
+    unit::factor(symbol, ACCELERATION).ok_or_else(|| {
+        IngestError::content(
+            Place::file(file),
+            format!("{symbol:?}, stated by --unit or the sidecar, is no unit of acceleration"),
+            format!("one of {}", choices(ACCELERATION)),
+            "use --unit g or --unit m/s^2",
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_words_that_start_alike_are_no_acceleration() {
+        assert!(speaks_of_acceleration("Head Acc X") && speaks_of_acceleration("IIWPG Acceleration"));
+        assert!(!speaks_of_acceleration("Femur (Acceptable)") && !speaks_of_acceleration("accuracy"));
     }
 }

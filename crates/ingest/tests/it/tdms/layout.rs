@@ -1,12 +1,13 @@
 //! Byte orders, segments, interleaving, damage.
 
-use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Recording, ingest};
+use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
-use crate::tdms::scaling::daqmx;
-use crate::tdms::writer::{
-    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, has_note, pulse, read, samples, segment,
-    simple, waveform,
+use crate::tdms::{
+    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, pulse, read, read_with, segment, simple,
+    waveform,
 };
+use crate::{has_note, lenient, samples};
 
 #[test]
 fn both_byte_orders_read_alike() {
@@ -139,4 +140,321 @@ fn absurd_counts_cost_nothing() {
     }
     let error = read(segment(NEW_LIST | RAW | DAQMX, 20_000, &shared_rows, &vec![0; 200_000])).unwrap_err();
     assert!(error.to_string().contains("million samples"), "{error}");
+}
+
+/// A crash test as the NHTSA database describes it: 16-character codes, EV5 fields as properties.
+pub fn nhtsa() -> Vec<u8> {
+    let of = |place: &'static str, comment: &'static str, status: &'static str| {
+        // 30 ms before contact.
+        let mut properties = vec![("wf_increment", Value::Double(1e-4)), ("wf_start_offset", Value::Double(-0.03))];
+        properties.extend([
+            ("INST_VEHNO", Value::Text("1")),
+            ("INST_CURNO", Value::Text("93")),
+            ("INST_SENTYP", Value::Text("AC")),
+            ("INST_SENLOC", Value::Text("NA")),
+            ("INST_SENATT", Value::Text(place)),
+            ("INST_AXIS", Value::Text("XG")),
+            ("INST_YUNITS", Value::Text("G'S")),
+            ("INST_INIVEL", Value::Text("57.09")),
+            ("INST_DASTAT", Value::Text(status)),
+            ("INST_INSCOM", Value::Text(comment)),
+            ("VEH_VEHTWT", Value::Text("1719")),
+            ("VEH_VEHSPD", Value::Double(57.09)),
+            ("TEST_TITLE", Value::Text("NCAP - 2018 TOYOTA CAMRY")),
+            ("TEST_CLSSPD", Value::Double(57.09)),
+            ("TEST_TSTCFN", Value::Text("VTB")),
+        ]);
+        properties
+    };
+    let mut metadata = Writer::new(false);
+    metadata.object("/'d'/'10ENGN000000AC1P'", Some((10, 600)), &of("ENGN", "TOP OF ENGINE X", "CF")).object(
+        "/'d'/'10FORALERE00AC1P'",
+        Some((10, 600)),
+        &of("FLLR", "LEFT REAR SEAT CROSSMEMBER X", "AM"),
+    );
+    let mut raw = Writer::new(false);
+    let at = |k: usize| match k {
+        0..20 => 0.0,
+        20..300 => 0.1,
+        _ => pulse(k),
+    };
+    raw.doubles([1.0; 600]).doubles((0..600).map(at));
+    segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes)
+}
+
+#[test]
+fn nhtsa_properties_give_mass_speed_and_the_pulse() {
+    let ingested = ingest(&Bundle::from_bytes("v10146.tdms", nhtsa()).unwrap(), &IngestSettings::default()).unwrap();
+    let test = &ingested.test;
+    assert_eq!((test.mass_kg, test.impact_speed_m_per_s), (Some(1719.0), Some(57.09 / 3.6)));
+    assert_eq!(test.title, "NCAP - 2018 TOYOTA CAMRY");
+    assert_eq!(test.pulse.as_deref(), Some("d.10FORALERE00AC1P"));
+    let pulse = test.channel("d.10FORALERE00AC1P").unwrap();
+    assert_eq!(pulse.location, "vehicle, left rear seat crossmember");
+    assert_eq!((pulse.axis, pulse.quantity), (Some(Axis::X), QuantityKind::Acceleration));
+    assert_eq!(pulse.initial_velocity_m_per_s, Some(57.09 / 3.6));
+    assert_eq!(test.channel("d.10ENGN000000AC1P").unwrap().status, ChannelStatus::Questionable);
+    let before = ingested.pulse().unwrap().quality.pre_event.unwrap();
+    assert!((before.zero_level - 0.1 * G).abs() < 1e-12, "the muted start is not counted");
+    let notes = ingested.notes.to_texts();
+    for words in ["the first 20 samples of the pulse are exactly 0", "TOP OF ENGINE X"] {
+        assert!(notes.iter().any(|n| n.contains(words)), "{words}: {notes:#?}");
+    }
+}
+
+#[test]
+fn a_channel_named_by_its_code_is_what_the_code_says() {
+    let mut metadata = Writer::new(false);
+    metadata
+        .object("/'R'/'10VEHC0000__ACXD_NoName1'", Some((10, 60)), &accelerometer())
+        .object("/'R'/'11HEADCG00H3ACXA (g)'", Some((10, 60)), &waveform())
+        .object("/'R'/'Acc (m/(s*s))'", Some((10, 60)), &waveform());
+    let mut raw = Writer::new(false);
+    raw.doubles((0..180).map(f64::from));
+    let recording = read(segment(NEW_LIST | RAW, 3, &metadata, &raw.bytes)).unwrap();
+    let [body, head, plain] = recording.channels.as_slice() else { panic!("{:?}", recording.channels) };
+    assert_eq!(body.channel.code.as_deref(), Some("10VEHC0000__ACXD"));
+    assert_eq!((body.channel.axis, body.channel.cfc), (Some(Axis::X), Some(60)));
+    assert_eq!(body.channel.location, "vehicle");
+    assert_eq!(body.channel.filter_state.as_deref(), Some("CFC 60"));
+    assert_eq!((head.channel.axis, head.channel.cfc), (Some(Axis::X), Some(1000)));
+    assert!(head.channel.location.starts_with("occupant front left, head"), "{}", head.channel.location);
+    assert_eq!((plain.channel.quantity, plain.channel.code.as_deref()), (QuantityKind::Acceleration, None));
+    assert_eq!(samples(plain)[1], 121.0);
+}
+
+pub fn daqmx(out: &mut Writer, path: &str, rows: u64, offset: u32, width: u32, properties: &[(&str, Value)]) {
+    // i16 at `offset` in the only buffer, scale id 0.
+    out.text(path).u32(0x1269).u32(u32::MAX).u32(1).u64(rows);
+    out.u32(1).u32(3).u32(0).u32(offset).u32(0).u32(0).u32(1).u32(width).properties(properties);
+}
+
+pub fn scaled(kind: &'static str) -> Vec<(&'static str, Value)> {
+    let mut properties = waveform();
+    properties.extend([
+        ("unit_string", Value::Text("m/s^2")),
+        ("NI_Scaling_Status", Value::Text("unscaled")),
+        ("NI_Number_Of_Scales", Value::Unsigned(2)),
+        ("NI_Scale[1]_Scale_Type", Value::Text(kind)),
+        ("NI_Scale[1]_Linear_Slope", Value::Double(0.5)),
+        ("NI_Scale[1]_Linear_Y_Intercept", Value::Double(3.0)),
+        ("NI_Scale[1]_Linear_Input_Source", Value::Unsigned(0)),
+    ]);
+    properties
+}
+
+#[test]
+fn daqmx_rows_are_scaled_and_other_scales_named() {
+    let mut metadata = Writer::new(false);
+    daqmx(&mut metadata, "/'g'/'a'", 30, 0, 6, &scaled("Linear"));
+    daqmx(&mut metadata, "/'g'/'b'", 30, 4, 6, &scaled("Thermocouple"));
+    let raw: Vec<u8> = (0..60_i16).flat_map(|k| [k, 999, -k]).flat_map(i16::to_le_bytes).collect();
+    // Without the bit for DAQmx: it is missing in some files.
+    let file = segment(NEW_LIST | RAW | INTERLEAVED, 2, &metadata, &raw);
+    let recording = read(file.clone()).unwrap();
+    assert_eq!(recording.channels.len(), 1);
+    let expected: Vec<f64> = (0..60).map(|k| 0.5 * f64::from(k) + 3.0).collect();
+    assert_eq!(samples(&recording.channels[0]), expected);
+    has_note(&recording, "left out: t.tdms, column g.b: its scale 1 is of kind Thermocouple, only Linear is applied");
+    let settings = IngestSettings { channel: Some("b".to_owned()), ..IngestSettings::default() };
+    assert!(read_with(file, &settings).unwrap_err().to_string().contains("Thermocouple"));
+}
+
+#[test]
+fn plain_data_are_scaled_only_where_they_are_unscaled() {
+    for (status, factor, offset) in [("unscaled", 0.5, 3.0), ("scaled", 1.0, 0.0)] {
+        let mut properties = scaled("Linear");
+        properties.retain(|(name, _)| *name != "NI_Scaling_Status");
+        properties.push(("NI_Scaling_Status", Value::Text(status)));
+        let mut metadata = Writer::new(false);
+        metadata.object("/'g'/'a'", Some((10, 60)), &properties);
+        let mut raw = Writer::new(false);
+        raw.doubles((0..60).map(f64::from));
+        let recording = read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)).unwrap();
+        assert_eq!(samples(&recording.channels[0])[10], 10.0 * factor + offset);
+    }
+}
+
+/// A group with a channel of times of `n` samples and an accelerometer of `m` without steps of its own.
+pub fn with_times(n: usize, m: usize, step: f64) -> Vec<u8> {
+    let mut metadata = Writer::new(false);
+    metadata.object("/'g'/'Time'", Some((10, n as u64)), &[]).object("/'g'/'acc (g)'", Some((10, m as u64)), &[]);
+    let mut raw = Writer::new(false);
+    raw.doubles((0..n).map(|k| k as f64 * step - 100.0 * step)).doubles((0..m).map(pulse));
+    segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes)
+}
+
+#[test]
+fn a_sibling_channel_of_times_gives_the_grid() {
+    for (n, m, length) in [(601, 600, 600), (600, 600, 600), (600, 601, 600)] {
+        let recording = read(with_times(n, m, 1e-4)).unwrap();
+        let wave = recording.channels[0].wave.as_ref().unwrap();
+        assert_eq!((recording.channels.len(), wave.len(), wave.t0_s(), wave.dt_s()), (1, length, -0.01, 1e-4));
+        has_note(&recording, "no unit of time is stated for Time: taken as s");
+        if n != m {
+            has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter length is used"));
+        }
+    }
+    let settings = IngestSettings { time_unit: Some("ms".to_owned()), ..IngestSettings::default() };
+    let recording = read_with(with_times(600, 600, 0.1), &settings).unwrap();
+    assert_eq!(recording.channels[0].wave.as_ref().unwrap().dt_s(), 1e-4);
+}
+
+#[test]
+fn times_of_the_day_count_from_the_first() {
+    for big in [false, true] {
+        let mut metadata = Writer::new(big);
+        metadata.object("/'g'/'stamp'", Some((0x44, 60)), &[]).object("/'g'/'acc (g)'", Some((10, 60)), &[]);
+        let mut raw = Writer::new(big);
+        for k in 0..60_u64 {
+            // From 3.6e9 s + 0.97 s in steps of 1 ms, across a whole second.
+            let (ms, seconds) = ((970 + k) % 1000, 3_600_000_000 + (970 + k) / 1000);
+            let fraction = (ms as f64 * 1e-3 * 2_f64.powi(64)) as u64;
+            if big {
+                raw.u64(seconds).u64(fraction);
+            } else {
+                raw.u64(fraction).u64(seconds);
+            }
+        }
+        raw.doubles((0..60).map(pulse));
+        let toc = NEW_LIST | RAW | if big { BIG } else { 0 };
+        let recording = read(segment(toc, 2, &metadata, &raw.bytes)).unwrap();
+        let wave = recording.channels[0].wave.as_ref().unwrap();
+        assert_eq!((recording.channels.len(), wave.t0_s(), wave.dt_s()), (1, 0.0, 1e-3));
+    }
+}
+
+#[test]
+fn no_time_is_refused_and_so_is_another_axis() {
+    let mut metadata = Writer::new(false);
+    metadata.object("/'g'/'acc (g)'", Some((10, 60)), &[]);
+    let mut raw = Writer::new(false);
+    raw.doubles([0.0; 60]);
+    let error = read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)).unwrap_err().to_string();
+    assert!(error.contains("no time: neither a sampling interval"), "{error}");
+    let mut properties = accelerometer();
+    properties.push(("wf_xname", Value::Text("Tension")));
+    let mut metadata = Writer::new(false);
+    metadata.object("/'g'/'a'", Some((10, 60)), &properties);
+    let error = read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)).unwrap_err().to_string();
+    assert!(error.contains("its X axis is \"Tension\", not time"), "{error}");
+}
+
+#[test]
+fn inner_gaps_are_refused_and_gaps_at_the_end_cut() {
+    let file = |gap: std::ops::Range<usize>| {
+        let mut metadata = Writer::new(false);
+        metadata.object("/'g'/'a'", Some((10, 80)), &accelerometer());
+        let mut raw = Writer::new(false);
+        raw.doubles((0..80).map(|k| if gap.contains(&k) { f64::NAN } else { pulse(k) }));
+        read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes))
+    };
+    let recording = file(70..80).unwrap();
+    assert_eq!(samples(&recording.channels[0]).len(), 70);
+    has_note(&recording, "10 missing samples (NaN) cut off at the end of g.a");
+    let error = file(40..42).unwrap_err();
+    assert_eq!(error.to_string(), "t.tdms, column g.a: sample 40 of 80 is missing (NaN)");
+    assert!(file(0..80).unwrap_err().to_string().contains("no channel has samples"));
+}
+
+/// Two channels of 60 samples at 1e-4 s from -0.01 s of their own axes, the second `later` seconds after the first.
+fn apart(later: f64, second_offset: f64) -> Recording {
+    let mut metadata = Writer::new(false);
+    for (path, start, offset) in [("/'g'/'a'", 3.6e9, -0.01), ("/'g'/'b'", 3.6e9 + later, second_offset)] {
+        let properties = [
+            ("wf_increment", Value::Double(1e-4)),
+            ("wf_start_offset", Value::Double(offset)),
+            ("unit_string", Value::Text("g")),
+            ("wf_start_time", Value::Time(start)),
+        ];
+        metadata.object(path, Some((10, 60)), &properties);
+    }
+    let mut raw = Writer::new(false);
+    raw.doubles([0.5; 120]);
+    read(segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes)).unwrap()
+}
+
+fn starts(recording: &Recording) -> Vec<f64> {
+    recording.channels.iter().map(|read| read.wave.as_ref().unwrap().t0_s()).collect()
+}
+
+#[test]
+fn channels_that_start_later_stand_later_on_the_axis_of_the_first() {
+    let recording = apart(0.25, -0.01);
+    assert_eq!(starts(&recording), [-0.01, 0.24]);
+    has_note(&recording, "all have the axis of g.a, which starts first (g.b +250.000 ms)");
+    // The second starts first: its axis counts, whatever the offset of the other.
+    assert_eq!(starts(&apart(-0.125, 0.0)), [0.115, 0.0]);
+    // Start time and offset together are the start.
+    assert_eq!(starts(&apart(0.25, -0.5)), [-0.26, -0.5]);
+    // One instant: the offsets are those of one trigger.
+    assert_eq!(starts(&apart(0.0, 0.02)), [-0.01, 0.02]);
+}
+
+#[test]
+fn channels_of_different_events_keep_their_axes() {
+    let recording = apart(3600.0, -0.01);
+    assert_eq!(starts(&recording), [-0.01, -0.01]);
+    has_note(&recording, "up to 3600.000 s apart: they are not of one event");
+}
+
+#[test]
+fn groups_with_stamps_of_their_own_have_one_axis() {
+    let mut metadata = Writer::new(false);
+    for group in ["a", "b"] {
+        metadata.object(&format!("/'{group}'/'stamp'"), Some((0x44, 60)), &[]);
+        metadata.object(&format!("/'{group}'/'acc (g)'"), Some((10, 60)), &[]);
+    }
+    let mut raw = Writer::new(false);
+    for first_ms in [970, 1020] {
+        for k in 0..60_u64 {
+            let (ms, seconds) = ((first_ms + k) % 1000, 3_600_000_000 + (first_ms + k) / 1000);
+            raw.u64((ms as f64 * 1e-3 * 2_f64.powi(64)) as u64).u64(seconds);
+        }
+        raw.doubles((0..60).map(pulse));
+    }
+    let recording = read(segment(NEW_LIST | RAW, 4, &metadata, &raw.bytes)).unwrap();
+    assert_eq!(starts(&recording), [0.0, 0.05]);
+}
+
+/// An accelerometer with a sampling interval of `increment`, and a channel of times where it has a name.
+fn with_increment(increment: f64, times: &str, settings: &IngestSettings) -> Result<Recording, IngestError> {
+    let properties = [("wf_increment", Value::Double(increment)), ("unit_string", Value::Text("g"))];
+    let mut metadata = Writer::new(false);
+    metadata.object(&format!("/'g'/'{times}'"), Some((10, 60)), &[]).object("/'g'/'acc'", Some((10, 60)), &properties);
+    let mut raw = Writer::new(false);
+    raw.doubles((0..60).map(|k| f64::from(k) * 2.5e-4)).doubles((0..60).map(pulse));
+    read_with(segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes), settings)
+}
+
+fn grid(recording: &Recording, id: &str) -> (f64, f64) {
+    let wave = recording.channels.iter().find(|read| read.channel.id == id).unwrap().wave.as_ref().unwrap();
+    (wave.t0_s(), wave.dt_s())
+}
+
+#[test]
+fn a_channel_of_times_beats_an_increment() {
+    let default = IngestSettings::default();
+    for (increment, words) in
+        [(1.0, "an interval that no crash is recorded at"), (1e-3, "the channel of times is used")]
+    {
+        let recording = with_increment(increment, "Time (s)", &default).unwrap();
+        assert_eq!(grid(&recording, "g.acc"), (0.0, 2.5e-4), "{increment}");
+        has_note(&recording, words);
+    }
+}
+
+#[test]
+fn an_interval_of_a_second_is_asked_about() {
+    let wanted = IngestSettings { channel: Some("g.acc".to_owned()), ..IngestSettings::default() };
+    let error = with_increment(1.0, "other (V)", &wanted).unwrap_err();
+    assert!(error.to_string().contains("a sampling interval of 1 s and no channel of times"), "{error}");
+    assert_eq!(error.hint(), "state the sampling interval, such as --sample-time 100us");
+    let stated = IngestSettings { sample_time: Some("250us".parse().unwrap()), ..wanted.clone() };
+    assert_eq!(grid(&with_increment(1.0, "other (V)", &stated).unwrap(), "g.acc"), (0.0, 2.5e-4));
+    // The unit of the increment may be another one.
+    let stated = IngestSettings { time_unit: Some("ms".to_owned()), ..wanted };
+    assert_eq!(grid(&with_increment(1.0, "other (V)", &stated).unwrap(), "g.acc"), (0.0, 1e-3));
+    // What is no crash may be that slow.
+    assert_eq!(grid(&with_increment(1.0, "other (V)", &lenient()).unwrap(), "g.acc"), (0.0, 1.0));
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::stop_reason::StopReason;
+use crate::estimation::minimise::StopReason;
 
 /// Minimise `f(x)` with `c(x) = 0` and `G x + h >= 0`.
 pub trait Program {

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::stop_reason::StopReason;
+use crate::estimation::minimise::StopReason;
 use crate::estimation::random::RandomNumbers;
 
 /// Constants of the search; the defaults are those of its authors but for the number of evaluations.

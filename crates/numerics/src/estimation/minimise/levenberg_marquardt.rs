@@ -8,10 +8,10 @@
 //!
 //! Madsen, Nielsen, Tingleff, *Methods for non-linear least squares problems*, 2nd ed., 2004, section 3.2.
 
-use crate::linalg::{TriangularFactor, dot};
 use nalgebra::DMatrix;
 
-use super::stop_reason::StopReason;
+use crate::estimation::minimise::StopReason;
+use crate::linalg::{TriangularFactor, dot};
 
 /// Residuals at a point; `false` if the model has no finite response there.
 pub trait Response: Sync {

@@ -11,8 +11,8 @@
 use crate::linalg::dot;
 use nalgebra::DMatrix;
 
+use super::StopReason;
 use super::levenberg_marquardt::{Bounds, Descent, LeastSquares, descent};
-use super::stop_reason::StopReason;
 
 /// A column that is this much shorter after what others explain is removed is taken for dependent on them.
 const DEPENDENT: f64 = 1e-11;

@@ -8,7 +8,7 @@ use crate::phrases::words;
 use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
 use crumple_signal::key_quantities::{
     CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, OLC, PEAK, RESTITUTION, TIME_OF_CRUSH,
-    TIME_OF_MAXIMUM_DELTA_V,
+    TIME_OF_MAXIMUM_DELTA_V, UNKNOWN,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -92,9 +92,7 @@ impl KeyNumber {
 
     /// How it is called and shown.
     pub fn quantity(&self) -> &'static KeyQuantity {
-        const UNKNOWN: &KeyQuantity =
-            &KeyQuantity { key: "", name: "", symbol: "", unit: "", factor: 1.0, decimals: 1 };
-        KeyQuantity::of(&self.name).unwrap_or(UNKNOWN)
+        KeyQuantity::of(&self.name).unwrap_or(&UNKNOWN)
     }
 
     /// Its value with the unit of people.

@@ -9,7 +9,7 @@ use crate::drawing::numbers::{MILLI, digits_of_interval};
 use crate::phrases::words::fill;
 use crumple_artifact::records::{Certainty, ConcernV1, IntervalSourceV1};
 use crumple_signal::About;
-use crumple_signal::key_quantities::{KeyQuantity, STIFFNESS};
+use crumple_signal::key_quantities::{CRUSH, KeyQuantity, PEAK, STIFFNESS};
 
 use crate::findings::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::findings::conclusions::conclusion::Conclusion;
@@ -45,22 +45,14 @@ pub fn overview(
     let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
-    let crush = if verdict.kind == Kind::TwoVehicles { phrases.ground_label } else { phrases.crush_label };
-    for number in key_numbers.iter().filter(|_| of_vehicle) {
-        let label = match &*number.name {
-            "dynamic_crush" => crush,
-            "time_of_dynamic_crush" => phrases.time_label,
-            "delta_v" | "maximum_delta_v" => phrases.change_label,
-            "peak_acceleration" => phrases.peak_label,
-            "olc" => phrases.olc_label,
-            "coefficient_of_restitution" => phrases.restitution_label,
-            _ => continue,
-        };
+    for number in key_numbers.iter().filter(|number| of_vehicle && !number.quantity().console.is_empty()) {
+        let is_over_ground = verdict.kind == Kind::TwoVehicles && number.name == CRUSH.key;
+        let label = if is_over_ground { phrases.ground_label } else { number.quantity().console };
         let Some(value) = number.value else { continue };
         let ends = number.low.zip(number.high);
         let own = with_interval(value, ends, number.interval_source, number.quantity());
         let mut text = format!("{}{own}", number.sign());
-        if let Some(at_s) = number.at_s.filter(|_| number.name == "peak_acceleration") {
+        if let Some(at_s) = number.at_s.filter(|_| number.name == PEAK.key) {
             text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {

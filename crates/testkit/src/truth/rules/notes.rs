@@ -1,7 +1,7 @@
 //! Remarks of the stages: sentences that no text of `phrases` makes.
 
-use super::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::known::Subject;
+use crate::truth::rules::rule::{Rule, Spot, holds, is_like_a_car, numbers_of_records, own_test, says, shows};
 use crate::truth::template::Place::{At, Number};
 use crate::truth::template::Said;
 
@@ -171,12 +171,7 @@ pub const RULES: &[Rule] = &[
         is_identified,
     ),
     says("note.condition", "{id}: condition number {value}: {more}", &[], is_identified),
-    says(
-        "note.coefficients",
-        "{id}: this record does not determine the single coefficients: {why}",
-        &[],
-        is_identified,
-    ),
+    says("note.coefficients", "{id}: this record does not determine {why}", &[], is_identified),
     says("note.lanczos", "{id}: the {count} leading singular values are listed after {more}", &[], is_identified),
     says("note.no-deviations", "{id}: no standard deviations: {why}", &[], is_identified),
     says(
@@ -498,7 +493,6 @@ fn growing_mode(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     mode_of_a_model(said, spot)
 }
 
-
 fn two_poles_at_zero(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let mut poles = poles(said, spot);
     poles.sort_by(f64::total_cmp);
@@ -551,7 +545,9 @@ fn predicted(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         return holds(said.text("line").contains(partner), || format!("{partner} was asked for"));
     }
     let line = said.text("line").replace("..", " to ");
-    let wrong = crate::truth::numbers(&line).into_iter().find(|shown| !super::rule::is_in_records(spot.made, shown));
+    let wrong = crate::truth::numbers(&line)
+        .into_iter()
+        .find(|shown| !crate::truth::rules::rule::is_in_records(spot.made, shown));
     holds(wrong.is_none(), || format!("{:?} is no number of a record", wrong.map(|shown| shown.value)))
 }
 

@@ -1,11 +1,14 @@
-//! A rule: what stands in the places of a sentence, and what must be true where it is said.
+//! A rule: a sentence that a run may say, and what must be true then. All rules, registered.
 
+use std::collections::{BTreeMap, BTreeSet};
+
+use crumple_report::phrases::named;
 use serde_json::Value;
 
-use crate::truth::known::Impact;
-use crate::truth::run::Made;
-use crate::truth::shown::{Shown, numbers};
-use crate::truth::template::{Place, Said};
+use crate::truth::known::{BELOW, ELSEWHERE, Impact, LABELS, NOT_OF_A_RUN};
+use crate::truth::rules::{models, notes, page, status};
+use crate::truth::run::{Made, Shown, numbers};
+use crate::truth::template::{Grammar, Place, Said, Template};
 
 /// Where something is said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -186,3 +189,183 @@ pub fn is_rebound_cut(made: &Made) -> bool {
         lowest < 0.0 && first.is_some_and(|first| first + 2 >= samples.len())
     })
 }
+
+/// Rules by the names of their templates.
+pub struct Registry {
+    rules: BTreeMap<&'static str, Rule>,
+    grammar: Grammar,
+}
+
+impl Default for Registry {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Registry {
+    /// All of them. A rule of a text that `phrases` has no more reads nothing.
+    pub fn new() -> Self {
+        let mut all =
+            [page::VEHICLE_RULES, status::RULES, models::RULES, models::CHOICE_RULES, notes::RULES, page::RULES]
+                .concat();
+        all.extend(REMARKS.iter().map(|(template, text)| says(template, text, &[], numbers_of_records)));
+        let texts: BTreeMap<String, &str> =
+            named().map(|(subject, name, text)| (format!("{subject}.{name}"), text)).collect();
+        let mut grammar = Grammar::default();
+        for rule in &all {
+            let text = if rule.text.is_empty() { texts.get(rule.template).copied() } else { Some(rule.text) };
+            if let Some(text) = text {
+                grammar.add(Template::new(rule.template.to_owned(), text), rule.places);
+            }
+        }
+        for label in LABELS {
+            if let Some(text) = texts.get(*label) {
+                grammar.add(Template::new((*label).to_owned(), text), &[]);
+            }
+        }
+        Self { rules: all.into_iter().map(|rule| (rule.template, rule)).collect(), grammar }
+    }
+
+    /// Texts of `phrases` that a run can print and that have neither a rule nor a reason; rules, labels and reasons of
+    /// texts that `phrases` has no more.
+    pub fn without_rule(&self) -> Vec<String> {
+        let is_elsewhere = |subject: &str| ELSEWHERE.iter().chain(BELOW).any(|(other, _)| *other == subject);
+        let reasons = || LABELS.iter().copied().chain(NOT_OF_A_RUN.iter().map(|(name, _)| *name));
+        let all: Vec<(&str, String)> =
+            named().map(|(subject, name, _)| (subject, format!("{subject}.{name}"))).collect();
+        let texts = all.iter().filter(|(subject, _)| !is_elsewhere(subject)).map(|(_, name)| name.as_str());
+        let without = texts.filter(|name| !self.rules.contains_key(name) && !reasons().any(|own| own == *name));
+        let of_phrases = self.rules.values().filter(|rule| rule.text.is_empty()).map(|rule| rule.template);
+        let left_over = of_phrases.chain(reasons()).filter(|name| !all.iter().any(|(_, own)| own == name));
+        without.chain(left_over).map(str::to_owned).collect()
+    }
+
+    /// Names of the templates of these beginnings that may stand by themselves: none that fills a place of another.
+    pub fn sentences(&self, beginnings: &[&str]) -> Vec<&'static str> {
+        let of_places = self.rules.values().flat_map(|rule| rule.places).filter_map(|(_, place)| match place {
+            Place::Said(names) => Some(*names),
+            _ => None,
+        });
+        let parts: BTreeSet<&str> = of_places.flatten().copied().collect();
+        let own = self.rules.keys().copied().filter(|name| beginnings.iter().any(|start| name.starts_with(start)));
+        own.filter(|name| !parts.contains(name))
+            .chain(LABELS.iter().copied().filter(|name| beginnings.iter().any(|start| name.starts_with(start))))
+            .collect()
+    }
+
+    /// Every template with a rule that a run can print.
+    pub fn templates(&self) -> impl Iterator<Item = &'static str> {
+        self.rules.keys().copied().filter(|name| !NOT_OF_A_RUN.iter().any(|(own, _)| own == name))
+    }
+
+    /// A text by its templates; `None`: some of its words are of none.
+    pub fn read(&self, text: &str, templates: &[&str]) -> Option<Vec<Said>> {
+        let as_reason = || {
+            let first = text.trim_start().chars().next()?.to_lowercase();
+            let reason = first.chain(text.trim_start().chars().skip(1)).collect::<String>();
+            let read = self.grammar.read(&reason, &[status::REASON_AS_SENTENCE])?;
+            read.iter().all(|said| said.inner("reason").is_some()).then_some(read)
+        };
+        self.grammar.read(text, templates).or_else(as_reason)
+    }
+
+    /// What a sentence contradicts: its numbers those of the summary, then its own check.
+    pub fn contradiction(&self, said: &Said, spot: &Spot<'_>) -> Option<String> {
+        let rule = self.rules.get(said.template.as_str())?;
+        let numbers = rule.places.iter().try_for_each(|(place, kind)| match (kind, said.number(place)) {
+            (Place::At(pointer), Some(shown)) => {
+                let own = spot.made.number(pointer);
+                holds(own.is_some_and(|own| shown.is_of(own) || shown.is_of(-own)), || {
+                    format!("{} is said, and {pointer} of the summary is {own:?}", said.text(place))
+                })
+            }
+            _ => Ok(()),
+        });
+        numbers.and_then(|()| (rule.check)(said, spot)).err()
+    }
+}
+
+/// Name and sentence; a place takes words, also none.
+const REMARKS: &[(&str, &str)] = &[
+    ("note.too-flat", "the pulse never exceeds {level} for {time}: check its channel and unit"),
+    (
+        "note.noisy-before",
+        "the pulse is noisy before the event: standard deviation {level}, at most {usual} is usual: {more}",
+    ),
+    ("note.equal-samples", "equal samples in a row at an extreme (clipped?) in {channels}"),
+    (
+        "note.recorder-zero",
+        "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact",
+    ),
+    ("note.recorder-table", "event data recorder table: the velocity change is cumulative and coarse {more}"),
+    ("note.change-as-pulse", "the change of velocity {channel} is taken as the pulse"),
+    ("note.level-in", "mean over the last {time} above {level} (drift, or still moving) in {channels}"),
+    ("note.without-file", "{count} of {all} listed channels have no file here: {channels}"),
+    ("note.left-and-right", "channels {one} and {two} (left and right) differ by at most {more}"),
+    ("note.configuration", "configuration: {what}"),
+    (
+        "note.vehicles-meet",
+        "vehicles {one} and {two} meet: mass, speed and description are those of vehicle {which}, {more}",
+    ),
+    ("note.no-pulse", "no channel is named as the crash pulse: {why}"),
+    ("note.inputs-and-outputs", "a record of inputs and outputs, as no pulse is named (--channel names one): {why}"),
+    ("note.time-zero-of-file", "time zero is the file's t = 0, {samples} samples after its start"),
+    ("note.start", "integrated from the start of the record ({time}) with the impact speed, because {why}"),
+    ("note.intervals", "intervals are {level} of {count} replicates (seed {seed}) with {inputs}"),
+    ("note.thirds", "{model}: {masses}: {more}, an assumption that the parameters depend on"),
+    (
+        "note.sets",
+        "{model}: {count} parameter sets fit within {share} as well as the best; the record does not determine \
+         the parameters",
+    ),
+    ("note.rank", "order {order} exceeds the numerical rank {rank} ({ratio}): order {used} is used, which {more}"),
+    ("note.same-set", "{model}: a further set is left out, as measured it is the same as an earlier one"),
+    ("note.free-fall", "{channel}free fall before contact{more}"),
+    ("note.passed-through", "{channels}: already {class}, passed through unfiltered"),
+    ("note.not-told-apart", "the record does not tell apart {models}: {more}"),
+    (
+        "note.occupant-needs-neither",
+        "mass and impact speed are not both stated: the criteria of an occupant need neither",
+    ),
+    ("note.level-before", "the level before contact is {level}: an offset, or a free fall. {more}"),
+    ("note.axis", "channels start {more}"),
+    ("note.no-unit", "no unit is known for {channels}: kept as read, quantity other"),
+    ("note.handed-on", "channel {channel}: handed on as it is"),
+    ("note.of-a-dummy", "{channels}: of a dummy, filtered to {more}"),
+    (
+        "note.no-motion",
+        "channel {channel}: all {count} samples after the first are zero: there is no motion to identify",
+    ),
+    ("note.no-stabilisation", "{method}: no stabilisation diagram: {why}"),
+    ("note.not-in-spread", "channel {channel} is not in the spread: {why}"),
+    ("note.not-integrated", "not integrated, because {why}: channels {channels} {more}"),
+    ("note.against", "channel {one} against {two}: largest |da| {more}"),
+    ("note.bounds-of-axes", "criteria are lower bounds where the resultant is of one or two axes alone: {channels}"),
+    ("note.crash3", "crush stiffness (CRASH3): {why}"),
+    ("note.spread", "dynamic crush of {count} channels: {range}; the spread of every metric is {more}"),
+    (
+        "note.as-if-wall",
+        "models of one vehicle at a rigid barrier are fitted to the pulse as if it had met one: {more}",
+    ),
+    ("note.momentum", "momentum: the changes of both vehicles leave {share} of that of vehicle {which} over; {more}"),
+    ("note.heads", "vehicle {which} heads towards it, as the changes of velocity say: closing speed {speed}; {more}"),
+    ("note.to-the-end", "{model}: the velocity of the record never reaches zero: fitted up to {time}, {more}"),
+    ("note.not-solved-no-crush", "{model}: not solved, since the velocity of the record never reaches zero: {more}"),
+    ("note.to-the-event", "the velocity never reaches zero: fitted up to the end of the event at {more}"),
+    ("note.does-not-stop", "the vehicle does not stop within the record: its models are assessed over {more}"),
+    ("note.no-force", "the pulse does not slow the vehicle down, so that there is no force to model"),
+    (
+        "note.elastoplastic",
+        "elastoplastic: not solved, coefficient_of_restitution is {value}, expected at most 1 {more}",
+    ),
+    (
+        "note.pairs",
+        "{model}: {count} pairs of parameter sets fit equally well within the accuracy of the record; {more}",
+    ),
+    ("note.too-far", "the vehicle moves further than its impact speed alone would carry it, {more}"),
+    ("note.no-mass-no-models", "the test has no mass, which turns frequencies into N/m"),
+    (
+        "note.none-for-predictions",
+        "none of the candidates is for predictions: {why}; --candidate shows what one of them says",
+    ),
+];

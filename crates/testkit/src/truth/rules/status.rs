@@ -1,10 +1,10 @@
 //! The status word and its one reason, the question that was asked, and what the model answers.
 
-use super::rule::{
+use crate::truth::known::Subject;
+use crate::truth::rules::rule::{
     Rule, Spot, Surface, holds, misses_its_own_test, misses_time_or_rebound, numbers_of_records, places_alone, rule,
     says, shows,
 };
-use crate::truth::known::Subject;
 use crate::truth::run::Made;
 use crate::truth::template::Place::{At, Number, Said as Inner, Words};
 use crate::truth::template::Said;
@@ -90,7 +90,7 @@ pub const RULES: &[Rule] = &[
         holds(!has, || "the recommended model has intervals".to_owned())
     }),
     rule("conclusion.sensors_differ", &[("low", Number), ("high", Number), ("count", Number)], sensors_of_one_place),
-    rule("conclusion.because_dual", &[], super::models::one_sensor_and_several_masses),
+    rule("conclusion.because_dual", &[], crate::truth::rules::models::one_sensor_and_several_masses),
     rule("conclusion.because_misses_its_test", &[("events", Words)], misses_its_test),
     rule("conclusion.because_weak", &[("model", Words)], names_a_candidate),
     rule("conclusion.because_contrary", &[("model", Words)], names_a_candidate),
@@ -248,7 +248,7 @@ fn do_not_use(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let made = spot.made;
     let is_wide = answer(made).and_then(half_width_percent).is_some_and(|half| half > WIDE_PERCENT);
     let is_good = made.recommended().is_some_and(|best| misses_its_own_test(made, best).is_none());
-    holds(!(super::rule::is_like_a_car(made) && is_good) || is_wide, || {
+    holds(!(crate::truth::rules::rule::is_like_a_car(made) && is_good) || is_wide, || {
         "the record is sound, and its recommended model repeats the test".to_owned()
     })
 }
@@ -336,7 +336,9 @@ fn decisive(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let concern = number.checked_sub(1).and_then(|at| spot.made.list("/concerns").get(at));
     let weight = concern.and_then(|concern| concern["weight"].as_u64());
     holds(weight.is_some_and(|weight| weight >= 6), || format!("warning {number} has the weight {weight:?}"))?;
-    holds(!super::rule::is_like_a_car(spot.made), || format!("a sound record, and warning {number} makes it useless"))
+    holds(!crate::truth::rules::rule::is_like_a_car(spot.made), || {
+        format!("a sound record, and warning {number} makes it useless")
+    })
 }
 
 /// One of the gravest warnings is about it.
@@ -352,7 +354,7 @@ fn names_a_candidate(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 
 fn few_determined(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let best = spot.made.recommended().ok_or("no model is recommended")?;
-    super::models::counts(said, best)
+    crate::truth::rules::models::counts(said, best)
 }
 
 /// Sensors of one place, more than one of them, and as many as are named.

@@ -5,7 +5,7 @@ use crumple_lumped_fit::{front_from_amplitudes, rear_from_amplitudes};
 use crumple_numerics::lti::Complex;
 use serde_json::{Map, Value, json};
 
-use crate::papers::inputs::{Inputs, complex, complexes, text};
+use crate::papers::systems::{Inputs, complex, complexes, text};
 
 fn double(i: &Inputs<'_>) -> Result<DoubleSpringMassDamper, String> {
     Ok(DoubleSpringMassDamper {

@@ -3,7 +3,7 @@
 use crumple_numerics::lti::Complex;
 use serde_json::Value;
 
-use crate::papers::inputs::complex_of;
+use crate::papers::systems::complex_of;
 
 /// Lists whose order means nothing.
 const UNORDERED: [&str; 7] = [

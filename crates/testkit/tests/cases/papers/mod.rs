@@ -3,9 +3,6 @@
 
 mod chains;
 mod compare;
-mod evaluate;
-mod inputs;
-mod one_mass;
 mod page;
 mod systems;
 
@@ -33,9 +30,9 @@ fn difference(case: &Value) -> Option<String> {
     // The instants are part of what is expected, not of the model.
     if let Some(list) = case["expected"]["checkpoints"].as_array() {
         let times: Vec<Value> = list.iter().map(|point| compare::plain(&point["t"])).collect();
-        inputs[inputs::CHECKPOINT_TIMES] = Value::Array(times);
+        inputs[systems::CHECKPOINT_TIMES] = Value::Array(times);
     }
-    match evaluate::evaluate(case["kind"].as_str().unwrap_or("?"), &inputs) {
+    match systems::evaluate(case["kind"].as_str().unwrap_or("?"), &inputs) {
         Ok(found) => compare::difference(&compare::plain(&case["expected"]), &found, tolerance),
         Err(error) => Some(error),
     }

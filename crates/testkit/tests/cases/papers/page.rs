@@ -5,8 +5,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::papers::evaluate::evaluate;
-use crate::papers::inputs::complex_of;
+use crate::papers::systems::{complex_of, evaluate};
 
 /// Project-owned table: what the papers print, from which inputs, and why it differs.
 pub const TABLE: &str = include_str!("values.json");

@@ -1,0 +1,350 @@
+//! The program: commands and their options, files in and out, exit code.
+
+use std::fs;
+use std::io::IsTerminal;
+use std::path::{Component, Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Context;
+use crumple_artifact::records::ConcernV1;
+use crumple_artifact::{
+    Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
+};
+use crumple_artifact_cli::{
+    CurveError, CurveFormat, PlainError, PlainProvenance, PlainWave, ShowOptions, StageNotes, Wanted, assemble, check,
+    f64_bytes, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
+};
+use crumple_signal::value::Length;
+use crumple_stage::{
+    ExitStatus, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, nearest, printable,
+    refuse_to_overwrite, say, to_stdout, tool_main,
+};
+
+/// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
+/// together again.
+#[derive(Debug, clap::Parser)]
+#[command(
+    name = "crumple-artifact",
+    version,
+    after_help = "Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 a file was refused."
+)]
+struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Prints what an artifact holds: where it came from, its records as JSON, its waveforms as a line each.
+    Show {
+        /// The artifact.
+        file: PathBuf,
+        /// Only topics that match, e.g. "/parameters/*"; `*` is any text, `?` one character. May be repeated.
+        #[arg(long, value_name = "PATTERN")]
+        topic: Vec<String>,
+        /// Print the samples of waveforms too, time in s and value in the SI unit.
+        #[arg(long)]
+        samples: bool,
+        /// Print one JSON object a line: topic, schema, data. With --samples each waveform is one, too.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Prints the notes alone: warnings by their weight, then what is good to know, each with its stage.
+    Notes {
+        /// The folder of a run, or artifacts.
+        #[arg(required = true, value_name = "RUN|FILE")]
+        paths: Vec<PathBuf>,
+    },
+    /// Writes the static force-deflection curves of a candidate, for people and for other programs.
+    Curve {
+        /// The artifact of crumple-parameter-solve, 5-parameter-solve.mcap of a run.
+        file: PathBuf,
+        /// Candidate, e.g. "force-deflection/direct-fit/1" [default: the recommended].
+        #[arg(long, value_name = "ID")]
+        candidate: Option<String>,
+        /// How it is written.
+        #[arg(long, value_enum, default_value = "csv")]
+        format: CurveFormat,
+        /// Deflection up to which it is written, e.g. 900mm [default: that of the last knot].
+        #[arg(long, value_name = "LENGTH")]
+        to: Option<Length>,
+    },
+    /// Reads artifacts whole and says whether they are sound: checksums, digest, every record and sample.
+    Check {
+        /// The artifacts.
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Writes an artifact as plain files: records.ndjson, waves.ndjson with raw little-endian f64 files,
+    /// provenance.json.
+    Unpack {
+        /// The artifact.
+        file: PathBuf,
+        /// Folder to write; must not exist or be empty.
+        folder: PathBuf,
+        /// Write into a folder that holds something.
+        #[arg(long)]
+        force: bool,
+        /// No summary.
+        #[arg(short, long)]
+        quiet: bool,
+    },
+    /// Makes an artifact of plain files as `unpack` writes them, or of one file of records as `--json` prints them.
+    Pack {
+        /// The folder, or an .ndjson file of records.
+        source: PathBuf,
+        /// Artifact to write.
+        file: PathBuf,
+        /// Compress with Zstandard; the content and its digest stay the same.
+        #[arg(long)]
+        zstd: bool,
+        /// No summary.
+        #[arg(short, long)]
+        quiet: bool,
+    },
+}
+
+/// Parses the command line and runs the command.
+pub fn main() -> ExitCode {
+    tool_main(|args: Args| match args.command {
+        Command::Show { file, topic, samples, json } => {
+            show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
+        }
+        Command::Notes { paths } => notes(&paths),
+        Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
+        Command::Check { files } => check_files(&files),
+        Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
+        Command::Pack { source, file, zstd, quiet } => pack(&source, &file, zstd, quiet),
+    })
+}
+
+fn open(path: &Path) -> Result<Artifact, Refused> {
+    keep_budget(&[path.to_owned()], ExitStatus::Refused);
+    Artifact::open(path).map_err(Refused::from)
+}
+
+fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitStatus> {
+    let artifact = open(path)?;
+    let mut bytes = Vec::new();
+    let written =
+        if json { write_json(&artifact, options, &mut bytes) } else { write_text(&artifact, options, &mut bytes) };
+    written.map_err(Refused::from)?.context("cannot print the artifact")?;
+    if json {
+        to_stdout(&bytes)?;
+    } else {
+        to_stdout(printable(&String::from_utf8_lossy(&bytes)).as_bytes())?;
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// Columns of mark, weight and stage in front of a note.
+const LABEL_OF_A_NOTE: usize = 28;
+
+fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+    let mut files = Vec::new();
+    let mut ranked = None;
+    for path in paths {
+        if path.is_dir() {
+            files.extend(artifacts_of_a_run(path)?);
+            ranked = concerns_of_a_run(path).filter(|_| paths.len() == 1);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    let artifacts = files.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
+    let notes = StageNotes::of(&artifacts).map_err(Refused::from)?;
+    let notes = match ranked {
+        Some(concerns) => notes.ranked_as(concerns),
+        None => notes,
+    };
+    // A line each where a program reads them.
+    let columns = if std::io::stdout().is_terminal() { columns() } else { usize::MAX };
+    let lines = notes.lines().into_iter().flat_map(|(label, text)| labelled(&label, LABEL_OF_A_NOTE, &text, columns));
+    let text: String = lines.map(|line| line + "\n").collect();
+    to_stdout(printable(&text).as_bytes())?;
+    Ok(ExitStatus::Done)
+}
+
+/// The concerns of the summary of a run, if it has one.
+fn concerns_of_a_run(folder: &Path) -> Option<Vec<ConcernV1>> {
+    let text = fs::read_to_string(folder.join("summary.json")).ok()?;
+    let mut summary: serde_json::Value = serde_json::from_str(&text).ok()?;
+    serde_json::from_value(summary.get_mut("concerns")?.take()).ok()
+}
+
+fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<Length>) -> anyhow::Result<ExitStatus> {
+    let to_m = to.map(Length::si);
+    if to_m.is_some_and(|to| !(to > 0.0 && to.is_finite())) {
+        return Err(Usage::new("--to must be above zero").hint("--to 900mm").into());
+    }
+    let curves = static_curves(&open(path)?, candidate, to_m).map_err(|error| {
+        let hint = match &error {
+            CurveError::NoCandidates => "give the artifact of crumple-parameter-solve, 5-parameter-solve.mcap of a run",
+            CurveError::NoneRecommended { .. } | CurveError::NoCandidate { .. } => "name one with --candidate",
+            CurveError::NoEnd { .. } => "say up to which deflection: --to 900mm",
+            CurveError::NoStaticForce { .. } => {
+                "take a candidate with a spring or a force-deflection curve: --candidate"
+            }
+            CurveError::Model(_) | CurveError::Read(_) => "crumple-artifact check says what is wrong with the artifact",
+        };
+        Refused::new(format!("{}: {error}", path.display())).hint(hint)
+    })?;
+    to_stdout(text(&curves, format).as_bytes())?;
+    Ok(ExitStatus::Done)
+}
+
+fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+    let mut status = ExitStatus::Done;
+    for path in paths {
+        keep_budget(std::slice::from_ref(path), ExitStatus::Refused);
+        let faults = match Artifact::open(path) {
+            Err(error) => vec![error.to_string()],
+            Ok(artifact) => match check(&artifact) {
+                Err(faults) => faults,
+                Ok(ok) => {
+                    let foreign = match ok.foreign {
+                        0 => String::new(),
+                        n => format!(" ({n} of other projects, not decoded)"),
+                    };
+                    let line = format!(
+                        "{}: ok: {} records{foreign}, {} waves, {} samples, digest {}\n",
+                        path.display(),
+                        ok.records,
+                        ok.waves,
+                        ok.samples,
+                        ok.digest
+                    );
+                    to_stdout(printable(&line).as_bytes())?;
+                    continue;
+                }
+            },
+        };
+        status = ExitStatus::Refused;
+        let name = path.display().to_string();
+        for fault in faults {
+            // Errors of the reader name the file themselves.
+            let fault = if fault.contains(&name) { fault } else { format!("{name}: {fault}") };
+            say(format_args!("error: {fault}"));
+        }
+    }
+    Ok(status)
+}
+
+fn unpack(path: &Path, target: &Path, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
+    let artifact = open(path)?;
+    write(&artifact, target, force)?;
+    if !quiet {
+        let (records, waves) = (artifact.records().len(), artifact.waves().len());
+        say(format_args!("{records} records, {waves} waves -> {}", target.display()));
+    }
+    Ok(ExitStatus::Done)
+}
+
+fn pack(source: &Path, path: &Path, zstd: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
+    keep_budget(&[source.to_owned()], ExitStatus::Refused);
+    refuse_to_overwrite(path, OutputKind::Artifact, &[source.to_owned()])?;
+    let (builder, provenance) = read(source)?;
+    let compression = if zstd { Compression::Zstd } else { Compression::None };
+    let digest = builder.digest()?;
+    builder.write(path, &provenance.of_packed(&digest), compression)?;
+    if !quiet {
+        say(format_args!("{} -> {}, digest {digest}", source.display(), path.display()));
+    }
+    Ok(ExitStatus::Done)
+}
+
+const RECORDS: &str = "records.ndjson";
+const WAVES: &str = "waves.ndjson";
+const PROVENANCE: &str = "provenance.json";
+
+/// Writes an artifact as a folder of plain files.
+pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<()> {
+    let records = plain_records(artifact).map_err(Refused::from)?;
+    if !force && fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
+        let problem = format!("{} exists and is not empty", folder.display());
+        return Err(Usage::new(problem).hint("give a new folder, or --force").into());
+    }
+    let put = |name: &str, kind: OutputKind, bytes: &[u8]| {
+        let path = folder.join(name);
+        refuse_to_overwrite(&path, kind, &[artifact.path().to_owned()])?;
+        write_atomically(&path, kind, |file| io_write(file, bytes))
+            .with_context(|| format!("cannot write {}", path.display()))
+    };
+    let mut lines = String::new();
+    for (line, wave) in plain_waves(artifact).iter().zip(artifact.waves().values()) {
+        put(&line.file, OutputKind::Numbers, &f64_bytes(wave))?;
+        lines += &serde_json::to_string(line)?;
+        lines.push('\n');
+    }
+    put(WAVES, OutputKind::Lines, lines.as_bytes())?;
+    if let Some(provenance) = artifact.provenance() {
+        let text = serde_json::to_string_pretty(&PlainProvenance::of_content(provenance, artifact.digest()))?;
+        put(PROVENANCE, OutputKind::Lines, format!("{text}\n").as_bytes())?;
+    }
+    put(RECORDS, OutputKind::Lines, records.as_bytes())
+}
+
+fn io_write(file: &mut impl std::io::Write, bytes: &[u8]) -> std::io::Result<()> {
+    file.write_all(bytes)
+}
+
+/// Reads a folder of plain files, or a single file of records.
+pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, PlainProvenance)> {
+    let refuse = |error: PlainError| Refused::new(error.to_string()).hint("docs/format.md has the record types");
+    if !source.is_dir() {
+        let records = parse_lines(&source.display().to_string(), &text_of(source)?).map_err(refuse)?;
+        return Ok((assemble(records, Vec::new(), &nearest_schema).map_err(refuse)?, PlainProvenance::default()));
+    }
+    let lines = |name: &str| -> anyhow::Result<Option<(String, String)>> {
+        let path = source.join(name);
+        if !path.exists() {
+            return Ok(None);
+        }
+        Ok(Some((path.display().to_string(), text_of(&path)?)))
+    };
+    let (records, wave_lines) = (lines(RECORDS)?, lines(WAVES)?);
+    if records.is_none() && wave_lines.is_none() {
+        return Err(Refused::new(format!("{}: neither {RECORDS} nor {WAVES} is in it", source.display()))
+            .hint("crumple-artifact unpack FILE DIR shows what a folder looks like")
+            .into());
+    }
+    let records = match records {
+        None => Vec::new(),
+        Some((name, text)) => parse_lines(&name, &text).map_err(refuse)?,
+    };
+    let mut waves = Vec::new();
+    if let Some((name, text)) = wave_lines {
+        for line in parse_lines::<PlainWave>(&name, &text).map_err(refuse)? {
+            let wave = wave(source, &line, refuse)?;
+            waves.push((line.id, wave));
+        }
+    }
+    let provenance: PlainProvenance = match lines(PROVENANCE)? {
+        None => PlainProvenance::default(),
+        Some((name, text)) => serde_json::from_str(&text).map_err(|error| Refused::new(format!("{name}: {error}")))?,
+    };
+    Ok((assemble(records, waves, &nearest_schema).map_err(refuse)?, provenance))
+}
+
+fn wave(folder: &Path, line: &PlainWave, refuse: impl Fn(PlainError) -> Refused) -> anyhow::Result<Wave> {
+    let inside =
+        Path::new(&line.file).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if !inside {
+        let problem = format!("file {:?} lies outside the folder", line.file);
+        return Err(refuse(PlainError::Wave { id: line.id.clone(), problem }).into());
+    }
+    let path: PathBuf = folder.join(&line.file);
+    let bytes = refuse_named_pipe(&path)
+        .and_then(|()| fs::read(&path))
+        .map_err(|error| Refused::new(format!("cannot read {}: {error}", path.display())))?;
+    Ok(line.with_bytes(&bytes).map_err(refuse)?)
+}
+
+/// The schema that a mistyped name may mean.
+fn nearest_schema(name: &str) -> Option<&'static str> {
+    nearest(name, SCHEMAS.iter().copied())
+}
+
+fn text_of(path: &Path) -> anyhow::Result<String> {
+    fs::read_to_string(path).map_err(|error| Refused::new(format!("cannot read {}: {error}", path.display())).into())
+}

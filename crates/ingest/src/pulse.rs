@@ -1,0 +1,569 @@
+//! Which channel is the crash pulse, its sign, and the impact speed that the record states.
+//!
+//! Whether a channel moves with the passenger compartment, as the pulse of a vehicle has to.
+//!
+//! An engine stops in half the time of the car, and a head moves by itself: crush, force and models of such a channel
+//! are not those of the vehicle. It is taken only where a person names it or the file has nothing else, with a warning.
+
+use crumple_metrics::{Exchange, Plausibility};
+use crumple_signal::iso13499::IsoCode;
+use crumple_signal::{
+    About, Axis, Channel, ChannelStatus, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, Weight, part_of,
+    pre_event,
+};
+
+use crate::IngestError;
+use crate::recording::content::{Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
+use crate::recording::details::Stated;
+use crate::recording::settings::select;
+
+/// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
+/// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
+/// speaks of a crash, that is no warning.
+pub fn choose_pulse(
+    file: &str,
+    recording: &Recording,
+    wanted: Option<&str>,
+    (allow_missing, is_of_a_crash): (bool, bool),
+    notes: &mut Notes,
+) -> Result<Option<usize>, IngestError> {
+    let mut candidates: Vec<usize> =
+        (0..recording.channels.len()).filter(|k| is_candidate(&recording.channels[*k])).collect();
+    // Stable: equally fit channels stay in the order of the file.
+    candidates.sort_by_key(|k| recording.channels[*k].fitness);
+    let index = match wanted {
+        Some(wanted) => requested_channel(file, recording, wanted, &candidates)?,
+        None => match best_candidate(file, recording, &candidates) {
+            Ok(index) => index,
+            Err(error) if allow_missing => {
+                if is_of_a_crash {
+                    let text = format!("no channel is named as the crash pulse: {error}");
+                    notes.concern(About::Pulse, Weight::Decisive, text);
+                } else {
+                    notes.info(format!(
+                        "a record of inputs and outputs, as no pulse is named (--channel names one): {error}"
+                    ));
+                }
+                return Ok(None);
+            }
+            Err(error) => return Err(error),
+        },
+    };
+    let pulse = &recording.channels[index];
+    let samples = pulse.wave.as_ref().map_or(0, Sampled::len);
+    if samples < MINIMUM_SAMPLES {
+        return Err(IngestError::channel(
+            file,
+            format!("channel {} has {samples} samples", pulse.channel.id),
+            format!("at least {MINIMUM_SAMPLES} samples"),
+            "choose another channel by --channel",
+        ));
+    }
+    note_choice(recording, index, &candidates, wanted.is_some(), notes);
+    Ok(Some(index))
+}
+
+fn is_candidate(read: &ReadChannel) -> bool {
+    read.fitness.is_some()
+        && read.wave.is_some()
+        && matches!(read.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
+}
+
+fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize, IngestError> {
+    let hint = "name the channel by --channel";
+    match (candidates, recording.pulse_rule) {
+        ([], PulseRule::OnlyOne) => Err(IngestError::channel(file, "no acceleration column with data", "one", hint)),
+        ([], PulseRule::Fittest) => {
+            let others: Vec<&ReadChannel> = recording
+                .channels
+                .iter()
+                .filter(|f| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration)
+                .collect();
+            let unread: Vec<&str> = recording.channels.iter().filter_map(|read| read.unread.as_deref()).collect();
+            if let Some(first) = unread.first() {
+                let more = unread.len() - 1;
+                let more = if more > 0 { format!("; and {more} more cannot be read") } else { String::new() };
+                return Err(IngestError::channel(
+                    file,
+                    format!("no accelerometer along x at a usual place of the compartment can be read: {first}{more}"),
+                    "a readable file of rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
+                    "download the test again, or name another channel by --channel",
+                ));
+            }
+            Err(IngestError::channel(
+                file,
+                format!(
+                    "no valid accelerometer along x at a usual place of the compartment has its file here; \
+                     accelerations here: {}",
+                    if others.is_empty() { "none".to_owned() } else { list(others.into_iter()) }
+                ),
+                "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
+                hint,
+            ))
+        }
+        ([first, ..], PulseRule::Fittest) => Ok(*first),
+        ([only], PulseRule::OnlyOne) => Ok(*only),
+        (several, PulseRule::OnlyOne) if let Some(pulse) = vehicle_channel(recording, several) => Ok(pulse),
+        (several, PulseRule::OnlyOne) => Err(IngestError::channel(
+            file,
+            format!(
+                "{} acceleration columns: {}",
+                several.len(),
+                list(several.iter().map(|k| &recording.channels[*k]))
+            ),
+            "to be told which is the crash pulse",
+            format!("add --channel {}, for example", recording.channels[several[0]].channel.id),
+        )),
+    }
+}
+
+/// The only accelerometer of several columns that is of no occupant's head or chest; where all are, the first of them
+/// along x: criteria are made of all of them, and nothing else is here.
+fn vehicle_channel(recording: &Recording, several: &[usize]) -> Option<usize> {
+    let channel = |k: usize| &recording.channels[k].channel;
+    let vehicle: Vec<usize> = several.iter().copied().filter(|k| part_of(channel(*k)).is_none()).collect();
+    match vehicle.as_slice() {
+        [only] => Some(*only),
+        [] => several.iter().copied().find(|k| channel(*k).axis == Some(Axis::X)).or_else(|| several.first().copied()),
+        _ => None,
+    }
+}
+
+fn requested_channel(
+    file: &str,
+    recording: &Recording,
+    wanted: &str,
+    candidates: &[usize],
+) -> Result<usize, IngestError> {
+    let wanted = wanted.trim();
+    let usual = || list(candidates.iter().map(|k| &recording.channels[*k]));
+    let several = select(&recording.channels, wanted);
+    let &[index] = several.as_slice() else {
+        if !several.is_empty() {
+            return Err(IngestError::channel(
+                file,
+                format!(
+                    "--channel {wanted} means {} channels: {}",
+                    several.len(),
+                    list(several.iter().map(|k| &recording.channels[*k]))
+                ),
+                "one channel as the crash pulse",
+                format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id),
+            ));
+        }
+        return Err(IngestError::channel(
+            file,
+            format!("channel {wanted} is not listed"),
+            format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
+            "crumple-ingest --list prints the table of channels",
+        ));
+    };
+    let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];
+    let id = &channel.id;
+    let hint = || match candidates {
+        [] => "choose a channel with data by --channel".to_owned(),
+        _ => format!("candidates here: {}", usual()),
+    };
+    if wave.is_none() {
+        let found = match channel.status {
+            ChannelStatus::NotInstalled => {
+                let comment = channel.comment.as_deref().map_or_else(String::new, |c| format!(" ({c})"));
+                format!("channel {id}: not installed{comment}: it has no data, and no file is missing")
+            }
+            _ if let Some(reason) = unread => format!("channel {id}: its file is not read: {reason}"),
+            _ => match &channel.comment {
+                Some(comment) if id.parse::<u32>().is_err() => format!("channel {id} has no data: {comment}"),
+                _ if id.parse::<u32>().is_err() => format!("channel {id} ({}): its file is not here", channel.location),
+                _ => format!(
+                    "channel {id} ({}): its signal file, with the extension .{id:0>3}, is not here",
+                    channel.location
+                ),
+            },
+        };
+        return Err(IngestError::channel(file, found, "a channel with data", hint()));
+    }
+    if channel.quantity != QuantityKind::Acceleration {
+        let found = format!("channel {} measures {}", describe(channel), channel.quantity);
+        return Err(IngestError::channel(file, found, "an acceleration as the crash pulse", hint()));
+    }
+    Ok(index)
+}
+
+fn describe(channel: &Channel) -> String {
+    let location = channel.location.strip_prefix("vehicle, ").unwrap_or(&channel.location);
+    match (location.is_empty(), channel.redundant) {
+        (true, _) => channel.id.clone(),
+        (false, false) => format!("{} ({location})", channel.id),
+        (false, true) => format!("{} ({location}, redundant)", channel.id),
+    }
+}
+
+fn list<'a>(channels: impl Iterator<Item = &'a ReadChannel>) -> String {
+    let names: Vec<String> = channels.map(|f| describe(&f.channel)).collect();
+    if names.len() > 12 {
+        format!("{} and {} more", names[..12].join(", "), names.len() - 12)
+    } else {
+        names.join(", ")
+    }
+}
+
+fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked: bool, notes: &mut Notes) {
+    let pulse = &recording.channels[index];
+    let why = match (asked, pulse.fitness) {
+        (true, _) => "as asked for".to_owned(),
+        (false, Some(fitness)) if recording.pulse_rule == PulseRule::Fittest => {
+            format!("valid accelerometer along x at the best place here: {}", fitness.why)
+        }
+        (false, Some(fitness)) => fitness.why.to_owned(),
+        (false, None) => String::new(),
+    };
+    let others: Vec<&ReadChannel> =
+        candidates.iter().filter(|k| **k != index).map(|k| &recording.channels[*k]).collect();
+    let others = match others.as_slice() {
+        [] => String::new(),
+        others => format!("; others by --channel: {}", list(others.iter().copied())),
+    };
+    notes.info(format!("pulse: channel {}, {why}{others}", describe(&pulse.channel)));
+    if !candidates.contains(&index) && pulse.channel.status != ChannelStatus::Valid {
+        notes.concern(
+            About::Pulse,
+            Weight::Marked,
+            format!("the pulse, channel {}, is {} by its laboratory", pulse.channel.id, pulse.channel.status),
+        );
+    }
+    if let Some(doubt) = doubt(pulse, recording.pulse_rule) {
+        let taken = if asked { "taken as asked for" } else { "nothing else is here" };
+        notes.concern(About::Pulse, Weight::Decisive, format!(
+            "the pulse, channel {}, does not stand for the passenger compartment: {doubt}; {taken}, but crush, force \
+             and models are then not those of the vehicle",
+            describe(&pulse.channel)
+        ));
+    }
+    if !asked && pulse.channel.redundant {
+        notes.concern(
+            About::Pulse,
+            Weight::Slight,
+            format!("the pulse, channel {}, is a redundant sensor: no primary one is valid here", pulse.channel.id),
+        );
+    }
+}
+
+/// Words in an id, a location or a remark that speak of a place elsewhere.
+const ELSEWHERE: [&str; 24] = [
+    "barrier",
+    "belt",
+    "brake",
+    "bumper",
+    "caliper",
+    "chest",
+    "dummy",
+    "engine",
+    "femur",
+    "gearbox",
+    "head",
+    "knee",
+    "motor",
+    "neck",
+    "occupant",
+    "pelvis",
+    "radiator",
+    "spine",
+    "steering",
+    "thorax",
+    "tibia",
+    "transmission",
+    "wheel",
+    "wrist",
+];
+
+/// Why the channel may not stand for the compartment, in words; `None` if nothing speaks against it.
+fn doubt(read: &ReadChannel, rule: PulseRule) -> Option<String> {
+    let channel = &read.channel;
+    if let Some(axis) = channel.axis.filter(|axis| *axis != Axis::X) {
+        return Some(format!("it measures along {axis}, not along x"));
+    }
+    if let Some(word) = word_for_another_place(channel) {
+        return Some(format!("it sits elsewhere ({word})"));
+    }
+    if let Some((code, _)) = channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()) {
+        let vehicle = code.object().to_digit(10).unwrap_or(1);
+        if fitness(&code, vehicle).is_none() {
+            return Some(format!("its code says {}", code.location()));
+        }
+    }
+    (rule == PulseRule::Fittest && read.fitness.is_none())
+        .then(|| "its place is none of rear-seat crossmember, rear floor, sill, B-pillar, centre of gravity".to_owned())
+}
+
+fn word_for_another_place(channel: &Channel) -> Option<&'static str> {
+    let text = format!("{} {}", channel.id, channel.location).to_lowercase();
+    text.split(|c: char| !c.is_alphabetic()).find_map(|word| ELSEWHERE.iter().copied().find(|other| *other == word))
+}
+
+/// The rank of an accelerometer along x on vehicle `vehicle` (or on the sled), at a place that moves with the passenger
+/// compartment; `None` elsewhere, the engine, bumper, subframe and side members first of all. Of two channels of one
+/// place the one that is less filtered ranks first.
+pub fn fitness(code: &IsoCode, vehicle: u32) -> Option<Fitness> {
+    let is_of_vehicle = code.object() == 'S' || code.object() == '?' || code.object().to_digit(10) == Some(vehicle);
+    if !is_of_vehicle || code.dimension() != "AC" || code.axis() != Some(Axis::X) {
+        return None;
+    }
+    let fine = code.fine_locations();
+    let rear = fine.contains(&"RE");
+    let (place, why) = match code.main_location() {
+        "SECM" | "CRME" | "SEAT" | "FORA" => (0, "rear-seat crossmember or rear floor"),
+        // NHTSA names a sill by its door.
+        "SILB" | "SILL" | "DOOR" if rear => (1, "rear sill"),
+        "SILB" | "SILL" => (2, "sill"),
+        "BPIL" => (3, "B-pillar"),
+        "VEHC" => (4, "vehicle centre of gravity"),
+        "TUNN" => (5, "tunnel"),
+        "SLED" => (6, "sled"),
+        _ => return None,
+    };
+    let filtered = u8::from(code.filter_class().cfc().is_some_and(|class| class < 1000));
+    Some(Fitness { redundant: code.redundant(), place: 2 * place + filtered, why })
+}
+
+/// How long after time zero the pulse is looked at, s.
+const WINDOW_S: f64 = 0.150;
+/// Change of velocity that counts where the impact speed is not known, m/s.
+const CLEAR_CHANGE_M_PER_S: f64 = 0.25;
+/// The same as a part of the impact speed.
+const CLEAR_PART: f64 = 0.05;
+
+/// Gain of speed over impact speed that only a pulse of the wrong sign shows: a frontal impact loses 1.0 to 1.35 times
+/// the impact speed, and a record may end early.
+const CERTAIN: std::ops::RangeInclusive<f64> = 0.6..=1.6;
+
+/// Gain of speed over impact speed above which no sign makes an impact of it: a perfect rebound loses twice the impact
+/// speed, and a tenth is left to gain and impact speed. A larger gain suggests a wrong unit.
+const IMPOSSIBLE: f64 = 2.2;
+
+/// Whether the sign of the pulse is certainly wrong, and the note of `--sign auto` about it.
+pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> (bool, String) {
+    let (Some(pulse), Some(speed)) = (pulse, impact_speed_m_per_s.filter(|speed| *speed > 0.0)) else {
+        return (false, "sign kept: without a pulse and its impact speed its polarity is not certain".to_owned());
+    };
+    let zero = pre_event(pulse, PreEventWindow::default()).map_or(0.0, |before| before.zero_level);
+    let ratio = change(pulse, zero) / speed;
+    let gains = format!(
+        "over the first {:.0} ms the pulse changes the speed by {ratio:+.2} times the impact speed",
+        1e3 * pulse.end_s().min(WINDOW_S)
+    );
+    if CERTAIN.contains(&ratio) {
+        (true, format!("sign turned by --sign auto: {gains}, where a frontal impact loses speed"))
+    } else if ratio <= 0.0 {
+        (false, format!("sign kept: {gains}"))
+    } else {
+        (false, format!("sign kept, since its polarity is not certain: {gains}"))
+    }
+}
+
+/// Change of velocity over the first 150 ms, m/s.
+fn change(pulse: &Sampled, zero: f64) -> f64 {
+    let (from, to) = (pulse.index_at_or_after(0.0), pulse.index_at_or_after(WINDOW_S));
+    pulse.samples()[from..to.max(from)].iter().map(|a| (a - zero) * pulse.dt_s()).sum()
+}
+
+/// Whether the pulse pushes the vehicle forward over the first 150 ms, as a sled does or a hit from behind.
+pub fn pushes_forward(pulse: &Sampled, zero_level: Option<f64>) -> bool {
+    change(pulse, zero_level.unwrap_or(0.0)) > CLEAR_CHANGE_M_PER_S
+}
+
+/// What was done about the sign of the pulse before it is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polarity {
+    /// It is as in the file.
+    AsRead,
+    /// It was turned.
+    Turned,
+    /// It is as in the file, and asked about: it fits the impact speed with the other sign.
+    Questioned,
+    /// The pulse is that of an occupant; its criteria are of magnitudes, so that the sign does not matter.
+    OfOccupant,
+}
+
+impl Polarity {
+    /// The same, or [`Questioned`](Self::Questioned) where the other sign is asked about.
+    pub fn unless_asked(self, plausibility: Option<&Plausibility>) -> Self {
+        match plausibility {
+            Some(Plausibility::After(Exchange::Polarity, _)) => Self::Questioned,
+            _ => self,
+        }
+    }
+}
+
+/// Warns if the pulse, zero level removed, gains speed over the first 150 ms, with what helps: turning it only where it
+/// was not turned and where what it then loses is that of an impact.
+pub fn check(
+    pulse: &Sampled,
+    zero_level: Option<f64>,
+    impact_speed_m_per_s: Option<f64>,
+    polarity: Polarity,
+    notes: &mut Notes,
+) {
+    let change = change(pulse, zero_level.unwrap_or(0.0));
+    let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
+    // A vehicle that stands is pushed either way.
+    let is_silent = matches!(polarity, Polarity::OfOccupant | Polarity::Questioned);
+    if change <= clear || is_silent || impact_speed_m_per_s == Some(0.0) {
+        return;
+    }
+    let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
+    let way_out = match (polarity, ratio) {
+        (Polarity::Turned, _) => "--sign has turned it: leave --sign out".to_owned(),
+        (_, Some(ratio)) if ratio > IMPOSSIBLE => {
+            format!(
+                "{ratio:.1} times the impact speed is too large for an impact of either sign: check the unit (--unit) \
+                 and the \
+                impact speed first"
+            )
+        }
+        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest (a \
+                      sled, a hit from behind), a shock or a drop may be positive and needs no flag"
+            .to_owned(),
+        _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
+    };
+    notes.concern(About::Pulse, Weight::Decisive, format!(
+        "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE \
+         J211: {way_out}",
+        (pulse.end_s().min(WINDOW_S)) * 1e3
+    ));
+}
+
+/// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.
+/// Returns how many channels that are.
+pub fn flip(channels: &mut [ReadChannel]) -> Result<usize, SignalError> {
+    let mut flipped = 0;
+    for ReadChannel { channel, wave, .. } in channels {
+        if channel.quantity != QuantityKind::Acceleration || !matches!(channel.axis, None | Some(Axis::X)) {
+            continue;
+        }
+        if let Some(sampled) = wave.take() {
+            let (t0_s, dt_s) = (sampled.t0_s(), sampled.dt_s());
+            let samples = sampled.into_samples().into_iter().map(|a| -a).collect();
+            *wave = Some(Sampled::new(t0_s, dt_s, samples)?);
+            channel.initial_velocity_m_per_s = channel.initial_velocity_m_per_s.map(|v| -v);
+            flipped += 1;
+        }
+    }
+    Ok(flipped)
+}
+
+/// A velocity at contact of at least this part of the largest one is the impact speed; a smaller one is that of a
+/// record of changes of velocity, or of a motion from rest.
+const IMPACT_PART: f64 = 0.5;
+
+/// Index of the velocity, or change of it, that stands for the pulse of a record without an acceleration: the one asked
+/// for, else the first along x, else the first whose axis is not stated, else none. A note names the others.
+pub fn choose(
+    file: &str,
+    recording: &Recording,
+    wanted: Option<&str>,
+    notes: &mut Notes,
+) -> Result<Option<usize>, IngestError> {
+    let has = |quantity| recording.channels.iter().any(|read| read.channel.quantity == quantity && read.wave.is_some());
+    // Speeds before the crash stand beside the changes of velocity of a recorder.
+    let (quantity, what) = if has(QuantityKind::VelocityChange) {
+        (QuantityKind::VelocityChange, "change of velocity")
+    } else {
+        (QuantityKind::Velocity, "velocity")
+    };
+    let is_change = |k: &usize| {
+        let ReadChannel { channel, wave, .. } = &recording.channels[*k];
+        channel.quantity == quantity && wave.is_some()
+    };
+    let changes: Vec<usize> = (0..recording.channels.len()).filter(is_change).collect();
+    let name = |k: usize| {
+        let channel = &recording.channels[k].channel;
+        channel.comment.as_ref().map_or_else(|| channel.id.clone(), |title| format!("{} ({title})", channel.id))
+    };
+    let names = |indices: &[usize]| indices.iter().map(|k| name(*k)).collect::<Vec<_>>().join(", ");
+    let taken = match wanted {
+        Some(wanted) => match select(&recording.channels, wanted).as_slice() {
+            [k] if is_change(k) => *k,
+            selected => {
+                let found = match selected {
+                    [] => format!("channel {wanted} is not listed"),
+                    [k] => format!("channel {} is no {what}", name(*k)),
+                    several => format!("--channel {wanted} means {} channels: {}", several.len(), names(several)),
+                };
+                let hint = "--list shows the channels of all tables";
+                return Err(IngestError::channel(file, found, format!("one of {}", names(&changes)), hint));
+            }
+        },
+        None => {
+            let along = |axis| changes.iter().find(|k| recording.channels[**k].channel.axis == axis).copied();
+            let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)) else {
+                notes.warning(format!(
+                    "no {what} is along x: {}; --channel names the one that is meant",
+                    names(&changes)
+                ));
+                return Ok(None);
+            };
+            taken
+        }
+    };
+    let others: Vec<usize> = changes.into_iter().filter(|k| *k != taken).collect();
+    let rest = if others.is_empty() { String::new() } else { format!("; others: {}", names(&others)) };
+    notes.info(format!("the {what} {} is taken as the pulse{rest}", name(taken)));
+    Ok(Some(taken))
+}
+
+/// The velocity at time zero as the impact speed, where nothing else states one.
+pub fn speed_at_contact(recording: &mut Recording, index: usize, notes: &mut Notes) {
+    let ReadChannel { channel, wave: Some(wave), .. } = &recording.channels[index] else { return };
+    if channel.quantity != QuantityKind::Velocity || recording.details.impact_speed_m_per_s.is_some() {
+        return;
+    }
+    let samples = wave.samples();
+    let largest = samples.iter().fold(0.0_f64, |largest, v| largest.max(v.abs()));
+    let Some(at_contact) = samples.get(wave.index_at_or_after(0.0)).map(|v| v.abs()) else { return };
+    if at_contact >= IMPACT_PART * largest && at_contact > 0.0 {
+        notes.info(format!("impact speed {at_contact:.3} m/s: velocity {} at time zero", channel.id));
+        let from = format!("the velocity {} at time zero", channel.id);
+        recording.details.impact_speed_m_per_s = Some(Stated { value: at_contact, from });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_signal::QuantityKind;
+
+    fn channel(id: &str, code: Option<&str>, axis: Option<Axis>) -> ReadChannel {
+        let mut channel = Channel::new(id, QuantityKind::Acceleration);
+        channel.code = code.map(str::to_owned);
+        channel.axis = axis;
+        ReadChannel::new(channel)
+    }
+
+    #[test]
+    fn what_speaks_against_a_channel_is_said() {
+        let doubt_of = |id, code, axis| doubt(&channel(id, code, axis), PulseRule::OnlyOne);
+        assert_eq!(doubt_of("accel_g", None, None), None);
+        assert_eq!(doubt_of("Header_g", None, Some(Axis::X)), None);
+        assert_eq!(doubt_of("a", Some("10FORALERE00ACXP"), Some(Axis::X)), None);
+        assert_eq!(doubt_of("a", Some("20VEHCCG0000ACXP"), Some(Axis::X)), None);
+        assert_eq!(doubt_of("accel_z", None, Some(Axis::Z)).unwrap(), "it measures along z, not along x");
+        assert_eq!(doubt_of("Head_x_g", None, Some(Axis::X)).unwrap(), "it sits elsewhere (head)");
+        assert!(doubt_of("a", Some("10ENGN000000ACXP"), Some(Axis::X)).unwrap().contains("engine"));
+        assert!(doubt(&channel("a", None, None), PulseRule::Fittest).unwrap().contains("rear floor"));
+    }
+
+    #[test]
+    fn the_compartment_ranks_and_the_engine_does_not() {
+        let place = |text: &str| fitness(&IsoCode::parse(text).unwrap().0, 1).map(|f| f.place);
+        assert_eq!(place("10FORALERE00AC1P"), Some(0));
+        assert_eq!(place("10SEATLERE00ACXD"), Some(1));
+        assert_eq!(place("10DOORLERE00AC1P"), Some(2));
+        assert_eq!(place("10VEHCCG0000AC1P"), Some(8));
+        assert_eq!(place("10VEHC0000__ACXD"), Some(9));
+        assert_eq!(place("10DOORLEFR00AC1P"), None);
+        assert_eq!(place("10ENGN000000AC1P"), None);
+        assert_eq!(place("20FORALERE00AC1P"), None);
+        assert_eq!(place("10FORALERE00ACYP"), None);
+        assert_eq!(place("11HEADCG00H3ACXA"), None);
+    }
+}

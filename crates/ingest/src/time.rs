@@ -1,0 +1,441 @@
+//! Time of samples: units, grids, resampling, time zero.
+//!
+//! The uniform time grid of printed time stamps.
+//!
+//! Printed times are rounded, so neither their differences nor `(t_last - t_first)/(n - 1)` is the recorder's interval
+//! to the last bit. The rule here: the interval is the decimal number with the fewest significant digits that agrees
+//! with the first and the last stamp within their printed resolution `q`, i.e. within `q/(n - 1)`; for up to six
+//! digits, within 1e-12 of it at least. Stamps `-0.0200, -0.0199, ...` give exactly `1e-4` s; stamps with 18 digits at
+//! 20.0027797 us keep what they say. The first stamp is taken as printed.
+//!
+//! A record is uniform if every step differs from the interval by less than 1e-3 of it (crash-pulse practice for
+//! filtering), or if the stamps are coarsely printed (`q` up to half an interval) and every stamp lies within `q` of
+//! the grid: 16 kHz printed to the microsecond.
+//!
+//! Samples at uneven times on a uniform grid, by linear interpolation, where a person asks for it (`--resample`).
+//!
+//! Between two samples the signal is taken for a straight line: the error is up to h²/8 times the second derivative, h
+//! the step. Frequencies near half the rate are damped; nothing is filtered.
+
+use crumple_signal::unit::{Dimension, choices, factor};
+use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, Weight};
+
+use crate::{IngestError, Place};
+
+/// What to do about a unit that is none of time.
+const HINT: &str =
+    "export the times in s, ms or us; if they are and the unit is wrong, --time-unit ms (or s, us) says so";
+
+/// The factor to s of a unit stated by `from`, of times that stand at `place`.
+pub fn stated_unit(place: Place, symbol: &str, from: &str) -> Result<f64, IngestError> {
+    let found = || format!("{symbol:?}, stated by {from}, is no unit of time");
+    factor(symbol, Dimension::Time).ok_or_else(|| unit_error(place, found()))
+}
+
+/// An error that says what was found in place of a unit of time.
+pub fn unit_error(place: Place, found: impl Into<String>) -> IngestError {
+    IngestError::content(place, found, format!("one of {}", choices(Dimension::Time)), HINT)
+}
+
+/// The factor to s where nothing states it, with a note: steps of 1e-7 to 0.02 are those of a recorder in s, longer
+/// ones up to 20 those of one in ms. `whose` are the stamps of a column or channel, which needs `expected`. Errors:
+/// other steps.
+pub fn unit_from_steps(
+    file: &str,
+    whose: &str,
+    expected: &str,
+    times: &[f64],
+    notes: &mut Notes,
+) -> Result<f64, IngestError> {
+    let step = median_step(times);
+    let (symbol, factor) = match step {
+        1e-7..0.02 => ("s", 1.0),
+        0.02..=20.0 => ("ms", 1e-3),
+        _ => {
+            return Err(IngestError::not_stated(
+                file,
+                format!("the unit of time: {whose} has steps of {step}"),
+                expected,
+                "add --time-unit s, ms or us",
+            ));
+        }
+    };
+    notes.info(format!(
+        "no unit of time is stated for {whose}: taken as {symbol}, since the steps are {step:.6}; --time-unit overrides"
+    ));
+    Ok(factor)
+}
+
+/// Largest accepted deviation of a step from the interval, as a fraction of it.
+pub const STEP_TOLERANCE: f64 = 1e-3;
+
+/// A uniform grid and how well the stamps fit it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Time of the first sample, s.
+    pub t0_s: f64,
+    /// Interval, s.
+    pub dt_s: f64,
+    /// Largest distance of a stamp from the grid, in intervals.
+    pub jitter: f64,
+}
+
+/// Why stamps do not form a grid. `index` is that of the later of two samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GridError {
+    /// A stamp equals the one before.
+    Repeated {
+        /// Index of the second of them.
+        index: usize,
+    },
+    /// A stamp is earlier than the one before.
+    Backwards {
+        /// Index of the earlier one.
+        index: usize,
+    },
+    /// A step is too far from the others.
+    Uneven {
+        /// Index of the sample after the step.
+        index: usize,
+        /// The step, s.
+        step_s: f64,
+        /// The interval of the record, s.
+        dt_s: f64,
+    },
+}
+
+/// Fits a grid to time stamps in seconds, at least two. `resolution_s` is the printed resolution of the stamps.
+pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
+    for (k, pair) in times_s.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            let index = k + 1;
+            return Err(if pair[1] == pair[0] {
+                GridError::Repeated { index }
+            } else {
+                GridError::Backwards { index }
+            });
+        }
+    }
+    let n = times_s.len();
+    let (first, last) = (times_s[0], times_s[n - 1]);
+    let largest = first.abs().max(last.abs());
+    // Two units in the last place for the parse of each end.
+    let resolution = resolution_s.max(2.0 * f64::EPSILON * largest);
+    let steps = (n - 1) as f64;
+    let dt = shortest((last - first) / steps, resolution / steps);
+    let mut jitter = 0.0_f64;
+    let mut worst_step = (0, 0.0_f64);
+    for (k, time) in times_s.iter().enumerate() {
+        jitter = jitter.max((time - (first + k as f64 * dt)).abs());
+        if k > 0 {
+            let off = (time - times_s[k - 1] - dt).abs();
+            if off > worst_step.1 {
+                worst_step = (k, off);
+            }
+        }
+    }
+    let even = worst_step.1 <= STEP_TOLERANCE * dt + 4.0 * f64::EPSILON * largest;
+    let coarse = resolution <= 0.5 * dt && jitter <= resolution * (1.0 + 1e-6);
+    if !(even || coarse) {
+        let index = worst_step.0;
+        return Err(GridError::Uneven {
+            index,
+            step_s: times_s[index] - times_s[index - 1],
+            dt_s: median_step(times_s),
+        });
+    }
+    Ok(Grid { t0_s: first, dt_s: dt, jitter: jitter / dt })
+}
+
+/// The decimal number with the fewest significant digits within `tolerance` of `x` (positive); `x` itself if none is.
+///
+/// A number of up to six digits is also taken within 1e-12 of `x`: stamps made by adding up the interval carry that
+/// much rounding even where they are printed to 18 digits.
+fn shortest(x: f64, tolerance: f64) -> f64 {
+    (0..17)
+        .filter_map(|digits| format!("{x:.digits$e}").parse::<f64>().ok().map(|round| (digits, round)))
+        .find(|(digits, round)| {
+            let slack = if *digits < 6 { tolerance.max(1e-12 * x) } else { tolerance };
+            (round - x).abs() <= slack && *round > 0.0
+        })
+        .map_or(x, |(_, round)| round)
+}
+
+/// Median of the steps, s; of a million steps spread evenly over a longer record.
+pub fn median_step(times_s: &[f64]) -> f64 {
+    let stride = (times_s.len() >> 20).max(1);
+    let mut steps: Vec<f64> = times_s.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
+    if steps.is_empty() {
+        return 0.0;
+    }
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Most samples that resampling may make.
+const RESAMPLED_LIMIT: f64 = 1e8;
+
+/// Largest distance of a stamp from the grid of its mean step, in steps.
+pub fn jitter(times: &[f64]) -> f64 {
+    let n = times.len();
+    let dt = (times[n - 1] - times[0]) / (n - 1) as f64;
+    times.iter().enumerate().map(|(k, t)| (t - times[0] - k as f64 * dt).abs() / dt).fold(0.0, f64::max)
+}
+
+/// Largest difference of a step from the median step, as a fraction of that.
+pub fn step_jitter(times: &[f64], median_s: f64) -> f64 {
+    times.windows(2).map(|pair| (pair[1] - pair[0] - median_s).abs() / median_s).fold(0.0, f64::max)
+}
+
+/// A rate in Hz near that of the steps, with three digits at most, to be typed.
+pub fn rate_to_type(step_s: f64) -> f64 {
+    let rate = 1.0 / step_s;
+    let unit = 10_f64.powf((rate.log10().floor() - 2.0).max(0.0));
+    ((rate / unit).round() * unit).max(1.0)
+}
+
+/// For each instant of a uniform grid from the first sample on: the sample before it, and the part of the way to the
+/// next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearInterpolation {
+    positions: Vec<usize>,
+    parts: Vec<f64>,
+}
+
+impl LinearInterpolation {
+    /// Number of instants.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Values on the grid from `count` samples, up to the last instant they reach.
+    pub fn apply(&self, count: usize, read: impl Fn(usize) -> f64) -> Vec<f64> {
+        let inside = self.positions.iter().zip(&self.parts).take_while(|(k, _)| **k + 1 < count);
+        inside.map(|(k, part)| read(*k) + part * (read(k + 1) - read(*k))).collect()
+    }
+}
+
+/// The interpolation from `times`, which increase, at `rate_hz`; `None` if that gives no usable number of samples.
+pub fn resample(times: &[f64], rate_hz: f64) -> Option<LinearInterpolation> {
+    let span = times[times.len() - 1] - times[0];
+    let count = (span * rate_hz + 1e-9).floor() + 1.0;
+    if !(rate_hz > 0.0 && (2.0..=RESAMPLED_LIMIT).contains(&count)) {
+        return None;
+    }
+    let (mut positions, mut parts) = (Vec::new(), Vec::new());
+    let mut k = 0;
+    for i in 0..count as usize {
+        let t = times[0] + i as f64 / rate_hz;
+        while k + 2 < times.len() && times[k + 1] <= t {
+            k += 1;
+        }
+        positions.push(k);
+        parts.push(((t - times[k]) / (times[k + 1] - times[k])).clamp(0.0, 1.0));
+    }
+    Some(LinearInterpolation { positions, parts })
+}
+
+/// Level of the threshold rule, m/s^2 (0.5 g).
+const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
+/// How long the level must be kept, s.
+const HOLD_S: f64 = 0.003;
+/// Difference from the record's time zero that is worth a note, s.
+const WORTH_A_NOTE_S: f64 = 0.005;
+/// Samples smoothed at a time.
+const BLOCK: usize = 1 << 18;
+/// Width of the moving mean before the check, s: its -3 dB frequency is about 100 Hz, that of CFC 60.
+pub const SMOOTHING_S: f64 = 0.0044;
+
+/// The same samples with the file's time `zero_s` as t = 0.
+pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {
+    // To the picosecond, so that 0.02 - 0.012 is 0.008.
+    let t0_s = ((wave.t0_s() - zero_s) * 1e12).round() / 1e12;
+    Sampled::new(t0_s, wave.dt_s(), wave.samples().to_vec())
+}
+
+/// Refuses a pulse that does not contain t = 0.
+pub fn require_contact(file: &str, pulse: &Sampled) -> Result<(), IngestError> {
+    let (start, end) = (pulse.t0_s(), pulse.end_s());
+    if start <= pulse.dt_s() && end > 0.0 {
+        return Ok(());
+    }
+    Err(IngestError::content(
+        Place::file(file),
+        format!("the record runs from {start:.6} s to {end:.6} s and does not contain t = 0"),
+        "t = 0 at first contact",
+        format!("state the time of first contact on the file's axis, such as --time-zero {:.3}s", start.max(0.0)),
+    ))
+}
+
+/// First time at which the magnitude reaches the threshold and stays there for [`HOLD_S`]: the crossing by linear
+/// interpolation, s. `None` if it never does. A rule of thumb: it lags true contact by a fraction of a millisecond.
+fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64) -> Option<f64> {
+    let hold = (HOLD_S / times.dt_s()).round().max(1.0) as usize;
+    let magnitude = |k: usize| (samples[k] - zero_level).abs();
+    let mut run = 0;
+    for k in 0..samples.len() {
+        run = if magnitude(k) >= THRESHOLD_M_PER_S2 { run + 1 } else { 0 };
+        // `hold` intervals need one sample more.
+        if run > hold {
+            let first = k - hold;
+            if first == 0 {
+                return Some(times.time_s(0));
+            }
+            let (before, after) = (magnitude(first - 1), magnitude(first));
+            let part = (THRESHOLD_M_PER_S2 - before) / (after - before);
+            return Some(times.time_s(first - 1) + part * times.dt_s());
+        }
+    }
+    None
+}
+
+/// A note if the smoothed pulse rises clearly before or after t = 0.
+pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
+    let Some(crossing) = smoothed_crossing(pulse, zero_level.unwrap_or(0.0)) else {
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            "the pulse never exceeds 0.5 g for 3 ms: check its channel and unit",
+        );
+        return;
+    };
+    if crossing.abs() > WORTH_A_NOTE_S {
+        notes.info(format!(
+            "the pulse first exceeds 0.5 g for 3 ms at {:.1} ms: check time zero (--time-zero shifts the axis)",
+            crossing * 1e3
+        ));
+    }
+}
+
+/// [`threshold_crossing`] of the moving mean, block by block: a long record is not copied.
+fn smoothed_crossing(pulse: &Sampled, zero_level: f64) -> Option<f64> {
+    // An interval of next to nothing makes them longer than any record.
+    let half = ((SMOOTHING_S / pulse.dt_s() / 2.0) as usize).min(pulse.len());
+    // A run that reaches over the start of a block is found again in it.
+    let overlap = (HOLD_S / pulse.dt_s()).round().clamp(1.0, pulse.len() as f64) as usize + 2;
+    (0..pulse.len()).step_by(BLOCK).find_map(|start| {
+        let (from, to) = (start.saturating_sub(overlap), (start + BLOCK).min(pulse.len()));
+        let (low, high) = (from.saturating_sub(half), (to + half).min(pulse.len()));
+        let smooth = moving_mean(&pulse.samples()[low..high], half);
+        threshold_crossing(&pulse.slice(from, to), &smooth[from - low..to - low], zero_level)
+    })
+}
+
+/// Centred mean over `2 half + 1` samples, fewer at the ends.
+pub fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = Vec::with_capacity(samples.len() + 1);
+    let mut sum = 0.0;
+    sums.push(sum);
+    for x in samples {
+        sum += x;
+        sums.push(sum);
+    }
+    (0..samples.len())
+        .map(|k| {
+            let (from, to) = (k.saturating_sub(half), (k + half + 1).min(samples.len()));
+            (sums[to] - sums[from]) / (to - from) as f64
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn printed(t0: f64, dt: f64, n: usize, decimals: usize) -> Vec<f64> {
+        (0..n).map(|k| format!("{:.decimals$}", t0 + k as f64 * dt).parse().unwrap()).collect()
+    }
+
+    #[test]
+    fn printed_rates_come_back_exactly() {
+        for (dt, decimals) in [(1e-4, 4), (1e-4, 6), (5e-5, 5), (6.25e-5, 6), (1e-3, 3), (1e-6, 6), (1.25e-5, 7)] {
+            let grid = fit(&printed(-0.02, dt, 2701, decimals), 10_f64.powf(-(decimals as f64))).unwrap();
+            assert_eq!((grid.t0_s, grid.dt_s), (-0.02, dt), "{decimals} decimals");
+        }
+    }
+
+    #[test]
+    fn an_odd_interval_is_kept() {
+        let dt = 2.000_277_970_813_059_3e-5;
+        let times: Vec<f64> = (0..1439).map(|k| k as f64 * dt).collect();
+        let grid = fit(&times, 1e-20).unwrap();
+        // The ends are rounded to half a unit in the last place each.
+        assert!((grid.dt_s / dt - 1.0).abs() < 4.0 * f64::EPSILON, "{}", grid.dt_s);
+    }
+
+    #[test]
+    fn a_missing_sample_is_found_however_coarse_the_print() {
+        for decimals in [4, 6] {
+            let mut times = printed(0.0, 1e-4, 2000, decimals);
+            times.remove(1000);
+            let error = fit(&times, 10_f64.powf(-(decimals as f64))).unwrap_err();
+            assert!(matches!(error, GridError::Uneven { index: 1000, .. }), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn order_is_checked_first() {
+        assert_eq!(fit(&[0.0, 1.0, 1.0, 2.0], 1e-3), Err(GridError::Repeated { index: 2 }));
+        assert_eq!(fit(&[0.0, 1.0, 0.5, 2.0], 1e-3), Err(GridError::Backwards { index: 2 }));
+    }
+
+    #[test]
+    fn resampling_is_linear_and_keeps_the_ends() {
+        let times = [0.0, 0.9, 2.1, 3.0];
+        let interpolation = resample(&times, 1.0).unwrap();
+        // A straight line comes back exactly but for rounding.
+        let line = interpolation.apply(4, |k| times[k]);
+        assert!(line.iter().enumerate().all(|(k, t)| (t - k as f64).abs() < 1e-15), "{line:?}");
+        assert_eq!((interpolation.len(), resample(&times, 0.0), resample(&times, 1e30)), (4, None, None));
+        // A channel that ends early is not prolonged.
+        assert_eq!(interpolation.apply(3, |k| times[k]).len(), 3);
+    }
+
+    #[test]
+    fn the_jitter_is_that_of_steps_against_their_median() {
+        let times = [0.0, 1.0, 2.0, 3.25, 4.0];
+        assert_eq!(step_jitter(&times, 1.0), 0.25);
+        assert_eq!((rate_to_type(1.0003e-4), rate_to_type(0.0499), rate_to_type(7.0)), (10_000.0, 20.0, 1.0));
+    }
+
+    #[test]
+    fn a_shift_keeps_round_times() {
+        let wave = Sampled::new(0.02, 1e-4, vec![0.0; 10]).unwrap();
+        assert_eq!(shift(&wave, 0.012).unwrap().t0_s(), 0.008);
+    }
+
+    #[test]
+    fn the_crossing_is_interpolated_and_must_hold() {
+        // 1 g per 10 ms from t = 0, with a spike of 1 ms before it: the threshold is reached at 5 ms.
+        let g = STANDARD_GRAVITY_M_PER_S2;
+        let at = |t: f64| if t < -0.01 && t > -0.011 { 9.0 * g } else { -t.max(0.0) * 100.0 * g };
+        let wave = Sampled::new(-0.05, 3e-4, (0..500).map(|k| at(-0.05 + f64::from(k) * 3e-4)).collect()).unwrap();
+        let crossing = threshold_crossing(&wave, wave.samples(), 0.0).unwrap();
+        // Exact for a ramp but for rounding.
+        assert!((crossing - 0.005).abs() < 1e-12, "{crossing}");
+    }
+
+    #[test]
+    fn zero_level_and_crossing_agree_with_another_implementation() {
+        // 0.35 g offset, half sine of -22 g and 90 ms from t = 0, 10 kHz from -50 ms; an independent script gives 0.35
+        // g from 401 samples and 0.651145457828 ms, printed to 1e-15 s.
+        let g = STANDARD_GRAVITY_M_PER_S2;
+        let at = |t: f64| {
+            0.35 - if (0.0..=0.09).contains(&t) { 22.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
+        };
+        let wave = Sampled::new(-0.05, 1e-4, (0..2501).map(|k| g * at(f64::from(k - 500) * 1e-4)).collect()).unwrap();
+        let pre = crate::recording::content::measure(&wave, 0.0, true).pre_event.unwrap();
+        assert!((pre.zero_level / g - 0.35).abs() < 1e-9 && pre.samples == 401);
+        let crossing = threshold_crossing(&wave, wave.samples(), pre.zero_level).unwrap();
+        assert!((crossing - 0.000_651_145_457_828).abs() < 1e-9, "{crossing}");
+    }
+
+    #[test]
+    fn a_record_without_time_zero_is_refused() {
+        let late = Sampled::new(12.0, 1e-4, vec![0.0; 100]).unwrap();
+        let error = require_contact("a.csv", &late).unwrap_err();
+        assert!(error.to_string().contains("does not contain t = 0"), "{error}");
+        assert!(error.hint().contains("--time-zero 12.000s"));
+        require_contact("a.csv", &Sampled::new(0.0, 1e-4, vec![0.0; 100]).unwrap()).unwrap();
+    }
+}

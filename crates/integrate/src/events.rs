@@ -1,0 +1,464 @@
+//! What a motion says about the crash: time zero, sign of the pulse, events, findings in words.
+
+use crumple_metrics::{
+    CrashEvents, EDR_INTERVAL_S, EventEnd, MetricsError, ThresholdRule, centroid_time_by_moment,
+    centroid_time_from_crush, crash_events, largest_restitution, time_zero_by_threshold, time_zero_by_velocity_change,
+};
+use crumple_signal::{About, Acceleration, Motion, Notes, Sampled, Signal, UsedStart, Velocity, Weight};
+
+/// Stretch at the start of a contact switch that is taken as open, s.
+const OPEN_S: f64 = 0.001;
+
+/// A time zero estimated from a record, and how far off it may be. True contact lies between `time_s - earlier_by_s`
+/// and `time_s + later_by_s`. An error δ of it moves the crush by about v0·δ: 9 mm at 50 km/h for 0.65 ms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeZeroEstimate {
+    /// On the record's time axis, s.
+    pub time_s: f64,
+    /// How much earlier (positive) true contact may have been, s.
+    pub earlier_by_s: f64,
+    /// How much later it may have been, s.
+    pub later_by_s: f64,
+}
+
+/// Time zero by threshold, [`time_zero_by_threshold`], with how late it may be.
+///
+/// Meant for a signal of CFC 60 without zero level. Lags true contact, by 0.65 ms on a half-sine of 100 ms; it cannot
+/// have been before the last change of sign, which is what `earlier_by_s` says (at most the start of the record).
+///
+/// The rule: the first sample with |a| of 0.5 g or more that stays there for 3 ms, the crossing interpolated linearly,
+/// so noise and short spikes are passed over. A soft front can cross zero once more after contact; true contact is then
+/// earlier than `earlier_by_s` says. `None` where no stretch of 3 ms holds 0.5 g.
+pub fn threshold_crossing(acceleration: &Signal<Acceleration>) -> Option<TimeZeroEstimate> {
+    let time_s = time_zero_by_threshold(acceleration, ThresholdRule::default()).value?;
+    let a = acceleration.samples();
+    let first = acceleration.index_at_or_after(time_s).min(a.len() - 1);
+    let sign = a[first].signum();
+    let rest = a[..first].iter().rposition(|a| a * sign <= 0.0).unwrap_or(0);
+    Some(TimeZeroEstimate { time_s, earlier_by_s: (time_s - acceleration.time_s(rest)).max(0.0), later_by_s: 0.0 })
+}
+
+/// Time zero of an event data recorder, [`time_zero_by_velocity_change`].
+///
+/// The interval may begin before contact, by up to its length: that is what `later_by_s` says.
+///
+/// The rule (49 CFR 563.5): the first sample after which the velocity changes by more than 0.8 km/h within 20 ms,
+/// either way. The change is the trapezoid of the acceleration, so no impact speed is needed. `None` for a pulse that
+/// never changes the velocity that fast, which is a mean of 1.13 g over 20 ms.
+pub fn edr_start(acceleration: &Signal<Acceleration>) -> Option<TimeZeroEstimate> {
+    let time_s = time_zero_by_velocity_change(acceleration).value?;
+    Some(TimeZeroEstimate { time_s, earlier_by_s: 0.0, later_by_s: EDR_INTERVAL_S })
+}
+
+/// Time zero from a contact switch: where its signal first crosses the middle between its level at the start of the
+/// record (mean of the first millisecond) and the level farthest from it, linearly interpolated; right to a sample.
+///
+/// Either direction counts as closing, whatever the unit of the switch. Bounces after the first crossing are not looked
+/// at. A switch that is closed when the record begins is taken as open and found where it opens, so the record has to
+/// begin before contact. `None` for a constant or an empty record. This is the first rule to use where there is such a
+/// channel: threshold and recorder infer contact from the pulse and are late or early.
+pub fn contact_edge(switch: &Sampled) -> Option<TimeZeroEstimate> {
+    let s = switch.samples();
+    let open = ((OPEN_S / switch.dt_s()).round() as usize).clamp(1, s.len().max(1)).min(s.len());
+    if open == 0 {
+        return None;
+    }
+    let level = s[..open].iter().sum::<f64>() / open as f64;
+    let farthest = s.iter().fold(0.0_f64, |far, x| if (x - level).abs() > far.abs() { x - level } else { far });
+    if farthest == 0.0 {
+        return None;
+    }
+    let travelled = |k: usize| (s[k] - level) / farthest;
+    let first = (0..s.len()).find(|&k| travelled(k) >= 0.5)?;
+    let crossing = match first.checked_sub(1) {
+        None => 0.0,
+        Some(before) => before as f64 + (0.5 - travelled(before)) / (travelled(first) - travelled(before)),
+    };
+    let time_s = switch.t0_s() + crossing * switch.dt_s();
+    Some(TimeZeroEstimate { time_s, earlier_by_s: switch.dt_s(), later_by_s: switch.dt_s() })
+}
+
+/// What is said of a pulse of the wrong sign.
+pub const WRONG_SIGN: &str =
+    "the pulse has the wrong sign: crumple-ingest --sign flip turns it (where that was given: leave it out)";
+
+/// Whether a motion is that of a pulse with deceleration positive: the vehicle would come to rest if the acceleration
+/// were mirrored (`v` reaches `2·v0`) before it does as it is.
+///
+/// The velocity of the mirrored pulse is `2·v0 - v`, which is zero where v is `2·v0`: no second integration is needed.
+/// Only samples at or after time zero count. SAE J211-1 has x forward, so a frontal pulse is negative; nothing is
+/// turned here, that is for who knows how the sensor was mounted.
+///
+/// A record that ends before either says nothing, neither does a motion from rest.
+pub fn wrong_sign(velocity: &Signal<Velocity>, time_zero_s: f64, impact_speed_m_per_s: f64) -> bool {
+    let v = velocity.samples();
+    let first =
+        v[velocity.index_at_or_after(time_zero_s)..].iter().find(|&&v| v <= 0.0 || v >= 2.0 * impact_speed_m_per_s);
+    impact_speed_m_per_s > 0.0 && first.is_some_and(|&v| v > 0.0)
+}
+
+/// The crash events of a motion; none, whatever the velocity does, where the motion starts from rest or the pulse has
+/// the wrong sign. Errors: [`crash_events`].
+///
+/// The velocity at the end of the record stays in the result, since it needs no crash. Times are in s from time zero:
+/// t_m is the first zero of the velocity, interpolated linearly, and C the displacement there.
+pub fn events_of(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -> Result<CrashEvents, MetricsError> {
+    let events = crash_events(&motion.velocity, &motion.displacement, time_zero_s)?;
+    if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
+        return Ok(events);
+    }
+    Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), unstopped: None, ..events })
+}
+
+/// Relative gap of the two centroid times above which something does not fit: by parts they are equal, so 0.1 % is the
+/// error of the sampling or of the rule of summation.
+const CENTROID_GAP: f64 = 1e-3;
+
+/// What a reader of the motion should know, in words: what the record does not show, and what does not fit together.
+///
+/// In this order, as far as they hold:
+/// 1. the sign of the pulse is wrong: a warning, and nothing else is said ([`wrong_sign`]);
+/// 2. the integration began with the record, not at time zero;
+/// 3. the motion starts from rest: its velocity is the change of velocity, and nothing else is said;
+/// 4. the record ends faster than the impact: a warning, the polarity may be wrong;
+/// 5. the velocity never reaches zero: a warning, with the lowest velocity up to the end of the event (49 CFR 563.5)
+///    where there is one, and nothing else is said;
+/// 6. the lowest velocity is the last sample: a warning, restitution and delta-v are lower bounds;
+/// 7. the rebound is faster than the impact: a warning, no passive vehicle does that. A velocity that never gets below
+///    zero is noted as a restitution of 0;
+/// 8. zeros of the velocity after the first, which are not used;
+/// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. They are equal by parts whatever v0 and the zero
+///    level are, so a gap above 0.1 % is a warning about sampling or rule, never about the inputs.
+///
+/// `events` are those of `motion`; times in notes are in ms from time zero, but for the start of the integration, which
+/// is on the record's axis.
+pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_speed_m_per_s: f64) -> Notes {
+    let mut notes = Notes::new();
+    if wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} to {:.3} m/s, no events are written",
+                motion.velocity.samples().iter().copied().fold(impact_speed_m_per_s, f64::max)
+            ),
+        );
+        return notes;
+    }
+    if motion.start == UsedStart::RecordStart {
+        notes.info(format!(
+            "integrated from the start of the record ({:.1} ms) with the impact speed, \
+             because a low-pass filter spreads the contact to both sides of time zero",
+            1e3 * motion.velocity.t0_s()
+        ));
+    }
+    if impact_speed_m_per_s == 0.0 {
+        notes.info(format!(
+            "integrated from rest: the velocity is the change of velocity, {:.3} m/s at the end; no crash events",
+            events.end_velocity_m_per_s
+        ));
+        return notes;
+    }
+    if events.end_velocity_m_per_s > impact_speed_m_per_s {
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: \
+             a frontal pulse is negative (SAE J211-1), check the polarity of the channel",
+                events.end_velocity_m_per_s
+            ),
+        );
+    }
+    let (Some(crush), Some(rebound)) = (events.crush, events.rebound) else {
+        // What is shown has no crush then, so that nothing of it changes.
+        notes.concern(About::Motion, Weight::Slight, never_stops(events, impact_speed_m_per_s));
+        return notes;
+    };
+    if rebound.still_separating {
+        notes.concern(
+            About::Motion,
+            Weight::Slight,
+            "still separating: the lowest velocity is the last sample, so restitution and delta-v are lower bounds",
+        );
+    }
+    if rebound.velocity_m_per_s.abs() > impact_speed_m_per_s {
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive \
+             vehicle does: check the unit of the acceleration, the zero level and the impact speed",
+                rebound.velocity_m_per_s
+            ),
+        );
+    } else if rebound.velocity_m_per_s == 0.0 {
+        notes.info("the velocity never gets below zero: no rebound, coefficient of restitution 0");
+    }
+    if let Some(first) = events.later_zeros_s.first() {
+        notes.info(format!(
+            "the velocity passes zero {} more times after dynamic crush, first at {:.1} ms; only the first zero counts",
+            events.later_zeros_s.len(),
+            1e3 * first
+        ));
+    }
+    let from_crush = centroid_time_from_crush(crush.displacement_m, impact_speed_m_per_s);
+    if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, time_zero_s, crush.time_s) {
+        let gap = (by_moment - from_crush) / from_crush;
+        let text = format!(
+            "centroid time {:.3} ms from C/v0 and {:.3} ms from the pulse itself, {:+.3} % apart",
+            1e3 * from_crush,
+            1e3 * by_moment,
+            1e2 * gap
+        );
+        if gap.abs() <= CENTROID_GAP {
+            notes.info(text);
+        } else {
+            notes.concern(
+                About::Motion,
+                Weight::Marked,
+                text + ": the sampling or the integration rule is crude for this pulse",
+            );
+        }
+    }
+    notes
+}
+
+/// What a velocity says that never reaches zero.
+fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
+    let text = format!(
+        "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
+        events.end_velocity_m_per_s
+    );
+    let Some(unstopped) = events.unstopped else { return text };
+    format!(
+        "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms ({}){}",
+        impact_speed_m_per_s - unstopped.velocity_m_per_s,
+        1e3 * unstopped.time_s,
+        1e3 * unstopped.end_s,
+        unstopped.end.name(),
+        if unstopped.end == EventEnd::Record { ": a lower bound, it still changes there" } else { "" }
+    )
+}
+
+/// Restitution that is usual at 50 km/h and above, and the lowest that is.
+const USUAL: [f64; 2] = [0.15, 0.05];
+/// Impact speeds of tests, km/h; another one explains no pulse.
+const TESTED_KM_PER_H: std::ops::RangeInclusive<f64> = 5.0..=150.0;
+
+/// A question about the impact speed, with the speed that would fit: the motion rebounds faster than a vehicle does, or
+/// never comes to rest. `None` where the speed may be right, or where nothing stops the motion at all.
+///
+/// The change of velocity `dv = v0 - v_s` does not depend on the stated speed, so `dv/(1 + e)` is the impact speed for
+/// a restitution e against a rigid barrier. A partner that gives way, or a glancing impact, leaves speed as well.
+pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64) -> Option<String> {
+    let v0 = impact_speed_m_per_s;
+    if v0.is_nan() || v0 <= 0.0 {
+        return None;
+    }
+    let change = events.delta_v_m_per_s(v0)?;
+    let fitting = |e: f64| 3.6 * change / (1.0 + e);
+    let (high, [usual, low]) = (fitting(largest_restitution(f64::INFINITY)), USUAL.map(fitting));
+    let stated = format!("check the impact speed ({:.1} km/h)", 3.6 * v0);
+    let fits = if TESTED_KM_PER_H.contains(&usual) {
+        format!("{usual:.0} km/h would fit ({high:.0} to {low:.0} km/h); if it is right, check")
+    } else {
+        "no speed of a test fits this pulse; check".to_owned()
+    };
+    match (events.restitution(v0), events.unstopped) {
+        (Some(e), _) if e > largest_restitution(v0) => Some(format!(
+            "{stated}: the car would rebound at {:.0} % of it, real cars stay below {:.0} %. {fits} unit, zero level \
+             and class of the channel",
+            100.0 * e,
+            100.0 * largest_restitution(v0)
+        )),
+        (None, Some(unstopped)) => {
+            let end = motion.velocity.samples().last().copied().unwrap_or(v0);
+            let or_else = match unstopped.end {
+                EventEnd::Record => "whether the record ends too early",
+                EventEnd::Quiet => "whether the impact was glancing or the partner gave way",
+            };
+            Some(format!(
+                "{stated}: the car would not stop, it would still move at {:.0} km/h. {fits} {or_else}",
+                3.6 * end
+            ))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crumple_metrics::{crash_events, event_end_by_velocity_change};
+    use crumple_signal::{
+        IntegrationRule, IntegrationSettings, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Signal, integrate,
+    };
+
+    use crate::events_of;
+
+    const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
+
+    fn ramp(slope: f64) -> Signal<Acceleration> {
+        // From 5 ms on; before it a little of the other sign.
+        let at = |t: f64| if t < 0.005 { 0.1 } else { -slope * (t - 0.005) };
+        Signal::new(0.0, 1e-4, (0..600).map(|k| at(f64::from(k) * 1e-4)).collect()).unwrap()
+    }
+
+    #[test]
+    fn the_threshold_is_interpolated_and_says_how_late_it_may_be() {
+        let zero = threshold_crossing(&ramp(2000.0)).unwrap();
+        // 0.5 g = 4.903325 m/s² is reached after 2.4517 ms of the ramp; binary rounding only.
+        assert!((zero.time_s - 0.005 - THRESHOLD_M_PER_S2 / 2000.0).abs() < 1e-12, "{zero:?}");
+        // The last sample at rest is the one at which the ramp starts from zero.
+        assert!((zero.earlier_by_s - THRESHOLD_M_PER_S2 / 2000.0).abs() < 1e-4 + 1e-12, "{zero:?}");
+    }
+
+    #[test]
+    fn a_spike_shorter_than_the_hold_is_passed_over() {
+        let mut samples = ramp(2000.0).samples().to_vec();
+        samples[10..40].fill(50.0);
+        let with_spike = Signal::new(0.0, 1e-4, samples.clone()).unwrap();
+        assert!(threshold_crossing(&with_spike).unwrap().time_s > 0.007);
+        samples[10..41].fill(50.0);
+        let held = Signal::new(0.0, 1e-4, samples).unwrap();
+        assert!(threshold_crossing(&held).unwrap().time_s < 0.0011);
+        assert_eq!(threshold_crossing(&Signal::new(0.0, 1e-4, vec![0.0; 50]).unwrap()), None);
+        assert_eq!(threshold_crossing(&Signal::new(0.0, 1e-4, vec![]).unwrap()), None);
+    }
+
+    #[test]
+    fn the_recorder_s_interval_begins_before_contact() {
+        // 10 m/s² from 30 ms to 80 ms: 0.2222 m/s are gathered after 22.2 ms, so the interval of 20 ms holds less at
+        // most 0.2 m/s; with 20 m/s² it takes 11.1 ms.
+        let step = |level: f64| {
+            let at = |k: i32| if (300..800).contains(&k) { level } else { 0.0 };
+            Signal::new(0.0, 1e-4, (0..1200).map(at).collect()).unwrap()
+        };
+        assert_eq!(edr_start(&step(-10.0)), None);
+        let zero = edr_start(&step(-20.0)).unwrap();
+        // The last sample of the interval is at 41.1 ms: 111 full steps and half of the first, 0.223 m/s.
+        assert!((zero.time_s - 0.0211).abs() < 1.5e-4, "{zero:?}");
+        let end = event_end_by_velocity_change(&step(-20.0), zero.time_s).unwrap();
+        assert!((end - (0.08 - 0.0111)).abs() < 1.5e-4, "{end}");
+        assert_eq!(edr_start(&Signal::new(0.0, 1e-4, vec![]).unwrap()), None);
+    }
+
+    #[test]
+    fn a_switch_closes_in_the_middle_of_its_edge_whichever_way() {
+        for (open, closed) in [(0.0, 5.0), (5.0, 0.0), (1.0, -3.0)] {
+            let samples = (0..100).map(|k| if k < 50 { open } else { closed }).collect();
+            let zero = contact_edge(&Sampled::new(-0.005, 1e-4, samples).unwrap()).unwrap();
+            assert!((zero.time_s + 0.5e-4).abs() < 1e-12, "{zero:?}");
+        }
+        assert_eq!(contact_edge(&Sampled::new(0.0, 1e-4, vec![5.0; 9]).unwrap()), None);
+        assert_eq!(contact_edge(&Sampled::new(0.0, 1e-4, vec![]).unwrap()), None);
+    }
+
+    fn wrong(v: &[f64]) -> bool {
+        wrong_sign(&Signal::new(-0.5, 0.5, v.to_vec()).unwrap(), 0.0, 4.0)
+    }
+
+    #[test]
+    fn a_velocity_that_doubles_before_it_vanishes_is_of_the_wrong_sign() {
+        assert!(wrong(&[4.0, 4.0, 6.0, 8.5, 9.0]));
+        assert!(wrong(&[4.0, 4.0, 9.0, 3.0, -1.0]));
+        assert!(!wrong(&[4.0, 4.0, 1.0, -0.5, 9.0]));
+        // Neither is reached, and what comes before time zero does not count.
+        assert!(!wrong(&[4.0, 4.0, 5.0, 6.0]));
+        assert!(!wrong(&[9.0, 4.0, 3.0]));
+        assert!(!wrong_sign(&Signal::new(0.0, 0.5, vec![0.0, 1.0]).unwrap(), 0.0, 0.0));
+        assert!(!wrong_sign(&Signal::new(0.0, 0.5, vec![]).unwrap(), 0.0, 4.0));
+    }
+
+    fn notes_of(a: Vec<f64>) -> Vec<String> {
+        let settings = IntegrationSettings {
+            rule: IntegrationRule::Trapezoid,
+            start: IntegrationStart::Auto,
+            time_zero_s: 0.0,
+            impact_speed_m_per_s: 4.0,
+            low_pass_filtered: false,
+        };
+        let motion = integrate(&Signal::new(0.0, 0.5, a).unwrap(), &settings).unwrap();
+        let events = crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap();
+        findings(&motion, &events, 0.0, 4.0).to_texts()
+    }
+
+    #[test]
+    fn a_record_that_ends_too_early_says_at_which_velocity() {
+        assert_eq!(
+            notes_of(vec![-2.0; 3]),
+            ["warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: no dynamic crush, no \
+                 rebound"]
+        );
+    }
+
+    #[test]
+    fn a_pulse_of_the_wrong_polarity_is_flagged() {
+        let notes = notes_of(vec![2.0; 3]);
+        assert!(notes[0].starts_with("warning: the record ends at v = 6.000 m/s, faster than the impact"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_rebound_faster_than_the_impact_is_flagged() {
+        // From 4 m/s by 1 m/s a sample to -5 m/s.
+        let faster = "warning: the rebound at -5.000 m/s is faster than the impact at 4.000 m/s";
+        assert!(notes_of(vec![-2.0; 10]).iter().any(|note| note.starts_with(faster)));
+        assert!(notes_of(vec![-2.0; 9]).iter().all(|note| !note.contains("faster than the impact")));
+    }
+
+    #[test]
+    fn a_record_cut_during_rebound_is_still_separating() {
+        let notes = notes_of(vec![-2.0; 7]);
+        assert!(notes[0].starts_with("warning: still separating"), "{notes:?}");
+        assert_eq!(
+            notes[1],
+            "centroid time 1000.000 ms from C/v0 and 1000.000 ms from the pulse itself, +0.000 % apart"
+        );
+    }
+
+    /// A half-sine of 90 ms that takes `change` off the speed.
+    fn question(change_m_per_s: f64, v0: f64) -> Option<String> {
+        let peak = change_m_per_s * std::f64::consts::PI / (2.0 * 0.09);
+        let at = |t: f64| if t < 0.09 { -peak * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 };
+        let a = Signal::new(0.0, 1e-4, (0..2000).map(|k| at(f64::from(k) * 1e-4)).collect()).unwrap();
+        let settings = IntegrationSettings {
+            rule: IntegrationRule::Trapezoid,
+            start: IntegrationStart::Auto,
+            time_zero_s: 0.0,
+            impact_speed_m_per_s: v0,
+            low_pass_filtered: false,
+        };
+        let motion = integrate(&a, &settings).unwrap();
+        let events = events_of(&motion, 0.0, v0).unwrap();
+        question_speed(&motion, &events, v0)
+    }
+
+    #[test]
+    fn a_speed_that_does_not_fit_the_pulse_is_questioned_with_one_that_does() {
+        let v0 = 50.0 / 3.6;
+        let true_change = 1.15 * v0;
+        assert_eq!(question(true_change, v0), None);
+        for (stated_km_per_h, words) in
+            [(35.0, "rebound at 64 % of it"), (80.0, "not stop, it would still move at 23 km/h")]
+        {
+            let question = question(true_change, stated_km_per_h / 3.6).unwrap();
+            assert!(question.contains(words) && question.contains("50 km/h would fit"), "{question}");
+        }
+        // At walking pace a bumper springs back.
+        assert_eq!(question(1.5 * 8.0 / 3.6, 8.0 / 3.6), None);
+        assert!(question(1.4 * v0, v0).unwrap().contains("below 30 %"));
+    }
+
+    #[test]
+    fn no_speed_is_named_that_nobody_tests_at() {
+        let question = question(15.0 * 9.806_65, 13.9).unwrap();
+        assert!(question.contains("no speed of a test fits"), "{question}");
+    }
+
+    #[test]
+    fn nothing_is_asked_of_a_motion_from_rest_or_without_an_event() {
+        assert_eq!(question(15.0, 0.0), None);
+        assert_eq!(question(0.0, 15.0), None);
+    }
+}

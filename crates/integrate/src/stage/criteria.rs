@@ -1,0 +1,425 @@
+//! Criteria beside the pulse: load cells of the barrier, crush stiffness, recorders, sites of sensors.
+
+use std::collections::BTreeMap;
+
+use crumple_integrate::{CellSum, impulse_n_s, sum_of_cells};
+use crumple_metrics::definitions::{
+    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MOMENTUM_RATIO,
+    WALL_INITIAL_STIFFNESS,
+};
+use crumple_metrics::{CrushStiffness, DamageProfile, KW400_TO_M, Metric, maximum_delta_v, wall_stiffness};
+use crumple_signal::{
+    About, Axis, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription, Weight,
+    part_of,
+};
+use crumple_stage::records::{ChannelFilterV1, DamageV1, MetricV1};
+use crumple_stage::{Inputs, Output, RefuseExt};
+
+use crate::stage::occupants_and_roadside::Criteria;
+use crate::stage::options::{BarrierCells, Damage};
+use crate::stage::records::metric_record;
+
+/// Channel name of what is about the barrier as a whole.
+const BARRIER: &str = "barrier";
+/// Gap of impulse and change of momentum above which something does not fit.
+const MOMENTUM_GAP: f64 = 0.05;
+/// Names in a note.
+const NAMED: usize = 12;
+
+/// The pulse whose change of velocity the impulse is held against.
+pub struct Pulse<'a> {
+    pub id: &'a str,
+    pub motion: &'a Motion,
+    pub time_zero_s: f64,
+    /// Time of the lowest velocity on the record's axis, if the record shows it.
+    pub separation_s: Option<f64>,
+}
+
+/// Sums the load cells, writes `/wave/barrier/force` and returns what is to be said of it in numbers.
+pub fn barrier(
+    cells: BarrierCells,
+    input: &Inputs,
+    test: &TestDescription,
+    pulse: &Pulse<'_>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<MetricV1>> {
+    let listed: Vec<&Channel> = test.channels.iter().filter(|channel| is_cell(channel)).collect();
+    let valid = |channel: &&&Channel| matches!(channel.status, ChannelStatus::Valid | ChannelStatus::Computed);
+    let summed: Vec<(&str, &Sampled)> = match cells {
+        BarrierCells::None => return Ok(Vec::new()),
+        BarrierCells::All => waves(input, listed.iter()),
+        BarrierCells::Valid => waves(input, listed.iter().filter(valid)),
+    };
+    let Some(sum) = sum_of_cells(&summed).refuse_with_hint("--barrier-cells none leaves the barrier out")? else {
+        return Ok(Vec::new());
+    };
+    if cells == BarrierCells::Valid {
+        let dead: Vec<&str> = listed
+            .iter()
+            .filter(|channel| channel.status.has_data() && !valid(channel))
+            .map(|channel| channel.id.as_str())
+            .collect();
+        if !dead.is_empty() {
+            out.notes().info(format!(
+                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (crumple-integrate \
+                 --barrier-cells all takes them as read)",
+                count(dead.len()),
+                some(&dead)
+            ));
+        }
+    }
+    if !sum.off_grid.is_empty() {
+        let ids: Vec<&str> = sum.off_grid.iter().map(String::as_str).collect();
+        out.notes().concern(
+            About::WallForce,
+            Weight::Marked,
+            format!("barrier force: {} on another time grid, not in the sum: {}", count(ids.len()), some(&ids)),
+        );
+    }
+    let as_read = as_read(input, &waves(input, listed.iter()), pulse.time_zero_s)?;
+    let metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
+    out.wave("barrier/force", QuantityKind::Force, sum.force.into_sampled())?;
+    Ok(metrics)
+}
+
+fn is_cell(channel: &Channel) -> bool {
+    channel.quantity == QuantityKind::Force
+        && channel.axis.is_none_or(|axis| axis == Axis::X)
+        && channel.location.trim().to_lowercase().starts_with(BARRIER)
+}
+
+fn waves<'a>(input: &'a Inputs, channels: impl Iterator<Item = &'a &'a Channel>) -> Vec<(&'a str, &'a Sampled)> {
+    channels.filter_map(|channel| Some((channel.id.as_str(), &input.wave_if(&channel.id)?.sampled))).collect()
+}
+
+/// What all cells with data gave before anything was taken out.
+struct AsRead {
+    cells: usize,
+    impulse_n_s: f64,
+}
+
+/// Impulse from time zero on of all cells with data, the zero level that the filter removed from each put back.
+///
+/// A low-pass of class 60 and above leaves the impulse but for its ends. Cells on another grid are left out, as from
+/// the sum.
+fn as_read(input: &Inputs, cells: &[(&str, &Sampled)], time_zero_s: f64) -> anyhow::Result<Option<AsRead>> {
+    let Some(sum) = sum_of_cells(cells).refuse_with_hint("--barrier-cells none leaves the barrier out")? else {
+        return Ok(None);
+    };
+    let mut zero_level_n = 0.0;
+    for (id, _) in cells.iter().filter(|(id, _)| !sum.off_grid.iter().any(|off| off == id)) {
+        let filter: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{id}"))?;
+        zero_level_n += filter.map_or(0.0, |filter| filter.zero_level_removed);
+    }
+    let sign = if sum.turned { -1.0 } else { 1.0 };
+    let inside = sum.force.len().saturating_sub(sum.force.index_at_or_after(time_zero_s) + 1) as f64;
+    let of_zero_level = sign * zero_level_n * inside * sum.force.dt_s();
+    let impulse = impulse_n_s(&sum.force, time_zero_s, sum.force.end_s());
+    Ok(impulse.map(|impulse| AsRead { cells: sum.cells, impulse_n_s: impulse + of_zero_level }))
+}
+
+/// Up to separation the barrier is what changes the momentum; after it the tyres are, which no cell feels.
+fn momentum(
+    sum: &CellSum,
+    all: Option<AsRead>,
+    mass_kg: Option<f64>,
+    pulse: &Pulse<'_>,
+    out: &mut Output,
+) -> Vec<MetricV1> {
+    let &Pulse { id, motion, time_zero_s, separation_s } = pulse;
+    let over_mass = |impulse: Option<f64>| impulse.zip(mass_kg).map(|(impulse, mass)| impulse / mass);
+    let last_s = sum.force.end_s().min(motion.velocity.end_s());
+    let end_s = separation_s.unwrap_or(last_s).min(last_s);
+    let impulse = impulse_n_s(&sum.force, time_zero_s, sum.force.end_s());
+    let whole = over_mass(impulse);
+    let of_barrier = over_mass(impulse_n_s(&sum.force, time_zero_s, end_s));
+    let as_read = over_mass(all.as_ref().map(|all| all.impulse_n_s));
+    let of_sensor = motion.velocity.at(time_zero_s).zip(motion.velocity.at(end_s)).map(|(start, end)| start - end);
+    let peak = sum.force.samples().iter().copied().enumerate().reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a });
+    let (highest, peak_s) = (peak.map(|(_, force)| force), peak.map_or(time_zero_s, |(k, _)| sum.force.time_s(k)));
+
+    let turned = if sum.turned { ", sign turned so that compression is positive" } else { "" };
+    out.notes().info(format!("barrier force: sum of {} load cells along x{turned}", sum.cells));
+    if let Some((all, as_read)) = all.zip(as_read) {
+        out.notes().info(format!(
+            "barrier as read: all {} load cells with data, zero levels not removed, give {:.2} km/h over the mass for \
+             the whole record",
+            all.cells,
+            3.6 * as_read
+        ));
+    }
+    let ratio = ratio(mass_kg, of_barrier, of_sensor, id);
+    if let Some(((barrier, whole), sensor)) = of_barrier.zip(whole).zip(of_sensor) {
+        let gap = ratio.as_ref().map(|ratio| ratio - 1.0);
+        let apart = match &gap {
+            Ok(gap) => format!("{:+.1} % apart", 1e2 * gap),
+            Err(reason) => format!("no ratio: {reason}"),
+        };
+        let text = format!(
+            "momentum check up to {} at {:.1} ms: impulse of the barrier over the mass {:.2} km/h \
+             ({:.2} km/h over the whole record), channel {id} {:.2} km/h, {apart}",
+            if separation_s.is_some() { "separation" } else { "the end" },
+            1e3 * (end_s - time_zero_s),
+            3.6 * barrier,
+            3.6 * whole,
+            3.6 * sensor
+        );
+        if gap.is_ok_and(|gap| gap.abs() <= MOMENTUM_GAP) {
+            out.notes().info(text);
+        } else {
+            out.notes().concern(About::WallForce, Weight::Slight, text);
+        }
+    }
+    let few = "the force has fewer than two samples from time zero on";
+    let over_mass_reason = if mass_kg.is_none() { "the mass is not known" } else { few };
+    let whole_end_s = sum.force.end_s();
+    let ratio_metric = match ratio {
+        Ok(ratio) => Metric::of(&MOMENTUM_RATIO, Some(ratio), ""),
+        Err(reason) => Metric::of(&MOMENTUM_RATIO, None, &reason),
+    };
+    [
+        Metric::of(&BARRIER_PEAK, highest, "the record has no samples").over(peak_s, peak_s),
+        Metric::of(&BARRIER_IMPULSE, impulse, few).over(time_zero_s, whole_end_s),
+        Metric::of(&BARRIER_DELTA_V, whole, over_mass_reason).over(time_zero_s, whole_end_s),
+        Metric::of(&BARRIER_DELTA_V_AS_READ, as_read, over_mass_reason).over(time_zero_s, whole_end_s),
+        ratio_metric.over(time_zero_s, end_s),
+    ]
+    .into_iter()
+    .chain(stiffness(sum, motion, time_zero_s))
+    .map(|metric| metric_record(&[BARRIER], &metric.counted_from(time_zero_s)))
+    .collect()
+}
+
+/// KW400 and initial stiffness: the force over the displacement of the sensor, from time zero on.
+fn stiffness(sum: &CellSum, motion: &Motion, time_zero_s: f64) -> [Metric; 2] {
+    let first = sum.force.index_at_or_after(time_zero_s);
+    let pairs = (first..sum.force.len())
+        .map_while(|k| Some((motion.displacement.at(sum.force.time_s(k))?, sum.force.samples()[k])));
+    let (displacement_m, force_n): (Vec<f64>, Vec<f64>) = pairs.unzip();
+    let stiffness = wall_stiffness(&displacement_m, &force_n);
+    let reached = displacement_m.iter().position(|x| *x >= KW400_TO_M).unwrap_or(displacement_m.len());
+    let end_s = sum.force.time_s((first + reached).min(sum.force.len().saturating_sub(1)));
+    let why = "the sensor does not move 400 mm from time zero on within the record of the force";
+    [
+        Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), why).over(time_zero_s, end_s),
+        Metric::of(&WALL_INITIAL_STIFFNESS, stiffness.map(|s| s.initial_n_per_m), why).over(time_zero_s, end_s),
+    ]
+}
+
+/// Change of velocity by the barrier over that by the sensor, or why there is none.
+fn ratio(mass_kg: Option<f64>, barrier: Option<f64>, sensor: Option<f64>, id: &str) -> Result<f64, String> {
+    if mass_kg.is_none() {
+        return Err("the mass is not known".to_owned());
+    }
+    let barrier = barrier.ok_or("the force has fewer than two samples from time zero to separation")?;
+    let sensor = sensor.ok_or_else(|| format!("channel {id} has no velocity at time zero and at separation"))?;
+    let ratio = barrier / sensor;
+    if ratio.is_finite() { Ok(ratio) } else { Err(format!("the velocity of channel {id} does not change")) }
+}
+
+fn count(cells: usize) -> String {
+    format!("{cells} cell{}", if cells == 1 { "" } else { "s" })
+}
+
+fn some(ids: &[&str]) -> String {
+    match ids.len().saturating_sub(NAMED) {
+        0 => ids.join(", "),
+        more => format!("{} and {more} more", ids[..NAMED].join(", ")),
+    }
+}
+
+/// Place of the deformed area in a collision deformation classification (SAE J224), and its letter for the front.
+const AREA: (usize, char) = (2, 'F');
+
+impl Criteria<'_> {
+    /// A, B and G, and with a profile the energy that they give for it: from the flags, else from the damage that the
+    /// file of the test states.
+    pub fn crush_stiffness(&self, notes: &mut Notes) -> anyhow::Result<Vec<MetricV1>> {
+        if let Some(damage) = self.settings.damage {
+            return Ok(self.by_mean_crush(damage, notes));
+        }
+        let Some(damage) = self.input.record_if::<DamageV1>("/damage")? else { return Ok(Vec::new()) };
+        Ok(self.by_energy(&damage, notes))
+    }
+
+    fn by_mean_crush(&self, damage: Damage, notes: &mut Notes) -> Vec<MetricV1> {
+        let (Some(mass_kg), Some(v0)) = (self.test.mass_kg, self.impact_speed_m_per_s) else {
+            notes.warning("crush stiffness: the mass is not known (give it to ingest with --mass)");
+            return Vec::new();
+        };
+        let b0 = self.settings.no_damage_speed_m_per_s;
+        let stiffness = CrushStiffness::from_barrier_test(mass_kg, damage.width_m, v0, damage.residual_crush_m, b0);
+        let Some(stiffness) = stiffness else {
+            notes.warning(format!(
+                "crush stiffness: width, residual crush and impact speed above {b0} m/s must be positive, none computed"
+            ));
+            return Vec::new();
+        };
+        let remark = format!(
+            "width {} m, residual crush {} m, b0 = {b0} m/s; from the impact speed and what was measured afterwards",
+            damage.width_m, damage.residual_crush_m
+        );
+        self.records_at_impact(stiffness.metrics().into_iter(), &remark)
+    }
+
+    /// From the profile: `b1` such that the energy of the test comes back, also where the profile is uneven.
+    fn by_energy(&self, damage: &DamageV1, notes: &mut Notes) -> Vec<MetricV1> {
+        let none = |notes: &mut Notes, reason: &str| {
+            notes.info(format!("crush stiffness (CRASH3): not from the damage that the file states: {reason}"));
+            Vec::new()
+        };
+        let area = damage.classification.as_deref().and_then(|code| code.chars().nth(AREA.0));
+        if area.is_some_and(|area| area != AREA.1) {
+            return none(notes, "its classification is of another side than the front");
+        }
+        let (width_m, width_is) = match (damage.damage_width_m, damage.vehicle_width_m) {
+            (Some(width), _) => (width, "of the damage"),
+            (None, Some(width)) => (width, "of the vehicle"),
+            (None, None) => return none(notes, "neither the width of the damage nor that of the vehicle is stated"),
+        };
+        let (Some(mass_kg), Some(v0)) = (self.test.mass_kg, self.impact_speed_m_per_s) else {
+            return none(notes, "mass and impact speed are needed");
+        };
+        // A station that bulges out has no crush.
+        let crush_m: Vec<f64> = damage.residual_crush_m.iter().map(|crush| crush.max(0.0)).collect();
+        let b0 = self.settings.no_damage_speed_m_per_s;
+        let stiffness = DamageProfile::new(&crush_m)
+            .filter(|_| v0 > b0)
+            .and_then(|profile| CrushStiffness::from_energy(mass_kg, width_m, v0, profile, b0));
+        let Some(stiffness) = stiffness else {
+            return none(notes, &format!("the crush must be positive and the impact speed above {b0} m/s"));
+        };
+        let stations: Vec<String> = crush_m.iter().map(|crush| format!("{:.0}", 1e3 * crush)).collect();
+        let remark = format!(
+            "residual crush {} mm ({}), width {width_m} m {width_is}, b0 = {b0} m/s; b1 = {:.2} 1/s by energy, \
+             which gives that of the test back",
+            stations.join(", "),
+            damage.from,
+            stiffness.b1_per_s
+        );
+        let energy = stiffness.energy(width_m, &crush_m, 0.0);
+        self.records_at_impact(stiffness.metrics().into_iter().chain([energy]), &remark)
+    }
+
+    fn records_at_impact(&self, metrics: impl Iterator<Item = Metric>, remark: &str) -> Vec<MetricV1> {
+        let at_impact = |metric: Metric| metric.over(self.time_zero_s, self.time_zero_s);
+        metrics.map(|metric| self.record(&[self.pulse], at_impact(metric), &[remark.to_owned()])).collect()
+    }
+}
+
+/// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels,
+/// first that which the pulse was derived from. Each has a line of the summary.
+pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64, out: &mut Output) -> Vec<MetricV1> {
+    let mut records = Vec::new();
+    let mut changes: Vec<&Channel> =
+        test.channels.iter().filter(|channel| channel.quantity == QuantityKind::VelocityChange).collect();
+    // `<id>_derivative`, with underscores after it where that was taken.
+    let derived_from = |id: &str| {
+        let pulse = test.pulse.as_deref().unwrap_or_default();
+        pulse == id || pulse.strip_prefix(id).is_some_and(|rest| rest.trim_end_matches('_') == "_derivative")
+    };
+    // Stable: the others stay in the order of the file.
+    changes.sort_by_key(|channel| !derived_from(&channel.id));
+    for channel in changes {
+        let Some(wave) = input.wave_if(&channel.id) else { continue };
+        let metrics = maximum_delta_v(&wave.sampled, time_zero_s);
+        if let [Some(change), Some(time_s)] = [&metrics[0], &metrics[1]].map(|metric| metric.value) {
+            let title = channel.comment.as_ref().map_or_else(String::new, |title| format!(" ({title})"));
+            let (change_km_per_h, time_ms) = (3.6 * change, 1e3 * time_s);
+            let line =
+                format!("recorded {}{title}: maximum delta-v {change_km_per_h:.2} km/h at {time_ms:.0} ms", channel.id);
+            out.summary(line);
+        }
+        records
+            .extend(metrics.into_iter().map(|metric| metric_record(&[&channel.id], &metric.counted_from(time_zero_s))));
+    }
+    records
+}
+
+/// Accelerometers at one place, one for each axis.
+#[derive(Default)]
+pub struct Site<'a> {
+    /// Along x, y and z.
+    pub axes: [Option<&'a Channel>; 3],
+    /// A resultant from the source, or a channel whose axis is not known.
+    pub whole: Option<&'a Channel>,
+}
+
+/// The places of heads and chests of which the inputs hold samples; failed channels are left out. In the order of their
+/// locations.
+pub fn sites<'a>(test: &'a TestDescription, input: &Inputs) -> Vec<(BodyPart, Site<'a>)> {
+    let mut sites: BTreeMap<(BodyPart, String), Site<'a>> = BTreeMap::new();
+    for channel in &test.channels {
+        let Some(part) = part_of(channel) else { continue };
+        if channel.status == ChannelStatus::Failed || input.wave_if(&channel.id).is_none() {
+            continue;
+        }
+        let site = sites.entry((part, place(channel))).or_default();
+        let slot = match channel.axis {
+            Some(Axis::X) => &mut site.axes[0],
+            Some(Axis::Y) => &mut site.axes[1],
+            Some(Axis::Z) => &mut site.axes[2],
+            Some(Axis::Resultant) | None => &mut site.whole,
+        };
+        slot.get_or_insert(channel);
+    }
+    sites.into_iter().map(|((part, _), site)| (part, site)).collect()
+}
+
+/// What channels at one place have in common: location, the code up to its dimension, redundancy. Without location and
+/// code the id without what says the axis (`head_x_g`, `head_y_g`: `head_g`), else up to its last separator (`head_1`,
+/// `head_2`).
+fn place(channel: &Channel) -> String {
+    let code = channel.code.as_deref().and_then(|code| code.get(..12)).unwrap_or_default();
+    let mut location = channel.location.trim().to_lowercase();
+    if location.is_empty() && code.is_empty() {
+        location = without_axis(&channel.id.to_lowercase());
+    }
+    format!("{location}|{code}|{}", channel.redundant)
+}
+
+fn without_axis(id: &str) -> String {
+    const AXES: [&str; 12] = ["x", "y", "z", "r", "ax", "ay", "az", "acx", "acy", "acz", "res", "resultant"];
+    let separator = ['_', '-', '.', ' '];
+    let words: Vec<&str> = id.split(separator).collect();
+    match words.iter().rposition(|word| AXES.contains(word)) {
+        Some(axis) => {
+            words.iter().enumerate().filter(|(k, _)| *k != axis).map(|(_, word)| *word).collect::<Vec<_>>().join("_")
+        }
+        None => id.rsplit_once(separator).map_or(id, |(stem, _)| stem).to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ratio_that_cannot_be_formed_says_why() {
+        assert_eq!(ratio(Some(1e3), Some(2.0), Some(4.0), "a"), Ok(0.5));
+        let why = |mass, barrier, sensor| ratio(mass, barrier, sensor, "a").unwrap_err();
+        assert_eq!(why(None, Some(1.0), Some(1.0)), "the mass is not known");
+        assert_eq!(
+            why(Some(1.0), None, Some(1.0)),
+            "the force has fewer than two samples from time zero to separation"
+        );
+        assert_eq!(why(Some(1.0), Some(1.0), None), "channel a has no velocity at time zero and at separation");
+        for sensor in [0.0, -0.0] {
+            assert_eq!(why(Some(1.0), Some(1.0), Some(sensor)), "the velocity of channel a does not change");
+        }
+        assert_eq!(why(Some(1.0), Some(0.0), Some(0.0)), "the velocity of channel a does not change");
+    }
+
+    #[test]
+    fn the_axes_of_one_head_have_one_place() {
+        for ids in [
+            ["head_x_g", "head_y_g", "Head_Z_g"],
+            ["driver head x", "driver head y", "driver head z"],
+            ["head-ax", "head-ay", "head-az"],
+        ] {
+            let places = ids.map(|id| place(&Channel::new(id, QuantityKind::Acceleration)));
+            assert!(places.iter().all(|other| *other == places[0]), "{places:?}");
+        }
+        assert_ne!(without_axis("driver_head_x"), without_axis("passenger_head_x"));
+    }
+}

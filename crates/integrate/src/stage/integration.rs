@@ -1,0 +1,321 @@
+//! Integration of one channel: its time zero, its impact speed, its motion.
+
+use std::cell::RefCell;
+
+use crumple_integrate::{
+    Intervals, MOST_SAMPLES, TimeZeroEstimate, barrier_force, contact_edge, edr_start, events_of, propagate,
+    threshold_crossing,
+};
+use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, event_end_by_velocity_change, pulse_metrics};
+use crumple_signal::{
+    About, Acceleration, Channel, Drift, IntegrateError, IntegrationSettings, Motion, Notes, QuantityKind,
+    STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight, integrate_reporting, integrate_without_drift,
+};
+use crumple_stage::records::ChannelFilterV1;
+use crumple_stage::{Inputs, Output, RefuseExt, Refused};
+
+use crate::stage::options::{StageSettings, ZeroRule};
+
+/// A channel that was integrated.
+pub struct Integrated {
+    pub motion: Motion,
+    pub events: CrashEvents,
+    pub metrics: Vec<Metric>,
+    pub drift: Option<Drift>,
+    /// Of the events, in the order of [`EVENT_NAMES`](crumple_integrate::EVENT_NAMES); empty if nothing is uncertain.
+    pub event_intervals: Vec<Option<Interval>>,
+    /// Why an event has none, in the same order.
+    pub events_without: Vec<Option<String>>,
+    /// Why a metric has none, in the order of the metrics.
+    pub metrics_without: Vec<Option<String>>,
+}
+
+/// Impact speeds of test and channel that differ by more than this get a warning, m/s.
+const SPEED_GAP_M_PER_S: f64 = 0.05;
+
+/// The speed of the flag, else of the test; never the channel's own, which is only held against it.
+pub fn impact_speed(
+    settings: &StageSettings,
+    test: &TestDescription,
+    channel: &Channel,
+    notes: &mut Notes,
+) -> anyhow::Result<f64> {
+    let speed = settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
+        Refused::new("the test description has no impact speed")
+            .expected("the speed just before contact; the accelerometer cannot tell it")
+            .hint("give it with --impact-speed, e.g. --impact-speed 35km/h, here or to ingest")
+    })?;
+    if let (Some(_), Some(of_test)) = (settings.impact_speed_m_per_s, test.impact_speed_m_per_s)
+        && of_test != speed
+    {
+        notes.info(format!("impact speed {speed} m/s as asked for, the test description says {of_test} m/s"));
+    }
+    if let Some(of_channel) = channel.initial_velocity_m_per_s
+        && (of_channel.abs() - speed).abs() > SPEED_GAP_M_PER_S
+    {
+        notes.concern(
+            About::ImpactSpeed,
+            Weight::Marked,
+            format!(
+                "channel {} states an initial velocity of {of_channel:.3} m/s, the impact speed is {speed:.3} m/s",
+                channel.id
+            ),
+        );
+    }
+    Ok(speed)
+}
+
+/// Threshold crossings this much later than the file's t = 0 are worth a warning, s.
+const LATE_S: f64 = 0.005;
+
+/// First contact on the record's axis, and the rule in the words of the artifact.
+pub struct TimeZero {
+    pub time_s: f64,
+    pub rule: String,
+}
+
+/// Time zero of the pulse. What a rule leaves uncertain is said in a note, in time and in displacement.
+pub fn time_zero(
+    settings: &StageSettings,
+    input: &Inputs,
+    test: &TestDescription,
+    channel: &Channel,
+    pulse: &Signal<Acceleration>,
+    impact_speed_m_per_s: f64,
+    notes: &mut Notes,
+) -> anyhow::Result<TimeZero> {
+    if let Some(time_s) = settings.time_zero_s {
+        return Ok(TimeZero { time_s, rule: "flag".to_owned() });
+    }
+    let Some(rule) = &settings.time_zero_rule else {
+        late_contact(test, channel, pulse, impact_speed_m_per_s, notes);
+        return Ok(TimeZero { time_s: 0.0, rule: ZeroRule::File.to_string() });
+    };
+    let zero = match rule {
+        ZeroRule::File => None,
+        ZeroRule::Threshold => threshold_crossing(pulse),
+        ZeroRule::Edr => edr_start(pulse),
+        ZeroRule::Contact(id) => contact_edge(&input.wave(id)?.sampled),
+    };
+    let Some(zero) = zero else {
+        return Err(Refused::new(format!("time zero rule {rule}: {}", nothing_found(rule, &channel.id)))
+            .hint("state first contact with --time-zero, e.g. --time-zero 0s")
+            .into());
+    };
+    if *rule == ZeroRule::Threshold && channel.cfc != Some(60) {
+        let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
+        notes.concern(
+            About::Time,
+            Weight::Slight,
+            format!("the threshold rule is meant for cfc 60, channel {} is of {class}", channel.id),
+        );
+    }
+    notes.info(uncertainty(rule, zero, impact_speed_m_per_s));
+    if *rule == ZeroRule::Edr
+        && let Some(end_s) = event_end_by_velocity_change(pulse, zero.time_s)
+    {
+        notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - zero.time_s)));
+    }
+    Ok(TimeZero { time_s: zero.time_s, rule: rule.to_string() })
+}
+
+/// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or
+/// ISO-MME test defines it so, a person may have stated it; a table does not, and its axis may begin with the
+/// recording.
+fn late_contact(
+    test: &TestDescription,
+    channel: &Channel,
+    pulse: &Signal<Acceleration>,
+    speed_m_per_s: f64,
+    notes: &mut Notes,
+) {
+    // An artifact of another program may have the format alone.
+    if test.time_zero.is_some() || matches!(test.source.format.as_str(), "nhtsa-ev5" | "iso-mme") {
+        return;
+    }
+    // What stands does not move on until contact.
+    let is_late = |zero: &TimeZeroEstimate| zero.time_s > LATE_S && speed_m_per_s > 0.0;
+    let Some(zero) = threshold_crossing(pulse).filter(is_late) else { return };
+    let late_ms = 1e3 * zero.time_s;
+    notes.concern(About::Time, Weight::Decisive, format!(
+        "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
+         = 0: the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if \
+         contact is there, crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",
+        channel.id,
+        zero.time_s * speed_m_per_s
+    ));
+}
+
+fn nothing_found(rule: &ZeroRule, pulse: &str) -> String {
+    match rule {
+        ZeroRule::Contact(id) => format!("channel {id} never changes"),
+        ZeroRule::Edr => format!("the velocity of channel {pulse} never changes by 0.8 km/h in 20 ms"),
+        ZeroRule::File | ZeroRule::Threshold => format!("channel {pulse} never stays at 0.5 g for 3 ms"),
+    }
+}
+
+fn uncertainty(rule: &ZeroRule, zero: TimeZeroEstimate, impact_speed_m_per_s: f64) -> String {
+    let TimeZeroEstimate { time_s, earlier_by_s, later_by_s } = zero;
+    let side = |by_s: f64, word: &str| {
+        (by_s > 0.0).then(|| {
+            let mm = 1e3 * by_s * impact_speed_m_per_s;
+            let distance = if mm > 0.0 { format!(" ({mm:.1} mm at the impact speed)") } else { String::new() };
+            format!("{:.2} ms {word}{distance}", 1e3 * by_s)
+        })
+    };
+    let sides: Vec<String> = [side(earlier_by_s, "earlier"), side(later_by_s, "later")].into_iter().flatten().collect();
+    let tail = if sides.is_empty() { String::new() } else { format!("; contact may be {}", sides.join(", or ")) };
+    format!("time zero by rule {rule} at {:.3} ms of the record{tail}", 1e3 * time_s)
+}
+
+/// A drift larger than this is no drift, m/s² (0.5 g).
+const LARGE_DRIFT_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
+
+/// Integrates the channels of one test: what holds for all of them.
+pub struct ChannelIntegration<'a> {
+    pub settings: &'a StageSettings,
+    pub input: &'a Inputs,
+    pub test: &'a TestDescription,
+    /// `None`: not known; the velocity is then its change from time zero.
+    pub impact_speed_m_per_s: Option<f64>,
+    pub time_zero_s: f64,
+}
+
+impl ChannelIntegration<'_> {
+    /// Motion, events and metrics of a channel, with intervals where inputs are uncertain.
+    pub fn integrate(
+        &self,
+        channel: &Channel,
+        acceleration: &Signal<Acceleration>,
+        out: &mut Output,
+    ) -> anyhow::Result<Integrated> {
+        let impact_speed_m_per_s = self.impact_speed_m_per_s.unwrap_or(0.0);
+        let settings = IntegrationSettings {
+            rule: self.settings.rule,
+            start: self.settings.start,
+            time_zero_s: self.time_zero_s,
+            impact_speed_m_per_s,
+            low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
+        };
+        let (motion, drift) = match self.settings.end_condition {
+            None => {
+                let progress = RefCell::new(out.progress("integrating", acceleration.len() as u64));
+                let report = |amount| progress.borrow_mut().advance(amount);
+                let motion = integrate_reporting(acceleration, &settings, report);
+                let hint = motion.as_ref().err().map_or("", hint);
+                (motion.refuse_with_hint(hint)?, None)
+            }
+            Some(end) => {
+                let (motion, drift) = integrate_without_drift(acceleration, &settings, end)
+                    .refuse_with_hint("--end-time says when the velocity is the one known")?;
+                note_drift(&channel.id, &drift, end.velocity_m_per_s, out.notes());
+                (motion, Some(drift))
+            }
+        };
+        let events = events_of(&motion, self.time_zero_s, impact_speed_m_per_s)?;
+        let mut metrics = pulse_metrics(&Pulse {
+            acceleration: &motion.acceleration,
+            velocity: &motion.velocity,
+            displacement: &motion.displacement,
+            events: &events,
+            impact_speed_m_per_s: self.impact_speed_m_per_s,
+            mass_kg: self.test.mass_kg,
+            time_zero_s: self.time_zero_s,
+        })?;
+        let (mut event_intervals, mut events_without, mut metrics_without) = (Vec::new(), Vec::new(), Vec::new());
+        if let Some(intervals) = self.intervals(acceleration, &motion, &settings, out) {
+            for (metric, interval) in metrics.iter_mut().zip(intervals.metrics) {
+                metric.interval = interval.filter(|_| metric.value.is_some());
+            }
+            event_intervals = intervals.events;
+            let replicates = self.settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
+            let reason = |without: usize| {
+                (without > 0).then(|| {
+                    format!("no interval: {without} of {replicates} replicates with perturbed inputs do not have it")
+                })
+            };
+            events_without = intervals.without_event.into_iter().map(reason).collect();
+            metrics_without = intervals.without_metric.into_iter().map(reason).collect();
+        }
+        Ok(Integrated { motion, events, metrics, drift, event_intervals, events_without, metrics_without })
+    }
+
+    /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
+    fn intervals(
+        &self,
+        acceleration: &Signal<Acceleration>,
+        motion: &Motion,
+        settings: &IntegrationSettings,
+        out: &mut Output,
+    ) -> Option<Intervals> {
+        // An interval of a change of velocity from an unknown speed would have no speed to vary.
+        let uncertainty = self.settings.uncertainty.as_ref().filter(|_| self.impact_speed_m_per_s.is_some())?;
+        if acceleration.len() > MOST_SAMPLES {
+            out.notes().warning(format!(
+                "no intervals: {} samples, the integration is repeated for records of up to {MOST_SAMPLES}",
+                acceleration.len()
+            ));
+            return None;
+        }
+        let mut progress = out.progress("repeating with perturbed inputs", uncertainty.replicates as u64);
+        let (end, mass_kg) = (self.settings.end_condition, self.test.mass_kg);
+        Some(propagate(acceleration, motion, settings, end, mass_kg, uncertainty, |done| progress.advance(done)))
+    }
+
+    /// Writes force, velocity and displacement of a channel.
+    pub fn write(&self, id: &str, channel: Integrated, out: &mut Output) -> anyhow::Result<()> {
+        if let Some(mass_kg) = self.test.mass_kg {
+            let force = barrier_force(&channel.motion.acceleration, mass_kg)
+                .refuse_with_hint("give the test mass to ingest with --mass")?;
+            out.wave(&format!("{id}/force"), QuantityKind::Force, force.into_sampled())?;
+        }
+        out.wave(&format!("{id}/velocity"), QuantityKind::Velocity, channel.motion.velocity.into_sampled())?;
+        out.wave(&format!("{id}/displacement"), QuantityKind::Displacement, channel.motion.displacement.into_sampled())
+    }
+}
+
+/// The one thing to do about a channel that cannot be integrated.
+fn hint(error: &IntegrateError) -> &'static str {
+    match error {
+        IntegrateError::ImpactSpeed(_) => "--impact-speed is a speed, 0m/s for a motion from rest",
+        _ => "--time-zero says where on the record's time axis first contact is",
+    }
+}
+
+/// The samples of an accelerometer.
+pub fn acceleration(input: &Inputs, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
+    input
+        .wave(&channel.id)?
+        .signal::<Acceleration>()
+        .refuse_with_hint(format!("channel {} is no accelerometer: name one with --channel", channel.id))
+}
+
+/// Whether a channel without a class went through a phaseless low-pass all the same.
+fn smoothed(input: &Inputs, id: &str) -> anyhow::Result<bool> {
+    let filter: Option<ChannelFilterV1> = input.record_if(&format!("/filter/{id}"))?;
+    Ok(filter.is_some_and(|filter| {
+        filter.phase.as_deref() == Some("zero") && matches!(filter.mode.as_str(), "butterworth-low" | "moving-average")
+    }))
+}
+
+fn note_drift(id: &str, drift: &Drift, stated_m_per_s: f64, notes: &mut Notes) {
+    let text = format!(
+        "channel {id}: drift of {:+.4} m/s^2 ({:+.5} g, {}) taken out so that the velocity at {:.1} ms is {:.3} m/s \
+         as stated; without it {:+.3} m/s more",
+        drift.acceleration_m_per_s2,
+        drift.acceleration_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
+        drift.shape.name(),
+        1e3 * drift.time_s,
+        stated_m_per_s,
+        drift.velocity_gap_m_per_s
+    );
+    if drift.acceleration_m_per_s2.abs() <= LARGE_DRIFT_M_PER_S2 {
+        notes.info(text);
+    } else {
+        notes.concern(
+            About::ImpactSpeed,
+            Weight::Decisive,
+            format!("{text}: more than a sensor drifts, check impact speed, time zero and gain"),
+        );
+    }
+}

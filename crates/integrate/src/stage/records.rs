@@ -1,0 +1,208 @@
+//! What the stage writes of the pulse: records of events and metrics, notes, the summary.
+
+use crumple_integrate::{EVENT_NAMES, WRONG_SIGN, event_values, findings, question_speed, wrong_sign};
+use crumple_metrics::{IntervalBy, Metric, centroid_time_from_crush, definitions};
+use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
+use crumple_stage::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1, MissingIntervalV1};
+
+use crate::stage::integration::{Integrated, TimeZero};
+use crate::stage::options::StageSettings;
+
+pub fn events_record(
+    channel: &str,
+    settings: &StageSettings,
+    zero: &TimeZero,
+    pulse: &Integrated,
+    impact_speed_m_per_s: f64,
+) -> EventsV1 {
+    let events = &pulse.events;
+    // An event that is not there has neither an interval nor a reason for none.
+    let is_there = event_values(events, impact_speed_m_per_s).map(|value| value.is_some());
+    let named = || EVENT_NAMES.iter().zip(is_there).filter(|(_, is_there)| *is_there).map(|(name, _)| *name);
+    let place = |name: &str| EVENT_NAMES.iter().position(|other| *other == name);
+    let intervals = named().filter_map(|name| {
+        pulse.event_intervals.get(place(name)?).copied().flatten().map(|interval| EventIntervalV1 {
+            name: name.to_owned(),
+            low: interval.low,
+            high: interval.high,
+            interval_by: interval.by.to_string(),
+            interval_source: Some(interval_source(interval.by)),
+        })
+    });
+    let without = named().filter_map(|name| {
+        let reason = pulse.events_without.get(place(name)?).cloned().flatten()?;
+        Some(MissingIntervalV1 { name: name.to_owned(), reason })
+    });
+    EventsV1 {
+        channel: channel.to_owned(),
+        time_zero_s: zero.time_s,
+        time_zero_rule: zero.rule.clone(),
+        dynamic_crush_m: events.crush.map(|crush| crush.displacement_m),
+        time_of_dynamic_crush_s: events.crush.map(|crush| crush.time_s),
+        centroid_time_s: events.crush.map(|c| centroid_time_from_crush(c.displacement_m, impact_speed_m_per_s)),
+        rebound_velocity_m_per_s: events.rebound.map(|rebound| rebound.velocity_m_per_s),
+        coefficient_of_restitution: events.restitution(impact_speed_m_per_s),
+        still_separating: events.rebound.is_some_and(|rebound| rebound.still_separating),
+        delta_v_m_per_s: events.delta_v_m_per_s(impact_speed_m_per_s),
+        time_of_rebound_s: events.rebound.map(|rebound| rebound.time_s),
+        impact_speed_m_per_s: Some(impact_speed_m_per_s),
+        rule: Some(settings.rule.name().to_owned()),
+        start: Some(pulse.motion.start.name().to_owned()),
+        intervals: intervals.collect(),
+        time_of_delta_v_s: events.unstopped.map(|unstopped| unstopped.time_s),
+        end_of_event_s: events.unstopped.map(|unstopped| unstopped.end_s),
+        end_of_event_rule: events.unstopped.map(|unstopped| unstopped.end.name().to_owned()),
+        without_interval: without.collect(),
+    }
+}
+
+/// The metrics of a channel, and the drift taken out of it.
+pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
+    let record_of = |(k, metric): (usize, &Metric)| {
+        let mut record = metric_record(&[channel], metric);
+        // A check of the arithmetic has no interval, and a missing value none to give a reason for.
+        if metric.value.is_some() && metric.interval.is_none() && metric.id != definitions::CLOSURE.id {
+            record.interval_by = integrated.metrics_without.get(k).cloned().flatten();
+        }
+        record
+    };
+    let mut records: Vec<MetricV1> = integrated.metrics.iter().enumerate().map(record_of).collect();
+    if let Some(drift) = integrated.drift {
+        let from_s = integrated.motion.velocity.t0_s() - time_zero_s;
+        let metric = Metric::with_value(&definitions::DRIFT, drift.acceleration_m_per_s2)
+            .over(from_s, drift.time_s - time_zero_s)
+            .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));
+        records.push(metric_record(&[channel], &metric));
+    }
+    records
+}
+
+/// Notes what the motion of the pulse shows: first where its sign is wrong or the impact speed does not fit it, because
+/// most other notes follow from that.
+///
+/// Where the stage that read the record asked for an exchange that explains it, nothing more is asked.
+pub fn note_findings(
+    pulse: &Integrated,
+    time_zero_s: f64,
+    impact_speed_m_per_s: f64,
+    speed_rule: SpeedRule,
+    notes: &mut Notes,
+) {
+    let of_pulse = findings(&pulse.motion, &pulse.events, time_zero_s, impact_speed_m_per_s);
+    if wrong_sign(&pulse.motion.velocity, time_zero_s, impact_speed_m_per_s) {
+        let before = std::mem::replace(notes, of_pulse);
+        notes.extend(before);
+        return;
+    }
+    let question =
+        question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s).filter(|_| speed_rule != SpeedRule::Partner);
+    let is_asked = question.is_some() && speed_rule == SpeedRule::AskedBefore;
+    // What follows from the exchange is no finding of its own.
+    for note in of_pulse.iter().filter(|note| !(is_asked && is_decisive(note))) {
+        notes.push(note.clone());
+    }
+    if let Some(question) = question.filter(|_| !is_asked) {
+        notes.concern_first(About::ImpactSpeed, question);
+    }
+}
+
+/// Whether a speed can be held against a pulse.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpeedRule {
+    /// No: a partner gives way, too.
+    Partner,
+    /// Yes, and the stage that read the record has asked for an exchange of one of both.
+    AskedBefore,
+    /// Yes, and nobody has asked yet.
+    New,
+}
+
+fn is_decisive(note: &Note) -> bool {
+    note.bearing.as_ref().is_some_and(|bearing| bearing.weight == Weight::Decisive)
+}
+
+/// Notes the warnings of the motion of another channel, under its name.
+pub fn note_warnings(id: &str, channel: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64, notes: &mut Notes) {
+    for note in findings(&channel.motion, &channel.events, time_zero_s, impact_speed_m_per_s).iter() {
+        if note.severity == Severity::Warning {
+            notes.concern(About::Channel(id.to_owned()), Weight::Marked, format!("channel {id}: {}", note.text));
+        }
+    }
+}
+
+/// Warns of vehicle metrics of what is no part of the vehicle.
+pub fn warn_unless_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
+    if !channel.may_be_on_vehicle() || part_of(channel).is_some() {
+        let location = if channel.location.is_empty() { "an occupant" } else { &channel.location };
+        notes.concern(About::Pulse, Weight::Decisive, format!(
+            "channel {} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse indices \
+             are those of the sensor, not of the vehicle",
+            channel.id
+        ));
+    }
+}
+
+/// The line of the summary.
+pub fn summary(channel: &str, pulse: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64) -> String {
+    if impact_speed_m_per_s == 0.0 {
+        let change = pulse.events.end_velocity_m_per_s;
+        return format!("pulse {channel}: from rest, change of velocity {change:.3} m/s at the end, no crash events");
+    }
+    if wrong_sign(&pulse.motion.velocity, time_zero_s, impact_speed_m_per_s) {
+        return format!("pulse {channel}: no crash events, {WRONG_SIGN}");
+    }
+    match (pulse.events.crush, pulse.events.rebound) {
+        (Some(crush), Some(rebound)) => {
+            let interval = pulse.event_intervals.first().copied().flatten();
+            let interval = interval.map_or_else(String::new, |i| format!(" ({:.3} to {:.3} m)", i.low, i.high));
+            format!(
+                "pulse {channel}: dynamic crush {:.4} m{interval} at {:.2} ms, rebound {:.3} m/s",
+                crush.displacement_m,
+                1e3 * crush.time_s,
+                rebound.velocity_m_per_s
+            )
+        }
+        _ => {
+            let end = pulse.events.end_velocity_m_per_s;
+            let change = pulse.events.unstopped.map_or_else(String::new, |unstopped| {
+                format!(
+                    ", delta-v {:.3} m/s at {:.1} ms (event ends at {:.1} ms: {})",
+                    impact_speed_m_per_s - unstopped.velocity_m_per_s,
+                    1e3 * unstopped.time_s,
+                    1e3 * unstopped.end_s,
+                    unstopped.end.name()
+                )
+            });
+            format!("pulse {channel}: the velocity never reaches zero, {end:.3} m/s at the end{change}")
+        }
+    }
+}
+
+/// What an interval is made from, as records say it.
+fn interval_source(by: IntervalBy) -> IntervalSourceV1 {
+    match by {
+        IntervalBy::Channels(_) => IntervalSourceV1::Channels,
+        IntervalBy::Replicates(_) => IntervalSourceV1::Replicates,
+        IntervalBy::Resolution => IntervalSourceV1::Resolution,
+    }
+}
+
+/// The record of a metric of one channel or several.
+pub fn metric_record(channels: &[&str], metric: &Metric) -> MetricV1 {
+    MetricV1 {
+        name: metric.name.to_owned(),
+        value: metric.value,
+        unit: metric.unit.to_owned(),
+        channel: channels.join("+"),
+        definition: metric.definition.clone(),
+        definition_id: Some(metric.id.to_owned()),
+        from_s: metric.window.map(|window| window.from_s),
+        to_s: metric.window.map(|window| window.to_s),
+        low: metric.interval.map(|interval| interval.low),
+        high: metric.interval.map(|interval| interval.high),
+        interval_by: metric.interval.map(|interval| interval.by.to_string()),
+        interval_source: metric.interval.map(|interval| interval_source(interval.by)),
+        channels: if channels.len() > 1 { channels.iter().map(|id| (*id).to_owned()).collect() } else { Vec::new() },
+        is_lower_bound: metric.is_lower_bound,
+    }
+}

@@ -1,0 +1,495 @@
+//! What is read off a pulse: peak, means, centroid, square waves, the largest change of velocity.
+//!
+//! All metrics of a crash pulse, in the order in which they are written.
+//!
+//! The order of the list is that of the artifact, so it is part of the file format. Every metric carries the window it
+//! belongs to: the loading phase, one moment, the stretch up to separation. One that the record does not show is absent
+//! with its reason.
+
+use crumple_signal::{Acceleration, Displacement, Sampled, Signal, Velocity};
+
+use crate::energy::{absorbed_energy, kinetic_energy, loading_work_per_kg};
+use crate::metric::definitions::{
+    ABSORBED_ENERGY, ASW, AVERAGE_STIFFNESS, CENTROID, CENTROID_MOMENT, CENTROID_RATIO, CLOSURE, DELTA_V,
+    DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, MAXIMUM_DELTA_V, PEAK, REBOUND_DISPLACEMENT, RESTITUTION,
+    RETURNED_ENERGY, SEPARATION, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V, TIME_OF_PEAK, X_MEAN,
+};
+use crate::metric::value::same_grid;
+use crate::restrained_occupant::{olc, vpi};
+use crate::sums::sliding_mean_of_velocity;
+use crate::{
+    CrashEvents, Definition, EventEnd, Interval, IntervalBy, Metric, MetricsError, OlcOptions, VpiOptions,
+    acceleration_after_separation, average_stiffness, energy_equivalent_speed,
+};
+
+/// A crash as motion: what [`pulse_metrics`] looks at. The three signals share one grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Pulse<'a> {
+    /// Acceleration, m/s².
+    pub acceleration: &'a Signal<Acceleration>,
+    /// Velocity, m/s.
+    pub velocity: &'a Signal<Velocity>,
+    /// Displacement, m, zero at time zero.
+    pub displacement: &'a Signal<Displacement>,
+    /// Events of this motion.
+    pub events: &'a CrashEvents,
+    /// Impact speed v0, m/s; `None`: not known, and the velocity is the change of it from time zero.
+    pub impact_speed_m_per_s: Option<f64>,
+    /// Test mass, kg, if known.
+    pub mass_kg: Option<f64>,
+    /// Time zero on the axis of the signals, s.
+    pub time_zero_s: f64,
+}
+
+/// The metrics of a pulse, always the same names in the same order; windows count from time zero.
+///
+/// What needs the mass or the dynamic crush and has none says so. A lowest velocity at the last sample makes delta-v,
+/// restitution and the energies of the rebound bounds, and they say so.
+pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
+    same_grid(("the acceleration", pulse.acceleration), ("the velocity", pulse.velocity))?;
+    same_grid(("the velocity", pulse.velocity), ("the displacement", pulse.displacement))?;
+    let (v0, mass, crush, rebound, zero_s) = (
+        pulse.impact_speed_m_per_s.unwrap_or(0.0),
+        pulse.mass_kg,
+        pulse.events.crush,
+        pulse.events.rebound,
+        pulse.time_zero_s,
+    );
+    let peak = peak(pulse.acceleration);
+    let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
+
+    let no_crush = match pulse.impact_speed_m_per_s {
+        _ if crush.is_some() && rebound.is_some() => String::new(),
+        None => "the impact speed is not stated".to_owned(),
+        Some(0.0) => "the motion starts from rest".to_owned(),
+        Some(_) => format!("the record ends at v = {:.3} m/s", pulse.events.end_velocity_m_per_s),
+    };
+    let metric = |definition: &Definition, value: Option<f64>| {
+        let reason = match crush {
+            _ if matches!(definition.unit, "J" | "N/m") && mass.is_none() => "the mass is not known",
+            None => &no_crush,
+            Some(_) => "not computable from this record",
+        };
+        Metric::of(definition, value, reason)
+    };
+    // What belongs to the loading phase, to one moment, to the stretch up to separation.
+    let loading = |m: Metric| crush.map_or(m.clone(), |c| m.over(0.0, c.time_s));
+    let contact = |m: Metric| rebound.map_or(m.clone(), |r| m.over(0.0, r.time_s));
+    let is_cut = rebound.is_some_and(|r| r.still_separating);
+    let lower = |m: Metric| match contact(m) {
+        m if is_cut => m.as_lower_bound("lower bound: still separating at the end"),
+        m => m,
+    };
+    let upper = |m: Metric| match contact(m) {
+        m if is_cut => m.remarked("upper bound: still separating at the end"),
+        m => m,
+    };
+    let at_crush = |m: Metric| crush.map_or(m.clone(), |c| m.over(c.time_s, c.time_s));
+
+    let at_peak = peak.map(|p| p.time_s - zero_s);
+    let moment = |m: Metric| at_peak.map_or(m.clone(), |t| m.over(t, t));
+    let returned = rebound.zip(mass).map(|(r, m)| kinetic_energy(m, r.velocity_m_per_s));
+    let absorbed = rebound.zip(mass).map(|(r, m)| absorbed_energy(m, v0, r.velocity_m_per_s));
+    // Equal to sqrt(2·E_abs/m), which needs no mass.
+    let equivalent = rebound.map(|r| energy_equivalent_speed(1.0, absorbed_energy(1.0, v0, r.velocity_m_per_s)));
+    let recovered = metric(&REBOUND_DISPLACEMENT, crush.zip(rebound).map(|(c, r)| c.displacement_m - r.displacement_m));
+    let recovered = match crush.zip(rebound) {
+        Some((c, r)) => recovered.over(c.time_s, r.time_s),
+        None => recovered,
+    };
+    let delta_v = match (v0 == 0.0).then(|| largest_change(pulse.velocity, zero_s)).flatten() {
+        Some(change) => delta_v_from_rest(change),
+        None => lower(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0))),
+    };
+    let delta_v = delta_v_of_unstopped(delta_v, pulse);
+    let drift = match rebound {
+        Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
+        None => Metric::absent(&SEPARATION, &no_crush),
+    };
+
+    Ok(vec![
+        moment(metric(&PEAK, peak.map(|p| p.acceleration_m_per_s2.abs()))),
+        moment(metric(&TIME_OF_PEAK, at_peak)),
+        at_crush(metric(&DYNAMIC_CRUSH, crush.map(|c| c.displacement_m))),
+        at_crush(metric(&TIME_OF_CRUSH, crush.map(|c| c.time_s))),
+        loading(metric(&CENTROID, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0)))),
+        loading(metric(
+            &CENTROID_MOMENT,
+            crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, zero_s, c.time_s)),
+        )),
+        loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
+        delta_v,
+        lower(metric(&RESTITUTION, pulse.events.restitution(v0))),
+        recovered,
+        loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
+        loading(metric(&ASW, crush.map(|c| average_square_wave(v0, c.time_s)))),
+        loading(metric(&X_MEAN, crush.and_then(|c| mean_deceleration(pulse.velocity, zero_s, zero_s + c.time_s)))),
+        sliding_mean_of_velocity(pulse.velocity, 0.025, zero_s).counted_from(zero_s),
+        olc(pulse.velocity, pulse.displacement, v0, zero_s, OlcOptions::default())?,
+        vpi(pulse.acceleration, zero_s, VpiOptions::default()),
+        loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
+        metric(&IMPACT_ENERGY, pulse.impact_speed_m_per_s.zip(mass).map(|(v0, m)| kinetic_energy(m, v0)))
+            .over(0.0, 0.0),
+        upper(metric(&ABSORBED_ENERGY, absorbed)),
+        lower(metric(&RETURNED_ENERGY, returned)),
+        upper(metric(&LOSS_RATIO, pulse.events.restitution(v0).map(|e| 1.0 - e * e))),
+        upper(metric(&EES, equivalent)),
+        loading(metric(&CLOSURE, work.map(|w| w / (v0 * v0 / 2.0) - 1.0))),
+        drift,
+    ])
+}
+
+/// Delta-v of a motion that never reaches zero, with the end of its event as a remark; any other as it is.
+fn delta_v_of_unstopped(delta_v: Metric, pulse: &Pulse<'_>) -> Metric {
+    match pulse.events.unstopped {
+        Some(unstopped) => {
+            let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
+            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}");
+            let delta_v = delta_v.over(0.0, unstopped.time_s);
+            match unstopped.end {
+                EventEnd::Quiet => delta_v.remarked(&remark),
+                EventEnd::Record => delta_v.as_lower_bound(&format!("{remark}: lower bound, it still changes there")),
+            }
+        }
+        None => delta_v,
+    }
+}
+
+/// Delta-v of a motion from rest: its largest velocity and when that is, with its direction as a remark.
+fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64)) -> Metric {
+    let way = if change_m_per_s < 0.0 { "rearward" } else { "forward" };
+    let remark = format!("{way}, the largest change from time zero");
+    Metric::with_value(&DELTA_V, change_m_per_s.abs()).over(0.0, time_s).remarked(&remark)
+}
+
+/// The largest velocity of a motion from rest after time zero, signed, m/s, and its time, s from time zero.
+///
+/// For a vehicle that rebounds from a barrier it is the delta-v of the motion with its impact speed, v0 - v_s, whatever
+/// that speed is.
+fn largest_change(velocity: &Signal<Velocity>, zero_s: f64) -> Option<(f64, f64)> {
+    let (v, first) = (velocity.samples(), velocity.index_at_or_after(zero_s));
+    v.get(first)?;
+    let largest = first + index_of_largest(&v[first..]);
+    Some((v[largest], velocity.time_s(largest) - zero_s))
+}
+
+/// The sample of largest magnitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak {
+    /// Its acceleration with its sign, m/s².
+    pub acceleration_m_per_s2: f64,
+    /// Its time on the signal's own axis, s.
+    pub time_s: f64,
+}
+
+/// The sample of largest |a|, the earliest of equals; `None` without samples.
+///
+/// Not interpolated: the true peak of a signal between two samples is higher by at most `T²·max|a''|/8`.
+/// State the channel frequency class beside it, the peak of an unfiltered channel is mostly ringing.
+pub fn peak(acceleration: &Signal<Acceleration>) -> Option<Peak> {
+    let a = acceleration.samples();
+    let index = index_of_largest(a);
+    Some(Peak { acceleration_m_per_s2: *a.get(index)?, time_s: acceleration.time_s(index) })
+}
+
+/// Index of the sample of largest magnitude, the earliest of equals; 0 without samples.
+fn index_of_largest(samples: &[f64]) -> usize {
+    // The maximum alone is found in several lanes at once; where it is, in a second pass up to there.
+    let mut lanes = [0.0_f64; 8];
+    let chunks = samples.chunks_exact(lanes.len());
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            let size = value.abs();
+            *lane = if size > *lane { size } else { *lane };
+        }
+    }
+    let largest = rest.iter().map(|value| value.abs()).chain(lanes).fold(0.0, f64::max);
+    samples.iter().position(|value| value.abs() == largest).unwrap_or(0)
+}
+
+/// Mean deceleration over `from_s ..= to_s`, m/s², positive when braking: `(v(from) - v(to))/(to - from)` ("x-mean").
+///
+/// From the velocity with linear interpolation, never a mean of samples: that one depends on where the samples
+/// fall. Times are on the signal's own axis; `None` if they are out of order or outside the record.
+pub fn mean_deceleration(velocity: &Signal<Velocity>, from_s: f64, to_s: f64) -> Option<f64> {
+    if from_s >= to_s {
+        return None;
+    }
+    Some((velocity.at(from_s)? - velocity.at(to_s)?) / (to_s - from_s))
+}
+
+/// Centroid time t_c = C/v0 of the loading pulse, s.
+///
+/// Exact where velocity and displacement are consistent: `∫ t·a dt / ∫ a dt` over 0..t_m, by parts with v(t_m) = 0.
+/// Huang, *Vehicle Crash Mechanics* (2002).
+pub fn centroid_time_from_crush(dynamic_crush_m: f64, impact_speed_m_per_s: f64) -> f64 {
+    dynamic_crush_m / impact_speed_m_per_s
+}
+
+/// Centroid time as the first moment of the pulse, `∫ t·a dt / ∫ a dt` from the first sample to `until_s`, s.
+///
+/// Times count from `time_zero_s`, `until_s` too. Trapezoid with a interpolated at `until_s`, error O(T²). With a t_m
+/// from the same acceleration it equals [`centroid_time_from_crush`] by parts whatever the impact speed is: a gap above
+/// 0.1 % says that the sampling or the rule is too crude for the pulse, or that C and t_m are from elsewhere.
+/// `None` if the pulse has no area or `until_s` lies outside the record.
+pub fn centroid_time_by_moment(acceleration: &Signal<Acceleration>, time_zero_s: f64, until_s: f64) -> Option<f64> {
+    let a_end = acceleration.at(time_zero_s + until_s)?;
+    let (mut area, mut moment) = (0.0, 0.0);
+    let mut previous: Option<(f64, f64)> = None;
+    let before_end = acceleration.samples().iter().enumerate().map(|(k, &a)| (acceleration.time_s(k) - time_zero_s, a));
+    for (t, a) in before_end.take_while(|(t, _)| *t < until_s).chain(std::iter::once((until_s, a_end))) {
+        if let Some((t_before, a_before)) = previous {
+            area += (t - t_before) * (a_before + a) / 2.0;
+            moment += (t - t_before) * (t_before * a_before + t * a) / 2.0;
+        }
+        previous = Some((t, a));
+    }
+    let centroid = moment / area;
+    centroid.is_finite().then_some(centroid)
+}
+
+/// Equivalent square wave by displacement, ESW = v0²/(2C), m/s²: the constant deceleration with the same crush.
+pub fn equivalent_square_wave(impact_speed_m_per_s: f64, dynamic_crush_m: f64) -> f64 {
+    impact_speed_m_per_s * impact_speed_m_per_s / (2.0 * dynamic_crush_m)
+}
+
+/// Average square wave by time, ASW = v0/t_m, m/s²: the constant deceleration that stops in the same time.
+pub fn average_square_wave(impact_speed_m_per_s: f64, time_of_dynamic_crush_s: f64) -> f64 {
+    impact_speed_m_per_s / time_of_dynamic_crush_s
+}
+
+/// Last moment that counts, s from time zero.
+const LAST_S: f64 = 0.3;
+
+/// Steps in which recorders keep a change of velocity, m/s: mph and km/h, whole, tenths and hundredths, the longest
+/// first.
+const STEPS_M_PER_S: [f64; 6] = [0.447_04, 1.0 / 3.6, 0.044_704, 0.1 / 3.6, 0.004_470_4, 0.01 / 3.6];
+
+/// Maximum delta-V and the time to it, of a cumulative change of velocity along one axis (49 CFR 563.5).
+///
+/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero where the table
+/// begins before it (one that begins at time zero or later counts from there, whatever its first row), and its time;
+/// the first of equals. The value keeps its sign: a frontal impact is negative. Its interval is half of the step in
+/// which the recorder prints, twice that where a row before it is subtracted; that of the time is half a sampling
+/// interval. A lower bound has none, nor has a value whose step is not known. The trapezoid of an acceleration derived
+/// from the table would lose what the smoothing takes off the peak. Absent without a sample at or after time zero.
+pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
+    let v = change.samples();
+    // 1e-6 of a sample: the slack of decimal time stamps.
+    let slack_s = 1e-6 * change.dt_s();
+    let first = change.index_at_or_after(time_zero_s - slack_s);
+    let Some(row) = v.get(first) else {
+        return [&MAXIMUM_DELTA_V, &TIME_OF_MAXIMUM_DELTA_V]
+            .map(|definition| Metric::absent(definition, "no sample at or after time zero"));
+    };
+    let start = if first > 0 { *row } else { 0.0 };
+    let counting = (first..v.len()).take_while(|k| change.time_s(*k) - time_zero_s <= LAST_S + slack_s);
+    let largest =
+        counting.fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
+    let time_s = change.time_s(largest) - time_zero_s;
+    let at = |metric: Metric| {
+        let metric = metric.over(time_s, time_s);
+        if largest + 1 == v.len() {
+            metric.as_lower_bound("at the last sample of the table: a lower bound")
+        } else {
+            metric
+        }
+    };
+    let within = |metric: Metric, half_width: Option<f64>| {
+        let interval = metric.value.zip(half_width.filter(|_| largest + 1 < v.len())).map(|(value, half_width)| {
+            Interval { low: value - half_width, high: value + half_width, by: IntervalBy::Resolution }
+        });
+        Metric { interval, ..metric }
+    };
+    let rounded_values = if start == 0.0 { 1.0 } else { 2.0 };
+    let step = printed_step(v).map(|step| 0.5 * step * rounded_values);
+    [
+        within(at(Metric::with_value(&MAXIMUM_DELTA_V, v[largest] - start)), step),
+        within(at(Metric::with_value(&TIME_OF_MAXIMUM_DELTA_V, time_s)), Some(0.5 * change.dt_s())),
+    ]
+}
+
+/// The longest of the usual steps of which all values are whole multiples.
+fn printed_step(values: &[f64]) -> Option<f64> {
+    // A unit's factor is rounded once, and so is its multiple.
+    let is_whole = |value: f64, step: f64| (value / step - (value / step).round()).abs() < 1e-6;
+    let moves = values.iter().any(|value| *value != 0.0);
+    STEPS_M_PER_S.into_iter().find(|step| moves && values.iter().all(|value| is_whole(*value, *step)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crash_events;
+
+    fn metrics_of(mass_kg: Option<f64>, v: Vec<f64>, everywhere_m: f64) -> Vec<Metric> {
+        let grid = |samples| Signal::<Velocity>::new(0.0, 0.5, samples).unwrap();
+        let a = Signal::new(0.0, 0.5, vec![-2.0; v.len()]).unwrap();
+        let x = Signal::new(0.0, 0.5, vec![everywhere_m; v.len()]).unwrap();
+        let velocity = grid(v);
+        let events = crash_events(&velocity, &x, 0.0).unwrap();
+        pulse_metrics(&Pulse {
+            acceleration: &a,
+            velocity: &velocity,
+            displacement: &x,
+            events: &events,
+            impact_speed_m_per_s: Some(4.0),
+            mass_kg,
+            time_zero_s: 0.0,
+        })
+        .unwrap()
+    }
+
+    fn find<'a>(metrics: &'a [Metric], name: &str) -> &'a Metric {
+        metrics.iter().find(|m| m.name == name).unwrap()
+    }
+
+    #[test]
+    fn what_the_record_does_not_show_is_absent_with_its_reason() {
+        let metrics = metrics_of(Some(900.0), vec![4.0, 3.0, 2.0], 0.0);
+        let crush = find(&metrics, "dynamic_crush");
+        assert_eq!((crush.value, crush.definition.as_str()), (None, "absent: the record ends at v = 2.000 m/s"));
+        assert_eq!(find(&metrics, "peak_acceleration").value, Some(2.0));
+        assert_eq!(find(&metrics, "delta_v").value, None, "2 m/s a second are no impact");
+    }
+
+    #[test]
+    fn a_velocity_that_never_reaches_zero_has_its_change_and_says_where_the_event_ends() {
+        // 9 m/s in 45 ms, then free.
+        let v: Vec<f64> = (0..200).map(|k| 15.0 - 0.2 * f64::from(k).min(45.0)).collect();
+        let of = |v: Vec<f64>| {
+            let grid = |samples| Signal::<Velocity>::new(0.0, 1e-3, samples).unwrap();
+            let n = v.len();
+            let x = Signal::new(0.0, 1e-3, vec![0.1; n]).unwrap();
+            let velocity = grid(v);
+            let events = crash_events(&velocity, &x, 0.0).unwrap();
+            let acceleration = Signal::new(0.0, 1e-3, vec![-2.0; n]).unwrap();
+            let metrics = pulse_metrics(&Pulse {
+                acceleration: &acceleration,
+                velocity: &velocity,
+                displacement: &x,
+                events: &events,
+                impact_speed_m_per_s: Some(15.0),
+                mass_kg: None,
+                time_zero_s: 0.0,
+            });
+            find(&metrics.unwrap(), "delta_v").clone()
+        };
+        let delta_v = of(v.clone());
+        assert!((delta_v.value.unwrap() - 9.0).abs() < 1e-12, "{delta_v:?}");
+        assert!((delta_v.window.unwrap().to_s - 0.045).abs() < 1e-12, "{delta_v:?}");
+        // 0.2 m/s are lost in the millisecond from 44 ms on, less than 0.222.
+        let said = "the event ends at 64.0 ms by 20 ms with no more than 0.8 km/h (49 CFR 563)";
+        assert!(delta_v.definition.ends_with(said), "{}", delta_v.definition);
+        let cut = of(v[..40].to_vec());
+        assert!((cut.value.unwrap() - 7.8).abs() < 1e-12, "{cut:?}");
+        assert!(cut.definition.ends_with("by end of the record: lower bound, it still changes there"), "{cut:?}");
+    }
+
+    #[test]
+    fn every_value_has_a_window_and_a_motion_from_rest_says_that_it_is_one() {
+        let metrics = metrics_of(Some(900.0), (0..=80).map(|k| 4.0 - 0.1 * f64::from(k)).collect(), 0.5);
+        assert!(metrics.iter().any(|m| m.name == "rebound_displacement" && m.value.is_some()));
+        for metric in metrics {
+            assert_eq!(metric.value.is_some(), metric.window.is_some(), "{metric:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_mass_energy_and_stiffness_say_so() {
+        let metrics = metrics_of(None, vec![1.0, 0.0, -1.0], 0.0);
+        for name in ["average_stiffness", "impact_energy", "energy_absorbed"] {
+            assert_eq!(find(&metrics, name).definition, "absent: the mass is not known");
+        }
+    }
+
+    #[test]
+    fn no_value_is_infinite_or_nan_where_the_crush_is_zero() {
+        let metrics = metrics_of(Some(900.0), vec![1.0, 0.0, -1.0], -0.25);
+        assert_eq!(find(&metrics, "equivalent_square_wave").value, None);
+        assert!(metrics.iter().all(|m| m.value.is_none_or(f64::is_finite)));
+    }
+
+    #[test]
+    fn takes_the_larger_magnitude_and_the_earlier_of_equals() {
+        let signal = Signal::new(0.0, 1.0, vec![3.0, -5.0, 5.0, -5.0]).unwrap();
+        assert_eq!(peak(&signal), Some(Peak { acceleration_m_per_s2: -5.0, time_s: 1.0 }));
+        assert_eq!(peak(&Signal::new(0.0, 1.0, vec![]).unwrap()), None);
+        for at in [0, 7, 8, 40, 41] {
+            let mut samples: Vec<f64> = (0..42).map(|k| (f64::from(k)).sin()).collect();
+            samples[at] = -2.0;
+            assert_eq!(index_of_largest(&samples), at);
+        }
+    }
+
+    #[test]
+    fn interpolates_the_velocity_at_both_ends() {
+        let v = Signal::new(0.0, 1.0, vec![10.0, 8.0, 2.0]).unwrap();
+        assert_eq!(mean_deceleration(&v, 0.5, 1.5), Some(4.0));
+        assert_eq!(mean_deceleration(&v, 0.5, 2.5), None);
+        assert_eq!(mean_deceleration(&v, 1.0, 1.0), None);
+    }
+
+    #[test]
+    fn a_constant_pulse_has_its_centroid_in_the_middle() {
+        let a = Signal::new(-1.0, 0.5, vec![-4.0; 9]).unwrap();
+        assert_eq!(centroid_time_by_moment(&a, -1.0, 3.0), Some(1.5));
+        assert_eq!(centroid_time_by_moment(&a, -1.0, 9.0), None);
+    }
+
+    #[test]
+    fn a_signal_of_zeros_has_no_centroid() {
+        assert_eq!(centroid_time_by_moment(&Signal::new(0.0, 0.5, vec![0.0; 9]).unwrap(), 0.0, 3.0), None);
+    }
+
+    fn of(v: &[f64]) -> (Option<f64>, Option<f64>) {
+        let [dv, time] = maximum_delta_v(&Sampled::new(-0.01, 0.01, v.to_vec()).unwrap(), 0.0);
+        // Time stamps are sums of decimal fractions.
+        (dv.value, time.value.map(|t| (1e9 * t).round() / 1e9))
+    }
+
+    #[test]
+    fn the_interval_is_half_of_the_step_of_the_table() {
+        let table = |km_per_h: &[f64]| -> Vec<f64> { km_per_h.iter().map(|v| v / 3.6).collect() };
+        let interval = |km_per_h: &[f64]| {
+            let wave = Sampled::new(-0.01, 0.01, table(km_per_h)).unwrap();
+            maximum_delta_v(&wave, 0.0).map(|metric| metric.interval.map(|i| (i.low, i.high)))
+        };
+        let near = |found: Option<(f64, f64)>, low: f64, high: f64| {
+            let (a, b) = found.unwrap();
+            assert!((a - low).abs() < 1e-9 && (b - high).abs() < 1e-9, "{a} to {b}");
+        };
+        let [change, time] = interval(&[0.0, 0.0, -3.0, -41.0, -40.0]);
+        near(change, -41.5 / 3.6, -40.5 / 3.6);
+        near(time, 0.015, 0.025);
+        // Two rounded values.
+        near(interval(&[0.0, -1.0, -3.0, -41.0, -40.0])[0], -41.0 / 3.6, -39.0 / 3.6);
+        // Whole mph are no whole km/h.
+        let mph = [0.0, 0.0, -7.0, -25.0, -24.0].map(|v| v * 1.609_344);
+        near(interval(&mph)[0], -25.5 * 0.447_04, -24.5 * 0.447_04);
+        assert_eq!(interval(&[0.0, 0.0, -3.151_592, -40.0])[0], None, "no step that is known");
+        assert_eq!(interval(&[0.0, 0.0, -3.0, -40.0]), [None, None], "a lower bound");
+    }
+
+    #[test]
+    fn the_first_sample_of_largest_magnitude_from_time_zero_on_counts() {
+        assert_eq!(of(&[9.0, 0.0, -3.0, -5.0, -5.0, -4.0]), (Some(-5.0), Some(0.02)));
+        assert_eq!(of(&[0.0, -1.0, -3.0, 4.0]).0, Some(5.0), "against the value at time zero");
+        assert_eq!(of(&[0.0]), (None, None));
+        // A table whose first row is 10 ms after time zero has lost something by then.
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.01, 0.01, vec![-3.0, -40.5, -40.0]).unwrap(), 0.0);
+        assert_eq!(dv.value, Some(-40.5));
+        let late: Vec<f64> = (0..60).map(f64::from).collect();
+        // Sample 1 is time zero, sample 31 is 300 ms.
+        let (dv, time) = of(&late);
+        assert_eq!(dv, Some(30.0));
+        assert!((time.unwrap() - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_that_ends_while_the_velocity_changes_gives_a_bound() {
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.0, 0.01, vec![0.0, -1.0, -2.0]).unwrap(), 0.0);
+        assert!(dv.definition.ends_with("a lower bound"), "{}", dv.definition);
+    }
+}

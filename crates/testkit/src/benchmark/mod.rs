@@ -1,3 +1,0 @@
-//! What the benchmark programs measure with.
-
-pub mod stopwatch;

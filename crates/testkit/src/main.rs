@@ -1,0 +1,292 @@
+//! `crumple-testkit`: holds the programs against what is known, makes fixtures and fleets. `just` calls it.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use crumple_testkit::bytes::{Difference, compare, write_digests};
+use crumple_testkit::fixture::fixtures;
+use crumple_testkit::fuzz::{Campaign, Tally, run_campaign};
+use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
+use crumple_testkit::made_fleet::write_fleet;
+use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
+use crumple_testkit::truth::{self, Extent, Made, Net, Registry, RunCase, cases};
+use crumple_testkit::workspace;
+use rayon::prelude::*;
+
+/// The made fleet is the same every time.
+const SEED: u64 = 17;
+
+/// Exit code 1: something differs, ends as it may not, or contradicts the truth; 2: it could not be found out.
+#[derive(Debug, Parser)]
+#[command(about = "Holds the programs against what is known, makes fixtures and fleets")]
+enum Command {
+    /// Digests of everything that the programs write, or what differs between two lists of them
+    Bytes(Bytes),
+    /// Mutated files and tampered artifacts, each read by the program that it is meant for; the files stay in FOLDER
+    Fuzz {
+        #[command(flatten)]
+        programs: Programs,
+        #[arg(long, default_value_os_t = workspace().join("target/fuzz"))]
+        folder: PathBuf,
+        /// Number of each
+        #[arg(long, default_value_t = 1000)]
+        files: u64,
+        /// Number of the first
+        #[arg(long, default_value_t = 0)]
+        first: u64,
+    },
+    /// How often 95 % intervals of fitted parameters hold the truth and how wide they are, as Markdown
+    ///
+    /// Intervals of parameters that their record determines, as the report says it, stand apart from other closed ones
+    /// and from open ones.
+    IntervalBenchmark(IntervalBenchmark),
+    /// Writes the fixtures
+    MakeFixtures {
+        #[arg(default_value_os_t = workspace().join("fixtures"))]
+        folder: PathBuf,
+    },
+    /// Writes records of a made fleet
+    MakeFleet {
+        folder: PathBuf,
+        records: usize,
+        /// Records that cannot be read
+        #[arg(default_value_t = 0)]
+        broken: usize,
+    },
+    /// How far predictions of other tests are off, as Markdown
+    PredictionBenchmark(PredictionBenchmark),
+    /// Every sentence of runs of known truth, read back and compared with it
+    ///
+    /// Prints a table of templates, then what contradicts the truth and what no rule reads.
+    Truth {
+        #[command(flatten)]
+        programs: Programs,
+        /// Made cars a family and kind
+        #[arg(long, default_value_t = 4)]
+        cars: usize,
+        #[arg(long)]
+        short: bool,
+        /// Parts of names of runs
+        name: Vec<String>,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+struct Programs {
+    /// Folder of the programs
+    #[arg(long, default_value_os_t = workspace().join("target/release"), value_parser = absolute)]
+    bin: PathBuf,
+}
+
+fn absolute(path: &str) -> Result<PathBuf, std::io::Error> {
+    std::path::absolute(path)
+}
+
+#[derive(Debug, clap::Args)]
+struct Bytes {
+    #[command(flatten)]
+    programs: Programs,
+    /// The list; what the programs write lies beside it with the ending .cases meanwhile
+    #[arg(default_value_os_t = workspace().join("target/bytes.txt"))]
+    out: PathBuf,
+    /// Two lists
+    #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "out")]
+    compare: Vec<PathBuf>,
+    /// Only texts and content count
+    #[arg(long, requires = "compare", conflicts_with = "masked")]
+    content: bool,
+    /// Only content counts
+    #[arg(long, requires = "compare")]
+    masked: bool,
+}
+
+#[derive(Debug, clap::Args)]
+struct IntervalBenchmark {
+    #[command(flatten)]
+    programs: Programs,
+    /// How often the model that the record was made of, or one that the record cannot tell from it, is recommended or
+    /// the simplest
+    #[arg(long)]
+    choice: bool,
+    /// Records whose trigger and stated speed have no error, behind a filter without phase
+    #[arg(long)]
+    clean: bool,
+    /// Every interval without the truth too, on stderr
+    #[arg(long)]
+    misses: bool,
+    #[arg(long, default_value_t = 300)]
+    records: usize,
+    /// Number of the first record: another one draws other cars
+    #[arg(long, default_value_t = 0)]
+    first: usize,
+    /// Parts of names of families
+    family: Vec<String>,
+}
+
+#[derive(Debug, clap::Args)]
+struct PredictionBenchmark {
+    #[command(flatten)]
+    programs: Programs,
+    /// Made cars a kind
+    #[arg(long, default_value_t = 50)]
+    cars: usize,
+    /// Number of the first car
+    #[arg(long, default_value_t = 0)]
+    first: usize,
+    /// Speeds in km/h at which each car is tested; several are joined to one model
+    #[arg(long, value_delimiter = ',', default_value = "56")]
+    tests: Vec<f64>,
+    /// What every candidate predicts too
+    #[arg(long)]
+    candidates: bool,
+    /// Leave the records and artifacts of every car here
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
+    /// Parts of names of kinds
+    kind: Vec<String>,
+}
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    match run(Command::parse()) {
+        Ok(is_right) => ExitCode::from(u8::from(!is_right)),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Whether all is as it should be.
+fn run(command: Command) -> Result<bool, Failure> {
+    match command {
+        Command::Bytes(asked) if asked.compare.is_empty() => {
+            let digests = write_digests(&asked.programs.bin, &asked.out.with_extension("cases"))?;
+            std::fs::write(&asked.out, &digests)?;
+            eprintln!("{} digests: {}", digests.lines().count(), asked.out.display());
+            Ok(true)
+        }
+        Command::Bytes(asked) => report_differences(&asked),
+        Command::Fuzz { programs, folder, files, first } => {
+            let campaign = Campaign { bin: programs.bin, folder, first, files };
+            let [mutated, tampered] = run_campaign(&campaign, &mut |line| println!("{line}"))?;
+            println!("mutated files: {mutated}\ntampered artifacts: {tampered}");
+            Ok([&mutated, &tampered].into_iter().map(Tally::not_allowed).sum::<usize>() == 0)
+        }
+        Command::IntervalBenchmark(asked) => interval_benchmark(&asked),
+        Command::MakeFixtures { folder } => {
+            for fixture in fixtures()? {
+                let target = folder.join(fixture.name);
+                std::fs::create_dir_all(&target)?;
+                std::fs::write(target.join("crash.csv"), &fixture.csv)?;
+                std::fs::write(target.join("truth.json"), fixture.truth_text())?;
+            }
+            Ok(true)
+        }
+        Command::MakeFleet { folder, records, broken } => {
+            write_fleet(&folder, records, broken, SEED).map_err(|error| format!("{}: {error}", folder.display()))?;
+            Ok(true)
+        }
+        Command::PredictionBenchmark(asked) => prediction_benchmark(&asked),
+        Command::Truth { programs, cars, short, name } => {
+            hold_against_truth(&programs.bin, if short { Extent::Short } else { Extent::Long(cars) }, &name)
+        }
+    }
+}
+
+/// Whether a name has one of these parts, or none is asked for.
+fn is_asked(wanted: &[String], name: &str) -> bool {
+    wanted.is_empty() || wanted.iter().any(|part| name.contains(part.as_str()))
+}
+
+fn own_folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("{name}-{}", std::process::id()))
+}
+
+/// Names every difference; whether none counts.
+fn report_differences(asked: &Bytes) -> Result<bool, Failure> {
+    let least = match (asked.content, asked.masked) {
+        (true, _) => Difference::Texts,
+        (_, true) => Difference::Content,
+        _ => Difference::AroundContent,
+    };
+    let (first, second) = (std::fs::read_to_string(&asked.compare[0])?, std::fs::read_to_string(&asked.compare[1])?);
+    let differences = compare(&first, &second)?;
+    for (file, difference) in &differences {
+        println!("{difference}: {file}");
+    }
+    let counted = differences.iter().filter(|(_, difference)| *difference >= least).count();
+    println!("{} of {} lines differ, {counted} of them count", differences.len(), first.lines().count());
+    Ok(counted == 0)
+}
+
+fn interval_benchmark(asked: &IntervalBenchmark) -> Result<bool, Failure> {
+    let IntervalBenchmark { programs, choice, clean, misses, records, first, family: wanted } = asked;
+    let (bin, records, folder) = (programs.bin.as_path(), *first..first + records, own_folder("interval-benchmark"));
+    let names: Vec<&str> = match choice {
+        true => DRAWN.iter().map(|drawn| drawn.name).collect(),
+        false => FAMILIES.iter().map(|family| family.name).collect(),
+    };
+    if !names.iter().any(|name| is_asked(wanted, name)) {
+        return Err(format!("no family has {} in its name; there are: {}", wanted.join(", "), names.join("; ")).into());
+    }
+    if *choice {
+        println!("{}", Choices::HEAD);
+        let pipeline = workspace().join("pipelines/default.toml");
+        for drawn in DRAWN.iter().filter(|drawn| is_asked(wanted, drawn.name)) {
+            print!("{}", choices_of(drawn, records.clone(), *clean, (bin, &pipeline), &folder)?.row(drawn.name));
+        }
+    } else {
+        println!("{}", Cover::HEAD);
+        for family in FAMILIES.iter().filter(|family| is_asked(wanted, family.name)) {
+            let cover = cover_of(family, records.clone(), *clean, (bin, &folder))?;
+            print!("{}", cover.rows(family.name));
+            cover.misses.iter().filter(|_| *misses).for_each(|miss| eprintln!("{miss}"));
+        }
+    }
+    std::fs::remove_dir_all(&folder)?;
+    Ok(true)
+}
+
+fn prediction_benchmark(asked: &PredictionBenchmark) -> Result<bool, Failure> {
+    let PredictionBenchmark { programs, cars, first, tests, candidates, keep, kind: wanted } = asked;
+    let folder = keep.clone().unwrap_or_else(|| own_folder("prediction-benchmark"));
+    let pipeline = workspace().join("pipelines/default.toml");
+    let kinds: Vec<_> = KINDS.iter().filter(|kind| is_asked(wanted, kind.name)).collect();
+    if kinds.is_empty() {
+        return Err(format!("no kind has one of these in its name: {}", wanted.join(", ")).into());
+    }
+    let cars = *first..first + cars;
+    print!("{}", tables(&outcomes(&kinds, &cars, (tests, *candidates), (&programs.bin, &pipeline), &folder)?));
+    if keep.is_none() {
+        std::fs::remove_dir_all(&folder)?;
+    }
+    Ok(true)
+}
+
+fn hold_against_truth(bin: &Path, extent: Extent, wanted: &[String]) -> Result<bool, Failure> {
+    let folder = own_folder("truth");
+    std::fs::create_dir_all(&folder)?;
+    let all = cases(extent, &folder).map_err(|error| error.to_string())?;
+    let asked: Vec<&RunCase> = all.iter().filter(|case| is_asked(wanted, &case.name)).collect();
+    let runs: Vec<Result<Made, truth::Failure>> = asked.par_iter().map(|case| truth::run(case, bin, &folder)).collect();
+    std::fs::remove_dir_all(&folder)?;
+    let failed = runs.iter().filter_map(|run| run.as_ref().err()).inspect(|error| eprintln!("error: {error}")).count();
+    let registry = Registry::new();
+    let mut net = Net::default();
+    runs.iter().flatten().for_each(|made| net.read(&registry, made));
+    print!("{}", net.table(&registry));
+    let without = registry.without_rule();
+    if !without.is_empty() {
+        println!("\n{} texts without a rule: {}", without.len(), without.join(", "));
+    }
+    let too_low = net.counts.too_low();
+    too_low.iter().for_each(|line| println!("too low: {line}"));
+    Ok(failed == 0
+        && net.contradictions.is_empty()
+        && net.unread.is_empty()
+        && without.is_empty()
+        && too_low.is_empty())
+}
