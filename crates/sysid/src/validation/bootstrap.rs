@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::NoiseModel;
 
 /// Standard deviations from the middle to the ends of a nominal 90 % interval, and of a 95 % one.
-const NORMAL: [f64; 2] = [1.645, 1.96];
+const NORMAL: [f64; 2] = [1.644_853_626_951_472_2, 1.959_963_984_540_054];
 
 /// Share of the replicates that must have led to a model, or to a mode, for a result to be given.
 const LEAST_SUCCESS: f64 = 0.5;
@@ -300,7 +300,7 @@ mod tests {
     fn an_interval_holds_the_estimate_whatever_the_bias() {
         let spread = Spread::about(3.0, 3.0, &[3.5, 3.6, 3.7]).unwrap();
         assert!((spread.bias - 0.6).abs() < 1e-12 && (spread.deviation - 0.1).abs() < 1e-12 && spread.is_biased());
-        let reach = 1.645 * 0.37_f64.sqrt();
+        let reach = NORMAL[0] * 0.37_f64.sqrt();
         assert!((spread.lower - (3.0 - reach)).abs() < 1e-12 && (spread.upper - (3.0 + reach)).abs() < 1e-12);
         assert_eq!(Spread::about(3.0, 3.0, &[3.5]), None);
     }

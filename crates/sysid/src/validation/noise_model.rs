@@ -12,7 +12,9 @@ use nalgebra::DMatrix;
 
 use crate::output_error::options::OutputErrorOptions;
 use crate::output_error::output_error::{OutputError, output_error, output_error_from};
-use crate::{ArxOrder, IdentifyError, IoData, VectorArx, simulate_fitted, vector_arx};
+use crate::{
+    ArxOrder, IdentifyError, IoData, Subspace, SubspaceOptions, VectorArx, Weighting, simulate_fitted, vector_arx,
+};
 
 /// Highest order of the autoregression of the errors of a simulation.
 const HIGHEST_AUTOREGRESSION: usize = 6;
@@ -161,26 +163,48 @@ pub struct NoiseOptions<'a> {
 }
 
 impl NoiseOptions<'_> {
-    /// Of an order, in motion at the start, from all starts.
+    /// Of an order, in motion at the start, from the models of regressions.
     pub fn new(order: usize) -> Self {
         Self { order, from_rest: false, near: &[], near_alone: false }
     }
 }
 
-/// The better of two output-error fits: from the record's own starts and from what is near.
+/// The best output-error fit from models of regressions and from what is near; of all starts of the engine where these
+/// lead nowhere.
+///
+/// Noise that went through the system has optima of its own, in which output error follows the noise: a search from
+/// everywhere finds them.
 pub(crate) fn best_output_error(data: &IoData, options: NoiseOptions<'_>) -> Result<OutputError, IdentifyError> {
+    from_starts(data, data, options)
+}
+
+/// The same with starts from another form of the record.
+fn from_starts(data: &IoData, record: &IoData, options: NoiseOptions<'_>) -> Result<OutputError, IdentifyError> {
     let fit = OutputErrorOptions { from_rest: options.from_rest, ..OutputErrorOptions::new(options.order) };
-    let near = || output_error_from(data, fit, options.near);
-    if options.near_alone {
-        return near();
+    let mut starts = options.near.to_vec();
+    if !options.near_alone {
+        starts.extend(regressions(record, options.order));
     }
-    let fits = [output_error(data, fit), near()];
-    let [first, second] = fits;
-    match (first, second) {
-        (Ok(first), Ok(second)) => Ok(if second.loss < first.loss { second } else { first }),
-        (Ok(fit), Err(_)) | (Err(_), Ok(fit)) => Ok(fit),
-        (Err(error), Err(_)) => Err(error),
+    match output_error_from(data, fit, &starts) {
+        Err(_) if !options.near_alone => output_error(data, fit),
+        result => result,
     }
+}
+
+/// Block rows of a subspace model, at least.
+const BLOCK_ROWS: usize = 10;
+
+/// Sampled poles of an ARX model and of subspace models of two horizons, of the order each.
+fn regressions(data: &IoData, order: usize) -> Vec<Vec<Complex>> {
+    let lags = order.div_ceil(data.outputs().len());
+    let arx = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).and_then(|model| model.state_space());
+    let subspace = |block_rows: usize| {
+        let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows, direct: true };
+        Some(Subspace::new(data, options).ok()?.realize(order).ok()?.model)
+    };
+    let horizons = [(order + 2).max(BLOCK_ROWS), 3 * order + 2];
+    let models = arx.ok().into_iter().chain(horizons.into_iter().filter_map(subspace));
+    models.filter_map(|model| model.poles().ok()).collect()
 }
 
 /// One of the two models with its criterion.
@@ -211,7 +235,7 @@ pub fn noise_model(data: &IoData, options: NoiseOptions<'_>) -> Result<NoiseMode
     } else {
         let impulse = (0..data.samples()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
         let driven = IoData::new(vec![impulse], data.outputs().to_vec(), data.sample_time_s())?;
-        best_output_error(&driven, NoiseOptions { from_rest: true, ..options })
+        from_starts(&driven, data, NoiseOptions { from_rest: true, ..options })
     };
     let parameters = n + q * m * (n + 1);
     let (mut losses, mut variances, mut bic_output_error) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,11 +1,9 @@
 //! What is wrong with a record before any model of it is believed: constant channels, a trend, outliers.
 
-use crumple_numerics::lti::Complex;
-
 use crate::output_error::output_error::OutputError;
 use crate::validation::bootstrap::median;
 use crate::validation::noise_model::{NoiseModel, NoiseOptions, best_output_error, noise_model};
-use crate::{ArxOrder, IdentifyError, IoData, Subspace, SubspaceOptions, Weighting, vector_arx};
+use crate::{IdentifyError, IoData};
 
 /// Share of the largest magnitude that a constant channel may vary by: rounding.
 const CONSTANT: f64 = 1e-12;
@@ -22,9 +20,6 @@ const LARGEST_SHARE: f64 = 0.01;
 /// A pole that moves by less than this over the record integrates.
 const INTEGRATES: f64 = 0.5;
 
-/// Block rows of a quick subspace model, at least.
-const BLOCK_ROWS: usize = 10;
-
 /// Fits in which outliers are replaced.
 const ROUNDS: usize = 3;
 
@@ -37,7 +32,7 @@ pub fn is_constant(signal: &[f64]) -> bool {
 /// Constant channels of a record, by number.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Constants {
-    /// Inputs that methods run without.
+    /// Inputs that methods run without, if others are left.
     pub inputs_left_out: Vec<usize>,
     /// Outputs that no method can identify.
     pub outputs: Vec<usize>,
@@ -53,7 +48,7 @@ impl Constants {
         };
         let (left_out, outputs) = (constant(inputs), constant(outputs));
         let all_inputs = !inputs.is_empty() && left_out.len() == inputs.len();
-        Self { inputs_left_out: if all_inputs { Vec::new() } else { left_out }, outputs, all_inputs }
+        Self { inputs_left_out: left_out, outputs, all_inputs }
     }
 }
 
@@ -96,9 +91,7 @@ pub fn trend(data: &IoData, order: usize) -> Result<Trend, IdentifyError> {
         };
         let all = |signals: &[Vec<f64>]| signals.iter().map(signal).collect();
         let left = IoData::new(all(data.inputs()), all(data.outputs()), data.sample_time_s())?;
-        let near = regressions(&left, order);
-        let options = NoiseOptions { near: &near, near_alone: !near.is_empty(), ..NoiseOptions::new(order) };
-        let noise = noise_model(&left, options)?;
+        let noise = noise_model(&left, NoiseOptions::new(order))?;
         let least = noise.bic_output_error.iter().copied().fold(f64::INFINITY, f64::min);
         Ok::<(f64, NoiseModel), IdentifyError>((least, noise))
     };
@@ -111,22 +104,10 @@ pub fn trend(data: &IoData, order: usize) -> Result<Trend, IdentifyError> {
     Ok(Trend { is_there: !integrates && bic_gain > (data.samples() as f64).ln(), slope, bic_gain })
 }
 
-/// Sampled poles of an ARX model and of a subspace model of the order: quick starts.
-fn regressions(data: &IoData, order: usize) -> Vec<Vec<Complex>> {
-    let arx = vector_arx(data, ArxOrder { na: order.div_ceil(data.outputs().len()), nb: order + 1, nk: 0 });
-    let arx = arx.and_then(|model| model.state_space()).ok().and_then(|model| model.poles().ok());
-    let block_rows = (order + 2).max(BLOCK_ROWS);
-    let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows, direct: true };
-    let subspace = Subspace::new(data, options).and_then(|subspace| subspace.realize(order));
-    arx.into_iter().chain(subspace.ok().and_then(|model| model.model.poles().ok())).collect()
-}
-
 /// Samples of every output that stand out of the errors of an output-error fit, and the fit with them replaced by what
 /// the model says; none where they are more than 1 % of the samples. Errors: no fit.
 pub fn outliers(data: &IoData, order: usize, from_rest: bool) -> Result<(Vec<Vec<usize>>, OutputError), IdentifyError> {
-    let near = regressions(data, order);
-    let near_alone = !near.is_empty();
-    let options = NoiseOptions { from_rest, near: &near, near_alone, ..NoiseOptions::new(order) };
+    let options = NoiseOptions { from_rest, ..NoiseOptions::new(order) };
     let first = best_output_error(data, options)?;
     let mut fit = first.clone();
     let mut found: Vec<Vec<usize>> = vec![Vec::new(); data.outputs().len()];

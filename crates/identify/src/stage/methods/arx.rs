@@ -1,6 +1,7 @@
 //! The method `arx`: of an order, of a structure, or of the best structure of a scan.
 
-use crumple_stage::records::{ArxScanModelV1, ArxScanV1};
+use crumple_signal::{About, Weight};
+use crumple_stage::records::{ArxScanModelV1, ArxScanV1, ScanEdgeV1};
 use crumple_stage::{Outcome, Output, RefuseExt, Refused};
 use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted, vector_arx};
 
@@ -135,6 +136,20 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
     let name = |k: usize| id_of(&orders[k]);
     let (by_bic, by_aicc) = (smallest(|model| model.bic), smallest(|model| model.aicc));
     let output = record.outputs[0].id.clone();
+    let at_edge = by_bic.map_or_else(Vec::new, |best| ranges.edges(&orders[best]));
+    if let (Some(best), false) = (by_bic, at_edge.is_empty()) {
+        let names = at_edge.iter().map(|edge| match edge {
+            ScanEdgeV1::PastOutputs => "past outputs",
+            ScanEdgeV1::Inputs => "inputs",
+            ScanEdgeV1::Delay => "delay",
+        });
+        let text = format!(
+            "arx scan: {} is at the edge of the ranges {ranges} with its {}: a wider --arx-scan may find a better one",
+            name(best),
+            names.collect::<Vec<_>>().join(" and its ")
+        );
+        out.notes().concern(About::Method(Method::Arx.to_string()), Weight::Marked, text);
+    }
     out.put(
         &format!("/scan/{output}"),
         &ArxScanV1 {
@@ -144,7 +159,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             models,
             best_by_bic: by_bic.map(name),
             best_by_aicc: by_aicc.map(name),
-            at_edge: by_bic.map_or_else(Vec::new, |best| ranges.edges(&orders[best])),
+            at_edge,
         },
     )?;
     match (by_bic, fits.into_iter().find_map(Result::err)) {

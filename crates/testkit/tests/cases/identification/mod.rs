@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_sysid::{
-    AmbientOptions, ArxOrder, Constants, Hold, InitialConditions, IoData, NoiseKind, NoiseModel, NoiseOptions,
-    OnUnseen, OutputErrorOptions, PoleKind, PoleRecord, PolynomialForm, Recommendable, Spread, TransferFunctionOptions,
+    AmbientOptions, ArxOrder, Constants, Hold, InitialConditions, NoiseKind, NoiseModel, NoiseOptions, OnUnseen,
+    OutputErrorOptions, PoleKind, PoleRecord, PolynomialForm, Recommendable, Spread, TransferFunctionOptions,
     ambient_modes, arx, arx_orders, delay_scan, fit_measures, modal_assurance, mode_shapes, noise_model,
     noise_of_orders, outliers, output_error, phase_collinearity, pole_kinds, recommended, smallest, straight_line,
     transfer_function_array, trend,

@@ -85,6 +85,11 @@ pub fn channels(input: &Value, name: &str) -> Vec<Vec<f64>> {
     input[name].as_array().unwrap().iter().map(channel).collect()
 }
 
+/// Draws row by row, a row an instant: one signal a mass.
+fn rows(draws: &[f64], count: usize) -> Vec<Vec<f64>> {
+    (0..count).map(|i| draws.iter().skip(i).step_by(count).copied().collect()).collect()
+}
+
 /// Accelerations of a chain held at mass 0: struck, or driven by noise on every mass; with noise of the sensors.
 pub fn chain(input: &Value, is_struck: bool) -> IoData {
     let (masses, springs) = (numbers(&input["masses"]), numbers(&input["springs"]));
@@ -99,7 +104,7 @@ pub fn chain(input: &Value, is_struck: bool) -> IoData {
         }
         (0..count).map(|i| if i == struck { force.clone() } else { vec![0.0; all] }).collect()
     } else {
-        gauss(integer(input, "seed"), count * all).chunks(all).map(<[f64]>::to_vec).collect()
+        rows(&gauss(integer(input, "seed"), count * all), count)
     };
     // Modes of M x'' + K x = f by the symmetric problem of M^-1/2 K M^-1/2.
     let root = |i: usize| masses[i].sqrt();
@@ -130,8 +135,8 @@ pub fn chain(input: &Value, is_struck: bool) -> IoData {
         }
     }
     outputs.iter_mut().for_each(|y| drop(y.drain(..skip)));
-    let noise = gauss(integer(input, "seed_e"), count * samples);
-    for (y, noise) in outputs.iter_mut().zip(noise.chunks(samples)) {
+    let noise = rows(&gauss(integer(input, "seed_e"), count * samples), count);
+    for (y, noise) in outputs.iter_mut().zip(noise) {
         let mean = y.iter().sum::<f64>() / samples as f64;
         let size = match input["kind_of_noise"].as_str() {
             Some("largest") => y.iter().fold(0.0_f64, |m, x| m.max(x.abs())),
