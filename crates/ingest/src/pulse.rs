@@ -40,7 +40,9 @@ pub fn choose_pulse(
                     let text = format!("no channel is named as the crash pulse: {error}");
                     notes.concern(About::Pulse, Weight::Decisive, text);
                 } else {
-                    notes.info(format!("a record of inputs and outputs, as no pulse is named: {error}"));
+                    notes.info(format!(
+                        "a record of inputs and outputs, as no pulse is named (--channel names one): {error}"
+                    ));
                 }
                 return Ok(None);
             }

@@ -5,12 +5,18 @@
 //! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
 //! numbers are finite.
 
+mod compared;
 mod fitted;
 mod identified;
 mod measured;
 mod predicted;
 mod run;
 
+pub use compared::{
+    ArxScanModelV1, ArxScanV1, FoundDelayV1, OutliersV1, RecommendedBecauseV1, RecordChecksV1, ScanEdgeV1,
+    SelectionModelV1, SelectionV1, ShapeV1, ShapesV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1,
+    TrendV1,
+};
 pub use fitted::{
     CandidateV1, Certainty, Doubt, EnergyV1, FitV1, JointTestV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1,
     MatchingV1, OtherSensorV1, PhysicalCoordinatesV1, PriorTermV1, PriorV1, ProfileV1, RatedCandidateV1, RatingV1,
@@ -18,11 +24,9 @@ pub use fitted::{
     UncertaintyV1,
 };
 pub use identified::{
-    ArxScanModelV1, ArxScanV1, EvidenceV1, ExponentialSumV1, ExponentialTermV1, FoundDelayV1, IdentificationV1,
-    ModeKindV1, ModeV1, ModesV1, ModesV2, NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, OtherPoleKindV1,
-    OtherPoleV1, OutliersV1, RecommendedBecauseV1, RecordChecksV1, ResponseV1, ScanEdgeV1, SelectionModelV1,
-    SelectionV1, ShapeV1, ShapesV1, SpreadV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1,
-    StateSpaceV1, TransferFunctionV1, TrendV1,
+    EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeKindV1, ModeV1, ModesV1, ModesV2,
+    NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, OtherPoleKindV1, OtherPoleV1, ResponseV1, SpreadV1, StateSpaceV1,
+    TransferFunctionV1,
 };
 pub use measured::{
     ChannelFilterV1, ChannelV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1,

@@ -55,11 +55,11 @@ fn any_quantity_is_realised_by_name_and_keeps_its_unit() {
     ];
     let input = artifact(folder.path(), &waves);
     for (flag, output) in [
-        ("--channel=y", "voltage of channel y, V"),
-        ("--channels=y", "voltage of channel y, V"),
-        ("--outputs=y", "voltage of channel y, V"),
-        ("--outputs=93/displacement", "displacement of channel 93/displacement, m"),
-        ("--output-channel=93/displacement", "displacement of channel 93/displacement, m"),
+        ("--channel=y", "voltage y, V"),
+        ("--channels=y", "voltage y, V"),
+        ("--outputs=y", "voltage y, V"),
+        ("--outputs=93/displacement", "displacement 93/displacement, m"),
+        ("--output-channel=93/displacement", "displacement 93/displacement, m"),
     ] {
         let result = run(&input, &["--methods=era", "--orders=4", flag]);
         for id in ["era-4"] {
@@ -100,7 +100,7 @@ fn quantities_of_very_different_sizes_are_realised_together() {
     for id in ["era-4"] {
         assert!(worst(&result, id) < 1e-8, "{id}: {:e}", worst(&result, id));
         let model: StateSpaceV1 = result.record(&format!("/model/{id}/discrete")).unwrap().unwrap();
-        assert_eq!(model.output, "acceleration of channel a, m/s^2; displacement of channel x, m");
+        assert_eq!(model.output, "acceleration a, m/s^2; displacement x, m");
         let identification: IdentificationV1 = result.record(&format!("/identification/{id}")).unwrap().unwrap();
         assert!(identification.output_fits_percent.iter().all(|fit| fit.unwrap() > 99.9999), "{identification:?}");
         // Losses have units: each output has evidence of its own, of the model in its own unit.

@@ -8,6 +8,7 @@ mod daisy_program;
 mod delays_and_filters;
 mod generic_records;
 mod program;
+mod screen;
 mod stage;
 mod stage_evidence;
 mod stage_markov;

@@ -122,7 +122,7 @@ fn kilo_g_and_surplus_names_of_the_drop_tower() {
     let bundle = Bundle::open(&path).unwrap();
     let unnamed = ingest(&bundle, &identification_only()).unwrap();
     assert_eq!((unnamed.test.pulse.as_deref(), unnamed.waves.len()), (None, 5));
-    assert!(notes(&unnamed).contains("no channel is named as the crash pulse"));
+    assert!(notes(&unnamed).contains("no pulse is named (--channel names one): accel_1.csv: 5 acceleration columns"));
     let error = ingest(&bundle, &stated()).unwrap_err();
     assert_eq!(error.to_string(), "accel_1.csv: 5 acceleration columns: accel_1, accel_2, accel_3, accel_4, accel_top");
     let settings = IngestSettings { channel: Some("accel 3".to_owned()), ..identification_only() };

@@ -1,4 +1,5 @@
-//! Figures of the identified models: simulated outputs and their errors, poles, singular values, stabilisation, responses over frequency and time.
+//! Figures of the identified models: simulated outputs and their errors, poles, singular values, stabilisation,
+//! responses over frequency and time.
 
 pub mod bode;
 pub mod poles;

@@ -165,24 +165,13 @@ pub const RULES: &[Rule] = &[
         beyond_nyquist,
     ),
     says(
-        "note.growing-mode",
-        "{id}: the mode at {frequency} (damping ratio {ratio}) grows; {more}",
-        &[("frequency", Number), ("ratio", Number)],
-        growing_mode,
-    ),
-    says(
         "note.free-decay",
         "{id}: the record is taken for a free decay from its first sample on: nothing may drive it",
         &[],
         is_identified,
     ),
     says("note.condition", "{id}: condition number {value}: {more}", &[], is_identified),
-    says(
-        "note.coefficients",
-        "{id}: this record does not determine the single coefficients: {why}",
-        &[],
-        is_identified,
-    ),
+    says("note.coefficients", "{id}: this record does not determine {why}", &[], is_identified),
     says("note.lanczos", "{id}: the {count} leading singular values are listed after {more}", &[], is_identified),
     says("note.no-deviations", "{id}: no standard deviations: {why}", &[], is_identified),
     says(
@@ -203,13 +192,6 @@ pub const RULES: &[Rule] = &[
         contradicted,
     ),
     says("note.mean", "the mean of {levels}: a linear model has no constant; {more}", &[], numbers_of_records),
-    says(
-        "note.sign-unknown",
-        "{id}: the numerator's coefficient of {power}, {value} with standard deviation {deviation}, is not \
-         known even in sign",
-        &[],
-        sign_unknown,
-    ),
     says("note.double-integrator", "{id}: two poles lie at zero: {more}", &[], two_poles_at_zero),
     says(
         "note.after-iterations",
@@ -509,13 +491,6 @@ fn growing_mode(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         "its damping ratio is not negative".to_owned()
     })?;
     mode_of_a_model(said, spot)
-}
-
-/// A number whose standard deviation is larger than itself.
-fn sign_unknown(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    let [value, deviation] = ["value", "deviation"].map(|place| said.text(place).parse::<f64>().unwrap_or(f64::NAN));
-    holds(deviation > value.abs(), || format!("{deviation} is not above {value}"))?;
-    is_identified(said, spot)
 }
 
 fn two_poles_at_zero(said: &Said, spot: &Spot<'_>) -> Result<(), String> {

@@ -308,7 +308,7 @@ const REMARKS: &[(&str, &str)] = &[
         "vehicles {one} and {two} meet: mass, speed and description are those of vehicle {which}, {more}",
     ),
     ("note.no-pulse", "no channel is named as the crash pulse: {why}"),
-    ("note.inputs-and-outputs", "a record of inputs and outputs, as no pulse is named: {why}"),
+    ("note.inputs-and-outputs", "a record of inputs and outputs, as no pulse is named (--channel names one): {why}"),
     ("note.time-zero-of-file", "time zero is the file's t = 0, {samples} samples after its start"),
     ("note.start", "integrated from the start of the record ({time}) with the impact speed, because {why}"),
     ("note.intervals", "intervals are {level} of {count} replicates (seed {seed}) with {inputs}"),
