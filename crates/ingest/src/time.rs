@@ -33,7 +33,7 @@ pub fn stated_unit(place: Place, symbol: &str, from: &str) -> Result<f64, Ingest
 }
 
 /// An error that says what was found in place of a unit of time.
-pub fn unit_error(place: Place, found: impl Into<String>) -> IngestError {
+pub fn unit_error(place: Place, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(place, found, format!("one of {}", choices(Dimension::Time)), HINT)
 }
 

@@ -49,7 +49,6 @@ mod samples;
 mod summation;
 mod units {
     //! Quantities, their units, values that a person types with a unit, and stated uncertainties.
-
     pub mod gravity;
     pub mod key_quantities;
     pub mod quantity;

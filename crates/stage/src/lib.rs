@@ -6,7 +6,6 @@
 
 mod artifacts {
     //! What a stage reads and what it writes.
-
     pub mod inputs;
     pub mod output;
 }

@@ -224,8 +224,8 @@ pub fn beside_in_words(against: &AgainstTestV1) -> String {
     let [crush, time, peak, restitution, score] = errors_in_words(against);
     let holds = if against.held.iter().any(|name| name == "dynamic_crush_m") { "holds" } else { "does not hold" };
     format!(
-        "  against {:?}: crush {crush}, its time {time}, peak {peak}, e {restitution}, ISO/TS 18571 {score}; the interval \
-         {holds} the crush",
+        "  against {:?}: crush {crush}, its time {time}, peak {peak}, e {restitution}, ISO/TS 18571 {score}; the \
+         interval {holds} the crush",
         against.test,
     )
 }
