@@ -368,9 +368,10 @@ mod tests {
             let (data, truth) = record(m, q, 0.0);
             let fit = transfer_function_array(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
             assert_eq!(fit.state_space.order(), 4 * m.min(q));
-            for (estimated, exact) in fit.modes.iter().zip(truth.poles().unwrap()) {
+            for exact in truth.poles().unwrap() {
+                let miss = fit.modes.iter().map(|mode| (mode.pole - exact).norm()).fold(f64::INFINITY, f64::min);
                 // A perfect fit: rounding over the sensitivity of the poles.
-                assert!((estimated.pole - exact).norm() < 1e-7 * exact.norm(), "{m} {q}: {} {exact}", estimated.pole);
+                assert!(miss < 1e-7 * exact.norm(), "{m} {q}: {miss} {exact}");
             }
             for s in [Complex::new(0.0, 20.0), Complex::new(1.0, 90.0)] {
                 for i in 0..q {
