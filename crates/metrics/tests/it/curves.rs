@@ -2,8 +2,8 @@
 
 use crumple_metrics::definitions::OLC;
 use crumple_metrics::{
-    ChannelMotion, CoraInterval, CoraOptions, Interval, Iso18571Options, Metric, Pulse,
-    agreement, cora, crash_events, fit_percent, iso18571, over_channels, pulse_metrics, residuals,
+    ChannelMotion, CoraInterval, CoraOptions, Interval, Iso18571Options, Metric, Pulse, agreement, cora, crash_events,
+    fit_percent, iso18571, over_channels, pulse_metrics, residuals,
 };
 use crumple_signal::{
     Cfc, CfcMode, Coefficients, IntegrationRule, PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal,
