@@ -67,7 +67,9 @@ fn left_out(source: Source<'_>) -> anyhow::Result<Vec<String>> {
         None => (Vec::new(), Vec::new()),
     };
     inputs.retain(|name| name != "none");
-    for name in hankel.iter().flat_map(|hankel| &hankel.channels).chain(channel) {
+    // Of a crash the pulse may be beside what is asked for.
+    let channels = hankel.iter().flat_map(|hankel| &hankel.channels).chain(channel);
+    for name in channels.filter(|_| input_output.is_none()) {
         if !outputs.contains(name) {
             outputs.push(name.clone());
         }

@@ -416,7 +416,7 @@ mod tests {
         let (mut y, mut v) = (vec![0.0; 600], vec![0.0; 600]);
         for k in 2..600 {
             y[k] = 1.7 * y[k - 1] - 0.95 * y[k - 2] + 0.2 * u[k - 1] + 0.1 * u[k - 2];
-            v[k] = 0.1 * random.normal() - (1..noise.len()).map(|i| noise[i] * v[k - i]).sum::<f64>();
+            v[k] = 0.1 * random.normal() - (1..noise.len().min(k + 1)).map(|i| noise[i] * v[k - i]).sum::<f64>();
         }
         IoData::single(u, y.iter().zip(&v).map(|(y, v)| y + v).collect(), 0.01).unwrap()
     }
