@@ -177,7 +177,7 @@ fn the_papers_curve_fit_is_labelled_and_the_way_of_the_stage_stands_beside_it() 
     let evidence: EvidenceV1 = result.record("/evidence/exponentials-4-paper").unwrap().unwrap();
     assert_eq!(evidence.paper.as_deref(), Some("curve-fit"));
     let whole: IdentificationV1 = result.record("/identification/exponentials-4-paper").unwrap().unwrap();
-    assert!(whole.notes[0].starts_with("paper curve-fit: equation 16"), "{:?}", whole.notes);
+    assert!(whole.notes[0].starts_with("exponentials-4-paper: paper curve-fit: equation 16"), "{:?}", whole.notes);
     let own: EvidenceV1 = result.record("/evidence/exponentials-4").unwrap().unwrap();
     assert!(own.paper.is_none() && own.initial_conditions.contains("velocity 1.0"), "{}", own.initial_conditions);
     // What belongs to the procedure is not given again, but with the same value.

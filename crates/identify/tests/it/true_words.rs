@@ -136,8 +136,8 @@ fn unseen_samples_that_contradict_a_model_come_before_all_other_warnings() {
         );
         // Before all other notes, and the first warning of its model on the screen.
         assert!(notes.notes[..3].contains(&format!("warning: {text}")), "{text}: {notes:?}");
-        let block = said.said.lines().skip_while(|line| !line.contains(&format!("{id}: fit ")));
-        assert_eq!(block.skip(1).next().map(|line| line.contains(&text)), Some(true), "{}", said.said);
+        let mut block = said.said.lines().skip_while(|line| !line.contains(&format!("{id}: fit ")));
+        assert_eq!(block.nth(1).map(|line| line.contains(&text)), Some(true), "{}", said.said);
         assert_eq!(said.said.matches(&text).count(), 1, "{}", said.said);
     }
     // The same system throughout.

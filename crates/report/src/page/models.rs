@@ -334,8 +334,8 @@ fn write_poles(out: &mut String, model: &Model) {
 /// The zeros of a model of one path, with their deviations where these are known.
 fn write_zeros(out: &mut String, model: &Model) {
     let Some(response) = &model.response else { return };
-    let deviation = |of: fn(&EvidenceV1) -> (&[Option<f64>], &[Option<SpreadV1>]), place: usize| {
-        let (deviations, spreads) = of(model.evidence.as_ref()?);
+    let evidence = model.evidence.as_ref();
+    let deviation = |deviations: &[Option<f64>], spreads: &[Option<SpreadV1>], place: usize| {
         let spread = spreads.get(place).and_then(Option::as_ref).map(|spread| spread.deviation);
         spread.or_else(|| deviations.get(place).copied().flatten())
     };
@@ -348,8 +348,12 @@ fn write_zeros(out: &mut String, model: &Model) {
     let all: Vec<String> = zeros
         .filter(|(_, (_, im))| **im >= 0.0)
         .map(|(place, (re, im))| {
-            let re = number(*re, deviation(|e| (&e.zero_re_deviations, &e.zero_re_spreads), place));
-            let of_pair = number(*im, deviation(|e| (&e.zero_im_deviations, &e.zero_im_spreads), place));
+            let known = evidence.map(|e| {
+                let of_re = deviation(&e.zero_re_deviations, &e.zero_re_spreads, place);
+                (of_re, deviation(&e.zero_im_deviations, &e.zero_im_spreads, place))
+            });
+            let (of_re, of_im) = known.unwrap_or_default();
+            let (re, of_pair) = (number(*re, of_re), number(*im, of_im));
             if *im == 0.0 { re } else { fill(texts.pair_of_zeros, &[("re", re), ("im", of_pair)]) }
         })
         .collect();

@@ -156,7 +156,6 @@ texts! { IdentificationTexts
         " No band: the records hold no uncertainty of these models.";
     impulse_title: "Impulse response";
     impulse_and_step_title: "Impulse and step response";
-    record: "the record";
     impulse_response: "impulse response{unit}";
     step_response: "step response{unit}";
     time_of_window: "time from the start of the window, {unit}";

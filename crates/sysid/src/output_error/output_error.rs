@@ -101,7 +101,7 @@ fn fitted(
     let gain = |i: usize, j: usize| output_scales[i] / input_scales[j];
     let StateSpace { a, b, c, d, .. } =
         sampled(&state_space(&search, &chain, samples as f64, &gain)?, Hold::Zero, 1.0)?.0;
-    let poles: Vec<Complex> = chain.poles().into_iter().map(|s| s.exp()).collect();
+    let poles: Vec<Complex> = chain.poles().into_iter().map(Complex::exp).collect();
     let deviations = match covariance {
         Some(covariance) => mode_deviations(&search, &covariance, samples as f64 * data.sample_time_s()),
         None => vec![None; poles.len()],

@@ -185,7 +185,7 @@ fn realize_all(
 /// What models of all orders follow from.
 enum Decomposed<'a> {
     /// One decomposition of the record.
-    Whole(Era<'a>),
+    Whole(Box<Era<'a>>),
     /// One for every order, by the size of it.
     Sized(Vec<(Order, Era<'a>)>),
 }
@@ -227,7 +227,7 @@ fn decompose<'a>(
             }
             Ok(Decomposed::Sized(all))
         }
-        _ => Ok(Decomposed::Whole(Era::from_markov(markov, options, orders)?)),
+        _ => Ok(Decomposed::Whole(Box::new(Era::from_markov(markov, options, orders)?))),
     }
 }
 

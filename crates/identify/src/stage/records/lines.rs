@@ -30,6 +30,9 @@ pub const AMBIENT: &str = "ambient";
 /// Columns of the names of lines.
 const LABEL: usize = 13;
 
+/// Name, numerator and denominator, and deviations of the numerator of one path.
+type NamedPath<'a> = (String, &'a (Vec<f64>, Vec<f64>), &'a [f64]);
+
 /// What the lines are made from.
 pub struct ModelFacts<'a> {
     /// Id of the model.
@@ -178,7 +181,7 @@ impl ModelFacts<'_> {
                     .map(|(n, w)| count(n, w));
             return vec![("state space", format!("{states}, {inputs}, {outputs}, {sampled}"))];
         }
-        let paths: Vec<(String, &(Vec<f64>, Vec<f64>), &[f64])> = self.paths();
+        let paths = self.paths();
         let mut lines: Vec<(&'static str, String)> = Vec::new();
         if paths.len() <= MOST_NUMERATORS {
             for (name, (numerator, _), deviations) in &paths {
@@ -196,7 +199,7 @@ impl ModelFacts<'_> {
     }
 
     /// Name, polynomials and deviations of the numerator of every path.
-    fn paths(&self) -> Vec<(String, &(Vec<f64>, Vec<f64>), &[f64])> {
+    fn paths(&self) -> Vec<NamedPath<'_>> {
         let several = self.forms.paths.iter().map(Vec::len).sum::<usize>() > 1;
         let mut all = Vec::new();
         for (of_inputs, evidence) in self.forms.paths.iter().zip(self.evidence) {

@@ -1,8 +1,8 @@
 //! Impulse and step response of the identified models.
 
 use crate::drawing::numbers::LONG_S;
-use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over};
-use crate::findings::{Model, Run, words_and_unit};
+use crate::drawing::{Axis, Figure, Look, Panel, over};
+use crate::findings::{Run, words_and_unit};
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 
@@ -40,14 +40,6 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut figure = Figure::new("responses", title);
     let (mut impulse, mut step) =
         (Panel::new(Axis::default(), Axis::default()), Panel::new(Axis::default(), Axis::default()));
-    if first.impulse_of == "unit sample"
-        && of_free_motion
-        && let Some(record) = record(run, models[0].0, factor)
-    {
-        let look = Look::line(Colour::Raw, Dash::Solid).width(Width::Thin);
-        let entry = figure.entry(texts.record, look, true);
-        impulse.line(entry, record);
-    }
     let mut hidden = 0;
     for (place, (model, response)) in models.iter().enumerate() {
         let has_same_units = response.output == first.output && response.impulse_of == first.impulse_of;
@@ -97,18 +89,4 @@ pub fn figure(run: &Run) -> Option<Figure> {
     figure.caption = caption;
     figure.panels = vec![impulse, step];
     Some(figure.tidy())
-}
-
-/// The record itself, which an impulse response of a sample is compared with; times are multiplied by `factor`.
-fn record(run: &Run, model: &Model, factor: f64) -> Option<Vec<[f64; 2]>> {
-    let (record, identification) = (run.acceleration()?, model.identification.as_ref()?);
-    let zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
-    let from = record.index_at_or_after(identification.from_s - zero_s - 0.5 * record.dt_s());
-    let end = record.len().min(from + usize::try_from(identification.samples).unwrap_or(0));
-    if end <= from {
-        return None;
-    }
-    let samples = &record.samples()[from..end];
-    let times: Vec<f64> = (0..samples.len()).map(|k| factor * record.dt_s() * k as f64).collect();
-    Some(over(&times, samples))
 }

@@ -6,7 +6,7 @@ use crate::findings::{ErrorCorrelation, Model, ModelOutput, Run};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_signal::Sampled;
+use crumple_signal::{QuantityKind, Sampled};
 
 /// Outputs that have a panel.
 const MOST_OUTPUTS: usize = 4;
@@ -118,7 +118,7 @@ fn panel_of(channel: &str, drawn: &[(usize, &ModelOutput)], test: usize) -> Opti
         view: view.map(|ends| ends.map(|t| factor * t)),
         ..Axis::new(fill(texts.time_of_record, &[("unit", unit)]))
     };
-    let unit = drawn.iter().find_map(|(_, output)| output.quantity).map(|quantity| quantity.si_unit());
+    let unit = drawn.iter().find_map(|(_, output)| output.quantity).map(QuantityKind::si_unit);
     let unit = unit.filter(|unit| *unit != "1").map_or_else(String::new, |unit| format!(", {unit}"));
     let mut panel = Panel::new(x, Axis::new(format!("{channel}{unit}")));
     let points = |signal: &Sampled| -> Vec<[f64; 2]> {
