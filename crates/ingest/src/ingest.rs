@@ -103,11 +103,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let (pulse, velocity) = if recording.details.no_pulse {
         (None, pulse::choose(file, &recording, choices.channel.as_deref(), &mut notes)?)
     } else {
-        let is_of_a_crash = is_of_a_crash(&recording.details)
-            || choices.mass.is_some()
-            || choices.impact_speed.is_some()
-            || choices.barrier.is_some();
-        let missing = (allow_missing, is_of_a_crash);
+        let missing = (allow_missing, is_of_a_crash(&recording.details, &choices));
         (pulse::choose_pulse(file, &recording, choices.channel.as_deref(), missing, &mut notes)?, None)
     };
     if let Some(k) = pulse.or(velocity) {
@@ -156,7 +152,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
         .and_then(|(wave, speed)| plausibility(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed));
     let polarity = polarity.unless_asked(plausibility.as_ref());
     // Of inputs and outputs nobody asks for a mass.
-    if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details) {
+    if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
         missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
     }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
@@ -169,8 +165,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     channel_quality::check_redundant_sensors(&channels, &waves, &same_place, speed, &mut notes);
 
     let details = recording.details;
-    let damage = details.damage;
-    let mut vehicles = details.vehicles;
+    let (damage, mut vehicles) = (details.damage, details.vehicles);
     let carries = |vehicle: &VehicleV1| pulse_id.as_ref().is_some_and(|id| vehicle.channels.contains(id));
     if let Some(own) = vehicles.iter_mut().find(|vehicle| carries(vehicle)) {
         own.mass_kg = details.mass_kg.as_ref().map(|s| s.value);
@@ -201,9 +196,11 @@ fn is_alone(details: &Details) -> bool {
     details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }
 
-/// Whether a record states what only a crash has.
-fn is_of_a_crash(details: &Details) -> bool {
-    details.mass_kg.is_some()
+/// Whether a record, or who brings it, states what only a crash has.
+fn is_of_a_crash(details: &Details, choices: &IngestSettings) -> bool {
+    let is_chosen = choices.mass.is_some() || choices.impact_speed.is_some() || choices.barrier.is_some();
+    is_chosen
+        || details.mass_kg.is_some()
         || details.impact_speed_m_per_s.is_some()
         || details.vehicle.is_some()
         || details.barrier.is_some()

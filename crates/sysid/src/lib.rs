@@ -4,8 +4,8 @@
 //! [`exponential_sum`] fits a sum of exponentials. From inputs and outputs ([`IoData`]): [`Subspace`] (N4SID, MOESP,
 //! CVA), [`arx`] and [`vector_arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] and
 //! [`transfer_function_array`] for continuous models. What speaks for a model: [`stabilization`] over orders,
-//! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`] among
-//! several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
+//! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`]
+//! among several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
 //!
 //! Functions of numbers only: no file, clock, environment or terminal. The same record and options give the same model
 //! on any number of threads; random starts and draws are seeded. Signals are slices of `f64` in any unit, sampled

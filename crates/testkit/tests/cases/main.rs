@@ -1,5 +1,6 @@
 //! Reference cases: the product is fed with the inputs of a case file and every expected number is compared; nothing is
-//! computed here. `just cases identification|metrics|papers|prediction [FILE]`; as a test, every kind over its shared file.
+//! computed here. `just cases identification|metrics|papers|prediction [FILE]`; as a test, every kind over its shared
+//! file.
 //!
 //! Prints a count for each kind of case, what failed, and last `N of M cases`. A kind of case that is not known here
 //! fails by its name.

@@ -146,8 +146,8 @@ pub struct Options {
     /// Largest damping ratio of a pole that counts there. Default: 2; 0.3 is usual for structures.
     #[arg(long)]
     pub highest_damping: Option<f64>,
-    /// Fits to records with new noise, for standard deviations and nominal 90 % intervals of frequencies, damping, zeros
-    /// and frequency responses; 60 suffice, 200 are usual. Default: 0, none.
+    /// Fits to records with new noise, for standard deviations and nominal 90 % intervals of frequencies, damping,
+    /// zeros and frequency responses; 60 suffice, 200 are usual. Default: 0, none.
     #[arg(long)]
     pub bootstrap: Option<u32>,
     /// Seed of that noise. Default: 1.

@@ -293,8 +293,8 @@ fn not_white(id: &str, noise: &NoiseModel) -> String {
     let worst = noise.whiteness.iter().max_by(|a, b| (a.ljung_box / a.limit_95).total_cmp(&(b.ljung_box / b.limit_95)));
     let (found, allowed) = worst.map_or((0.0, 0.0), |worst| (worst.ljung_box, worst.limit_95));
     format!(
-        "{id}: the prediction errors are correlated (Q = {found:.0}, {allowed:.0} allowed): neither noise model explains \
-         them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an outlier, a \
+        "{id}: the prediction errors are correlated (Q = {found:.0}, {allowed:.0} allowed): neither noise model \
+         explains them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an outlier, a \
          nonlinearity"
     )
 }
@@ -336,10 +336,8 @@ fn put_noise(noise: &NoiseModel, evidence: &mut [EvidenceV1]) {
 fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut Notes) {
     for (s, spread) in sample.poles.iter().zip(&bootstrap.modes).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
         match spread {
-            Err(NoSpread::NotFoundAgain) => notes.warning(format!(
-                "{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates",
-                s.re, s.im
-            )),
+            Err(NoSpread::NotFoundAgain) => notes
+                .warning(format!("{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates", s.re, s.im)),
             Ok((frequency, _)) if frequency.deviation > DROPPED_ABOVE * s.norm() => notes.info(format!(
                 "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not \
                  counted as a mode of the record",
@@ -348,7 +346,8 @@ fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut No
                 bootstrap.replicates
             )),
             Ok((frequency, _)) if frequency.is_biased() => notes.info(format!(
-                "{id}: estimates of this method are off by {:.4} Hz in noise like this at {:.4} Hz; the interval has it",
+                "{id}: estimates of this method are off by {:.4} Hz in noise like this at {:.4} Hz; the interval has \
+                 it",
                 frequency.bias / TAU,
                 s.norm() / TAU
             )),

@@ -67,7 +67,9 @@ impl<'a> Drawing<'a> {
     /// for a page that can show them.
     pub fn svg(&self, id: &str, hidden: bool) -> String {
         let (x, y) = (&self.panel.x.title, &self.panel.y.title);
-        let ends = |scale: &Scale| format!("{} {}", scale.view[0], scale.view[1]);
+        // Seven digits tell a hundredth of a pixel.
+        let end = |value: f64| format!("{value:.6e}").parse().unwrap_or(value);
+        let ends = |scale: &Scale| format!("{} {}", end(scale.view[0]), end(scale.view[1]));
         let kind = match (self.panel.time, self.panel.x.logarithmic, self.panel.y.logarithmic) {
             (true, ..) => " data-time=\"\"",
             (_, true, true) => " data-log=\"xy\"",
