@@ -93,8 +93,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let choices = flags.over(&stated_in_sidecar);
-    let reader = bundle.reader;
-    let mut recording = reader.read(bundle, &choices)?;
+    let (reader, mut recording) = (bundle.reader, bundle.reader.read(bundle, &choices)?);
     let mut notes = std::mem::take(&mut recording.notes);
     let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
     settings::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use crumple_signal::key_quantities::KeyQuantity;
+
 use crate::truth::known::{Counts, check_numbers};
 use crate::truth::rules::{Registry, Spot, Surface};
 use crate::truth::run::{Block, Made, plain};
@@ -140,6 +142,8 @@ fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
                 templates.extend(registry.sentences(&["note."]));
                 add(page, key, text, &templates);
             }
+            // The title of a card claims nothing.
+            ("numbers", _) if KeyQuantity::of(key).is_some_and(|known| known.title == text) => {}
             ("numbers", _) => {
                 add(page, key, text, &registry.sentences(&["numbers.", "page.card-olc", "page.card-hic"]));
             }

@@ -294,8 +294,8 @@ fn not_white(id: &str, noise: &NoiseModel) -> String {
     let (found, allowed) = worst.map_or((0.0, 0.0), |worst| (worst.ljung_box, worst.limit_95));
     format!(
         "{id}: the prediction errors are correlated (Q = {found:.0}, {allowed:.0} allowed): neither noise model \
-         explains them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an outlier, a \
-         nonlinearity"
+         explains them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an \
+         outlier, a nonlinearity"
     )
 }
 
