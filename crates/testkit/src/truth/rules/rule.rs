@@ -209,6 +209,10 @@ impl Registry {
             [page::VEHICLE_RULES, status::RULES, models::RULES, models::CHOICE_RULES, notes::RULES, page::RULES]
                 .concat();
         all.extend(REMARKS.iter().map(|(template, text)| says(template, text, &[], numbers_of_records)));
+        // Both follow from the terms of the model, which the record has.
+        all.push(says("note.start-of-sum", "{id}: at its start the sum is {value}, its slope {slope}", &[], |_, _| {
+            Ok(())
+        }));
         let texts: BTreeMap<String, &str> =
             named().map(|(subject, name, text)| (format!("{subject}.{name}"), text)).collect();
         let mut grammar = Grammar::default();
@@ -308,7 +312,6 @@ const REMARKS: &[(&str, &str)] = &[
         "vehicles {one} and {two} meet: mass, speed and description are those of vehicle {which}, {more}",
     ),
     ("note.of-exponentials", "{id}: time of the exponents runs from the first sample, {time}"),
-    ("note.start-of-sum", "{id}: at its start the sum is {value}, its slope {slope}"),
     ("note.paper-curve-fit", "{id}: paper curve-fit: {more}"),
     ("note.beside-paper", "{id}: beside the paper's curve fit: {more}"),
     ("note.horizon", "{id}: horizon of {rows} block rows: {more}"),
