@@ -18,8 +18,6 @@ use crate::motion::collision::ElementEvent;
 use crate::structure::crush_curve::Extrapolation;
 use crate::structure::elements::{Damper, PlasticSpring, SeriesSpringDamper, Spring};
 use crate::structure::force_deflection::ForceDeflection;
-#[cfg(doc)]
-use crate::structure::force_deflection::ForceDeflection;
 
 /// What an element is fixed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -104,7 +104,7 @@ impl StateSpace {
         self.a.nrows()
     }
 
-    /// Eigenvalues of `a`, in the order of [`eigenvalues`]: s-plane for a continuous model (1/s,
+    /// Eigenvalues of `a`, in the order of [`eigenvalues()`]: s-plane for a continuous model (1/s,
     /// rad/s), z-plane for a sampled one. Errors: [`LtiError::NotConverged`].
     pub fn poles(&self) -> Result<Vec<Complex>, LtiError> {
         eigenvalues(&self.a)

@@ -1,5 +1,6 @@
 //! Which model to use, how well its numbers are known, how it follows the test.
 
+use crumple_artifact::records::{ExponentialSumV1, ExponentialTermV1};
 use serde_json::Value;
 
 use crate::truth::known::{Subject, fit_percent};
@@ -14,6 +15,7 @@ const AS_MEASURED: f64 = 2.0;
 
 /// The sentences.
 pub const RULES: &[Rule] = &[
+    says("note.start-of-sum", "{id}: at its start the sum is {value}, its slope {slope}", &[], start_of_sum),
     rule(
         "conclusion.use_model",
         &[
@@ -519,4 +521,19 @@ fn none_adequate(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(best.is_none_or(|best| misses_time_or_rebound(spot.made, best).is_some()), || {
         "an adequate model is recommended".to_owned()
     })
+}
+
+/// Value and slope at the start follow from the terms of the model, to the seven digits shown.
+fn start_of_sum(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let topic = format!("/model/{}", said.text("id"));
+    let (_, model) = spot.made.records.iter().find(|(own, _)| *own == topic).ok_or("there is no such sum")?;
+    let sum: ExponentialSumV1 = serde_json::from_value(model.clone()).map_err(|error| error.to_string())?;
+    let value: f64 = sum.terms.iter().map(|term| term.re_amplitude).sum();
+    let slope = |term: &ExponentialTermV1| term.re_amplitude * term.re_per_s - term.im_amplitude * term.im_rad_per_s;
+    let slope: f64 = sum.terms.iter().map(slope).sum();
+    let shows = |place: &str, known: f64| {
+        let shown: f64 = said.text(place).parse().unwrap_or(f64::NAN);
+        holds((shown - known).abs() <= 1e-6 * known.abs(), || format!("{place} is {known:e}, and {shown:e} is said"))
+    };
+    shows("value", value).and_then(|()| shows("slope", slope))
 }

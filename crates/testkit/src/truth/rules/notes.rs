@@ -171,7 +171,12 @@ pub const RULES: &[Rule] = &[
         is_identified,
     ),
     says("note.condition", "{id}: condition number {value}: {more}", &[], is_identified),
-    says("note.coefficients", "{id}: this record does not determine {why}", &[], is_identified),
+    says(
+        "note.coefficients",
+        "{id}: this record does not determine the single coefficients: {why}",
+        &[],
+        is_identified,
+    ),
     says("note.lanczos", "{id}: the {count} leading singular values are listed after {more}", &[], is_identified),
     says("note.no-deviations", "{id}: no standard deviations: {why}", &[], is_identified),
     says(

@@ -209,10 +209,6 @@ impl Registry {
             [page::VEHICLE_RULES, status::RULES, models::RULES, models::CHOICE_RULES, notes::RULES, page::RULES]
                 .concat();
         all.extend(REMARKS.iter().map(|(template, text)| says(template, text, &[], numbers_of_records)));
-        // Both follow from the terms of the model, which the record has.
-        all.push(says("note.start-of-sum", "{id}: at its start the sum is {value}, its slope {slope}", &[], |_, _| {
-            Ok(())
-        }));
         let texts: BTreeMap<String, &str> =
             named().map(|(subject, name, text)| (format!("{subject}.{name}"), text)).collect();
         let mut grammar = Grammar::default();
