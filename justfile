@@ -263,9 +263,29 @@ ci-full:
         cargo nextest run --workspace -E 'test(a_fleet_outlives_a_node_that_dies)' --run-ignored all
     just papers
     just truth
+    just windows
+    just page
+    CRUMPLE_PAGE=target/page/crumple.html cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^page::/)'
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
     just bytes --compare target/bytes-1.txt target/bytes-4.txt
+
+# The program as WebAssembly in one page that works from a disk, target/page/crumple.html: needs `rustup target add wasm32-wasip1`, gzip, base64 and awk.
+[group('development')]
+page:
+    cargo build --quiet --locked --profile page --target wasm32-wasip1 --package crumple-cli --no-default-features
+    @mkdir -p target/page
+    @# A line of the template that starts with @ is replaced by what its command prints.
+    @module="${CARGO_TARGET_DIR:-target}/wasm32-wasip1/page/crumple.wasm" \
+        awk '/^@/ { fflush(); if (system(substr($0, 2))) exit 1; next } { print }' page/crumple.html > target/page/crumple.html.new
+    @mv target/page/crumple.html.new target/page/crumple.html
+    @ls -l target/page/crumple.html
+
+# The programs compile for Windows, without a C compiler for it: `rustup target add x86_64-pc-windows-gnu`. None is run there.
+[group('development')]
+windows:
+    cargo check --quiet --locked --workspace --exclude crumple-testkit --target x86_64-pc-windows-gnu
+    cargo check --quiet --locked --workspace --exclude crumple-testkit --exclude crumple-run --target wasm32-wasip1
 
 # Mutated files and tampered artifacts through the programs, 1000 of each: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
 [group('development')]

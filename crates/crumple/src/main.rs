@@ -8,9 +8,13 @@ use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
 use crumple_stage::{Call, ExitStatus, Program, Way, run_tool, unknown_name};
 
 /// Keeps the budget of memory; the fits take and return some hundred kilobytes at every evaluation of a model.
-#[cfg(not(target_family = "wasm"))]
+#[cfg(unix)]
 #[global_allocator]
 static ALLOCATOR: crumple_memory::Budgeted<mimalloc::MiMalloc> = crumple_memory::Budgeted(mimalloc::MiMalloc);
+
+#[cfg(not(unix))]
+#[global_allocator]
+static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
 
 /// The stages in the order of the chain.
 static STAGES: [Program; 8] = [

@@ -231,7 +231,7 @@ const ASIDE: [Row; 5] = [
 /// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
 /// leaves room beyond that; a standard deviation comes from an inverse and gets more.
 /// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
-const COMPUTATION: [Row; 17] = [
+const COMPUTATION: [Row; 18] = [
     // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
     ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-5)),
     ("/wave/*", "*", tolerance(0.0, 1e-9)),
@@ -245,6 +245,8 @@ const COMPUTATION: [Row; 17] = [
     // How sure a parameter is, is not known to more than this; of perfect records the residuals are rounding errors.
     ("/parameters/*", "uncertainty.*", tolerance(0.0, 0.1)),
     ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
+    // What it compares are fits and their motion; of a perfect fit the misfit is a rounding error.
+    ("/recommendation", "*", tolerance(1e-6, 1e-5)),
     ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
     // Models whose criteria are less than 2 apart are equally supported (Burnham and Anderson 2002, section 2.6).
     ("/simulation/*", "aicc", tolerance(0.2, 0.0)),

@@ -80,7 +80,7 @@ pub fn asi(
 fn moving_average(signals: [&Signal<Acceleration>; 3], limits: AsiLimits) -> Metric {
     let (dt, t0_s) = (signals[0].dt_s(), signals[0].t0_s());
     let padding = in_samples(PADDING_S, dt).map_or(0, |(whole, _)| whole);
-    let Some((whole, fraction)) = in_samples(ASI_MEAN_S, dt).filter(|_| padding < 1 << 32) else {
+    let Some((whole, fraction)) = in_samples(ASI_MEAN_S, dt).filter(|_| u32::try_from(padding).is_ok()) else {
         return Metric::absent(&ASI_1998, "the sampling interval gives no window of 50 ms");
     };
     let sums = signals.map(|signal| {

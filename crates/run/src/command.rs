@@ -1,9 +1,9 @@
 //! The command line: options, the stages with their programs, the pipeline file.
 
+use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsString;
 use std::ops::Deref;
-use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, is_separator};
 use std::str::FromStr;
 use std::sync::OnceLock;
 use std::{env, fs, process};
@@ -211,12 +211,14 @@ impl Pipeline {
     pub fn resolve(text: &str, project: &Path) -> Self {
         let below = text.strip_prefix("pipelines/").unwrap_or(text);
         let name = below.strip_suffix(".toml").unwrap_or(below);
-        let is_path = text.starts_with(['/', '.']) || (text.ends_with(".toml") && Path::new(text).is_file());
+        let is_path = text.starts_with('.')
+            || Path::new(text).is_absolute()
+            || (text.ends_with(".toml") && Path::new(text).is_file());
         if !is_path {
             let file = project.join("pipelines").join(format!("{name}.toml"));
             return Self { file, name: name.to_owned() };
         }
-        let last = name.rsplit('/').next().unwrap_or(name);
+        let last = name.rsplit(is_separator).next().unwrap_or(name);
         Self { file: PathBuf::from(text), name: if below == text { last } else { name }.to_owned() }
     }
 }
@@ -327,7 +329,7 @@ pub(crate) fn is_one_program() -> bool {
 /// A program of the project: beside this one, unless this one stands for it.
 pub(crate) fn own_program(name: &str) -> PathBuf {
     let this = env::current_exe().unwrap_or_default();
-    if is_one_program() { this } else { this.with_file_name(format!("crumple-{name}")) }
+    if is_one_program() { this } else { this.with_file_name(format!("crumple-{name}{EXE_SUFFIX}")) }
 }
 
 /// Starts a program of the project as a process.
@@ -355,14 +357,23 @@ pub(crate) fn typed_commands() -> Vec<String> {
 
 /// A program of the project is beside this one; any other is where a shell would look.
 fn find(word: &str) -> Option<PathBuf> {
-    let is_program = |path: &Path| fs::metadata(path).is_ok_and(|m| m.is_file() && m.permissions().mode() & 0o111 != 0);
-    if word.contains('/') {
+    if word.contains(is_separator) {
         return Some(PathBuf::from(word)).filter(|path| is_program(path));
     }
     let own = word.strip_prefix("crumple-").map(own_program);
     let folders = env::var_os("PATH").unwrap_or_default();
-    let in_path = env::split_paths(&folders).map(|folder| folder.join(word));
+    let in_path =
+        env::split_paths(&folders).flat_map(|folder| [folder.join(word), folder.join(format!("{word}{EXE_SUFFIX}"))]);
     own.into_iter().chain(in_path).find(|path| !word.is_empty() && is_program(path))
+}
+
+/// Whether it is a file that the system would start, as far as its permissions tell.
+fn is_program(path: &Path) -> bool {
+    #[cfg(unix)]
+    let may_run = |found: &fs::Metadata| std::os::unix::fs::PermissionsExt::mode(&found.permissions()) & 0o111 != 0;
+    #[cfg(not(unix))]
+    let may_run = |_: &fs::Metadata| true;
+    fs::metadata(path).is_ok_and(|found| found.is_file() && may_run(&found))
 }
 
 // The stages of a run.

@@ -3,7 +3,6 @@
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, panic, process};
@@ -53,7 +52,7 @@ impl StageExit {
 
     /// What the exit code says.
     pub(crate) fn of(status: process::ExitStatus) -> Self {
-        match (status.code(), status.signal()) {
+        match (status.code(), signal_of(status)) {
             (Some(0), _) => Self::WithResult(ExitStatus::Done),
             (Some(1), _) => Self::Failed(ExitStatus::Failure),
             (Some(2), _) => Self::Failed(ExitStatus::Usage),
@@ -91,6 +90,23 @@ impl StageExit {
         }
         self
     }
+}
+
+/// The signal that ended a process.
+#[cfg(unix)]
+fn signal_of(status: process::ExitStatus) -> Option<i32> {
+    std::os::unix::process::ExitStatusExt::signal(&status)
+}
+
+/// The signal that ended a process: elsewhere than on Unix an exit code stands for it.
+#[cfg(not(unix))]
+fn signal_of(_: process::ExitStatus) -> Option<i32> {
+    None
+}
+
+/// The exit code of a process, as a shell tells it of one that a signal ended.
+pub(crate) fn exit_code_of(status: process::ExitStatus) -> i32 {
+    status.code().unwrap_or_else(|| 128 + signal_of(status).unwrap_or_default())
 }
 
 /// Name of a signal that ends programs.

@@ -184,7 +184,8 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     refuse_to_overwrite(&common.output, OutputKind::Artifact, &common.inputs)?;
     let config = canonical_json(&settings)?;
     let provenance_of = |digests: &[InputDigest]| {
-        Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), config.clone(), digests.to_vec()).with_build(S::BUILD)
+        Provenance::new(S::NAME, env!("CARGO_PKG_VERSION"), config.clone(), digests.to_vec())
+            .with_build(&format!("{}{TARGET}", S::BUILD))
     };
     let Loaded { input, digests, diagnosed } = match read::<S>(common, &settings, &provenance_of)? {
         Read::New(loaded) => loaded,
@@ -263,6 +264,9 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
     })
 }
 
+/// Stands behind the digest of the sources where the last bits of a result are not those of a machine: in a browser.
+const TARGET: &str = if cfg!(target_family = "wasm") { " wasm32" } else { "" };
+
 /// What a stage finds on the disk.
 enum Read<I> {
     /// Inputs to work on.
@@ -278,10 +282,17 @@ fn read<S: Stage>(
     provenance_of: &dyn Fn(&[InputDigest]) -> Provenance,
 ) -> anyhow::Result<Read<S::Input>> {
     let (digests, existing) = std::thread::scope(|scope| {
-        let existing = (!common.force && common.output.exists()).then(|| scope.spawn(|| open(&common.output).ok()));
+        let open_existing = || open(&common.output).ok();
+        let existing = (!common.force && common.output.exists())
+            .then(|| std::thread::Builder::new().spawn_scoped(scope, open_existing));
         let digests = existing.as_ref().and_then(|_| S::digests(&common.inputs));
         let digests = digests.ok_or_else(|| S::load(&common.inputs, settings));
-        (digests, existing.and_then(|reading| reading.join().ok().flatten()))
+        let existing = existing.and_then(|reading| match reading {
+            Ok(reading) => reading.join().ok().flatten(),
+            // A browser has no threads.
+            Err(_) => open_existing(),
+        });
+        (digests, existing)
     });
     let of_the_same = |digests: &[InputDigest]| {
         let provenance = provenance_of(digests);

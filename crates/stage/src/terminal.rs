@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use terminal_size::{Width, terminal_size_of};
 
 // Text laid out for the width of the terminal.
 
@@ -25,7 +24,11 @@ const NARROWEST: usize = 40;
 
 /// Columns for text on stderr.
 pub fn columns() -> usize {
-    terminal_size_of(io::stderr()).map_or(USUAL, |(Width(columns), _)| usize::from(columns).clamp(NARROWEST, WIDEST))
+    #[cfg(any(unix, windows))]
+    if let Some((columns, _)) = terminal_size::terminal_size_of(io::stderr()) {
+        return usize::from(columns.0).clamp(NARROWEST, WIDEST);
+    }
+    USUAL
 }
 
 /// Words in lines of at most `width` characters; a longer word has a line for itself. Blanks that do not break stay.

@@ -7,11 +7,11 @@ use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use headless_chrome::browser::tab::point::Point;
 use headless_chrome::protocol::cdp::types::Event;
-use headless_chrome::protocol::cdp::{Emulation, Network, Page as Cdp};
+use headless_chrome::protocol::cdp::{Emulation, Input, Network, Page as Cdp};
 use headless_chrome::types::PrintToPdfOptions;
 use headless_chrome::{LaunchOptions, Tab};
 use serde_json::Value;
@@ -72,6 +72,56 @@ impl Page {
     /// Presses the pointer there and lets it go.
     pub fn click(&self, x: f64, y: f64) {
         told("pointer", self.tab.click_point(Point { x, y }));
+    }
+
+    /// Types words where the focus is.
+    pub fn write(&self, words: &str) {
+        told(words, self.tab.type_str(words));
+    }
+
+    /// Drops files or folders of the disk at a place on the screen, as a person does.
+    pub fn drop_at(&self, x: f64, y: f64, paths: &[&Path]) {
+        let absolute = |path: &&Path| told("a file to drop", path.canonicalize()).display().to_string();
+        let data = Input::DragData {
+            items: Vec::new(),
+            files: Some(paths.iter().map(absolute).collect()),
+            drag_operations_mask: 1,
+        };
+        type Step = Input::DispatchDragEventTypeOption;
+        for step in [Step::DragEnter, Step::DragOver, Step::Drop] {
+            let event = Input::DispatchDragEvent { Type: step, x, y, data: data.clone(), modifiers: None };
+            told("drop", self.tab.call_method(event));
+        }
+    }
+
+    /// Cuts the page off the network.
+    pub fn cut_network(&self) {
+        told(
+            "network",
+            self.tab.call_method(Network::EmulateNetworkConditions {
+                offline: true,
+                latency: 0.0,
+                download_throughput: 0.0,
+                upload_throughput: 0.0,
+                connection_Type: None,
+                packet_loss: None,
+                packet_queue_length: None,
+                packet_reordering: None,
+            }),
+        );
+    }
+
+    /// Waits until the body of a function returns something that counts as true, and returns it.
+    pub fn wait_for(&self, body: &str) -> Value {
+        let started = Instant::now();
+        loop {
+            let answer = self.ask(body);
+            if ![Value::Null, Value::Bool(false), Value::from("")].contains(&answer) {
+                return answer;
+            }
+            assert!(started.elapsed() < PATIENCE, "not in {PATIENCE:?}: {body}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 
     /// Messages of the console, errors and refused loads, so far.

@@ -6,6 +6,8 @@ use std::io::Read;
 use mcap::records::{self, MessageHeader, Record as McapRecord, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use super::decompress::add_decompressors;
+
 /// A chunk may unpack to this much whatever its size, so that any ordinary writer's chunks fit.
 const FREE_BYTES: u64 = 64 << 20;
 /// Beyond that, the largest ratio of unpacked to packed bytes: constant signals reach it, decompression bombs exceed
@@ -71,8 +73,9 @@ pub(crate) fn unpack(body: &[u8], directory: &mut Directory) -> Result<Vec<(Mess
             .with_skip_start_magic(true)
             .with_skip_end_magic(true)
             .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(limit.max(body.len() as u64) as usize),
+            .with_record_length_limit(usize::try_from(limit.max(body.len() as u64)).unwrap_or(usize::MAX)),
     );
+    add_decompressors(&mut reader, size).map_err(|e| e.to_string())?;
     let mut prefix = [0; 9];
     prefix[0] = op::CHUNK;
     prefix[1..].copy_from_slice(&(body.len() as u64).to_le_bytes());

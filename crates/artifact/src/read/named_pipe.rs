@@ -1,7 +1,7 @@
 //! Pipes with a name in a folder: to open one waits until somebody writes to it, for ever perhaps.
 
+use std::fs::FileType;
 use std::io;
-use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
 /// Refuses a pipe or socket that lies in a folder; a pipe of the shell (`<(zcat x.gz)`) has its writer and passes.
@@ -10,12 +10,24 @@ use std::path::Path;
 /// The path is such a pipe.
 pub fn refuse_named_pipe(path: &Path) -> io::Result<()> {
     let Ok(metadata) = std::fs::metadata(path) else { return Ok(()) };
-    let kind = metadata.file_type();
     // What the shell made has no place in the file system.
-    if (kind.is_fifo() || kind.is_socket()) && path.canonicalize().is_ok() {
+    if is_pipe(metadata.file_type()) && path.canonicalize().is_ok() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe, not a file"));
     }
     Ok(())
+}
+
+/// Whether it is a pipe or a socket. Elsewhere than on Unix these do not lie in folders.
+#[cfg(unix)]
+fn is_pipe(kind: FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    kind.is_fifo() || kind.is_socket()
+}
+
+/// Whether it is a pipe or a socket. Elsewhere than on Unix these do not lie in folders.
+#[cfg(not(unix))]
+fn is_pipe(_: FileType) -> bool {
+    false
 }
 
 #[cfg(test)]

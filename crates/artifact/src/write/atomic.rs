@@ -94,13 +94,14 @@ pub fn remove_in_order(paths: &[PathBuf]) -> io::Result<()> {
 
 /// Temporary files are private to the user; a result is readable like any other file, as far as the umask allows.
 #[cfg(unix)]
-fn readable<'a, 'b, 'c>(builder: &'c mut tempfile::Builder<'a, 'b>) -> &'c mut tempfile::Builder<'a, 'b> {
+pub fn readable<'a, 'b, 'c>(builder: &'c mut tempfile::Builder<'a, 'b>) -> &'c mut tempfile::Builder<'a, 'b> {
     use std::os::unix::fs::PermissionsExt;
     builder.permissions(fs::Permissions::from_mode(0o666))
 }
 
+/// Temporary files are private to the user; a result is readable like any other file, as far as the umask allows.
 #[cfg(not(unix))]
-fn readable<'a, 'b, 'c>(builder: &'c mut tempfile::Builder<'a, 'b>) -> &'c mut tempfile::Builder<'a, 'b> {
+pub fn readable<'a, 'b, 'c>(builder: &'c mut tempfile::Builder<'a, 'b>) -> &'c mut tempfile::Builder<'a, 'b> {
     builder
 }
 

@@ -156,15 +156,18 @@ impl ArtifactBuilder {
         let earliest_ns = self.waves.values().filter(|w| !w.sampled.is_empty()).map(Wave::t0_ns).min().unwrap_or(0);
         let origin = origin_ns(earliest_ns);
         let start = log_time(origin, earliest_ns);
-        let mut writer = mcap::WriteOptions::new()
-            .compression(match compression {
-                Compression::None => None,
-                Compression::Zstd => Some(mcap::Compression::Zstd),
-            })
-            .compression_threads(0)
-            .profile("")
-            .library(LIBRARY)
-            .create(sink)?;
+        let options = mcap::WriteOptions::new().compression(None).profile("").library(LIBRARY);
+        #[cfg(unix)]
+        let options = options.compression_threads(0);
+        let options = match compression {
+            Compression::None => options,
+            #[cfg(unix)]
+            Compression::Zstd => options.compression(Some(mcap::Compression::Zstd)),
+            // What packs is written in C.
+            #[cfg(not(unix))]
+            Compression::Zstd => return Err(mcap::McapError::UnsupportedCompression("zstd".to_owned())),
+        };
+        let mut writer = options.create(sink)?;
         writer.write_metadata(&Metadata { name: PROVENANCE.to_owned(), metadata: provenance.to_metadata() })?;
         let mut digest = ContentDigest::default();
 

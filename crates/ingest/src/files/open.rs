@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::refuse_named_pipe;
@@ -198,7 +197,7 @@ pub(crate) fn file_name(path: &Path) -> String {
 
 fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
-    if metadata.file_type().is_char_device() || metadata.file_type().is_block_device() {
+    if is_device(metadata.file_type()) {
         return Err(unreadable(path, &io::Error::new(io::ErrorKind::InvalidInput, "it is a device, not a file")));
     }
     let length = metadata.len();
@@ -228,6 +227,19 @@ fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
     };
     let bytes = read().map_err(|error| unreadable(path, &error))?;
     if bytes.len() as u64 > FILE_LIMIT { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
+}
+
+/// Whether it is a device. Elsewhere than on Unix these are not files.
+#[cfg(unix)]
+fn is_device(kind: fs::FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    kind.is_char_device() || kind.is_block_device()
+}
+
+/// Whether it is a device. Elsewhere than on Unix these are not files.
+#[cfg(not(unix))]
+fn is_device(_: fs::FileType) -> bool {
+    false
 }
 
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crumple_artifact::Artifact;
 use crumple_artifact::records::TestV1;
+use crumple_artifact::{Artifact, add_decompressors};
 use crumple_signal::unit::signal_unit;
 use crumple_signal::{Channel, Notes, QuantityKind, TestDescription};
 use mcap::records::{Channel as McapChannel, Record as McapRecord};
@@ -76,6 +76,7 @@ fn scan(
             .with_validate_chunk_crcs(true)
             .with_record_length_limit(CHUNK_LIMIT as usize),
     );
+    add_decompressors(&mut reader, CHUNK_LIMIT).map_err(|error| damaged(file, &error.to_string()))?;
     let mut rest = bytes;
     while let Some(event) = reader.next_event() {
         match event.map_err(|error| damaged(file, &error.to_string()))? {

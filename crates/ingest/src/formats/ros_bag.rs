@@ -126,12 +126,7 @@ fn unpack<'a>(
     let packed: Box<dyn Read + 'a> = match compression.as_str() {
         "none" | "" => return Ok(Cow::Borrowed(data)),
         "bz2" => Box::new(bzip2::read::BzDecoder::new(data)),
-        "lz4" => match lz4::Decoder::new(data) {
-            Ok(decoder) => Box::new(decoder),
-            Err(error) => {
-                return Err(refuse(file, At::File(start), format!("a chunk that lz4 cannot unpack: {error}"), CUT));
-            }
-        },
+        "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(data)),
         other => {
             let found = format!("a chunk compressed by {other:?}");
             return Err(refuse(file, At::File(start), found, "unpack it first: rosbag decompress FILE"));

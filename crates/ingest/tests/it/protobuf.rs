@@ -241,11 +241,9 @@ fn pack(packing: &str, bytes: &[u8]) -> Vec<u8> {
             packer.finish().unwrap()
         }
         "lz4" => {
-            let mut packer = lz4::EncoderBuilder::new().build(Vec::new()).unwrap();
+            let mut packer = lz4_flex::frame::FrameEncoder::new(Vec::new());
             packer.write_all(bytes).unwrap();
-            let (packed, result) = packer.finish();
-            result.unwrap();
-            packed
+            packer.finish().unwrap()
         }
         _ => bytes.to_vec(),
     }

@@ -309,14 +309,16 @@ impl Reach {
     }
 
     /// The largest factor by which a compression goes beyond that of a test, with the number of the element, from 1;
-    /// `None`: none does.
+    /// `None`: none does. Elements that carry the same force are compressed alike, which rounding does not order: the
+    /// first of them.
     pub fn beyond(&self, tested: &Self) -> Option<(usize, f64)> {
         let pairs = self.compression_m.iter().zip(&tested.compression_m).enumerate();
-        pairs
+        let factors = pairs
             .filter(|(_, (_, tested))| **tested > 0.0)
             .map(|(k, (asked, tested))| (k + 1, asked / tested))
-            .filter(|(_, factor)| *factor > BEYOND)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, factor)| *factor > BEYOND);
+        let largest = factors.clone().map(|(_, factor)| factor).fold(0.0, f64::max);
+        factors.into_iter().find(|(_, factor)| *factor >= largest * (1.0 - 1e-9))
     }
 
     /// Whether the speed goes beyond that of a test.

@@ -288,10 +288,15 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
         let summary: &File = summary.get_ref();
         // Half of the time goes into waiting for the disk: the summary gets there while the page is laid out.
         thread::scope(|scope| {
-            let on_disk = scope.spawn(|| summary.sync_data());
+            let sync = || summary.sync_data();
+            let on_disk = thread::Builder::new().spawn_scoped(scope, sync);
             let page = lay_out();
             replace_atomically(report, OutputKind::Report, &old, |file| page.write_to(file))?;
-            Ok(on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?)
+            Ok(match on_disk {
+                Ok(on_disk) => on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?,
+                // A browser has no threads.
+                Err(_) => sync()?,
+            })
         })
     })
 }

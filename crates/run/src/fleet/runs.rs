@@ -1,10 +1,10 @@
 //! The runs of a fleet: which there are, which are up to date, how they are started side by side, how each ended.
 
 use std::collections::{BTreeSet, HashMap};
+use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io::{self, IsTerminal, Write};
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::command::{Pipeline, is_one_program, own_command, typed_commands};
 use crate::fleet::command::{Options, combinations};
 use crate::fleet::records::{Digests, Record};
+use crate::steps::exit_code_of;
 
 // What is known of runs that ended: one line each, added the moment a run ends.
 
@@ -273,7 +274,8 @@ pub(crate) fn digest_of_programs() -> io::Result<String> {
     let own = std::env::current_exe()?;
     for entry in own.parent().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let is_of_a_run = name.starts_with("crumple-") && !name.contains('.') && !OTHERS.contains(&name.as_str());
+        let name = name.strip_suffix(EXE_SUFFIX).unwrap_or(&name);
+        let is_of_a_run = name.starts_with("crumple-") && !name.contains('.') && !OTHERS.contains(&name);
         if is_of_a_run && entry.path().is_file() && !is_one_program() {
             files.insert(entry.path());
         }
@@ -394,7 +396,7 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
         .stdout(Stdio::null())
         .output()
         .with_context(|| format!("cannot start {}", command.get_program().display()))?;
-    let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
+    let exit_code = exit_code_of(output.status);
     let said = String::from_utf8_lossy(&output.stderr);
     let mut ended = JournalEntry {
         key: run.key.clone().unwrap_or_default(),

@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Mutex;
@@ -22,6 +21,7 @@ use crate::fleet::regression::Study;
 use crate::fleet::runs::{Journal, JournalEntry, digest_of_programs, digest_of_summary, jobs, read_journals};
 use crate::fleet::tables::Kind::{Count, Flag, Number, Text};
 use crate::fleet::tables::{Cell, Row, Table, columns, write_tables};
+use crate::steps::exit_code_of;
 use crate::together::summary::{JointSummary, LeftOut};
 
 // Classes of vehicles, from a file.
@@ -225,7 +225,7 @@ impl<'a> JointFits<'a> {
             .stdout(Stdio::null())
             .output()
             .with_context(|| format!("cannot start {}", command.get_program().display()))?;
-        let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
+        let exit_code = exit_code_of(output.status);
         let said = String::from_utf8_lossy(&output.stderr);
         let error = if exit_code == 0 { "" } else { said.lines().next().unwrap_or_default() };
         let summary = (exit_code == 0).then(|| digest_of_summary(&path)).flatten();

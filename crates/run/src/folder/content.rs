@@ -1,12 +1,12 @@
 //! What lies in a run folder, what of it is foreign, and what a run sweeps away.
 
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File};
 use std::io;
 use std::io::{Read, Write};
-use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crumple_artifact::readable;
 use crumple_stage::{Pipeline, Usage};
 use tempfile::NamedTempFile;
 
@@ -75,11 +75,22 @@ pub(crate) fn state_of<'a>(
     }
     for program in programs {
         let file = fs::metadata(program)?;
-        let times = [file.mtime(), file.mtime_nsec(), file.ctime(), file.ctime_nsec()];
-        let known = format!("{} {} {} {} {times:?}\n", program.display(), file.dev(), file.ino(), file.size());
-        state.update(known.as_bytes());
+        state.update(format!("{} {} {:?}\n", program.display(), file.len(), identity(&file)).as_bytes());
     }
     Ok(format!("blake3:{}", state.finalize().to_hex()))
+}
+
+/// Place of a file on the disk and the times of its content and of its inode.
+#[cfg(unix)]
+fn identity(file: &fs::Metadata) -> impl std::fmt::Debug {
+    use std::os::unix::fs::MetadataExt;
+    (file.dev(), file.ino(), [file.mtime(), file.mtime_nsec(), file.ctime(), file.ctime_nsec()])
+}
+
+/// The times of a file: elsewhere than on Unix an edit that sets them back passes unseen.
+#[cfg(not(unix))]
+fn identity(file: &fs::Metadata) -> impl std::fmt::Debug {
+    (file.modified().ok(), file.created().ok())
 }
 
 /// Folder inside the run folder in which programs from elsewhere write.
@@ -169,11 +180,9 @@ impl PipelineOfRun {
 /// The file of a pipeline, not yet under its name.
 pub(crate) fn written(folder: &Path, pipeline: &Pipeline) -> anyhow::Result<NamedTempFile> {
     let write = || {
-        let mut new = tempfile::Builder::new()
-            .prefix(&format!(".{PIPELINE_OF_A_RUN}."))
-            .suffix(".tmp")
-            .permissions(Permissions::from_mode(0o666))
-            .tempfile_in(folder)?;
+        let prefix = format!(".{PIPELINE_OF_A_RUN}.");
+        let mut builder = tempfile::Builder::new();
+        let mut new = readable(builder.prefix(&prefix).suffix(".tmp")).tempfile_in(folder)?;
         new.write_all(format!("{HEAD}{pipeline}").as_bytes()).map(|()| new)
     };
     write().with_context(|| format!("cannot write the pipeline into {}", folder.display()))

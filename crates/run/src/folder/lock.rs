@@ -3,8 +3,6 @@
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::io;
-use std::os::unix::ffi::OsStringExt;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
@@ -12,7 +10,7 @@ use std::time::Duration;
 use crate::command::{Options, elsewhere, named};
 use anyhow::Context;
 use crumple_stage::{Call, Usage, Way, say};
-use rustix::io::{FdFlags, fcntl_setfd};
+use same_file::Handle;
 
 /// Stands in the run folder while a run works there, where the file system does not lock folders.
 const LOCK_FILE: &str = ".crumple-run.lock";
@@ -24,7 +22,8 @@ const TRIES: u32 = 100;
 ///
 /// The folder itself is locked, so no file stays behind; where the file system refuses that, a file in it. The programs
 /// started here inherit the lock: where this process is killed, the folder is free once the stage that it started has
-/// ended too.
+/// ended too. Windows locks no folders and passes no lock on: there a file is locked, and killing a run leaves the
+/// folder free at once.
 #[derive(Debug)]
 pub(crate) struct LockedFolder {
     path: PathBuf,
@@ -56,7 +55,7 @@ impl LockedFolder {
         };
         if let Lock::Folder(file) | Lock::FileInIt(file) = &folder {
             // Children hold the lock too: by default they would close it.
-            fcntl_setfd(file, FdFlags::empty()).context("cannot pass the lock on to the stages")?;
+            pass_on(file).context("cannot pass the lock on to the stages")?;
         }
         Ok(Self { path: path.to_owned(), made, lock: folder })
     }
@@ -139,11 +138,19 @@ fn made_and_opened(path: &Path) -> anyhow::Result<File> {
             }
             Ok(()) => {}
         }
-        match File::open(path) {
+        match open_folder(path) {
             Err(error) if is_gone(&error) => {}
             opened => return opened.with_context(|| format!("cannot open the run folder {}", path.display())),
         }
     }
+}
+
+fn open_folder(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    // FILE_FLAG_BACKUP_SEMANTICS: without it Windows opens no folder.
+    #[cfg(windows)]
+    std::os::windows::fs::OpenOptionsExt::custom_flags(&mut options, 0x0200_0000);
+    options.read(true).open(path)
 }
 
 /// Locks an open file or folder; an error where its file system cannot.
@@ -163,11 +170,22 @@ fn lock_or_wait(file: &File, path: &Path, folder: &Path) -> io::Result<()> {
     }
 }
 
+/// Lets children hold the lock of a file.
+#[cfg(unix)]
+fn pass_on(file: &File) -> io::Result<()> {
+    Ok(rustix::io::fcntl_setfd(file, rustix::io::FdFlags::empty())?)
+}
+
+/// Lets children hold the lock of a file: only on Unix.
+#[cfg(not(unix))]
+fn pass_on(_: &File) -> io::Result<()> {
+    Ok(())
+}
+
 /// Whether a path still leads to an open file.
 pub(crate) fn is_at(file: &File, path: &Path) -> bool {
-    let id = |metadata: io::Result<fs::Metadata>| metadata.ok().map(|m| (m.dev(), m.ino()));
-    let open = id(file.metadata());
-    open.is_some() && open == id(fs::metadata(path))
+    let open = file.try_clone().and_then(Handle::from_file);
+    matches!((open, Handle::from_path(path)), (Ok(open), Ok(there)) if open == there)
 }
 
 /// A process and the words of its command line.
@@ -234,8 +252,8 @@ fn holders(locked: &Path) -> io::Result<Vec<Holder>> {
         });
         if holds {
             let line = fs::read(process.path().join("cmdline")).unwrap_or_default();
-            let words = line.split(|byte| *byte == 0).map(|word| OsString::from_vec(word.to_vec())).collect();
-            holders.push((id, words));
+            let words = line.split(|byte| *byte == 0).map(|word| String::from_utf8_lossy(word).into_owned().into());
+            holders.push((id, words.collect()));
         }
     }
     Ok(holders)

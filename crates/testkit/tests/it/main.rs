@@ -11,5 +11,6 @@ mod formats;
 mod just_run;
 mod known_truth_chain;
 mod main_job;
+mod page;
 mod schemas;
 mod together;
