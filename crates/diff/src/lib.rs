@@ -9,6 +9,7 @@ mod differences;
 mod error;
 mod json;
 mod print;
+mod stage;
 mod tolerances;
 
 pub use artifact::compare_artifacts;
@@ -16,4 +17,5 @@ pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
 pub use json::compare_json;
 pub use print::{TextOptions, head, tolerated_parameters, write_text};
+pub use stage::PROGRAM;
 pub use tolerances::{Base, CompareSettings, Tolerance, ToleranceRule, Tolerances, parse_rules};

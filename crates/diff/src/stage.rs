@@ -4,15 +4,14 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use anyhow::Context;
-use crumple_artifact::{Artifact, refuse_named_pipe};
-use crumple_diff::{
+use crate::{
     Base, CompareSettings, Comparison, DiffError, FileReport, Side, TextOptions, Tolerances, compare_artifacts,
     compare_json, head, parse_rules, tolerated_parameters, write_text,
 };
-use crumple_stage::{ExitStatus, Usage, keep_budget, printable, to_stdout, tool_main};
+use anyhow::Context;
+use crumple_artifact::{Artifact, refuse_named_pipe};
+use crumple_stage::{ExitStatus, Program, Usage, keep_budget, printable, run_tool, to_stdout};
 
 /// Compares two artifacts or two run folders by what they mean: waveforms sample by sample, records value by value,
 /// within a tolerance.
@@ -66,11 +65,9 @@ struct Args {
     quiet: bool,
 }
 
-/// Parses the command line, compares and prints.
-pub fn main() -> ExitCode {
-    // Here 1 means "different" and every failure is 2, whatever its kind.
-    tool_main(|args: Args| run(&args).map_err(trouble))
-}
+/// The program. Here 1 means "different" and every failure is 2, whatever its kind.
+pub const PROGRAM: Program =
+    Program::of_tool::<Args>("diff", |call| run_tool(call, |args: Args| run(&args).map_err(trouble)));
 
 fn trouble(error: anyhow::Error) -> anyhow::Error {
     // An error that tells its cause in its own words does not tell it twice.
