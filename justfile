@@ -253,6 +253,52 @@ cases subject file:
 papers:
     CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --workspace --test cases -- papers
 
+# The Python wheel for this machine, into target/wheels: docs/python.md.
+[group('development')]
+wheel: python-tools
+    rm -rf target/wheels
+    target/python/bin/maturin build --quiet --locked --profile "$profile" --out target/wheels
+
+# With numpy 2 and, where Python is older than 3.13, with numpy 1.26. The wheel: that of `just wheel`, or a file.
+# Installs the wheel into a new environment, checks types, runs python/tests, the code of documents and the notebook.
+[group('development')]
+python-test $wheel="":
+    [ -n "$wheel" ] || just wheel
+    rm -rf target/python-test
+    python3 -m venv target/python-test
+    wheel="$(realpath "${wheel:-$(ls target/wheels/*.whl)}")"; export CRUMPLE_WHEEL="$wheel"; \
+    PATH="$PWD/target/python-test/bin:$PATH"; \
+    pip install --quiet --disable-pip-version-check "$wheel[pandas]" mypy pandas-stubs pytest; \
+    mypy; \
+    (cd python/tests; python -m pytest -q -p no:cacheprovider); \
+    if python -c "import sys; sys.exit(sys.version_info >= (3, 13))"; then \
+        pip install --quiet --disable-pip-version-check "numpy==1.26.*" "pandas<3"; \
+        pip check; \
+        (cd python/tests; python -m pytest -q -p no:cacheprovider); \
+    fi
+
+# The program is static and the wheel needs glibc 2.28, whatever this machine has: the linker of the wheel is zig's.
+# What a release holds, into dist/: program, wheel, page, checksums.
+[group('development')]
+dist: (python-tools "ziglang>=0.13,<1" "cargo-zigbuild>=0.20,<1")
+    rm -rf dist
+    mkdir -p dist
+    RUSTFLAGS="-C target-feature=+crt-static -C strip=symbols" cargo build --quiet --locked --release \
+        --package crumple-cli --target x86_64-unknown-linux-gnu --target-dir target/static
+    tar -czf dist/crumple-x86_64-linux.tar.gz --owner=0 --group=0 README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT \
+        -C target/static/x86_64-unknown-linux-gnu/release crumple
+    PATH="$PWD/target/python/bin:$PATH" maturin build --quiet --locked --release --zig \
+        --compatibility manylinux_2_28 --out dist
+    just page
+    cp target/page/crumple.html dist/
+    cd dist && sha256sum * > SHA256SUMS
+
+# Tools from the Python registry, into target/python.
+[private]
+python-tools *packages:
+    @[ -x target/python/bin/python ] || python3 -m venv target/python
+    @target/python/bin/pip install --quiet --disable-pip-version-check "maturin>=1.16,<2" "$@"
+
 # What every change must pass, and what is too slow for that: before an issue is called resolved.
 [group('development')]
 ci-full:
@@ -266,6 +312,7 @@ ci-full:
     just windows
     just page
     CRUMPLE_PAGE=target/page/crumple.html cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^page::/)'
+    just python-test
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
     just bytes --compare target/bytes-1.txt target/bytes-4.txt

@@ -1,0 +1,16 @@
+"""Crumple: a crash pulse in, a physical model out.
+
+`run` takes a record through all stages; `read` opens an artifact; `filter_cfc`, `crush`, `era`, `fit` and others are
+single steps on arrays. All of them start the program `crumple`, which this package brings. Numbers are SI.
+"""
+
+from ._artifact import Artifact, Record, Wave, read, stage, write
+from ._kernels import LinearModel, Motion, arx, crush, era, filter_cfc, fit, n4sid, okid, simulate, tfest
+from ._program import CrumpleError, NoResult, Refused, Usage
+from ._run import Run, diff, open_run, predict, run, together
+
+__all__ = [
+    "Artifact", "CrumpleError", "LinearModel", "Motion", "NoResult", "Record", "Refused", "Run", "Usage", "Wave", "arx",
+    "crush", "diff", "era", "filter_cfc", "fit", "n4sid", "okid", "open_run", "predict", "read", "run", "simulate",
+    "stage", "tfest", "together", "write",
+]
