@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_report::{ComparedRun, Ranking, RunComparison};
+use crumple_report::{ComparedRun, RunComparison};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, artifacts_of_a_run, columns, keep_budget, load_artifacts, refuse_to_overwrite, say,
     told_apart, wrapped,
@@ -30,7 +30,7 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
             run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);
         }
         let report = address(page, &folder.join("report.html"));
-        runs.push(ComparedRun { name, report, ranking: Ranking::of_run(&run), run });
+        runs.push(ComparedRun::new(name, report, run));
     }
     let comparison = RunComparison::new(&runs);
     write(page, OutputKind::Report, &comparison.to_html())?;
