@@ -163,9 +163,10 @@ bench *args:
     RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
 
 # Of the whole workspace, as `just test` is: one package alone has other features of its dependencies, and all would be compiled twice.
-# Formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
+# Spelling, formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
 [group('development')]
 lint:
+    @if [ -x .venv/bin/typos ]; then .venv/bin/typos; else echo "SKIPPED typos: scripts/setup.sh test installs it" >&2; fi
     cargo test --workspace --test architecture --quiet
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --quiet -- -D warnings

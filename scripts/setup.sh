@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up a fresh Debian machine that has Rust (rustup). Does nothing where everything is there already.
 #   scripts/setup.sh        what `just run` needs: a C compiler, just
-#   scripts/setup.sh test   what `just test` needs too: cargo-nextest, Chromium, Python with the mcap package
+#   scripts/setup.sh test   what `just test` and `just lint` need too: cargo-nextest, Chromium, Python with mcap, typos
 #   scripts/setup.sh fleet  what `just fleet-slurm` needs too: Snakemake in an environment of its own, .venv-fleet
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -30,6 +30,8 @@ if [ "${1:-}" = test ]; then
         python3 -m venv .venv
         .venv/bin/pip install --quiet "mcap>=1.2,<2"
     fi
+    .venv/bin/typos --version >/dev/null 2>&1 || .venv/bin/pip install --quiet "typos>=1.52,<2" ||
+        echo "setup: typos could not be installed, \`just lint\` goes without it" >&2
 fi
 if [ "${1:-}" = fleet ] && ! .venv-fleet/bin/snakemake --version >/dev/null 2>&1; then
     python3 -c "import venv, ensurepip" 2>/dev/null || apt_install python3 python3-venv

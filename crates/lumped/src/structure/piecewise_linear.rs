@@ -13,7 +13,7 @@
 //! for nothing says that what is highest at the end was a wave: an engine that is reached and a bottoming look alike.
 //!
 //! The shares were chosen by cars of two and three masses, of foam and such that bottom out, tested at 56 or at 56 and
-//! 40 km/h and asked at 64 (`docs/prediction.md`).
+//! 40 km/h and asked at 64 (`docs/methods/prediction.md`).
 
 use crate::LumpedError;
 use crate::error::finite;

@@ -1,9 +1,11 @@
-//! The rules of the house: layers of crates, circles of modules, sizes of files and functions, lines of a crate.
+//! The rules of the house: layers of crates, circles of modules, sizes of files and functions, lines of a crate,
+//! links of the pages.
 //!
 //! docs/adr/0004-rooms.md says why. Every rule takes packages and returns what breaks it, a line each.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod pages;
 mod paths;
 mod planted;
 mod sizes;
@@ -81,5 +83,6 @@ fn the_house_keeps_its_rules() {
     broken.extend(packages.iter().flat_map(paths::broken));
     broken.extend(packages.iter().flat_map(sizes::broken));
     broken.extend(sizes::check(&packages));
+    broken.extend(pages::broken(&root()));
     assert!(broken.is_empty(), "{} rules broken\n{}", broken.len(), broken.join("\n"));
 }

@@ -5,65 +5,15 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::papers::systems::{complex_of, evaluate};
+use crate::papers::systems::evaluate;
 
 /// Project-owned table: what the papers print, from which inputs, and why it differs.
 pub const TABLE: &str = include_str!("values.json");
 
-/// Quantities shown where nothing is printed, by kind; empty: all single numbers.
-fn headline(kind: &str) -> &'static [&'static str] {
-    match kind {
-        "charpoly_two_mass" => &["t", "u", "v", "w", "roots"],
-        "crush" => &["t_m1", "C1", "t_m2", "C2"],
-        "match" => {
-            &["n_solutions_with_multiplicity", "n_real_with_multiplicity", "n_physical_with_multiplicity", "solutions"]
-        }
-        "transfer_function" => &["poles", "zeros"],
-        "realization" => &["discrete_eigenvalues", "hankel_singular_values_first"],
-        "roots_to_coefficients" => &["coefficients_descending_monic"],
-        "eig" => &["modes_with_nonnegative_imaginary_part"],
-        _ => &[],
-    }
-}
-
-/// Ten significant digits, plain where that is short.
-fn number(x: f64) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let exponent = x.abs().log10().floor() as i32;
-    if !(-5..12).contains(&exponent) {
-        return if x.abs() < 1e-14 { "0".to_owned() } else { format!("{x:.9e}") };
-    }
-    let decimals = usize::try_from((9 - exponent).max(0)).unwrap_or(0);
-    let text = format!("{x:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-fn show(value: &Value) -> String {
-    if let Some(z) = complex_of(value) {
-        return if z.im == 0.0 {
-            number(z.re)
-        } else {
-            format!("{} {} {}i", number(z.re), if z.im < 0.0 { '-' } else { '+' }, number(z.im.abs()))
-        };
-    }
-    match value {
-        Value::Null => "none".to_owned(),
-        Value::String(text) => text.clone(),
-        Value::Bool(flag) => flag.to_string(),
-        Value::Array(list) => list.iter().map(show).collect::<Vec<_>>().join(", "),
-        Value::Object(map) => {
-            // Of a solution the parameters, of a mode the pole.
-            let keys: &[&str] =
-                if map.contains_key("k1") { &["k1", "k2", "c1", "c2"] } else { &["lambda", "abs", "zeta"] };
-            let parts: Vec<String> =
-                keys.iter().filter_map(|k| map.get(*k).map(|v| format!("{k} {}", show(v)))).collect();
-            format!("({})", parts.join(", "))
-        }
-        Value::Number(_) => String::new(),
-    }
-}
+/// Widest line of the page, in characters.
+const WIDTH: usize = 160;
+/// Printed values of an item that all stand in its line; of more, how many agree and what differs.
+const ALL_SHOWN: usize = 4;
 
 /// The value at a path like `solutions.0.c1`.
 fn at<'a>(value: &'a Value, path: &str) -> Option<&'a Value> {
@@ -84,10 +34,9 @@ pub fn agrees(printed: &str, found: f64) -> bool {
 
 fn words(result: &str) -> &str {
     match result {
-        "no-printed-value" => "nothing printed",
         "reproduces" => "reproduces",
-        "reproduces-after-correction" => "reproduces after a correction",
-        "reproduces-approximately" => "approximately",
+        "reproduces-after-correction" => "corrected",
+        "reproduces-approximately" => "about",
         _ => "differs",
     }
 }
@@ -132,69 +81,81 @@ pub fn shown() -> Result<BTreeMap<String, Shown>, String> {
     items.iter().map(of).collect()
 }
 
-/// The page, and how many printed quantities there are and agree.
+/// What an item prints beside what is recomputed, as cells, each with whether both agree.
+fn compared(item: &Value) -> Result<Vec<(bool, String)>, String> {
+    let text = |value: &Value, name: &str| value[name].as_str().unwrap_or_default().to_owned();
+    let found = evaluate(&text(item, "kind"), &item["inputs"]).map_err(|e| format!("{}: {e}", text(item, "id")))?;
+    let cell_of = |pair: &Value| {
+        let (name, print) = (text(pair, "name"), text(pair, "printed"));
+        let value = at(&found, &text(pair, "of")).and_then(Value::as_f64);
+        let decimals = print.split_once('.').map_or(0, |(_, fraction)| fraction.len()) + 1;
+        match value {
+            Some(x) if agrees(&print, x) => (true, format!("{name} {print} ✓")),
+            Some(x) => (false, format!("{name} {print} → {x:.decimals$}")),
+            None => (false, format!("{name} {print} → none")),
+        }
+    };
+    Ok(item["printed"].as_array().into_iter().flatten().map(cell_of).collect())
+}
+
+/// The cells in one line: all of a few, else how many agree and one or two that differ.
+fn shortened(cells: &[(bool, String)]) -> String {
+    let differing: Vec<&str> = cells.iter().filter(|(same, _)| !same).map(|(_, cell)| cell.as_str()).collect();
+    if cells.len() <= ALL_SHOWN {
+        return cells.iter().map(|(_, cell)| cell.as_str()).collect::<Vec<_>>().join(", ");
+    }
+    let agree = format!("{} of {} ✓", cells.len() - differing.len(), cells.len());
+    match differing.as_slice() {
+        [] => agree,
+        [_] | [_, _] => format!("{agree}: {}", differing.join(", ")),
+        [first, ..] => format!("{agree}: {first}, ..."),
+    }
+}
+
+/// The page.
 pub fn page() -> Result<String, String> {
     let table: Value = serde_json::from_str(TABLE).map_err(|e| e.to_string())?;
     let list = |value: &Value, name: &str| value[name].as_array().cloned().unwrap_or_default();
-    let items = list(&table, "items");
     let text = |value: &Value, name: &str| value[name].as_str().unwrap_or_default().to_owned();
+    let lines = |value: &Value, name: &str, start: &str| -> Vec<String> {
+        list(value, name).iter().map(|line| format!("{start}{}", line.as_str().unwrap_or_default())).collect()
+    };
+    let (printed, others): (Vec<Value>, Vec<Value>) =
+        list(&table, "items").into_iter().partition(|item| !list(item, "printed").is_empty());
     let mut body = String::new();
     let mut counts = BTreeMap::<String, usize>::new();
-    let (mut printed_total, mut printed_agree) = (0, 0);
+    let (mut numbers, mut agree) = (0, 0);
     for paper in list(&table, "papers") {
         let _ = writeln!(body, "## {}\n\n{}\n", text(&paper, "title"), text(&paper, "about"));
-        let _ = writeln!(body, "| item | place | printed → recomputed | result | why |\n|---|---|---|---|---|");
-        for item in items.iter().filter(|item| item["paper"] == paper["id"]) {
-            let (id, kind) = (text(item, "id"), text(item, "kind"));
-            let found = evaluate(&kind, &item["inputs"]).map_err(|e| format!("{id}: {e}"))?;
-            let mut shown = Vec::new();
-            for pair in list(item, "printed") {
-                let (path, print) = (text(&pair, "of"), text(&pair, "printed"));
-                let value = at(&found, &path).unwrap_or(&Value::Null);
-                printed_total += 1;
-                let same = value.as_f64().is_some_and(|x| agrees(&print, x));
-                printed_agree += usize::from(same);
-                let name = text(&pair, "name");
-                shown.push(format!("{name}: {print} → {}{}", show(value), if same { " ✓" } else { "" }));
-            }
-            if shown.is_empty() {
-                let keys = headline(&kind);
-                let all = found.as_object().cloned().unwrap_or_default();
-                if keys.is_empty() {
-                    let single = |v: &Value| !v.is_array() && !v.is_object();
-                    shown.extend(all.iter().filter(|(_, v)| single(v)).map(|(k, v)| format!("{k} = {}", show(v))));
-                } else {
-                    shown.extend(keys.iter().filter_map(|k| all.get(*k).map(|v| format!("{k} = {}", show(v)))));
-                }
-            }
+        let _ = writeln!(body, "| where | printed → recomputed | result |\n|---|---|---|");
+        for item in printed.iter().filter(|item| item["paper"] == paper["id"]) {
+            let cells = compared(item)?;
+            numbers += cells.len();
+            agree += cells.iter().filter(|(same, _)| *same).count();
+            let (place, why) = (cell(&text(item, "place")), cell(&text(item, "why")));
             let result = words(&text(item, "verdict")).to_owned();
-            let _ = writeln!(
-                body,
-                "| `{id}` | {} | {} | {result} | {} |",
-                cell(&text(item, "place")),
-                cell(&shown.join("; ")),
-                cell(&text(item, "why"))
-            );
+            let _ = writeln!(body, "| {place} | {} | {result}: {why} |", cell(&shortened(&cells)));
             *counts.entry(result).or_default() += 1;
         }
-        let corrections = list(&paper, "corrections");
-        if !corrections.is_empty() {
-            let _ = writeln!(body, "\nFormulas and statements, with the reading that works:\n");
-            for line in corrections {
-                let _ = writeln!(body, "- {}", line.as_str().unwrap_or_default());
-            }
-        }
-        body.push('\n');
+        let _ = writeln!(body, "\nFormulas and statements, with the reading that works:\n");
+        let _ = writeln!(body, "{}\n", lines(&paper, "corrections", "- ").join("\n"));
     }
     let counts: Vec<String> = counts.iter().map(|(result, n)| format!("{n} {result}")).collect();
-    Ok(format!(
+    let page = format!(
         "# The three papers, recomputed\n\n\
          <!-- Written by `just papers`; do not edit. -->\n\n\
          {}\n\n\
-         {} items: {}. Of {printed_total} single printed numbers {printed_agree} come out to the last digit (✓).\n\n{}",
-        text(&table, "about"),
-        items.len(),
+         {numbers} printed numbers at {} places: {agree} come out to the last digit (✓). Of the places, {}.\n\
+         {} more quantities have no printed value; `just cases papers FILE` compares those with reference values.\n\
+         Inputs of every line: `crates/testkit/tests/cases/papers/values.json`.\n\n{}\n",
+        lines(&table, "about", "").join("\n"),
+        printed.len(),
         counts.join(", "),
-        body.trim_end().to_owned() + "\n"
-    ))
+        others.len(),
+        body.trim_end()
+    );
+    match page.lines().find(|line| line.chars().count() > WIDTH) {
+        Some(line) => Err(format!("more than {WIDTH} characters: {line}")),
+        None => Ok(page),
+    }
 }

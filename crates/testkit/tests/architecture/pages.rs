@@ -1,0 +1,36 @@
+//! Links of the pages: each leads to a file, and to a heading in it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Pages in a folder, with those of folders below where `deep`.
+fn pages(folder: &Path, deep: bool) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let below = |path: PathBuf| if path.is_dir() && deep { pages(&path, deep) } else { vec![path] };
+    entries.flat_map(below).filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
+}
+
+/// The anchor of a line with a heading.
+fn anchor(line: &str) -> String {
+    let kept = line.trim_start_matches('#').chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+    kept.collect::<String>().trim().to_lowercase().replace(' ', "-")
+}
+
+/// Links of the pages of the project that lead nowhere.
+pub fn broken(root: &Path) -> Vec<String> {
+    let mut broken = Vec::new();
+    for page in pages(root, false).into_iter().chain(pages(&root.join("docs"), true)) {
+        let text = fs::read_to_string(&page).unwrap();
+        let links = text.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
+        for link in links.filter(|link| !link.contains([':', ' '])) {
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            let target = if path.is_empty() { page.clone() } else { page.with_file_name(path) };
+            let headings = fs::read_to_string(&target).unwrap_or_default();
+            let mut headings = headings.lines().filter(|line| line.starts_with('#'));
+            if !target.exists() || !heading.is_empty() && !headings.any(|line| anchor(line) == heading) {
+                broken.push(format!("{}: {link} leads nowhere", page.display()));
+            }
+        }
+    }
+    broken
+}
