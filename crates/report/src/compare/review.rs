@@ -312,3 +312,100 @@ pub fn line_of(text: &str, stage: &str, key: &str) -> Option<usize> {
     }
     None
 }
+
+#[cfg(test)]
+pub mod tests {
+    use std::borrow::Cow;
+
+    use super::super::quantities::engineering;
+    use super::*;
+    use crate::findings::{CandidateSummary, KeyNumber};
+
+    /// A run with these key numbers and parameters of its recommended model, filtered with this class.
+    pub fn made(cfc: u16, numbers: &[(&'static str, f64, &'static str)], stiffness: &[f64]) -> Expected {
+        let number = |(name, value, unit): &(&'static str, f64, &'static str)| KeyNumber {
+            name: Cow::Borrowed(*name),
+            value: Some(*value),
+            unit: Cow::Borrowed(*unit),
+            ..KeyNumber::default()
+        };
+        let parameters = stiffness.iter().enumerate().map(|(k, value)| (format!("k{}_n_per_m", k + 1), *value)).collect();
+        let id = "kelvin/direct-fit/1".to_owned();
+        let summary = Summary {
+            key_numbers: numbers.iter().map(number).collect(),
+            candidates: vec![CandidateSummary { id: id.clone(), model: "kelvin".into(), parameters, ..Default::default() }],
+            recommended: Some(id),
+            ..Summary::default()
+        };
+        let stage = |stage: &str, settings: String, digest: String| StageRecord {
+            stage: stage.into(),
+            version: "0.2.0".into(),
+            settings,
+            digest,
+            inputs: Vec::new(),
+        };
+        let stages = vec![
+            stage("filter", format!(r#"{{"cfc":{cfc},"mode":"iso6487"}}"#), format!("f{cfc}")),
+            stage("integrate", "{}".into(), format!("{numbers:?}")),
+        ];
+        Expected { record: ["crash.csv".into(), "blake3:0123456789".into()], stages, summary, ..Expected::default() }
+    }
+
+    /// The review of two runs, with nowhere a line that states an option.
+    pub fn review(a: &Expected, b: &Expected) -> Review {
+        Review::new("rigid", [a, b], &engineering(), |_, _| None)
+    }
+
+    #[test]
+    fn the_cause_is_of_an_input_and_the_gravest_comes_first() {
+        let a = made(60, &[("peak_acceleration", 175.0, "m/s^2")], &[]);
+        let mut b = made(180, &[("peak_acceleration", 180.0, "m/s^2")], &[]);
+        b.stages[1].inputs = vec![("filter".into(), "f180".into())];
+        assert_eq!(review(&a, &b).cause(), "filter.cfc 60 -> 180; the rest follows");
+        b.stages[0].version = "0.3.0".into();
+        assert_eq!(review(&a, &b).cause(), "filter 0.2.0 -> 0.3.0, and 1 more; the rest follows");
+        b.record[1] = "blake3:ffffffffff".into();
+        assert_eq!(
+            review(&a, &b).cause(),
+            "record crash.csv (01234567) -> crash.csv (ffffffff), and 2 more; the rest follows"
+        );
+        b.summary.pipeline = Some("papers/civic".into());
+        let kinds: Vec<CauseKind> = review(&a, &b).causes.into_iter().map(|cause| cause.kind).collect();
+        assert_eq!(kinds, [CauseKind::Record, CauseKind::Program, CauseKind::Pipeline, CauseKind::Setting]);
+        // All is the same but the result.
+        let mut again = a.clone();
+        again.stages[1].digest = "other".into();
+        let found = review(&a, &again);
+        assert_eq!((found.cause(), found.unexplained), (
+            "no option, record or program differs: the numerics do".to_owned(),
+            vec!["integrate".to_owned()]
+        ));
+    }
+
+    #[test]
+    fn what_is_farthest_beyond_its_limit_comes_first_and_what_is_within_stands_below() {
+        // 0.1 % of the peak, 3 mm of crush where 1 mm is the same, 6 % of a stiffness where 0.5 % is.
+        let numbers = |peak, crush| [("peak_acceleration", peak, "m/s^2"), ("dynamic_crush", crush, "m")];
+        let (a, b) = (made(60, &numbers(175.0, 0.45), &[1e5]), made(180, &numbers(175.1, 0.453), &[1.06e5]));
+        let found = review(&a, &b);
+        let shown: Vec<(&str, bool)> = found.rows.iter().map(|row| (row.key.as_str(), row.differs(1))).collect();
+        assert_eq!(shown, [("k1_n_per_m", true), ("dynamic_crush", true), ("peak_acceleration", false)]);
+        assert!((found.rows[1].beyond(1) - 3.0).abs() < 1e-9);
+        let lines: Vec<String> = found.lines(25).iter().map(|line| line.replace('\u{a0}', " ")).collect();
+        insta::assert_snapshot!(lines.join("\n"), @"");
+        assert!(found.lines(7).len() <= 7, "{:?}", found.lines(7));
+        // One side only.
+        let without = made(60, &[], &[1e5]);
+        assert_eq!(review(&a, &without).rows[0].beyond(1), f64::INFINITY);
+        assert!(review(&a, &a).is_same());
+    }
+
+    #[test]
+    fn an_option_is_found_where_a_pipeline_file_states_it() {
+        let text = "# a\n[filter]\ncfc = 180\n\n[identify]\ncfc = 2\nmax-order = 3\n[filter.zero_level]\nx = 1\n";
+        assert_eq!(line_of(text, "filter", "cfc"), Some(3));
+        assert_eq!(line_of(text, "identify", "max_order"), Some(7));
+        assert_eq!(line_of(text, "filter", "zero_level.from_s"), Some(8));
+        assert_eq!(line_of(text, "filter", "mode"), None);
+    }
+}

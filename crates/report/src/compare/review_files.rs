@@ -229,3 +229,58 @@ pub fn to_json(compared: &[(Review, Comparison)], all: bool) -> Value {
     value["left_out"] = left_out.into();
     value
 }
+
+#[cfg(test)]
+mod tests {
+    use crumple_diff::FileReport;
+
+    use super::super::review::tests::{made, review};
+    use super::*;
+
+    fn peak(cfc: u16, value: f64, stiffness: &[f64]) -> super::super::review::Expected {
+        made(cfc, &[("peak_acceleration", value, "m/s^2"), ("dynamic_crush", 0.45, "m")], stiffness)
+    }
+
+    #[test]
+    fn the_comment_names_the_cause_and_what_changed_and_says_how_to_take_it() {
+        let (a, b) = (peak(60, 175.0, &[1e5]), peak(180, 180.0, &[1e5]));
+        let (changed, same) = (review(&a, &b), review(&a, &a));
+        let text = to_markdown(&[&changed, &same], "crumple accept runs").replace('\u{a0}', " ");
+        insta::assert_snapshot!(text, @"");
+    }
+
+    #[test]
+    fn a_comment_stays_below_its_size_and_no_text_of_a_record_is_markdown() {
+        let many = |x: f64| (0..300).map(|k| x * f64::from(k + 1)).collect::<Vec<f64>>();
+        let (a, mut b) = (peak(60, 175.0, &many(1e5)), peak(180, 180.0, &many(2e5)));
+        b.record = ["@team <b>|\n`x`-->.csv".into(), "blake3:other".into()];
+        let mut found = review(&a, &b);
+        found.name = "a|b <!-- @x".into();
+        let text = to_markdown(&[&found], "crumple accept runs");
+        assert!(text.len() < MOST_OF_ONE, "{} characters", text.len());
+        assert_eq!(text.matches("-->").count(), 1, "{text}");
+        assert!(!text.contains("<b>"), "{text}");
+        let reviews: Vec<&Review> = (0..30).map(|_| &found).collect();
+        let all = to_markdown(&reviews, "crumple accept runs");
+        assert!(all.len() < MOST && all.contains("Too long for a comment"), "{}", all.len());
+    }
+
+    #[test]
+    fn tests_are_counted_and_annotations_stand_in_one_line() {
+        let found = review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
+        let file = FileReport { name: "3-integrate.mcap".into(), ..FileReport::default() };
+        let comparison = Comparison::new("a".into(), "b".into(), false, vec![file]);
+        let compared = [(found, comparison)];
+        let text = to_junit(&compared);
+        assert!(text.contains("tests=\"3\" failures=\"2\" errors=\"0\""), "{text}");
+        assert_eq!((text.matches("<testcase").count(), text.matches("<failure").count()), (3, 2));
+        let mut noted = review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
+        noted.causes[0].place = Some(("pipelines/default.toml".into(), 12));
+        noted.name = "a,b:c\nd".into();
+        let line = to_github(&[&noted]);
+        assert_eq!(line.lines().count(), 1, "{line}");
+        assert!(line.starts_with("::error file=pipelines/default.toml,line=12,title=a%2Cb%3Ac%0Ad%3A results changed::"));
+        let json = to_json(&compared, false);
+        assert_eq!((&json["same"], &json["summary"][0]["causes"][0]["name"]), (&false.into(), &"filter.cfc".into()));
+    }
+}
