@@ -190,7 +190,7 @@ golden: build
         fresh="target/golden/$(basename "$fixture")"; \
         just flags=-q out="$fresh" run "$fixture/crash.csv"; \
         for expected in "$fixture"golden/*; do \
-            "$bin/crumple-diff" "$expected" "$fresh/$(basename "$expected")"; \
+            "$bin/crumple-diff" --rounding "$expected" "$fresh/$(basename "$expected")"; \
         done; \
     done
 
@@ -276,11 +276,12 @@ fuzz *args: build
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run together fleet study compare index; do \
         for kind in bash zsh fish man; do \
-            "$bin/crumple-$program" --generate $kind > target/shell/crumple-$program.$kind; \
+            "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \
-    done
+    done; \
+    for kind in bash zsh fish man; do "$bin/crumple" --generate $kind > target/shell/crumple.$kind; done
 
 # Writes the fixtures again.
 [group('development')]

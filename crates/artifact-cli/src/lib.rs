@@ -8,6 +8,7 @@ mod curves;
 mod error;
 mod plain;
 mod show;
+mod stage;
 
 pub use checks::{Checked, check};
 pub use curves::{CurveFormat, StaticCurve, static_curves, text};
@@ -17,3 +18,4 @@ pub use plain::{
     plain_records, plain_waves,
 };
 pub use show::{ShowOptions, StageNotes, Wanted, write_json, write_text};
+pub use stage::PROGRAM;

@@ -3,21 +3,20 @@
 use std::fs;
 use std::io::IsTerminal;
 use std::path::{Component, Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::{
+    CurveError, CurveFormat, PlainError, PlainProvenance, PlainWave, ShowOptions, StageNotes, Wanted, assemble, check,
+    f64_bytes, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
+};
 use anyhow::Context;
 use crumple_artifact::records::ConcernV1;
 use crumple_artifact::{
     Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
 };
-use crumple_artifact_cli::{
-    CurveError, CurveFormat, PlainError, PlainProvenance, PlainWave, ShowOptions, StageNotes, Wanted, assemble, check,
-    f64_bytes, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
-};
 use crumple_signal::value::Length;
 use crumple_stage::{
-    ExitStatus, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, nearest, printable,
-    refuse_to_overwrite, say, to_stdout, tool_main,
+    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, nearest, printable,
+    program, refuse_to_overwrite, run_tool, say, to_stdout,
 };
 
 /// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
@@ -57,7 +56,7 @@ enum Command {
     },
     /// Writes the static force-deflection curves of a candidate, for people and for other programs.
     Curve {
-        /// The artifact of crumple-parameter-solve, 5-parameter-solve.mcap of a run.
+        /// The folder of a run, or its 5-parameter-solve.mcap.
         file: PathBuf,
         /// Candidate, e.g. "force-deflection/direct-fit/1" [default: the recommended].
         #[arg(long, value_name = "ID")]
@@ -104,9 +103,11 @@ enum Command {
     },
 }
 
-/// Parses the command line and runs the command.
-pub fn main() -> ExitCode {
-    tool_main(|args: Args| match args.command {
+/// The program.
+pub const PROGRAM: Program = Program::of_tool::<Args>("artifact", |call| run_tool(call, run));
+
+fn run(args: Args) -> anyhow::Result<ExitStatus> {
+    match args.command {
         Command::Show { file, topic, samples, json } => {
             show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
         }
@@ -115,7 +116,7 @@ pub fn main() -> ExitCode {
         Command::Check { files } => check_files(&files),
         Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
         Command::Pack { source, file, zstd, quiet } => pack(&source, &file, zstd, quiet),
-    })
+    }
 }
 
 fn open(path: &Path) -> Result<Artifact, Refused> {
@@ -177,15 +178,17 @@ fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<L
     if to_m.is_some_and(|to| !(to > 0.0 && to.is_finite())) {
         return Err(Usage::new("--to must be above zero").hint("--to 900mm").into());
     }
+    let solved = path.join("5-parameter-solve.mcap");
+    let path = if path.is_dir() { &solved } else { path };
     let curves = static_curves(&open(path)?, candidate, to_m).map_err(|error| {
         let hint = match &error {
-            CurveError::NoCandidates => "give the artifact of crumple-parameter-solve, 5-parameter-solve.mcap of a run",
+            CurveError::NoCandidates => "give 5-parameter-solve.mcap of a run, or its folder",
             CurveError::NoneRecommended { .. } | CurveError::NoCandidate { .. } => "name one with --candidate",
             CurveError::NoEnd { .. } => "say up to which deflection: --to 900mm",
             CurveError::NoStaticForce { .. } => {
                 "take a candidate with a spring or a force-deflection curve: --candidate"
             }
-            CurveError::Model(_) | CurveError::Read(_) => "crumple-artifact check says what is wrong with the artifact",
+            CurveError::Model(_) | CurveError::Read(_) => "the command check says what is wrong with the artifact",
         };
         Refused::new(format!("{}: {error}", path.display())).hint(hint)
     })?;
@@ -305,7 +308,7 @@ pub fn read(source: &Path) -> anyhow::Result<(ArtifactBuilder, PlainProvenance)>
     let (records, wave_lines) = (lines(RECORDS)?, lines(WAVES)?);
     if records.is_none() && wave_lines.is_none() {
         return Err(Refused::new(format!("{}: neither {RECORDS} nor {WAVES} is in it", source.display()))
-            .hint("crumple-artifact unpack FILE DIR shows what a folder looks like")
+            .hint(format!("{} shows what a folder looks like", program("artifact unpack FILE DIR")))
             .into());
     }
     let records = match records {

@@ -97,13 +97,13 @@ impl ReadError {
         match self {
             Self::Io { .. } => "check the path and its permissions",
             Self::NotMcap { .. } => {
-                "give an artifact written by a crumple stage; a raw record goes through crumple-ingest first"
+                "give an artifact written by a crumple stage; a raw record goes through ingest first"
             }
             Self::Truncated { .. } | Self::Corrupt { .. } => "run the stage that wrote it again with --force",
             Self::Foreign { .. } => "give an artifact of a crumple stage; docs/format.md says what one must hold",
             Self::Newer { .. } => "update crumple, or write the file again with this version",
             Self::WrongType { .. } | Self::Message { .. } => {
-                "compare the program that wrote it with docs/format.md (crumple-artifact check FILE)"
+                "compare the program that wrote it with docs/format.md (the command check names its faults)"
             }
         }
     }

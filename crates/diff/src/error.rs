@@ -55,7 +55,7 @@ impl DiffError {
         match self {
             Self::Read(error) => error.hint(),
             Self::Io { .. } => "check the path and its permissions",
-            Self::Json { .. } => "run crumple-report again with --force",
+            Self::Json { .. } => "write the report again with --force",
             Self::Kinds { .. } => "give two artifacts, two summary.json or two run folders",
             Self::NotARun { .. } => "give the folder that holds 1-ingest.mcap ..., e.g. runs/crash/default",
             Self::Tolerance(_) => {

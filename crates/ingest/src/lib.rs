@@ -33,6 +33,7 @@ mod recording {
     pub mod details;
     pub mod settings;
 }
+mod stage;
 mod time;
 
 pub use error::{IngestError, Place, Refusal};
@@ -44,3 +45,4 @@ pub use listing::{ListedChannel, list};
 pub use recording::content::{Fitness, LineNumbers, PulseRule, Quality, ReadChannel, Recording, Wave};
 pub use recording::details::{Details, Stated};
 pub use recording::settings::{IngestSettings, Profile, Sign};
+pub use stage::PROGRAM;

@@ -1,7 +1,5 @@
 //! Reads a crash record as users have it and writes it in SI units; with `--list`, prints its channels.
 
-mod stage;
-
 use std::process::ExitCode;
 
 /// Keeps the budget of memory, `--memory-limit`.
@@ -9,5 +7,5 @@ use std::process::ExitCode;
 static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
 
 fn main() -> ExitCode {
-    stage::main()
+    crumple_ingest::PROGRAM.main()
 }

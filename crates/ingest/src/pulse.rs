@@ -155,7 +155,7 @@ fn requested_channel(
             file,
             format!("channel {wanted} is not listed"),
             format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
-            "crumple-ingest --list prints the table of channels",
+            "--list prints the table of channels",
         ));
     };
     let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];

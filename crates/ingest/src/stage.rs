@@ -2,25 +2,24 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
+use crate::{Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, ingest, list};
 use crumple_artifact::InputDigest;
 use crumple_artifact::records::{TestV1, VehiclesV1};
-use crumple_ingest::{
-    Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, ingest, list,
-};
 use crumple_stage::{
-    ExitStatus, Loaded, Outcome, Output, Progress, Refused, Stage, Usage, keep_budget, nearest, printable, to_stdout,
+    ExitStatus, Loaded, Outcome, Output, Program, Progress, Refused, Stage, Usage, keep_budget, nearest, printable,
+    run_stage, run_tool, to_stdout,
 };
 
-/// Lists the channels if `--list` is given, else runs the stage: a listing writes no artifact and has no life of a
-/// stage.
-pub(crate) fn main() -> ExitCode {
-    if std::env::args_os().skip(1).any(|argument| argument == "--list") {
-        return crumple_stage::tool_main::<Cli>(run);
-    }
-    crumple_stage::main::<Ingest>()
-}
+/// The program. It lists the channels if `--list` is given, else runs the stage: a listing writes no artifact and has
+/// no life of a stage.
+pub const PROGRAM: Program = Program {
+    run: |call| match call.has("--list") {
+        true => run_tool::<Cli>(call, run),
+        false => run_stage::<Ingest>(call),
+    },
+    ..Program::of_stage::<Ingest>()
+};
 
 // The stage: files in, `/test`, `/wave/<id>` and `/quality/<id>` out.
 
@@ -33,8 +32,7 @@ impl Stage for Ingest {
     const ABOUT: &'static str = "Reads a crash record as you have it (a table such as CSV, an NHTSA EV5 or ISO-MME \
         test, its folder, or a zip of one) and writes it in SI units: \
         every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; \
-        corrects nothing. \
-        crumple-ingest --list INPUT prints the table of channels and writes nothing.";
+        corrects nothing. With --list it prints the table of channels and writes nothing.";
 
     type Options = IngestSettings;
     type Settings = IngestSettings;
@@ -42,7 +40,7 @@ impl Stage for Ingest {
 
     fn other_flags() -> Vec<clap::Arg> {
         let list = clap::Arg::new("list").long("list").action(clap::ArgAction::SetTrue).help_heading(None);
-        vec![list.help("Print the table of channels and write nothing: crumple-ingest --list INPUT")]
+        vec![list.help("Print the table of channels and write nothing")]
     }
 
     fn resolve(options: IngestSettings) -> anyhow::Result<IngestSettings> {
@@ -132,8 +130,6 @@ fn summary(ingested: &Ingested) -> Vec<String> {
 #[derive(Debug, clap::Parser)]
 #[command(
     version,
-    bin_name = "crumple-ingest",
-    display_name = "crumple-ingest",
     about = "Prints the table of channels of a record and writes nothing.",
     after_help = "Values are in SI units, as they would be written. --channel prints only the channels it means: an \
         id, a code, a pattern such as '1?VEHC*X?'. Channels with data stand first."

@@ -80,7 +80,7 @@ pub fn contact_edge(switch: &Sampled) -> Option<TimeZeroEstimate> {
 
 /// What is said of a pulse of the wrong sign.
 pub const WRONG_SIGN: &str =
-    "the pulse has the wrong sign: crumple-ingest --sign flip turns it (where that was given: leave it out)";
+    "the pulse has the wrong sign: --sign flip at ingest turns it (where that was given: leave it out)";
 
 /// Whether a motion is that of a pulse with deceleration positive: the vehicle would come to rest if the acceleration
 /// were mirrored (`v` reaches `2·v0`) before it does as it is.

@@ -3,6 +3,7 @@
 
 mod barrier;
 mod events;
+mod stage;
 mod uncertainty;
 
 pub use barrier::{CellSum, barrier_force, impulse_n_s, sum_of_cells};
@@ -13,3 +14,6 @@ pub use events::{
 pub use uncertainty::{
     EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,
 };
+
+/// The program.
+pub const PROGRAM: crumple_stage::Program = crumple_stage::Program::of_stage::<stage::Integrate>();

@@ -30,6 +30,7 @@ mod intervals {
     pub mod tested;
 }
 mod predict;
+mod stage;
 
 pub use error::PredictError;
 pub use impact::candidate::{Candidate, ImpactSetup, ParameterSpread, Partner, Scenario, TestedImpact};
@@ -41,3 +42,6 @@ pub use intervals::prediction::{Prediction, Support};
 pub use intervals::sources::{HALF_WIDTH, INTERVAL_LEVEL, Inputs, Interval};
 pub use intervals::tested::Directions;
 pub use predict::predict;
+
+/// The program.
+pub const PROGRAM: crumple_stage::Program = crumple_stage::Program::of_stage::<stage::Predict>();

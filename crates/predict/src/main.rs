@@ -1,7 +1,5 @@
 //! `crumple-predict`: the candidates of a test at other speeds and masses.
 
-mod stage;
-
 use std::process::ExitCode;
 
 /// Keeps the budget of memory, `--memory-limit`.
@@ -9,5 +7,5 @@ use std::process::ExitCode;
 static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
 
 fn main() -> ExitCode {
-    crumple_stage::main::<stage::Predict>()
+    crumple_predict::PROGRAM.main()
 }

@@ -12,6 +12,7 @@ mod index;
 mod page;
 pub mod phrases;
 pub mod run_numbers;
+mod stage;
 
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
@@ -29,3 +30,5 @@ pub use index::{IndexedRun, status};
 pub use page::document::{Page, write_shared_files};
 pub use phrases::words::fill;
 pub use run_numbers::RunNumber;
+pub use stage::diff::{ACCEPT, DIFF};
+pub use stage::{COMPARE, INDEX, PROGRAM};

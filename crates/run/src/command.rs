@@ -5,20 +5,23 @@ use std::ops::Deref;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::{env, fs};
+use std::sync::OnceLock;
+use std::{env, fs, process};
 
 use anyhow::Context;
-use crumple_stage::{ChainStage, Usage, chain};
+use clap::{Arg, CommandFactory};
+use crumple_stage::{Call, ChainStage, Usage, by_way, chain, program};
 
 // The command line of `crumple-run`.
 
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
 ///
-/// The recipe `run` of the justfile calls it. Which stage reads and writes what stands in `pipelines/chain`; each is
-/// started as `COMMAND INPUT... --pipeline FILE -o OUTPUT`, its inputs and outputs in the run folder. CRUMPLE_FILTER in
-/// the environment is the command of the stage filter where it is not the program of the project, and so on.
-/// A stage whose result is up to date leaves it alone; all that was made from an old result is removed before a new one
-/// appears.
+/// Options of other stages than the first are --set STAGE.OPTION=VALUE. Results stand in runs/RECORD/PIPELINE.
+///
+/// Which stage reads and writes what stands in `pipelines/chain`. CRUMPLE_FILTER in the environment is the command of
+/// the stage filter where it is not the program of the project, and so on; it is started as `COMMAND INPUT...
+/// --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was made from an old result is removed
+/// before a new one appears.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-run",
@@ -28,7 +31,7 @@ use crumple_stage::{ChainStage, Usage, chain};
                   (the report shows the diagnosis)."
 )]
 pub struct Options {
-    /// Folder with `pipelines/` and `runs/`.
+    /// Folder with `runs/`, and with `pipelines/` where they are not those that are built in.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     pub(crate) project: PathBuf,
 
@@ -37,7 +40,7 @@ pub struct Options {
     pub(crate) pipeline: String,
 
     /// Run folder [default: runs/NAME-OF-RECORD/NAME-OF-PIPELINE in the project].
-    #[arg(long, value_name = "FOLDER", allow_hyphen_values = true)]
+    #[arg(short, long, value_name = "FOLDER", allow_hyphen_values = true)]
     pub(crate) out: Option<OsString>,
 
     /// Predicts again in the folder of a run that was made; behind `--` stand flags of the stage predict.
@@ -57,14 +60,90 @@ pub struct Options {
     #[arg(long, value_name = "STAGE.OPTION=VALUE", conflicts_with = "again")]
     pub(crate) set: Vec<String>,
 
-    /// The record, and flags of the stage that reads it.
-    #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
+    #[command(flatten)]
+    pub(crate) of_all: OfAllStages,
+
+    /// The record, and flags of the stage that reads it: `crash.csv --mass 873kg --impact-speed 35km/h`.
+    #[arg(required_unless_present = "again", value_name = "RECORD")]
     pub(crate) record: Vec<OsString>,
 }
 
+/// Flags that every stage has and that stand without `--flags` too.
+#[derive(Debug, clap::Args)]
+pub(crate) struct OfAllStages {
+    /// Compute even what is up to date.
+    #[arg(long)]
+    force: bool,
+
+    /// No summary and no progress.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl OfAllStages {
+    /// Hands them on.
+    pub(crate) fn add_to(&self, flags: &mut Words) {
+        let own = [("--force", self.force), ("-q", self.quiet)];
+        flags.0.extend(own.iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| (*flag).to_owned()));
+    }
+}
+
+/// A call with its own flags first, then `--`, what is no flag, and the flags of stages; one that has `--` is that
+/// already. `stage` is what its flags are told by; without it the word behind a flag belongs to it.
+pub(crate) fn sorted<C: CommandFactory>(call: &Call, stage: Option<&clap::Command>) -> Call {
+    const OF_ALL: [(&str, bool); 6] = [
+        ("-h", false),
+        ("--help", false),
+        ("-V", false),
+        ("--version", false),
+        ("--generate", true),
+        ("--memory-limit", true),
+    ];
+    let takes_value = |command: &clap::Command, flag: &str| {
+        let is_meant = |arg: &&Arg| match flag.strip_prefix("--") {
+            Some(long) => arg.get_long() == Some(long),
+            None => arg.get_short().is_some_and(|short| flag.strip_prefix('-') == Some(short.encode_utf8(&mut [0; 4]))),
+        };
+        let arg = command.get_arguments().find(is_meant)?;
+        Some(arg.get_action().takes_values() && !arg.is_require_equals_set())
+    };
+    let own = C::command();
+    let (mut first, mut named, mut behind) = (Vec::new(), Vec::new(), Vec::new());
+    let mut words = call.words.iter().cloned().peekable();
+    while let Some(word) = words.next() {
+        let text = word.to_string_lossy().into_owned();
+        if text == "--" {
+            return call.clone();
+        }
+        if !text.starts_with('-') {
+            named.push(word);
+            continue;
+        }
+        let flag = text.split('=').next().unwrap_or_default();
+        let of_own =
+            takes_value(&own, flag).or_else(|| OF_ALL.iter().find(|(name, _)| *name == flag).map(|(_, takes)| *takes));
+        let takes = of_own.or_else(|| stage.and_then(|stage| takes_value(stage, flag)).or(stage.map(|_| false)));
+        let into = if of_own.is_some() { &mut first } else { &mut behind };
+        into.push(word);
+        if takes.unwrap_or(true) && !text.contains('=') {
+            into.extend(words.next_if(|next| of_own.is_some() || !next.as_encoded_bytes().starts_with(b"-")));
+        }
+    }
+    if !named.is_empty() || !behind.is_empty() {
+        first.push("--".into());
+    }
+    Call { words: [first, named, behind].concat(), ..call.clone() }
+}
+
+/// What no flag is among the words of a call, the record or the run folder first.
+pub(crate) fn named<C: CommandFactory>(call: &Call, stage: Option<&clap::Command>) -> Option<OsString> {
+    sorted::<C>(call, stage).words.into_iter().skip_while(|word| word != "--").nth(1)
+}
+
 impl Options {
-    /// Takes the options set behind `--` from among the flags of the first stage.
+    /// Takes the options set behind `--` from among the flags of the first stage, and hands its own flags on.
     pub(crate) fn take_set(&mut self) -> Result<(), Usage> {
+        self.of_all.add_to(&mut self.flags);
         if self.again.is_some() {
             return Ok(());
         }
@@ -96,8 +175,9 @@ impl Options {
             return Ok(if looks_like_a_flag { Path::new(".").join(out) } else { out.to_owned() });
         }
         let stem = self.record.first().and_then(|record| Path::new(record).file_stem());
-        let stem =
-            stem.context(Usage::new("the record has no file name").hint("say where to: just out=DIR run RECORD"))?;
+        let stem = stem.with_context(|| {
+            Usage::new("the record has no file name").hint(format!("say where to: {}", elsewhere()))
+        })?;
         Ok(self.project.join("runs").join(stem).join(&pipeline.name))
     }
 
@@ -183,25 +263,27 @@ pub(crate) struct Program {
     pub(crate) file: PathBuf,
     /// Whether it is that of the project, under whatever name.
     pub(crate) is_own: bool,
+    /// The stage that it is of.
+    pub(crate) stage: &'static str,
 }
 
 impl Program {
     /// That of a stage. Errors: there is no such program, or it is one of the project with a flag of its own, or one of
     /// every stage, that makes it print and compute nothing, while an old result passes for its own.
-    pub(crate) fn of_stage(stage: &str, flags: &Words) -> Result<Self, Usage> {
-        let program = Self::find(stage, typed_command(stage))?;
+    pub(crate) fn of_stage(stage: &'static str, flags: &Words) -> Result<Self, Usage> {
+        let found = Self::find(stage, typed_command(stage))?;
         let place = format!("the command of the stage {stage}");
-        for (place, words) in [(place.as_str(), &program.flags), ("flags", &flags.0)] {
-            if let Some(flag) = request_for_information(words.iter()).filter(|_| program.is_own) {
-                let problem =
-                    format!("{flag} in {place}: crumple-{stage} would print and compute nothing; nothing was run");
-                return Err(Usage::new(problem).hint(format!("call the program by itself: crumple-{stage} {flag}")));
+        for (place, words) in [(place.as_str(), &found.flags), ("flags", &flags.0)] {
+            if let Some(flag) = request_for_information(words.iter()).filter(|_| found.is_own) {
+                let own = program(stage);
+                let problem = format!("{flag} in {place}: {own} would print and compute nothing; nothing was run");
+                return Err(Usage::new(problem).hint(format!("call the program by itself: {own} {flag}")));
             }
         }
-        Ok(program)
+        Ok(found)
     }
 
-    fn find(stage: &str, typed: String) -> Result<Self, Usage> {
+    fn find(stage: &'static str, typed: String) -> Result<Self, Usage> {
         let refused = |problem: String| Usage::new(format!("{problem}; nothing was run"));
         let words: Words =
             typed.parse().map_err(|error| refused(format!("the command of the stage {stage}: {error}: {typed}")))?;
@@ -209,6 +291,9 @@ impl Program {
             return Err(refused(format!("the command of the stage {stage} is empty"))
                 .hint(format!("leave {}= out for the program of the project", stage.replace('-', "_"))));
         };
+        if held(stage).is_some() && *first == format!("crumple-{stage}") {
+            return Ok(Self { flags: flags.to_vec(), file: own_program(stage), is_own: true, stage, typed });
+        }
         let file = find(first).ok_or_else(|| {
             refused(format!("{first}: no such program")).hint(match first.starts_with(".venv/") {
                 true => "scripts/setup.sh test makes the Python environment .venv".to_owned(),
@@ -216,13 +301,45 @@ impl Program {
             })
         })?;
         let is_own = matches!((file.canonicalize(), own_program(stage).canonicalize()), (Ok(a), Ok(b)) if a == b);
-        Ok(Self { flags: flags.to_vec(), file, is_own, typed })
+        Ok(Self { flags: flags.to_vec(), file, is_own, stage, typed })
     }
 }
 
-/// A program of the project: beside this one.
-pub fn own_program(stage: &str) -> PathBuf {
-    env::current_exe().unwrap_or_default().with_file_name(format!("crumple-{stage}"))
+/// The stages that this process holds itself.
+static HELD: OnceLock<&[crumple_stage::Program]> = OnceLock::new();
+
+/// From now on these stages run in this process, and this program stands for all others of the project too: it takes
+/// their name as its first word.
+pub fn hold(stages: &'static [crumple_stage::Program]) {
+    HELD.get_or_init(|| stages);
+}
+
+/// A stage that runs in this process.
+pub(crate) fn held(stage: &str) -> Option<&'static crumple_stage::Program> {
+    HELD.get()?.iter().find(|program| program.name == stage)
+}
+
+/// Whether this program holds the stages.
+pub(crate) fn is_one_program() -> bool {
+    HELD.get().is_some()
+}
+
+/// A program of the project: beside this one, unless this one stands for it.
+pub(crate) fn own_program(name: &str) -> PathBuf {
+    let this = env::current_exe().unwrap_or_default();
+    if is_one_program() { this } else { this.with_file_name(format!("crumple-{name}")) }
+}
+
+/// Starts a program of the project as a process.
+pub(crate) fn own_command(name: &str) -> process::Command {
+    let mut command = process::Command::new(own_program(name));
+    command.args(is_one_program().then_some(name));
+    command
+}
+
+/// How a person has a run write into another folder.
+pub(crate) fn elsewhere() -> &'static str {
+    by_way("just out=DIR run RECORD", "crumple run RECORD --out DIR")
 }
 
 /// The command of a stage as typed: `CRUMPLE_PARAMETER_SOLVE` in the environment, else the program of the project.
@@ -232,7 +349,7 @@ fn typed_command(stage: &str) -> String {
 }
 
 /// The commands of all stages as they were typed.
-pub fn typed_commands() -> Vec<String> {
+pub(crate) fn typed_commands() -> Vec<String> {
     chain().map(|stage| typed_command(stage.name)).collect()
 }
 
@@ -400,6 +517,27 @@ mod tests {
         assert_eq!(of_run(), "a");
         fs::write(project.path().join(PIPELINE_OF_A_RUN), "[run]\nname = 'mine'\n").unwrap();
         assert_eq!(of_run(), "mine");
+    }
+
+    #[test]
+    fn flags_of_a_run_stand_before_the_record_and_those_of_ingest_behind_it() {
+        let words = |text: &str| {
+            let words = text.split(' ').map(OsString::from).collect();
+            let call = Call { program: String::new(), words, way: crumple_stage::Way::Within };
+            let ingest = (crumple_ingest::PROGRAM.command)();
+            let sorted = sorted::<Options>(&call, Some(&ingest)).words;
+            sorted.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+        };
+        for (typed, sorted) in [
+            ("crash.csv", "-- crash.csv"),
+            ("--mass 873kg crash.csv -q --set filter.cfc=60", "-q --set filter.cfc=60 -- crash.csv --mass 873kg"),
+            ("crash.csv --allow-missing -o x --mass=9kg", "-o x -- crash.csv --allow-missing --mass=9kg"),
+            ("--allow-missing crash.csv --no-such x", "-- crash.csv x --allow-missing --no-such"),
+            ("--pipeline p -- crash.csv --force", "--pipeline p -- crash.csv --force"),
+            ("-h", "-h"),
+        ] {
+            assert_eq!(words(typed), sorted);
+        }
     }
 
     #[test]

@@ -25,6 +25,35 @@ mod together {
     pub mod summary;
 }
 
-pub use command::{Options, Pipeline, own_program, typed_commands};
-pub use run::run;
-pub use together::joint_run::{TogetherOptions, together};
+use std::ffi::OsString;
+use std::path::Path;
+
+use crumple_stage::{Call, ExitStatus, Program, run_tool};
+
+pub use command::hold;
+use command::{Options, named, sorted};
+use together::joint_run::TogetherOptions;
+
+/// `crumple-run`: one record.
+pub const RUN: Program = Program::of_tool::<Options>("run", |call| {
+    run_tool(&sorted::<Options>(call, Some(&(crumple_ingest::PROGRAM.command)())), run::run)
+});
+/// `crumple-together`: one model for several tests.
+pub const TOGETHER: Program = Program::of_tool::<TogetherOptions>("together", |call| {
+    run_tool(&sorted::<TogetherOptions>(call, None), together::joint_run::together)
+});
+/// `crumple-fleet`: many records.
+pub const FLEET: Program = Program::of_tool::<fleet::Options>("fleet", |call| run_tool(call, fleet::fleet));
+/// `crumple-study`: what a fleet says of its vehicles.
+pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |call| run_tool(call, fleet::study));
+
+/// Predicts again in the folder of a run, where a call of `predict` names one: `RUN --speed 40km/h`. `None`: it is one
+/// of the stage.
+pub fn predict_in_a_run(call: &Call) -> Option<ExitStatus> {
+    let folder = named::<Options>(call, None).filter(|folder| Path::new(folder).is_dir())?;
+    let Call { words, .. } = sorted::<Options>(call, None);
+    let again = ["--again".into(), folder];
+    let (own, of_stage) = words.split_at(words.iter().position(|word| word == "--")?);
+    let words: Vec<OsString> = [own, &again, &of_stage[..1], &of_stage[2..]].concat();
+    Some(run_tool(&Call { words, ..call.clone() }, run::run))
+}

@@ -7,5 +7,5 @@ use std::process::ExitCode;
 static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
 
 fn main() -> ExitCode {
-    crumple_stage::tool_main(crumple_run::run)
+    crumple_run::RUN.main()
 }

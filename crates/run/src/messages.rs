@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::TestV1;
-use crumple_stage::{ExitStatus, Pipeline, chain, say};
+use crumple_stage::{ExitStatus, Pipeline, by_way, chain, say};
 
 use crate::command::Program;
 use crate::folder::content::is_artifact;
@@ -32,8 +32,9 @@ pub(crate) fn say_what_is_replaced(before: File, path: &Path, folder: &Path) {
     if let Some(old) = old.filter(|old| new.as_ref() != Some(old)) {
         say(format_args!(
             "note: replaces the run of {old} in {}: another record, or this one before a change \
-             (just out=DIR run keeps both)",
-            folder.display()
+             ({} keeps both)",
+            folder.display(),
+            by_way("just out=DIR run", "crumple run --out DIR")
         ));
     }
 }

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, Usage, chain, memory_limit_flag, say};
+use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
 
 use crate::command::{
-    Options, PIPELINE_OF_A_RUN, Pipeline, Program, Stage, Words, chain_of, dependents, own_program, stages_of,
+    Options, PIPELINE_OF_A_RUN, Pipeline, Program, Stage, Words, chain_of, dependents, is_one_program, own_command,
+    own_program, stages_of,
 };
 use crate::folder::content::{
     PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, state_of, sweep, written,
@@ -29,7 +30,8 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     }
     options.take_set()?;
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
-        return Err(Usage::new("the record comes first: just run RECORD [flags of crumple-ingest]").into());
+        let form = by_way("just run RECORD [flags of crumple-ingest]", "crumple run RECORD [flags of crumple ingest]");
+        return Err(Usage::new(format!("the record comes first: {form}")).into());
     }
     if options.asks_for_information() {
         return information(&options);
@@ -102,6 +104,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         {
             if !options.is_quiet() {
                 say(format_args!("{:<16} up to date: {}", "run", run.folder.path().display()));
+                run.answer_again()?;
             }
             return Ok(if code == ExitStatus::NoAcceptableResult as u8 {
                 ExitStatus::NoAcceptableResult
@@ -159,7 +162,11 @@ fn folder_of_a_run(made: &Path) -> Result<PathBuf, Usage> {
         return Ok(made.to_owned());
     }
     let problem = format!("{} is no folder of a run", made.display());
-    Err(Usage::new(problem).hint("runs/NAME-OF-RECORD/NAME-OF-PIPELINE, which just run made"))
+    let hint = by_way(
+        "runs/NAME-OF-RECORD/NAME-OF-PIPELINE, which just run made",
+        "runs/NAME/PIPELINE, which crumple run made",
+    );
+    Err(Usage::new(problem).hint(hint))
 }
 
 /// Whether the folder is that of several tests with one model, which has no motion of its own.
@@ -176,7 +183,7 @@ fn predict_joint(made: &Path, options: &Options) -> anyhow::Result<ExitStatus> {
     arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into()]);
     arguments.extend_from_slice(&options.record);
     let together = own_program("together");
-    Ok(StageExit::of(run_program(&together, &arguments)?).status_of(&together))
+    Ok(run_program(own_command("together").args(&arguments))?.status_of(&together))
 }
 
 /// Removes what stages that are left out wrote once, the reports made from it first.
@@ -194,7 +201,7 @@ fn remove_left_out(folder: &Path, left_out: &[&str], stages: &[Stage]) -> anyhow
 fn information(options: &Options) -> anyhow::Result<ExitStatus> {
     let Some(first) = chain_of(options).next() else { return Ok(ExitStatus::Done) };
     let program = Program::of_stage(first.name, &Words::default())?;
-    Ok(match StageExit::of(start(&program, &options.record, &[])?) {
+    Ok(match start(&program, &options.record, &[])? {
         StageExit::WithResult(status) => status,
         StageExit::Failed(failure) => {
             if !program.is_own {
@@ -252,7 +259,7 @@ impl Run<'_> {
         for (number, stage) in self.stages.iter().enumerate().filter(|(_, stage)| stage.program.is_own) {
             let mut arguments = self.arguments(stage, &self.folder.path().join(stage.output()));
             arguments.push("--check-options".into());
-            if let StageExit::Failed(failure) = StageExit::of(start(&stage.program, &arguments, &self.options.flags)?) {
+            if let StageExit::Failed(failure) = start(&stage.program, &arguments, &self.options.flags)? {
                 self.suggest_stage_of_flag(number, failure);
                 return Ok(Some(failure));
             }
@@ -285,8 +292,10 @@ impl Run<'_> {
             if self.options.again.is_some() && number == 0 && !self.is_forced() {
                 arguments.push("--force".into());
             }
-            let status = start(&stage.program, &arguments, &self.options.flags)?;
-            return Ok(StageExit::of(status).checked(folder, &stage.outputs));
+            if is_one_program() && !stage.writes_an_artifact() {
+                arguments.push("--answer".into());
+            }
+            return Ok(start(&stage.program, &arguments, &self.options.flags)?.checked(folder, &stage.outputs));
         }
         let new = folder_of_new_results(folder);
         let written: Vec<PathBuf> = stage.outputs.iter().map(|name| new.join(name)).collect();
@@ -300,8 +309,8 @@ impl Run<'_> {
             return Err(Usage::new(problem).hint("remove it once no other run works in this folder").into());
         }
         let output = new.join(stage.output());
-        let status = start(&stage.program, &self.arguments(stage, &output), &self.options.flags)?;
-        let ending = StageExit::of(status).checked(&new, &stage.outputs);
+        let ending = start(&stage.program, &self.arguments(stage, &output), &self.options.flags)?;
+        let ending = ending.checked(&new, &stage.outputs);
         if matches!(ending, StageExit::WithResult(_)) {
             install_outputs(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name, folder.display()))?;
@@ -309,6 +318,16 @@ impl Run<'_> {
         let removed = if is_fresh { fs::remove_dir_all(&new) } else { remove_in_order(&written) };
         removed.with_context(|| format!("cannot remove {}", new.display()))?;
         Ok(ending)
+    }
+
+    /// Has the report say on standard output what it said when it was written.
+    fn answer_again(&self) -> anyhow::Result<()> {
+        if let Some(report) = self.stages.last().filter(|_| is_one_program()) {
+            let mut arguments = self.arguments(report, &self.folder.path().join(report.output()));
+            arguments.push("--answer-again".into());
+            start(&report.program, &arguments, &self.options.flags)?;
+        }
+        Ok(())
     }
 
     /// Whether a flag makes stages compute what is up to date.

@@ -6,13 +6,13 @@ use std::io::{self, BufReader, Read};
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, process};
+use std::{env, panic, process};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, say};
+use crumple_stage::{Call, ExitStatus, Way, say};
 
-use crate::command::{Program, RECORD, Stage};
+use crate::command::{Program, RECORD, Stage, held};
 use crate::folder::content::{Content, content_of, is_artifact};
 use crate::folder::lock::LockedFolder;
 
@@ -43,6 +43,14 @@ pub(crate) enum Unforeseen {
 }
 
 impl StageExit {
+    /// What a stage in this process says.
+    fn of_held(status: ExitStatus) -> Self {
+        match status {
+            ExitStatus::Done | ExitStatus::NoAcceptableResult => Self::WithResult(status),
+            failure => Self::Failed(failure),
+        }
+    }
+
     /// What the exit code says.
     pub(crate) fn of(status: process::ExitStatus) -> Self {
         match (status.code(), status.signal()) {
@@ -112,24 +120,27 @@ pub(crate) fn signal_name(signal: i32) -> Option<&'static str> {
 /// A page of 4 KiB is taken from the system at its first use, and a stage that writes a megabyte used some thousand.
 const ALLOCATOR: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1:glibc.malloc.top_pad=8388608");
 
-/// Runs the program of a stage: flags of its own, these arguments, flags of every stage.
-pub(crate) fn start(
-    program: &Program,
-    arguments: &[OsString],
-    flags: &[String],
-) -> anyhow::Result<process::ExitStatus> {
+/// Runs the program of a stage: flags of its own, these arguments, flags of every stage. One of the project runs in
+/// this process where this holds it.
+pub(crate) fn start(program: &Program, arguments: &[OsString], flags: &[String]) -> anyhow::Result<StageExit> {
     let own = program.flags.iter().map(OsString::from);
     let words: Vec<OsString> = own.chain(arguments.iter().cloned()).chain(flags.iter().map(OsString::from)).collect();
-    run_program(&program.file, &words)
+    let Some(stage) = held(program.stage).filter(|_| program.is_own) else {
+        return run_program(Command::new(&program.file).args(words));
+    };
+    let call = Call { program: format!("crumple {}", stage.name), words, way: Way::InRun };
+    // A program that panics has said why and ends with 101.
+    let ended = panic::catch_unwind(|| (stage.run)(&call));
+    Ok(ended.map_or(StageExit::Unforeseen(Unforeseen::Code(101)), StageExit::of_held))
 }
 
 /// Runs a program.
-pub(crate) fn run_program(file: &Path, arguments: &[OsString]) -> anyhow::Result<process::ExitStatus> {
-    let mut process = Command::new(file);
+pub(crate) fn run_program(process: &mut Command) -> anyhow::Result<StageExit> {
     if env::var_os(ALLOCATOR.0).is_none() {
         process.env(ALLOCATOR.0, ALLOCATOR.1);
     }
-    process.args(arguments).status().with_context(|| format!("cannot start {}", file.display()))
+    let status = process.status().with_context(|| format!("cannot start {}", process.get_program().display()))?;
+    Ok(StageExit::of(status))
 }
 
 /// The arguments of a stage: its inputs, the pipeline file, its output.

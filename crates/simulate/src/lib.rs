@@ -17,6 +17,7 @@
 mod comparison;
 mod error;
 mod simulate;
+mod stage;
 
 pub use comparison::{
     Comparison, Information, Measured, OtherSensor, Rating, SensorFit, Simulation, Window, beside, beside_mass,
@@ -24,3 +25,6 @@ pub use comparison::{
 };
 pub use error::SimulateError;
 pub use simulate::{Excitation, simulate, simulate_chain, simulate_driven};
+
+/// The program.
+pub const PROGRAM: crumple_stage::Program = crumple_stage::Program::of_stage::<stage::Simulate>();

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use crumple_artifact::ReadError;
 
 use crate::names::nearest;
+use crate::typed::program;
 
 /// What the process tells its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,23 +103,25 @@ pub fn unknown_name(problem: &str, name: &str, choices: &[&str]) -> anyhow::Erro
 pub struct MissingTopic {
     topic: String,
     given: String,
-    writer: &'static str,
+    writers: &'static [&'static str],
 }
 
 impl MissingTopic {
-    /// A topic, the inputs that lack it, and the binary that writes it.
-    pub(crate) fn new(topic: &str, given: String, writer: &'static str) -> Self {
-        Self { topic: topic.to_owned(), given, writer }
+    /// A topic, the inputs that lack it, and the stages that write it.
+    pub(crate) fn new(topic: &str, given: String, writers: &'static [&'static str]) -> Self {
+        Self { topic: topic.to_owned(), given, writers }
     }
 
-    /// The binary that writes the topic.
-    pub(crate) fn writer(&self) -> &'static str {
-        self.writer
+    /// The stages that write the topic.
+    pub(crate) fn writers(&self) -> &'static [&'static str] {
+        self.writers
     }
 
-    /// One thing to do: the binary that writes the topic.
+    /// One thing to do: the program that writes the topic.
     pub(crate) fn hint(&self) -> String {
-        format!("give the artifact of {} too", self.writer)
+        let programs: Vec<String> = self.writers.iter().map(|writer| program(writer)).collect();
+        let programs = if programs.is_empty() { "another stage".to_owned() } else { programs.join(" or ") };
+        format!("give the artifact of {programs} too")
     }
 }
 
@@ -242,8 +245,8 @@ mod tests {
 
     #[test]
     fn a_missing_topic_names_who_writes_it() {
-        let error = MissingTopic::new("/events", "2-filter.mcap (filter)".to_owned(), "crumple-integrate");
-        assert_eq!(error.writer(), "crumple-integrate");
+        let error = MissingTopic::new("/events", "2-filter.mcap (filter)".to_owned(), &["integrate"]);
+        assert_eq!(error.writers(), ["integrate"]);
         insta::assert_snapshot!(render(&error.into()), @r#"
         error: topic /events is in none of the inputs: 2-filter.mcap (filter)
           hint: give the artifact of crumple-integrate too

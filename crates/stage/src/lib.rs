@@ -22,6 +22,7 @@ mod error;
 mod names;
 mod process;
 mod terminal;
+mod typed;
 
 pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests};
 pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite};
@@ -33,5 +34,6 @@ pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
 pub use names::{ChainStage, chain, errors_in_words, nearest, told_apart};
-pub use process::{Outcome, Stage, main, tool_main};
+pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
 pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};
+pub use typed::{Way, by_way, option, program};

@@ -1,5 +1,6 @@
 //! The life of a process: of a stage from its command line to its exit code, and of other programs.
 
+use std::ffi::OsString;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,7 +22,9 @@ use crate::command_line::args::{Cli, SharedFlags, keep_budget};
 use crate::command_line::left_out::{self, LeftOut};
 use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, merge};
 use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
-use crate::terminal::{be_quiet, say, to_stdout};
+use crate::terminal::{be_quiet, columns, say, to_stdout, wrapped};
+use crate::typed;
+use crate::typed::Way;
 
 // The outcome of work on several models of which none came to a result.
 
@@ -87,11 +90,63 @@ pub trait Stage {
     fn run(settings: &Self::Settings, input: &Self::Input, out: &mut Output) -> anyhow::Result<Outcome>;
 }
 
-/// The `main` of a stage binary.
-pub fn main<S: Stage>() -> ExitCode {
-    let command = Cli::<S::Options>::command()
-        .bin_name(format!("crumple-{}", S::NAME))
-        .display_name(format!("crumple-{}", S::NAME))
+/// How a program was called.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Call {
+    /// Its name as a person typed it: `crumple-filter`, `crumple filter`.
+    pub program: String,
+    /// The words behind the name.
+    pub words: Vec<OsString>,
+    /// What hints go by.
+    pub way: Way,
+}
+
+impl Call {
+    /// The call of this process.
+    pub fn of_process() -> Self {
+        let mut words = std::env::args_os();
+        let program = words.next().unwrap_or_default();
+        let name = Path::new(&program).file_stem().unwrap_or_default().to_string_lossy();
+        Self { program: name.into_owned(), words: words.collect(), way: Way::Alone }
+    }
+
+    /// Whether a word begins so.
+    pub fn has(&self, start: &str) -> bool {
+        self.words.iter().any(|word| word.as_encoded_bytes().starts_with(start.as_bytes()))
+    }
+}
+
+/// A program of the project. Several calls in one process, one after the other, do not know of each other.
+#[derive(Debug, Clone, Copy)]
+pub struct Program {
+    /// `filter` of `crumple-filter`.
+    pub name: &'static str,
+    /// Its command line.
+    pub command: fn() -> Command,
+    /// Does what a call asks for.
+    pub run: fn(&Call) -> ExitStatus,
+}
+
+impl Program {
+    /// That of a stage.
+    pub const fn of_stage<S: Stage>() -> Self {
+        Self { name: S::NAME, command: stage_command::<S>, run: run_stage::<S> }
+    }
+
+    /// That of any other: `run` is [`run_tool`] with what it does.
+    pub const fn of_tool<C: CommandFactory>(name: &'static str, run: fn(&Call) -> ExitStatus) -> Self {
+        Self { name, command: C::command, run }
+    }
+
+    /// The `main` of the program by itself.
+    pub fn main(&self) -> ExitCode {
+        (self.run)(&Call::of_process()).into()
+    }
+}
+
+fn stage_command<S: Stage>() -> Command {
+    Cli::<S::Options>::command()
+        .name(S::NAME)
         .version(env!("CARGO_PKG_VERSION"))
         .about(S::ABOUT)
         .args(S::other_flags())
@@ -99,11 +154,17 @@ pub fn main<S: Stage>() -> ExitCode {
             "Values typed by a person carry their unit: 873kg, 35km/h, 0s.\n\
              Exit codes: 0 done, 1 unforeseen failure, 2 usage, 3 input refused, 4 no acceptable result \
              (its diagnosis is written).",
-        );
-    if let Err(error) = left_out::refuse(&left_out::typed(std::env::args().skip(1)), S::LEFT_OUT, "") {
+        )
+}
+
+/// Runs a stage.
+pub fn run_stage<S: Stage>(call: &Call) -> ExitStatus {
+    typed::begin(call.way);
+    let words = call.words.iter().map(|word| word.to_string_lossy().into_owned());
+    if let Err(error) = left_out::refuse(&left_out::typed(words), S::LEFT_OUT, "") {
         return finish(Err(Err(error.into())));
     }
-    let parsed = parse::<Cli<S::Options>>(command);
+    let parsed = parse::<Cli<S::Options>>(stage_command::<S>(), call);
     finish(parsed.map_err(Ok).and_then(|(cli, matches)| {
         merge(S::NAME, S::LEFT_OUT, cli.common.pipeline.as_deref(), &cli.options, &matches)
             .and_then(|options| execute::<S>(&cli.common, options))
@@ -112,9 +173,7 @@ pub fn main<S: Stage>() -> ExitCode {
 }
 
 fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Result<ExitStatus> {
-    if common.quiet {
-        be_quiet();
-    }
+    be_quiet(common.quiet);
     keep_budget(&common.inputs, ExitStatus::Refused);
     let sums_up = !common.quiet && !common.no_summary;
     let settings =
@@ -332,8 +391,9 @@ fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
         1 => "1 note".to_owned(),
         more => format!("{more} notes"),
     };
-    let program = std::env::current_exe().unwrap_or_default().with_file_name("crumple-artifact");
-    say(format_args!("{stage:<16} {count}: {} notes {}", quoted(&program), quoted(output)));
+    let notes = quoted(&std::env::current_exe().unwrap_or_default().with_file_name("crumple-artifact")) + " notes";
+    let notes = typed::by_way(&notes, "crumple notes");
+    say(format_args!("{stage:<16} {count}: {notes} {}", quoted(output)));
 }
 
 /// A path as a shell takes it.
@@ -358,9 +418,12 @@ fn print_records<'a>(records: impl Iterator<Item = (&'a str, &'a str, &'a [u8])>
 
 // The shell of programs that read artifacts and write something else: report, diff, artifact.
 
-/// Parses the command line, runs the program, prints its error with cause and hint, and returns its exit code.
-pub fn tool_main<C: CommandFactory + FromArgMatches>(run: impl FnOnce(C) -> anyhow::Result<ExitStatus>) -> ExitCode {
-    finish(parse::<C>(C::command()).map_err(Ok).and_then(|(cli, _)| run(cli).map_err(Err)))
+/// Parses the command line, runs the program, prints its error with cause and hint, and returns its exit status.
+pub fn run_tool<C: CommandFactory + FromArgMatches>(
+    call: &Call,
+    run: impl FnOnce(C) -> anyhow::Result<ExitStatus>,
+) -> ExitStatus {
+    finish(parse::<C>(C::command(), call).map_err(Ok).and_then(|(cli, _)| run(cli).map_err(Err)))
 }
 
 /// Flag that prints a completion script or the man page instead of running.
@@ -371,7 +434,9 @@ const SHELLS: [(&str, clap_complete::Shell); 3] =
 
 /// Parses a command line; `Err` is the exit status after help, version, a completion script or a usage error was
 /// printed.
-pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::ArgMatches), ExitStatus> {
+fn parse<C: FromArgMatches>(command: Command, call: &Call) -> Result<(C, clap::ArgMatches), ExitStatus> {
+    typed::begin(call.way);
+    be_quiet(false);
     let kinds = PossibleValuesParser::new(SHELLS.iter().map(|(name, _)| *name).chain(["man"]));
     let flag = Arg::new(GENERATE)
         .long(GENERATE)
@@ -380,18 +445,25 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
         .exclusive(true)
         .help_heading(None)
         .help("Print a completion script for a shell, or the man page, and do nothing else");
+    let command = command.bin_name(&call.program).display_name(&call.program).no_binary_name(true);
+    let command = match call.way {
+        Way::InRun => command.override_usage("crumple run [OPTIONS] RECORD [FLAGS OF crumple ingest]"),
+        _ => command,
+    };
     let command = args::with_flag(command.arg(flag));
     // Where a subcommand is needed, this flag is exclusive of it as well.
-    let is_generating = std::env::args_os().any(|word| word.to_string_lossy().starts_with("--generate"));
-    let parser = command.clone();
+    let is_generating = call.has("--generate");
+    let is_short = call.words.iter().any(|word| word == "-h");
+    let parser = if is_short { in_short(command.clone()) } else { command.clone() };
     let parser = if is_generating { parser.subcommand_required(false).arg_required_else_help(false) } else { parser };
-    let matches = parser.try_get_matches().and_then(|matches| match matches.get_one::<String>(GENERATE) {
-        Some(kind) => Ok(Err(generate(command, kind))),
-        None => {
-            args::take(&matches);
-            Ok(Ok((C::from_arg_matches(&matches)?, matches)))
-        }
-    });
+    let matches =
+        parser.try_get_matches_from(&call.words).and_then(|matches| match matches.get_one::<String>(GENERATE) {
+            Some(kind) => Ok(Err(generate(command, kind))),
+            None => {
+                args::take(&matches);
+                Ok(Ok((C::from_arg_matches(&matches)?, matches)))
+            }
+        });
     match matches {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -403,6 +475,36 @@ pub(crate) fn parse<C: FromArgMatches>(command: Command) -> Result<(C, clap::Arg
             })
         }
     }
+}
+
+/// Most lines of the help that `-h` prints.
+const SHORT: usize = 40;
+
+/// The command as `-h` shows it: of each option the first sentence; those that are too many by name alone.
+fn in_short(command: Command) -> Command {
+    let is_too_long = |command: &Command| command.clone().render_help().to_string().lines().count() > SHORT;
+    if !is_too_long(&command) {
+        return command;
+    }
+    let first = |text: String| text.find(". ").map_or(text.clone(), |end| text[..end].to_owned());
+    let mut command = command.mut_args(|arg| match arg.get_help().map(ToString::to_string).map(first) {
+        Some(text) if arg.get_action().takes_values() => {
+            arg.hide_default_value(true).hide_possible_values(true).help(text)
+        }
+        Some(text) => arg.help(text),
+        None => arg,
+    });
+    let flags =
+        |arg: &Arg| arg.get_long().filter(|_| !arg.is_hide_set()).map(|long| (arg.get_id().clone(), long.to_owned()));
+    let mut shown: Vec<_> = command.get_arguments().filter_map(flags).collect();
+    let mut named: Vec<String> = Vec::new();
+    while is_too_long(&command) {
+        let Some((id, long)) = shown.pop() else { break };
+        named.insert(0, format!("--{long}"));
+        let more = wrapped(&format!("More, which --help explains: {}", named.join(", ")), columns()).join("\n");
+        command = command.mut_arg(id, |arg| arg.hide_short_help(true)).after_help(more);
+    }
+    command
 }
 
 /// Prints the completion script of a shell, or the man page.
@@ -426,12 +528,12 @@ fn generate(mut command: Command, kind: &str) -> ExitStatus {
     }
 }
 
-pub(crate) fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error>>) -> ExitCode {
+fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error>>) -> ExitStatus {
     match result {
-        Ok(status) | Err(Ok(status)) => status.into(),
+        Ok(status) | Err(Ok(status)) => status,
         Err(Err(error)) => {
             say(render(&error));
-            status_of(&error).into()
+            status_of(&error)
         }
     }
 }

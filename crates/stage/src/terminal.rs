@@ -76,12 +76,12 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between log lines.
 const LOG_EVERY: Duration = Duration::from_secs(5);
 
-/// Whether the process was told to show none; set before anything is read, never again.
+/// Whether the program that runs was told to show none; set before it reads anything.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// No progress of this process is shown (`--quiet`).
-pub fn be_quiet() {
-    QUIET.store(true, Ordering::Relaxed);
+/// Whether progress of the program that runs is shown (`--quiet`).
+pub fn be_quiet(quiet: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
 }
 
 /// Progress of one piece of work.

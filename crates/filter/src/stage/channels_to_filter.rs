@@ -6,7 +6,7 @@ use crumple_signal::{
     Axis, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel, part_of,
 };
 use crumple_stage::records::QualityV1;
-use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
+use crumple_stage::{Inputs, RefuseExt, Refused, Wave, program};
 
 use crate::stage::filtering::{Remarks, first_of};
 use crate::stage::options::StageSettings;
@@ -101,8 +101,9 @@ fn no_crash(test: &TestDescription) -> anyhow::Error {
     ))
     .expected("accelerations to filter, or channels named with --channels")
     .hint(format!(
-        "inputs and outputs are identified from the artifact of crumple-ingest as they are: crumple-identify \
-             1-ingest.mcap --methods n4sid --inputs {first} --outputs {last} -o 4-identify.mcap"
+        "inputs and outputs are identified from the artifact of ingest as they are: {} 1-ingest.mcap --methods n4sid \
+         --inputs {first} --outputs {last} -o 4-identify.mcap",
+        program("identify")
     ))
     .into()
 }
@@ -140,8 +141,8 @@ fn note_occupants_left(
     let places: Vec<String> = places.into_iter().map(|(place, n)| format!("{place} ({n})")).collect();
     let class = settings.filter.class;
     remarks.of_test(format!(
-        "{} channels of occupants are not filtered, no criterion is made of them: {}; crumple-filter --channels \
-         '{pulse}{}' takes one beside the pulse, to cfc {class}",
+        "{} channels of occupants are not filtered, no criterion is made of them: {}; --set \
+         filter.channels='{pulse}{}' takes one beside the pulse, to cfc {class}",
         left.len(),
         first_of(&places),
         example.id

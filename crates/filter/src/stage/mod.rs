@@ -11,7 +11,7 @@ use crumple_signal::{
     samples_added,
 };
 use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage, program};
 
 use crate::stage::channels_to_filter::{channels_to_filter, resolve_ids};
 use crate::stage::filtering::{FilteredChannel, Remarks, derived, filter_channels, first_of, pulse_line, record};
@@ -41,7 +41,7 @@ impl Stage for Filter {
         let mut test = input.test()?;
         let mut pulse = test.pulse_channel().ok().map(|channel| channel.id.clone());
         let mut pass = resolve_ids(&test, &settings.pass)
-            .refuse_with_hint("crumple-artifact show lists the channels of an artifact")?;
+            .refuse_with_hint(format!("{} lists the channels of an artifact", program("artifact show")))?;
         let mut remarks = Remarks::default();
         // A list of channels means those alone.
         let by_default = settings.channels.is_empty();

@@ -370,7 +370,7 @@ fn heads_and_chests_come_to_their_class_and_other_sensors_of_occupants_are_named
             "{notes:?}"
         );
         let line = "2 channels of occupants are not filtered, no criterion is made of them: driver, neck (1), driver, \
-            pelvis (1); crumple-filter --channels '093,007' takes one beside the pulse";
+            pelvis (1); --set filter.channels='093,007' takes one beside the pulse";
         assert!(notes.iter().any(|note| note.starts_with(line)), "{notes:?}");
     }
     // As the note has it.

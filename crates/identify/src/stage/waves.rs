@@ -2,7 +2,7 @@
 
 use crumple_signal::{About, Note, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::records::{ChannelFilterV1, EventsV1};
-use crumple_stage::{Inputs, RefuseExt, Refused, Wave};
+use crumple_stage::{Inputs, RefuseExt, Refused, Wave, option, program};
 use crumple_sysid::{EraError, FilterEdge, IoData, MarkovParameters, Realization, end_of_contact, straight_line};
 
 use crate::stage::options::settings::InputOutputSettings;
@@ -378,7 +378,11 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
     if share == 0.0 {
         let Some(events) = events else {
             return Err(Refused::new("free decay from separation on, but there is no topic /events")
-                .hint("add the artifact of crumple-integrate, or give a share of the peak, e.g. --free-decay 5%")
+                .hint(format!(
+                    "add the artifact of {}, or give a share of the peak, e.g. {}",
+                    program("integrate"),
+                    option("identify", "free-decay", "5%")
+                ))
                 .into());
         };
         let Some(time_s) = events.time_of_rebound_s else {

@@ -198,7 +198,7 @@ fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
     }
     for (other, waves) in others {
         let what = format!(
-            "another sampling rate than the pulse ({other} against {}; crumple-filter --resample brings them together)",
+            "another sampling rate than the pulse ({other} against {}; resample of the filter brings them together)",
             rate(pulse)
         );
         note_channels(waves.into_iter(), &what, notes);

@@ -364,7 +364,7 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
             Place::file(file),
             found,
             "an artifact as docs/format.md describes it",
-            "check it with crumple-artifact check",
+            "check it as an artifact",
         )
     };
     let artifact = Artifact::read(Path::new(file), bytes).map_err(|error| refuse(error.to_string()))?;

@@ -6,7 +6,7 @@ use crumple_signal::{
     part_of,
 };
 use crumple_stage::records::MetricV1;
-use crumple_stage::{Inputs, Output, Refused};
+use crumple_stage::{Inputs, Output, Refused, program};
 
 use crate::stage::integration::Integrated;
 use crate::stage::records::metric_record;
@@ -52,8 +52,8 @@ pub fn other_channels<'a>(
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
-                "not integrated, because failed or not of the compartment: channels {} (crumple-integrate --channels \
-                 all,ID names one)",
+                "not integrated, because failed or not of the compartment: channels {} (--set \
+                 integrate.channels=all,ID names one)",
                 ids.join(", ")
             ));
         }
@@ -95,10 +95,9 @@ pub fn channels_named(test: &TestDescription, name: &str, key: &str, input: &Inp
             "put the id of yours there; in the pipeline two-sensors it stands in channels of [integrate] and in \
                  sensors of [parameter-solve]{}",
             if test.channels.len() > usable_here.len() {
-                " (crumple-ingest --list RECORD shows every \
-                    channel)"
+                format!(" ({} shows every channel)", program("ingest --list RECORD"))
             } else {
-                ""
+                String::new()
             }
         ))
         .into());

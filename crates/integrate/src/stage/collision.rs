@@ -214,18 +214,18 @@ pub fn without_motion(
         out.put("/metrics", &MetricsV2 { metrics })?;
     }
     let id = &pulse.id;
-    let state_the_speed = "state the speed just before contact: --impact-speed 35km/h here or at crumple-ingest";
+    let state_the_speed = "state the speed just before contact: --impact-speed 35km/h at ingest";
     let (result, reason, remedy) = match missing {
         Missing::Pulse if measured => (
             true,
             format!(
                 "criteria of occupants alone: the pulse {id} is not in the inputs, so there is no motion of the vehicle"
             ),
-            "crumple-filter without --channels takes both".to_owned(),
+            "the filter without channels takes both".to_owned(),
         ),
         Missing::Pulse => (
             false,
-            format!("the pulse {id} is not in the inputs: crumple-filter --channels leaves out what it does not name"),
+            format!("the pulse {id} is not in the inputs: the channels of the filter leave it out"),
             format!("name {id} there too"),
         ),
         Missing::Speed if part_of(pulse).is_some() && measured => (
@@ -286,8 +286,7 @@ pub fn without_speed(
          model \
          of one"
     } else {
-        "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h here or at \
-         crumple-ingest"
+        "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest"
     };
     out.put("/test", &TestV1::from(test))?;
     out.put("/metrics", &MetricsV2 { metrics })?;

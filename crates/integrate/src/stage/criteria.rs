@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_integrate::{CellSum, impulse_n_s, sum_of_cells};
+use crate::{CellSum, impulse_n_s, sum_of_cells};
 use crumple_metrics::definitions::{
     BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MOMENTUM_RATIO,
     WALL_INITIAL_STIFFNESS,
@@ -61,8 +61,8 @@ pub fn barrier(
             .collect();
         if !dead.is_empty() {
             out.notes().info(format!(
-                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (crumple-integrate \
-                 --barrier-cells all takes them as read)",
+                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (--set \
+                 integrate.barrier_cells=all takes them as read)",
                 count(dead.len()),
                 some(&dead)
             ));

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crumple_integrate::{
+use crate::{
     Intervals, MOST_SAMPLES, TimeZeroEstimate, barrier_force, contact_edge, edr_start, events_of, propagate,
     threshold_crossing,
 };
@@ -22,7 +22,7 @@ pub struct Integrated {
     pub events: CrashEvents,
     pub metrics: Vec<Metric>,
     pub drift: Option<Drift>,
-    /// Of the events, in the order of [`EVENT_NAMES`](crumple_integrate::EVENT_NAMES); empty if nothing is uncertain.
+    /// Of the events, in the order of [`EVENT_NAMES`](crate::EVENT_NAMES); empty if nothing is uncertain.
     pub event_intervals: Vec<Option<Interval>>,
     /// Why an event has none, in the same order.
     pub events_without: Vec<Option<String>>,
@@ -140,7 +140,7 @@ fn late_contact(
     notes.concern(About::Time, Weight::Decisive, format!(
         "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
          = 0: the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if \
-         contact is there, crumple-ingest --time-zero {late_ms:.1}ms; if it is at 0, crumple-ingest --time-zero 0s",
+         contact is there, --time-zero {late_ms:.1}ms at ingest; if it is at 0, --time-zero 0s",
         channel.id,
         zero.time_s * speed_m_per_s
     ));

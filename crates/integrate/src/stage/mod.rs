@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use crumple_signal::{About, Channel, Sampled, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV2, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, option};
 
 use crate::stage::channels::{ChannelAgreement, channels_named, other_channels};
 use crate::stage::collision::{
@@ -144,8 +144,8 @@ fn refuse_left_out(pulse: &Channel, input: &Inputs) -> anyhow::Result<()> {
     }
     Err(Refused::new(format!("the filtered record does not hold the pulse, channel {}", pulse.id))
         .hint(format!(
-            "crumple-filter --channels leaves out what it does not name: name {} there too, or another pulse with \
-             --channel here",
+            "{} leaves out what it does not name: name {} there too, or another pulse as channel of integrate",
+            option("filter", "channels", "ID"),
             pulse.id
         ))
         .into())
@@ -186,7 +186,7 @@ fn integrate_others(
                 Weight::Slight,
                 format!(
                     "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \
-                 vehicle (if it is of the compartment, name it: crumple-integrate --channels all,{})",
+                 vehicle (if it is of the compartment, name it: --set integrate.channels=all,{})",
                     other.id, other.id
                 ),
             );

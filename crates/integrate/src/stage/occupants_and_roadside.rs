@@ -84,8 +84,8 @@ impl Criteria<'_> {
             let (pulse, names) = (&self.pulse.id, ids.join(","));
             let word = if ids.len() == 1 { "channel" } else { "channels" };
             let text = format!(
-                "{group_name}: {word} {} measured it, but the filter left it out: crumple-filter without --channels \
-                 takes it, or with --channels '{pulse},{names}'",
+                "{group_name}: {word} {} measured it, but the filter left it out: without channels it \
+                 takes all, or --set filter.channels='{pulse},{names}'",
                 ids.join(", ")
             );
             return if self.asked(group) { notes.warning(text) } else { notes.info(text) };
@@ -294,7 +294,7 @@ impl Criteria<'_> {
                 let reason = match self.not_in_the_inputs(yaw_rate) {
                     Some((_, ids)) => {
                         let reason = format!("{ids} measured the yaw rate, but the filter left it out");
-                        notes.info(format!("thiv: {reason}: crumple-filter --pass hands it on"));
+                        notes.info(format!("thiv: {reason}: --set filter.pass hands it on"));
                         reason
                     }
                     None => "no yaw rate of the vehicle is measured".to_owned(),
@@ -381,7 +381,7 @@ fn class_remark(channels: &[&Channel], asked: u16, notes: &mut Notes) -> Option<
         Some(cfc) if cfc < asked => {
             "what the lower class took away cannot be had back: the criterion reads low".to_owned()
         }
-        _ => format!("crumple-filter --cfc {asked} --channels '{}'", ids(channels)),
+        _ => format!("--set filter.cfc={asked} --set filter.channels='{}'", ids(channels)),
     };
     notes.warning(format!("{}: {remark} ({way_out})", title(other)));
     Some(remark)

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_integrate::{Spread, Uncertainty};
+use crate::{Spread, Uncertainty};
 use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
 use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_signal::{

@@ -1,6 +1,6 @@
 //! What the stage writes of the pulse: records of events and metrics, notes, the summary.
 
-use crumple_integrate::{EVENT_NAMES, WRONG_SIGN, event_values, findings, question_speed, wrong_sign};
+use crate::{EVENT_NAMES, WRONG_SIGN, event_values, findings, question_speed, wrong_sign};
 use crumple_metrics::{IntervalBy, Metric, centroid_time_from_crush, definitions};
 use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
 use crumple_stage::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1, MissingIntervalV1};

@@ -205,10 +205,10 @@ fn what_was_measured_and_left_out_by_the_filter_is_named() {
     assert_eq!(thiv, "absent: channel w measured the yaw rate, but the filter left it out");
     let said = notes(&artifact).join("\n");
     for text in [
-        "warning: head: channels 1, 2 measured it, but the filter left it out: crumple-filter without --channels takes \
-         it, or with --channels 'x,1,2'",
+        "warning: head: channels 1, 2 measured it, but the filter left it out: without channels it takes all, or --set \
+         filter.channels='x,1,2'",
         "warning: chest: no accelerometer of it has data in the inputs",
-        "thiv: channel w measured the yaw rate, but the filter left it out: crumple-filter --pass hands it on",
+        "thiv: channel w measured the yaw rate, but the filter left it out: --set filter.pass hands it on",
     ] {
         assert!(said.contains(text), "{said}");
     }
@@ -295,7 +295,7 @@ fn a_pulse_of_the_wrong_sign_is_said_first_and_has_no_crush() {
     let waves = [(channel("p", "", Axis::X, 60), Sampled::new(-0.05, 1e-4, samples).unwrap())];
     let artifact = result(&filtered(folder.path(), &waves, Some(15.0)), &["--speed-uncertainty", "0.1km/h"]);
     let notes = notes(&artifact);
-    assert!(notes[0].starts_with("warning: the pulse has the wrong sign: crumple-ingest --sign flip"), "{notes:?}");
+    assert!(notes[0].starts_with("warning: the pulse has the wrong sign: --sign flip at ingest"), "{notes:?}");
     let events: EventsV1 = artifact.record("/events").unwrap().unwrap();
     assert_eq!((events.dynamic_crush_m, events.rebound_velocity_m_per_s), (None, None));
     assert!(events.intervals.is_empty());

@@ -213,7 +213,7 @@ fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_reme
     // The crossing is interpolated between the last sample at rest, 59.9 ms, and the first of the pulse.
     let found = notes(&table, &[]);
     assert!(found.contains("warning: channel a first exceeds 0.5 g for 3 ms at 59.9 ms"), "{found}");
-    assert!(found.contains("0.839 m") && found.contains("crumple-ingest --time-zero 59.9ms"), "{found}");
+    assert!(found.contains("0.839 m") && found.contains("--time-zero 59.9ms at ingest"), "{found}");
     for flags in [["--time-zero", "0s"], ["--time-zero", "60ms"]] {
         assert!(!notes(&table, &flags).contains("first exceeds"), "{flags:?}");
     }
@@ -456,7 +456,7 @@ fn a_filter_that_left_the_pulse_out_leaves_the_criteria() {
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{text}");
     assert!(
-        text.contains("hint: crumple-filter --channels leaves out what it does not name: name p there too"),
+        text.contains("hint: crumple-filter --channels ID leaves out what it does not name: name p there too"),
         "{text}"
     );
 }

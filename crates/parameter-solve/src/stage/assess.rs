@@ -52,7 +52,7 @@ pub fn assess_all(
     let whole = Observation::new(displacement, events.time_zero_s, *measurement, speed, end, usize::MAX).ok();
     if measurement.is_exact() {
         out.notes().info(
-            "the filter of the record is not known here (the artifact of crumple-filter is not given, or the channel \
+            "the filter of the record is not known here (the artifact of filter is not given, or the channel \
              came filtered): models are fitted as if the displacement had none",
         );
     }

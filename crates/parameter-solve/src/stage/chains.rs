@@ -7,7 +7,9 @@ use crumple_lumped_fit::{
 };
 use crumple_signal::{About, Note, Weight};
 use crumple_stage::records::EventsV1;
-use crumple_stage::{Inputs, NumberOfTable, Output, RefuseExt, Refused, TakenNumbers, read_chain, total_mass_remark};
+use crumple_stage::{
+    Inputs, NumberOfTable, Output, RefuseExt, Refused, TakenNumbers, option, read_chain, total_mass_remark,
+};
 use serde::Serialize;
 use toml::Value;
 
@@ -89,8 +91,11 @@ pub fn fit_chains(
     let test = input.test()?;
     let total_kg = settings.mass_kg.or(test.mass_kg);
     let speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
-        Refused::new("neither the events nor the test have an impact speed")
-            .hint("--impact-speed 35km/h at crumple-ingest")
+        Refused::new("neither the events nor the test have an impact speed").hint(option(
+            "ingest",
+            "impact-speed",
+            "35km/h",
+        ))
     })?;
     settings.assessment.check(total_kg, speed)?;
     let mut candidates = Vec::new();

@@ -7,7 +7,7 @@ use crumple_lumped_fit::{
 };
 use crumple_numerics::lti::{eigenvalues, matrix_logarithm};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
-use crumple_stage::{Inputs, Output, RefuseExt, Refused};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, option, program};
 use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
 
 use crate::stage::records::matching_record;
@@ -31,7 +31,10 @@ pub fn from_models(
                 "below /model/ a transfer function with a denominator of degree 4, a state space of order 4 or a sum \
                  of four exponentials, or four poles below /modes/",
             )
-            .hint("give the artifact of crumple-identify with order 4, or --methods exponentials --terms 4, too")
+            .hint(format!(
+                "give the artifact of {} with order 4, or exponentials with 4 terms, too",
+                program("identify")
+            ))
             .into());
     }
     let mut candidates: Vec<Candidate> = Vec::new();
@@ -74,8 +77,8 @@ pub fn maxwell_candidates(
     }
     let sums = input.records::<ExponentialSumV1>("/model/")?;
     if sums.is_empty() {
-        let text = "maxwell: no closed form, none of the inputs holds a sum of exponentials (crumple-identify \
-            --methods exponentials --terms 3)";
+        let text = "maxwell: no closed form, none of the inputs holds a sum of exponentials (--set \
+            identify.methods=exponentials --set identify.terms=3)";
         if settings
             .solve
             .methods
@@ -114,7 +117,14 @@ pub fn from_exponentials(
     if sums.is_empty() {
         return Err(Refused::new("none of the inputs holds a sum of exponentials")
             .expected("a sum of four real ones below /model/")
-            .hint("crumple-identify --methods exponentials --terms 4 --real")
+            .hint(
+                ["methods exponentials", "terms 4", "real"]
+                    .map(|words| {
+                        let (name, value) = words.split_once(' ').unwrap_or((words, ""));
+                        option("identify", name, value)
+                    })
+                    .join(", "),
+            )
             .into());
     }
     let (m1_kg, m2_kg) = given_masses(settings, mass_kg, out)?;
@@ -128,7 +138,7 @@ pub fn from_exponentials(
         if !real {
             out.notes().warning(format!(
                 "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at \
-                 crumple-identify); coefficient-matching takes any"
+                 identify); coefficient-matching takes any"
             ));
             continue;
         }

@@ -3,7 +3,7 @@
 use crumple_lumped_fit::{Candidate, FitQuantity, MassSplit, Measurement, Sensor, SensorPlace, TestData, solve};
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, Signal, TestDescription, Velocity};
 use crumple_stage::records::EventsV1;
-use crumple_stage::{Inputs, Output, RefuseExt, Refused};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, option, program};
 
 use crate::stage::options::PlacedSensor;
 use crate::stage::settings::StageSettings;
@@ -60,7 +60,7 @@ pub fn sensor_wave(
     if place == SensorPlace::Wall {
         let Some((record, steps)) = input.wall_force(events)? else {
             return Err(Refused::new("sensors names the wall, and the inputs hold no force on it")
-                .expected("barrier/force, which crumple-integrate sums from the load cells of the barrier")
+                .expected("barrier/force, which the stage integrate sums from the load cells of the barrier")
                 .hint("leave wall out of sensors")
                 .into());
         };
@@ -74,7 +74,7 @@ pub fn sensor_wave(
 
 /// The motion of a channel.
 pub fn motion(input: &Inputs, channel: &str, quantity: FitQuantity, mass_kg: f64) -> anyhow::Result<Sampled> {
-    let hint = "crumple-integrate writes the motion of the pulse and of the channels named with --channels there";
+    let hint = "the stage integrate writes the motion of the pulse and of the channels named in its channels";
     let wave = |what: &str| {
         let id = format!("{channel}/{what}");
         input.wave_if(&id).map_or_else(|| Err(not_integrated(input, channel, what)), Ok)
@@ -98,10 +98,14 @@ fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
     }
     let known = input.test().is_ok_and(|test| test.channel(channel).is_some());
     let (problem, hint) = if known {
-        let hint = format!("add {channel:?} to channels of [integrate], or crumple-integrate --channels all,{channel}");
+        let hint = format!(
+            "add {channel:?} to channels of [integrate], or {}",
+            option("integrate", "channels", &format!("all,{channel}"))
+        );
         (format!("channel {channel}, which sensors names, was not integrated"), hint)
     } else {
-        let hint = "sensors = [\"place=channel\"] takes ids of channels; crumple-artifact show lists them".to_owned();
+        let hint =
+            format!("sensors = [\"place=channel\"] takes ids of channels; {} lists them", program("artifact show"));
         (format!("the test has no channel {channel:?}, which sensors names"), hint)
     };
     Refused::new(problem)
@@ -119,7 +123,7 @@ fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<S
     let tested = input.test()?.mass_kg.unwrap_or(mass_kg);
     let Some(force) = input.wave_if(&format!("{channel}/force")) else {
         return Err(Refused::new(format!("none of the inputs holds the acceleration of channel {channel}"))
-            .hint("give the artifact of crumple-filter too")
+            .hint(format!("give the artifact of {} too", program("filter")))
             .into());
     };
     let force = force.signal::<Force>().refuse()?;
@@ -140,7 +144,7 @@ pub fn pulse_displacement(input: &Inputs, events: &EventsV1) -> anyhow::Result<O
 /// The displacement of a channel; `None` where no input holds it. The one place where it is read.
 pub fn displacement_of(input: &Inputs, events: &EventsV1, channel: &str) -> anyhow::Result<Option<Displaced>> {
     let Some(wave) = input.wave_if(&format!("{channel}/displacement")) else { return Ok(None) };
-    let displacement = wave.signal::<Displacement>().refuse_with_hint("crumple-integrate writes displacements")?;
+    let displacement = wave.signal::<Displacement>().refuse_with_hint("the stage integrate writes displacements")?;
     let steps = input.recording_steps(events, channel, &displacement)?;
     Ok(Some((displacement, steps)))
 }
@@ -178,8 +182,11 @@ impl Record {
             (None, None, _) => return Err(Refused::new("the test has no mass").hint("--mass 873kg").into()),
         };
         let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
-            Refused::new("neither the events nor the test have an impact speed")
-                .hint("--impact-speed 35km/h at crumple-ingest")
+            Refused::new("neither the events nor the test have an impact speed").hint(option(
+                "ingest",
+                "impact-speed",
+                "35km/h",
+            ))
         })?;
         if displacement.is_none() && settings.solve.fits_a_signal() {
             return Err(input.missing(&format!("/wave/{}/displacement", events.channel)));
@@ -212,11 +219,11 @@ pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option
         _ if events.dynamic_crush_m.is_some() => None,
         SPEEDS_UP.. => Some((
             "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do",
-            "check the sign of the pulse (--sign flip at crumple-ingest turns it) and its unit",
+            "check the sign of the pulse (--sign flip at ingest turns it) and its unit",
         )),
         part if (part - 1.0).abs() < KEEPS_ITS_SPEED => Some((
             "the pulse does not slow the vehicle down, so that there is no force to model",
-            "check which channel is the pulse (--channel at crumple-ingest), its unit and time zero",
+            "check which channel is the pulse (--channel at ingest), its unit and time zero",
         )),
         _ => None,
     }

@@ -108,8 +108,7 @@ fn unsolvable(
         // Ingest was told to go on without a mass.
         return Some((
             "the test has no mass, which turns frequencies into N/m".to_owned(),
-            "state it: --mass 873kg here or at crumple-ingest, or '# mass: 873 kg' in the header of the record"
-                .to_owned(),
+            "state it: --mass 873kg at ingest, or '# mass: 873 kg' in the header of the record".to_owned(),
         ));
     }
     not_slowed(displacement, events).map(|(reason, remedy)| (reason.to_owned(), remedy.to_owned()))

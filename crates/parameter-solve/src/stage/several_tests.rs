@@ -5,7 +5,7 @@ use crumple_lumped_fit::{
 };
 use crumple_signal::{Axis, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
-use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage};
+use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
 use rayon::prelude::*;
 
 use crate::stage::assess::assess_fit;
@@ -83,7 +83,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
 fn refuse_what_is_of_one_test(settings: &StageSettings) -> anyhow::Result<()> {
     if settings.mass_kg.is_some() {
         return Err(Usage::new("--mass is of one test, and several have masses of their own")
-            .hint("--mass at crumple-ingest, or '# mass: 873 kg' in the header of each record")
+            .hint(format!("{}, or '# mass: 873 kg' in the header of each record", option("ingest", "mass", "873kg")))
             .into());
     }
     Ok(())

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::{Candidate, HALF_WIDTH, MadeTest, ParameterSpread, Prediction, Quantity, TestedImpact};
 use crumple_lumped::Model;
-use crumple_predict::{Candidate, HALF_WIDTH, MadeTest, ParameterSpread, Prediction, Quantity, TestedImpact};
 use crumple_signal::{Sampled, TestDescription};
 use crumple_stage::records::{AgainstTestV1, CandidateV1, EventsV1, MetricsV2, RecommendationV1, TestsV1};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, errors_in_words, load_artifacts, unknown_name};

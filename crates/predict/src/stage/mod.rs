@@ -9,9 +9,9 @@ mod table;
 
 use std::path::PathBuf;
 
-use crumple_predict::{Candidate, ImpactSetup, Scenario, predict};
+use crate::{Candidate, ImpactSetup, Scenario, predict};
 use crumple_stage::records::{CandidateV1, RecommendationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage, option};
 
 use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_other_test, tested};
 use crate::stage::occupant::rider;
@@ -57,8 +57,11 @@ impl Stage for Predict {
         }
         let choice: Option<RecommendationV1> = input.record_if("/recommendation")?;
         let tested = tested(input)?.ok_or_else(|| {
-            Refused::new("neither the events nor the test have an impact speed")
-                .hint("--impact-speed 35km/h at crumple-ingest")
+            Refused::new("neither the events nor the test have an impact speed").hint(option(
+                "ingest",
+                "impact-speed",
+                "35km/h",
+            ))
         })?;
         let candidates: Vec<Candidate> = candidates(&records, choice.as_ref());
         let named = named(&candidates, &records, choice.as_ref(), &settings.candidates)?;
@@ -115,7 +118,7 @@ impl Stage for Predict {
         }
         what_if(&rows).into_iter().for_each(|line| out.summary(line));
         Ok(if rows.is_empty() {
-            out.no_result("no impact could be predicted", "see what each impact met: just notes")
+            out.no_result("no impact could be predicted", "the notes of the run say what each impact met")
         } else {
             Outcome::Done
         })

@@ -1,7 +1,7 @@
 //! The occupant of all predictions: as a person describes it, or fitted to a sensor of the test.
 
+use crate::{Fitted, FittedRestraint, MeasuredRide};
 use crumple_lumped::{ForceDeflection, Occupant};
-use crumple_predict::{Fitted, FittedRestraint, MeasuredRide};
 use crumple_signal::Sampled;
 use crumple_signal::value::{Force, Frequency, Length, Mass, Stiffness};
 use crumple_stage::records::EventsV1;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crumple_predict::Inputs;
+use crate::Inputs;
 use crumple_signal::value::{Mass, Speed};
 use crumple_signal::{Distribution, Uncertain};
 use crumple_stage::Usage;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::{Partner, Scenario};
 use crumple_lumped::{Extrapolation, ForceDeflection, Structure};
-use crumple_predict::{Partner, Scenario};
 use crumple_signal::value::{Area, Force, Length, Mass, Pressure, Share, Speed};
 use crumple_stage::records::{CandidateV1, RecommendationV1};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, load_artifacts, unknown_name};

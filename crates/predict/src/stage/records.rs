@@ -1,9 +1,7 @@
 //! Predictions as they stand in the artifact.
 
+use crate::{Candidate, CollisionOutcome, INTERVAL_LEVEL, Partner, Prediction, Quantity, Scenario, Support, Wave};
 use crumple_lumped::{CONTACT_SHARE, OccupantMotion};
-use crumple_predict::{
-    Candidate, CollisionOutcome, INTERVAL_LEVEL, Partner, Prediction, Quantity, Scenario, Support, Wave,
-};
 use crumple_signal::{QuantityKind, Sampled};
 use crumple_stage::Output;
 use crumple_stage::records::{

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crumple_diff::{Base, CompareSettings};
+use crumple_diff::CompareSettings;
 use serde::{Deserialize, Serialize};
 
 use crate::drawing::numbers::ABSENT;
@@ -101,8 +101,6 @@ pub struct Review {
     pub counts: BTreeMap<Group, usize>,
     /// The recommended models.
     pub models: [Option<String>; 2],
-    /// The tolerance in force.
-    pub base: Base,
 }
 
 impl Review {
@@ -126,7 +124,6 @@ impl Review {
             rows,
             counts,
             models: [model(a), model(b)],
-            base: settings.tolerances.base,
         }
     }
 
@@ -329,11 +326,17 @@ pub mod tests {
             unit: Cow::Borrowed(*unit),
             ..KeyNumber::default()
         };
-        let parameters = stiffness.iter().enumerate().map(|(k, value)| (format!("k{}_n_per_m", k + 1), *value)).collect();
+        let parameters =
+            stiffness.iter().enumerate().map(|(k, value)| (format!("k{}_n_per_m", k + 1), *value)).collect();
         let id = "kelvin/direct-fit/1".to_owned();
         let summary = Summary {
             key_numbers: numbers.iter().map(number).collect(),
-            candidates: vec![CandidateSummary { id: id.clone(), model: "kelvin".into(), parameters, ..Default::default() }],
+            candidates: vec![CandidateSummary {
+                id: id.clone(),
+                model: "kelvin".into(),
+                parameters,
+                ..Default::default()
+            }],
             recommended: Some(id),
             ..Summary::default()
         };
@@ -376,10 +379,10 @@ pub mod tests {
         let mut again = a.clone();
         again.stages[1].digest = "other".into();
         let found = review(&a, &again);
-        assert_eq!((found.cause(), found.unexplained), (
-            "no option, record or program differs: the numerics do".to_owned(),
-            vec!["integrate".to_owned()]
-        ));
+        assert_eq!(
+            (found.cause(), found.unexplained),
+            ("no option, record or program differs: the numerics do".to_owned(), vec!["integrate".to_owned()])
+        );
     }
 
     #[test]

@@ -279,7 +279,9 @@ mod tests {
         noted.name = "a,b:c\nd".into();
         let line = to_github(&[&noted]);
         assert_eq!(line.lines().count(), 1, "{line}");
-        assert!(line.starts_with("::error file=pipelines/default.toml,line=12,title=a%2Cb%3Ac%0Ad%3A results changed::"));
+        assert!(
+            line.starts_with("::error file=pipelines/default.toml,line=12,title=a%2Cb%3Ac%0Ad%3A results changed::")
+        );
         let json = to_json(&compared, false);
         assert_eq!((&json["same"], &json["summary"][0]["causes"][0]["name"]), (&false.into(), &"filter.cfc".into()));
     }

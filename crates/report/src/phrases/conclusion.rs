@@ -117,7 +117,7 @@ texts! { ConclusionTexts
         "The impact speed is missing, so there is no crush and no stiffness: add --impact-speed.";
     no_model: "There is no model: {reason}.";
     read_the_notes:
-        "the notes of the run say more: just notes, and the folder of the run";
+        "the notes of the run say more, and its folder";
     measured_only:
         "This report holds no motion of a vehicle.";
     no_models_here:

@@ -3,36 +3,36 @@
 texts! { RemarkTexts
     missing: "Not in this report";
     no_description:
-        "the test description (crumple-ingest writes it)";
+        "the test description (ingest writes it)";
     no_crash:
-        "motion, events and physical parameters: no channel is named as a pulse (crumple-ingest --channel names one)";
+        "motion, events and physical parameters: no channel is named as a pulse (--channel names one)";
     no_pulse:
-        "the crash pulse: the test names none of its channels (crumple-ingest --channel does)";
+        "the crash pulse: the test names none of its channels (--channel does)";
     no_raw:
-        "acceleration as read (crumple-ingest writes it)";
+        "acceleration as read (ingest writes it)";
     no_filtered:
-        "filtered acceleration (crumple-filter writes it)";
+        "filtered acceleration (filter writes it)";
     no_events:
-        "crash events, velocity, displacement and metrics (crumple-integrate writes them)";
+        "crash events, velocity, displacement and metrics (integrate writes them)";
     no_motion:
         "vehicle motion: see the notes of integrate";
     no_motion_without_speed:
         "vehicle motion: the record has no impact speed (add --impact-speed)";
     no_displacement:
-        "velocity and displacement (crumple-integrate writes them)";
+        "velocity and displacement (integrate writes them)";
     no_models:
-        "identified models (crumple-identify writes them)";
+        "identified models (identify writes them)";
     no_parameters:
-        "physical parameters (crumple-parameter-solve writes them)";
+        "physical parameters (parameter-solve writes them)";
     none_found: "{what}: none found, {reason}";
     parameters: "physical parameters";
     models: "identified models";
     no_responses:
-        "ranking: the candidates were not simulated (run crumple-simulate)";
+        "ranking: the candidates were not simulated (by the stage simulate)";
     without_parameters:
-        "the parameters of {count} simulated candidates (crumple-parameter-solve writes them)";
+        "the parameters of {count} simulated candidates (parameter-solve writes them)";
     by_fit_alone:
-        "by the displacement fit alone: the artifacts hold no /recommendation (crumple-parameter-solve writes it)";
+        "by the displacement fit alone: the artifacts hold no /recommendation (parameter-solve writes it)";
     other_axis:
         "channel {channel} is along {axis}, and the models are of a crush along x";
     no_end_of_crush:

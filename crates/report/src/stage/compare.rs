@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::{ComparedRun, RunComparison};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_report::{ComparedRun, RunComparison};
 use crumple_stage::{
     ExitStatus, Pipeline, Usage, artifacts_of_a_run, columns, keep_budget, load_artifacts, refuse_to_overwrite, say,
     told_apart, wrapped,

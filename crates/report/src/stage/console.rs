@@ -1,18 +1,17 @@
 //! What a person at the terminal reads of a run.
 
-use crumple_report::phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::path::Path;
 
-use crumple_report::{OverviewLine, Ranking, Run, Summary, overview};
-use crumple_stage::{columns, labelled, labelled_and_cut, say, wrapped};
+use crate::{OverviewLine, Ranking, Run, Summary, overview};
+use crumple_stage::{columns, labelled, labelled_and_cut, wrapped};
 
-/// Prints the status, the verdict, the numbers, the gravest warnings and where the rest is.
-pub fn print(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) {
+/// The status, the verdict, the numbers, the gravest warnings and where the rest is.
+pub fn lines(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) -> Vec<String> {
     let verdict = &summary.verdict;
     let columns = columns();
-    for sentence in std::iter::once(&verdict.status_sentence).chain(&verdict.sentences) {
-        wrapped(sentence, columns).iter().for_each(say);
-    }
+    let sentences = std::iter::once(&verdict.status_sentence).chain(&verdict.sentences);
+    let mut printed: Vec<String> = sentences.flat_map(|sentence| wrapped(sentence, columns)).collect();
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut lines = overview(run, ranking, summary, folder);
     let label = PHRASES.conclusion.files_label.to_owned();
@@ -20,9 +19,10 @@ pub fn print(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) {
     let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;
     for OverviewLine { label, text, may_be_cut } in &lines {
         if *may_be_cut {
-            say(labelled_and_cut(label, width, text, columns));
+            printed.push(labelled_and_cut(label, width, text, columns));
         } else {
-            labelled(label, width, text, columns).iter().for_each(say);
+            printed.extend(labelled(label, width, text, columns));
         }
     }
+    printed
 }

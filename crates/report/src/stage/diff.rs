@@ -15,9 +15,9 @@ use crumple_stage::{ExitStatus, Program, Usage, keep_budget, printable, run_tool
 
 use super::compare::write;
 use super::gather::stage_record;
+use crate::Summary;
 use crate::compare::review::{Expected, Review, line_of};
 use crate::compare::review_files::{to_github, to_json, to_junit, to_markdown};
-use crate::Summary;
 
 const SUMMARY: &str = "summary.json";
 const PIPELINE: &str = "0-pipeline.toml";
@@ -107,9 +107,8 @@ pub const DIFF: Program =
     Program::of_tool::<Args>("diff", |call| run_tool(call, |args: Args| run(&args).map_err(trouble)));
 
 /// `crumple accept`.
-pub const ACCEPT: Program = Program::of_tool::<AcceptArgs>("accept", |call| {
-    run_tool(call, |args: AcceptArgs| accept(&args).map_err(trouble))
-});
+pub const ACCEPT: Program =
+    Program::of_tool::<AcceptArgs>("accept", |call| run_tool(call, |args: AcceptArgs| accept(&args).map_err(trouble)));
 
 fn trouble(error: anyhow::Error) -> anyhow::Error {
     // An error that tells its cause in its own words does not tell it twice.
@@ -352,7 +351,15 @@ fn results_below(folder: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
 
 fn files(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
     let is_json = |path: &Path| path.extension().is_some_and(|extension| extension == "json");
-    let kind = |path: &Path| if path.is_dir() { "a folder" } else if is_json(path) { "a JSON file" } else { "a file" };
+    let kind = |path: &Path| {
+        if path.is_dir() {
+            "a folder"
+        } else if is_json(path) {
+            "a JSON file"
+        } else {
+            "a file"
+        }
+    };
     if kind(a) != kind(b) {
         return Err(DiffError::Kinds { a: a.into(), a_is: kind(a), b: b.into(), b_is: kind(b) });
     }

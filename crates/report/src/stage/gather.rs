@@ -1,20 +1,20 @@
 //! Gathers a run from artifacts: by topic, not by position.
 
-use crumple_report::phrases::PHRASES;
+use crate::phrases::PHRASES;
 use std::collections::BTreeMap;
 
+use crate::{
+    CandidateResult, Element, JointTests, MeasuredWaves, Model, ModelOutput, Run, SensorMotion, StageNote, StageRecord,
+    compare_ids, fill,
+};
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
     NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1,
     TestsV1, TransferFunctionV1,
 };
-use crumple_report::{
-    CandidateResult, Element, JointTests, MeasuredWaves, Model, ModelOutput, Run, SensorMotion, StageNote, StageRecord,
-    compare_ids, fill,
-};
 use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
-use crumple_stage::{Inputs, RefuseExt, Refused};
+use crumple_stage::{Inputs, RefuseExt, Refused, program};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -65,7 +65,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     if nothing {
         return Err(Refused::new("the inputs hold no test, wave, event, model or candidate")
             .expected("artifacts of the pipeline's stages")
-            .hint("look into them with crumple-artifact show")
+            .hint(format!("look into them with {}", program("artifact show")))
             .into());
     }
     Ok(run)

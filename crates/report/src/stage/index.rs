@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use crate::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, pulse_line};
 use crumple_artifact::{Artifact, OutputKind};
-use crumple_report::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, pulse_line};
-use crumple_stage::{ExitStatus, Refused, Usage, refuse_to_overwrite, say, told_apart};
+use crumple_stage::{ExitStatus, Refused, Usage, by_way, program, refuse_to_overwrite, say, told_apart};
 
 use super::compare::write;
 use super::run_folders::address;
@@ -100,14 +100,12 @@ fn refuse_missing(folders: &[PathBuf], summaries: &[PathBuf]) -> Result<(), Refu
         n => format!("{n} folders hold no summary.json: {named}"),
     };
     Err(Refused::new(found)
-        .expected("run folders, each with the summary.json that crumple-report writes")
-        .hint("just run RECORD makes one; leave out runs that did not get there"))
+        .expected("run folders, each with the summary.json of its report")
+        .hint(format!("{} RECORD makes one; leave out runs that did not get there", by_way("just run", "crumple run"))))
 }
 
 fn read(path: &Path) -> anyhow::Result<Summary> {
-    let refused = |problem: String| {
-        Refused::new(problem).hint("write it again: crumple-report FOLDER/*.mcap -o FOLDER/report.html")
-    };
+    let refused = |problem: String| Refused::new(problem).hint(format!("write it again: {}", program("report FOLDER")));
     let bytes = fs::read(path).map_err(|error| refused(format!("cannot read {}: {error}", path.display())))?;
     Summary::from_json(&bytes).map_err(|error| {
         let other: Option<serde_json::Value> = serde_json::from_slice(&bytes).ok();

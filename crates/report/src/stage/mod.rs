@@ -2,6 +2,7 @@
 
 mod compare;
 mod console;
+pub mod diff;
 mod gather;
 mod index;
 mod pictures;
@@ -13,11 +14,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::thread;
 
+use crate::{ComparedRun, Kind, Page, Ranking, Summary, all_figures, first_screen, summary, write_shared_files};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
-use crumple_report::{ComparedRun, Kind, Page, Ranking, all_figures, first_screen, summary, write_shared_files};
 use crumple_stage::{
-    ExitStatus, Pipeline, Usage, be_quiet, keep_budget, load_artifacts, pipeline_table, refuse_to_overwrite, to_stdout,
+    ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts, pipeline_table,
+    printable, refuse_to_overwrite, run_tool, say, to_stdout,
 };
 use pictures::{Fonts, write_figures};
 
@@ -31,14 +33,15 @@ use pictures::{Fonts, write_figures};
                   4 not one candidate could be simulated (both files are written)."
 )]
 pub struct Cli {
-    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order; with --compare run folders,
-    /// with --index run folders or lists of them (@list.txt), with --together one folder.
+    /// Artifacts of a run, 1-ingest.mcap to 7-predict.mcap or any of them, in any order, or its folder: then the report
+    /// in it is written again; with --compare run folders, with --index run folders or lists of them (@list.txt), with
+    /// --together one folder.
     #[arg(required = true, value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
 
     /// Page to write (one HTML file that needs no network) [default with --compare: compare.html, with --index:
     /// index.html, with --together: report.html in the folder].
-    #[arg(short, long, value_name = "PAGE", required_unless_present_any = ["compare", "index", "together"])]
+    #[arg(short, long, value_name = "PAGE")]
     pub output: Option<PathBuf>,
 
     /// Compare run folders: curves over each other, numbers and settings side by side, differences marked.
@@ -105,15 +108,84 @@ pub struct Cli {
     #[arg(long, hide = true, value_name = "KIND")]
     pub compress: Option<String>,
 
+    /// The summary on stdout, not on stderr: `crumple run` answers with it.
+    #[arg(long, hide = true)]
+    pub answer: bool,
+
+    /// The same of files that are written: nothing is written again.
+    #[arg(long, hide = true)]
+    pub answer_again: bool,
+
     /// No summary on stderr.
     #[arg(short, long)]
     pub quiet: bool,
 }
 
+impl Cli {
+    /// A run folder stands for its artifacts, its pipeline and its report.
+    fn take_folder(&mut self) -> anyhow::Result<()> {
+        let [folder] = &self.inputs[..] else { return Ok(()) };
+        if self.together || !folder.is_dir() {
+            return Ok(());
+        }
+        let own = Some(folder.join("0-pipeline.toml")).filter(|own| own.is_file());
+        self.pipeline = self.pipeline.take().or(own);
+        self.output = self.output.take().or_else(|| Some(folder.join("report.html")));
+        self.inputs = artifacts_of_a_run(folder)?;
+        Ok(())
+    }
+}
+
+/// The program.
+pub const PROGRAM: Program = Program::of_tool::<Cli>("report", |call| run_tool(call, run));
+
+/// Many run folders as a table on one page.
+#[derive(Debug, clap::Parser)]
+#[command(name = "crumple-index", version)]
+pub struct IndexCli {
+    /// Run folders, or lists of them (@list.txt).
+    #[arg(required = true, value_name = "RUN")]
+    inputs: Vec<PathBuf>,
+    /// Page to write.
+    #[arg(short, long, value_name = "PAGE", default_value = "index.html")]
+    output: PathBuf,
+    /// No summary on stderr.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Several runs on one page: curves over each other, numbers and settings side by side, differences marked.
+#[derive(Debug, clap::Parser)]
+#[command(name = "crumple-compare", version)]
+pub struct CompareCli {
+    /// Run folders.
+    #[arg(required = true, value_name = "RUN")]
+    inputs: Vec<PathBuf>,
+    /// Page to write.
+    #[arg(short, long, value_name = "PAGE", default_value = "compare.html")]
+    output: PathBuf,
+    /// Markdown to write too, for a merge request: what the page says first.
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+    /// No summary on stderr.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// `crumple-report --index` by itself.
+pub const INDEX: Program = Program::of_tool::<IndexCli>("index", |call| {
+    run_tool(call, |cli: IndexCli| index::index(&cli.inputs, &cli.output, cli.quiet))
+});
+
+/// `crumple-report --compare` by itself.
+pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
+    run_tool(call, |cli: CompareCli| compare::compare(&cli.inputs, &cli.output, cli.markdown.as_deref(), cli.quiet))
+});
+
 /// Reads the artifacts and writes both files.
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
-pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
+fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
         return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
@@ -122,9 +194,10 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));
         return index::index(&cli.inputs, page, cli.quiet);
     }
+    cli.take_folder()?;
     let of_folder = cli.together.then(|| cli.inputs.first().map(|folder| folder.join("report.html"))).flatten();
     if cli.together && cli.inputs.len() != 1 {
-        return Err(Usage::new("one page is of one folder").hint("name the folder that just together made").into());
+        return Err(Usage::new("one page is of one folder").hint("name the folder that the joint run made").into());
     }
     let Some(output) = cli.output.as_ref().or(of_folder.as_ref()) else {
         return Err(Usage::new("no report to write is named").hint("add -o").into());
@@ -148,14 +221,16 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     refuse_to_overwrite(output, OutputKind::Report, &cli.inputs)?;
     refuse_to_overwrite(&summary_path, OutputKind::Summary, &cli.inputs)?;
     let fonts = cli.png.as_ref().map(|_| Fonts::of_system()).transpose()?;
-    if cli.quiet {
-        be_quiet();
-    }
+    be_quiet(cli.quiet);
     keep_budget(&cli.inputs, ExitStatus::Refused);
     let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let summary = summary(&run, &ranking);
+    if cli.answer_again {
+        answer(&cli, &console::lines(&run, &ranking, &summary, output))?;
+        return Ok(status_of(&summary));
+    }
     let json = summary.to_json()?;
     if let Some(folder) = &cli.shared {
         let folder = output.parent().unwrap_or(Path::new("")).join(folder);
@@ -175,7 +250,7 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         to_stdout(json.as_bytes())?;
     }
     if !cli.quiet {
-        console::print(&run, &ranking, &summary, output);
+        answer(&cli, &console::lines(&run, &ranking, &summary, output))?;
     }
     if let Some(path) = &cli.markdown {
         let own = output.with_file_name("0-pipeline.toml");
@@ -187,7 +262,20 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
         let text = first_screen(&run, own.as_deref(), record.as_deref());
         compare::write(path, OutputKind::Markdown, &text)?;
     }
-    Ok(if summary.verdict.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done })
+    Ok(status_of(&summary))
+}
+
+fn status_of(summary: &Summary) -> ExitStatus {
+    if summary.verdict.kind == Kind::NoModel { ExitStatus::NoAcceptableResult } else { ExitStatus::Done }
+}
+
+/// Prints the lines of the summary.
+fn answer(cli: &Cli, lines: &[String]) -> anyhow::Result<()> {
+    if cli.answer || cli.answer_again {
+        return to_stdout((printable(&lines.join("\n")).into_owned() + "\n").as_bytes());
+    }
+    lines.iter().for_each(say);
+    Ok(())
 }
 
 /// Writes both files so that a process killed at any moment never leaves two of different runs: both are written whole

@@ -4,9 +4,9 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
+use crate::drawing::Figure;
 use anyhow::{Context, anyhow};
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_report::drawing::Figure;
 use crumple_stage::Usage;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::fontdb::{Database, Family, Query};
@@ -76,7 +76,7 @@ pub fn write_figures(
 
 #[cfg(test)]
 mod tests {
-    use crumple_report::drawing::{Axis, Colour, Dash, Look, Panel};
+    use crate::drawing::{Axis, Colour, Dash, Look, Panel};
 
     use super::*;
 

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::{LeftOut, Page, Ranking};
 use crumple_artifact::OutputKind;
 use crumple_artifact::records::{DiagnosisV1, PredictionV1};
-use crumple_report::{LeftOut, Page, Ranking};
-use crumple_stage::{ExitStatus, Refused, keep_budget, load_artifacts, refuse_to_overwrite, say};
+use crumple_stage::{ExitStatus, Refused, by_way, keep_budget, load_artifacts, refuse_to_overwrite, say};
 
 use super::compare::write;
 use super::gather::gather;
@@ -22,8 +22,10 @@ pub fn together(folder: &Path, page: &Path, pipeline: Option<String>, quiet: boo
     refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
     keep_budget(&artifacts, ExitStatus::Refused);
     let no_model = || {
-        Refused::new(format!("{} holds no model of several tests", folder.display()))
-            .hint("just together A.EV5 B.EV5 ... makes one, and says where it is")
+        Refused::new(format!("{} holds no model of several tests", folder.display())).hint(format!(
+            "{} A.EV5 B.EV5 ... makes one, and says where it is",
+            by_way("just together", "crumple together")
+        ))
     };
     if artifacts.is_empty() {
         return Err(no_model().into());

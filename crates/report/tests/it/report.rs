@@ -190,9 +190,9 @@ fn what_is_missing_is_said_and_the_rest_is_shown() {
     for what in [
         "It holds no models: their stages did not run.",
         "not in it",
-        "acceleration as read (crumple-ingest writes it)",
-        "identified models (crumple-identify writes them)",
-        "physical parameters (crumple-parameter-solve writes them)",
+        "acceleration as read (ingest writes it)",
+        "identified models (identify writes them)",
+        "physical parameters (parameter-solve writes them)",
         "report.html",
     ] {
         assert!(said.contains(what), "{what} in {said}");
@@ -245,6 +245,6 @@ fn a_pipeline_that_is_not_there_is_a_usage_error() {
     assert_eq!(output.status.code(), Some(2));
     insta::assert_snapshot!(stderr(&output), @r"
     error: cannot read the pipeline file pipelines/no-such.toml: No such file or directory (os error 2)
-      hint: pipelines lie in the folder pipelines/, e.g. --pipeline pipelines/default.toml
+      hint: there are: default, unfiltered, two-sensors, papers/civic, papers/era, papers/firefly
     ");
 }

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    crumple_stage::tool_main(crumple_run::fleet::study)
+    crumple_run::STUDY.main()
 }

@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::io::{self, IsTerminal, Write};
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
@@ -17,9 +17,9 @@ use crumple_stage::{Usage, say};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
+use crate::command::{Pipeline, is_one_program, own_command, typed_commands};
 use crate::fleet::command::{Options, combinations};
 use crate::fleet::records::{Digests, Record};
-use crate::{Pipeline, own_program, typed_commands};
 
 // What is known of runs that ended: one line each, added the moment a run ends.
 
@@ -274,10 +274,11 @@ pub(crate) fn digest_of_programs() -> io::Result<String> {
     for entry in own.parent().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let is_of_a_run = name.starts_with("crumple-") && !name.contains('.') && !OTHERS.contains(&name.as_str());
-        if is_of_a_run && entry.path().is_file() {
+        if is_of_a_run && entry.path().is_file() && !is_one_program() {
             files.insert(entry.path());
         }
     }
+    files.extend(is_one_program().then_some(own));
     let mut hasher = blake3::Hasher::new();
     hasher.update(commands.join("\n").as_bytes());
     for path in files {
@@ -381,8 +382,7 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
     }
     arguments.extend(run.settings.iter().flat_map(|setting| ["--set".into(), OsString::from(setting)]));
     arguments.extend(["--".into(), OsString::from(&run.record.path)]);
-    let program = own_program("run");
-    let mut command = Command::new(&program);
+    let mut command = own_command("run");
     // Runs side by side keep the cores busy; threads of one run would only be in each other's way.
     if options.jobs != Some(1) {
         command.env("RAYON_NUM_THREADS", "1");
@@ -393,7 +393,7 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .output()
-        .with_context(|| format!("cannot start {}", program.display()))?;
+        .with_context(|| format!("cannot start {}", command.get_program().display()))?;
     let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
     let said = String::from_utf8_lossy(&output.stderr);
     let mut ended = JournalEntry {

@@ -5,23 +5,23 @@ use std::collections::{BTreeMap, HashMap};
 use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::sync::Mutex;
 
 use anyhow::Context;
 use crumple_artifact::records::PredictionV1;
 use crumple_report::model_year;
-use crumple_stage::{ExitStatus, Refused, Usage, say};
+use crumple_stage::{ExitStatus, Refused, Usage, by_way, say};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::command::own_command;
 use crate::fleet::command::Options;
 use crate::fleet::make::make;
 use crate::fleet::regression::Study;
 use crate::fleet::runs::{Journal, JournalEntry, digest_of_programs, digest_of_summary, jobs, read_journals};
 use crate::fleet::tables::Kind::{Count, Flag, Number, Text};
 use crate::fleet::tables::{Cell, Row, Table, columns, write_tables};
-use crate::own_program;
 use crate::together::summary::{JointSummary, LeftOut};
 
 // Classes of vehicles, from a file.
@@ -217,14 +217,14 @@ impl<'a> JointFits<'a> {
         arguments.extend(["--out".into(), OsString::from(&path)]);
         arguments.extend(["--flags".into(), format!("-q{force}").into(), "--".into()]);
         arguments.extend(vehicle.tests.iter().map(|row| OsString::from(self.fleet.join(&row.run.folder))));
-        let program = own_program("together");
-        let output = Command::new(&program)
+        let mut command = own_command("together");
+        let output = command
             .args(arguments)
             .env("RAYON_NUM_THREADS", "1")
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .output()
-            .with_context(|| format!("cannot start {}", program.display()))?;
+            .with_context(|| format!("cannot start {}", command.get_program().display()))?;
         let exit_code = output.status.code().unwrap_or_else(|| 128 + output.status.signal().unwrap_or_default());
         let said = String::from_utf8_lossy(&output.stderr);
         let error = if exit_code == 0 { "" } else { said.lines().next().unwrap_or_default() };
@@ -250,7 +250,9 @@ fn folder_name(vehicle: &str) -> String {
 pub fn study(options: StudyOptions) -> anyhow::Result<ExitStatus> {
     if options.fleet.pipelines().len() > 1 || !options.fleet.sweeps.is_empty() || options.fleet.batch.is_some() {
         let problem = "a study is of one pipeline without --set and --batch";
-        return Err(Usage::new(problem).hint("name one pipeline: just study DIR --pipelines default").into());
+        return Err(Usage::new(problem)
+            .hint(format!("name one pipeline: {} DIR --pipelines default", by_way("just study", "crumple study")))
+            .into());
     }
     let classes = options.classes.as_deref().map(read_classes).transpose()?.unwrap_or_default();
     let fleet = make(&options.fleet)?;

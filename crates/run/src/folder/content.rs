@@ -10,7 +10,7 @@ use anyhow::Context;
 use crumple_stage::{Pipeline, Usage};
 use tempfile::NamedTempFile;
 
-use crate::command::PIPELINE_OF_A_RUN;
+use crate::command::{PIPELINE_OF_A_RUN, elsewhere};
 
 /// What a file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +46,7 @@ pub(crate) fn refuse_files_of_others<'a>(folder: &Path, outputs: impl Iterator<I
     let (artifacts, reports): (Vec<&str>, Vec<&str>) = outputs.partition(|name| is_artifact(name));
     let refused = |what: String| {
         let problem = format!("{what} in {}; a run would replace it, and nothing was run", folder.display());
-        Err(Usage::new(problem).hint("choose another folder: just out=DIR run RECORD; or move the file away"))
+        Err(Usage::new(problem).hint(format!("choose another folder: {}; or move the file away", elsewhere())))
     };
     if let Some(other) = artifacts.iter().find(|name| content_of(&folder.join(name)) == Content::Other) {
         return refused(format!("{other} is no artifact (no MCAP file)"));
@@ -188,7 +188,7 @@ pub(crate) fn pipeline_before(folder: &Path) -> anyhow::Result<Option<Pipeline>>
         _ => {
             let problem = format!("{} is not that of a run, which would replace it; nothing was run", file.display());
             Err(Usage::new(problem)
-                .hint("choose another folder: just out=DIR run RECORD; or move the file away")
+                .hint(format!("choose another folder: {}; or move the file away", elsewhere()))
                 .into())
         }
     }

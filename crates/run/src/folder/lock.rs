@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
+use crate::command::{Options, elsewhere, named};
 use anyhow::Context;
-use crumple_stage::{Usage, say};
+use crumple_stage::{Call, Usage, Way, say};
 use rustix::io::{FdFlags, fcntl_setfd};
 
 /// Stands in the run folder while a run works there, where the file system does not lock folders.
@@ -133,7 +134,7 @@ fn made_and_opened(path: &Path) -> anyhow::Result<File> {
             Err(error) if is_gone(&error) => continue,
             Err(error) => {
                 return Err(Usage::new(format!("cannot make the run folder {}: {error}", path.display()))
-                    .hint("say where to: just out=DIR run RECORD")
+                    .hint(format!("say where to: {}", elsewhere()))
                     .into());
             }
             Ok(()) => {}
@@ -151,9 +152,10 @@ fn lock_or_wait(file: &File, path: &Path, folder: &Path) -> io::Result<()> {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => {
             say(format_args!(
-                "waiting for {} in {} (another folder does not wait: just out=DIR run RECORD)",
+                "waiting for {} in {} (another folder does not wait: {})",
                 holder_of(path),
-                folder.display()
+                folder.display(),
+                elsewhere()
             ));
             file.lock()
         }
@@ -185,8 +187,8 @@ fn holder_of(locked: &Path) -> String {
 fn in_words(holders: &[Holder], look_again: impl FnOnce() -> Vec<Holder>) -> String {
     let run = |holders: &[Holder]| {
         holders.iter().find_map(|(id, words)| {
-            let record = words.iter().skip_while(|word| *word != "--").nth(1)?;
-            is_program(words, "crumple-run").then(|| format!("process {id}, which runs {}", record.to_string_lossy()))
+            let record = record_of(words)?;
+            Some(format!("process {id}, which runs {}", record.to_string_lossy()))
         })
     };
     if let Some(run) = run(holders) {
@@ -196,7 +198,7 @@ fn in_words(holders: &[Holder], look_again: impl FnOnce() -> Vec<Holder>) -> Str
     if let Some(run) = run(&again) {
         return run;
     }
-    let of_a_run = |holders: &[Holder]| holders.iter().any(|(_, words)| is_program(words, "crumple-run"));
+    let of_a_run = |holders: &[Holder]| holders.iter().any(|(_, words)| words_of_a_run(words).is_some());
     let stage = again.iter().filter(|holder| holders.contains(holder)).find_map(|(id, words)| {
         let name = Path::new(words.first()?).file_name()?.to_string_lossy();
         Some(format!("process {id} ({name}), left over from a run that was killed"))
@@ -204,8 +206,18 @@ fn in_words(holders: &[Holder], look_again: impl FnOnce() -> Vec<Holder>) -> Str
     stage.filter(|_| !of_a_run(holders) && !of_a_run(&again)).unwrap_or_else(|| "another process".to_owned())
 }
 
-fn is_program(words: &[OsString], name: &str) -> bool {
-    words.first().and_then(|word| Path::new(word).file_name()).is_some_and(|file| file == name)
+/// The words behind `crumple-run` or `crumple run`.
+fn words_of_a_run(words: &[OsString]) -> Option<&[OsString]> {
+    let is_program = |name: &str| Path::new(words.first()?).file_name().filter(|file| *file == name);
+    let of_one_program = || words.get(2..).filter(|_| is_program("crumple").is_some() && words[1] == "run");
+    is_program("crumple-run").map(|_| &words[1..]).or_else(of_one_program)
+}
+
+/// The record of a run.
+fn record_of(words: &[OsString]) -> Option<OsString> {
+    let words = words_of_a_run(words)?.iter().filter(|word| !word.is_empty()).cloned().collect();
+    let call = Call { program: String::new(), words, way: Way::Alone };
+    named::<Options>(&call, Some(&(crumple_ingest::PROGRAM.command)()))
 }
 
 /// Every process that holds the lock.
@@ -296,6 +308,8 @@ mod tests {
         let run = holder(6, "/bin/crumple-run -- crash.csv");
         let words = |first: &[Holder], second: &[Holder]| in_words(first, || second.to_vec());
         assert_eq!(words(&run, &[]), "process 6, which runs crash.csv");
+        let of_one_program = holder(5, "/bin/crumple run --mass 9kg crash.csv");
+        assert_eq!(words(&of_one_program, &[]), "process 5, which runs crash.csv");
         assert_eq!(words(&stage, &run), "process 6, which runs crash.csv");
         assert_eq!(words(&stage, &stage), "process 7 (crumple-identify), left over from a run that was killed");
         for unclear in [vec![], holder(7, ""), holder(8, "/bin/sh")] {

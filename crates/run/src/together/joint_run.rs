@@ -6,9 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use crumple_stage::{ExitStatus, Usage, say};
+use crumple_stage::{ExitStatus, Usage, by_way, say};
 
-use crate::command::{Pipeline, Program, Words, own_program};
+use crate::command::{OfAllStages, Pipeline, Program, Words, own_command};
 use crate::folder::content::PipelineOfRun;
 use crate::folder::lock::LockedFolder;
 use crate::steps::{StageExit, run_program, start};
@@ -18,7 +18,8 @@ use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_o
 ///
 /// A record or program that fails ends it with its exit code, named; what stands in the folder is then that of an
 /// earlier run or of the steps before, each file whole. Exit code 4: no acceptable joint model.
-pub fn together(options: TogetherOptions) -> anyhow::Result<ExitStatus> {
+pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
+    options.of_all.add_to(&mut options.flags);
     if let Some(made) = &options.again {
         return predict_again(made, &options);
     }
@@ -173,9 +174,9 @@ impl JointRun<'_> {
         words
     }
 
-    fn step(&self, stage: &str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
+    fn step(&self, stage: &'static str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
         let program = Program::of_stage(stage, &self.options.flags)?;
-        Ok(StageExit::of(start(&program, arguments, &self.options.flags)?).status_of(&program.file))
+        Ok(start(&program, arguments, &self.options.flags)?.status_of(&program.file))
     }
 }
 
@@ -245,7 +246,7 @@ fn run_each(runs: &[TestRun], options: &TogetherOptions) -> anyhow::Result<Optio
         let mut arguments: Vec<OsString> = vec!["--project".into(), options.project.clone().into()];
         arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
         arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into(), record.into()]);
-        let failed = match StageExit::of(run_program(&own_program("run"), &arguments)?) {
+        let failed = match run_program(own_command("run").args(&arguments))? {
             StageExit::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
             StageExit::WithResult(status) | StageExit::Failed(status) => Some(status),
             StageExit::Unforeseen(_) => Some(ExitStatus::Failure),
@@ -271,7 +272,7 @@ const REPORT: &str = "report.html";
 
 /// Fits one model to several tests, and predicts every test from the others.
 ///
-/// The recipe `together` of the justfile calls it. Each record has its ordinary run first; then the joint fit, its
+/// Each record has its ordinary run first; then the joint fit, its
 /// predictions, and for each test a fit to the others that predicts it: into one folder, with summary.json.
 #[derive(Debug, clap::Parser)]
 #[command(
@@ -301,8 +302,11 @@ pub struct TogetherOptions {
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
 
+    #[command(flatten)]
+    pub(crate) of_all: OfAllStages,
+
     /// Records or run folders, then `--name NAME` and flags of the joint prediction, such as --speed 64km/h.
-    #[arg(last = true, required_unless_present = "again", value_name = "RECORD")]
+    #[arg(required_unless_present = "again", value_name = "RECORD")]
     pub(crate) rest: Vec<OsString>,
 }
 
@@ -342,7 +346,10 @@ impl Asked {
                 "{} record, and one model for several tests needs two",
                 asked.records.len()
             ))
-            .hint("just together A.EV5 B.EV5 ... [--name NAME]; records come first"));
+            .hint(format!(
+                "{} A.EV5 B.EV5 ... [--name NAME]; records come first",
+                by_way("just together", "crumple together")
+            )));
         }
         Ok(asked)
     }

@@ -10,7 +10,7 @@ use crumple_report::OF_SEVERAL_TESTS;
 use crumple_stage::records::{
     AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, TestsV1,
 };
-use crumple_stage::{Refused, errors_in_words, load_artifacts, say};
+use crumple_stage::{Refused, by_way, errors_in_words, load_artifacts, say};
 use serde::{Deserialize, Serialize};
 
 use crate::together::joint_run::{PREDICTED, SOLVED, SUMMARY};
@@ -173,7 +173,10 @@ pub(crate) fn folder_without(folder: &Path, test: &str) -> PathBuf {
 /// The tests of a joint result, each left out once. Refuses a folder whose tests were not all predicted.
 pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<HeldOutTest>> {
     let tests: Option<TestsV1> = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?;
-    let refused = |problem: String| Refused::new(problem).hint("just together A.EV5 B.EV5 ... makes all of it again");
+    let refused = |problem: String| {
+        Refused::new(problem)
+            .hint(format!("{} A.EV5 B.EV5 ... makes all of it again", by_way("just together", "crumple together")))
+    };
     let nothing = || refused(format!("{} holds no model of several tests", folder.display()));
     let tests = tests.ok_or_else(nothing)?;
     if let Some(test) = tests.tests.iter().find(|test| !folder_without(folder, &test.name).is_dir()) {

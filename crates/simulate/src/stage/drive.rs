@@ -2,12 +2,12 @@
 
 use std::fmt;
 
+use crate::Excitation;
 use clap::ValueEnum;
 use crumple_lumped::CrashPulse;
 use crumple_signal::QuantityKind;
 use crumple_signal::value::{Acceleration, Time};
-use crumple_simulate::Excitation;
-use crumple_stage::{Inputs, Refused, Usage, nearest};
+use crumple_stage::{Inputs, Refused, Usage, nearest, option, program};
 use serde::{Deserialize, Serialize};
 
 /// What is to be typed.
@@ -102,7 +102,7 @@ impl Driven {
                 if wave.quantity != wanted {
                     return Err(Refused::new(format!("waveform {id} is {}", wave.quantity))
                         .expected(format!("{wanted}, to drive models by"))
-                        .hint("crumple-artifact show lists the waveforms")
+                        .hint(format!("{} lists the waveforms", program("artifact show")))
                         .into());
                 }
                 Some(&wave.sampled)
@@ -167,13 +167,13 @@ fn not_there(input: &Inputs, id: &str, wanted: QuantityKind) -> anyhow::Error {
     } else if let Some(channel) = channels().find(|channel| same_words(channel, id)) {
         let also = if channel == id { String::new() } else { format!(", and drive_wave = {channel:?}") };
         format!(
-            "filtering drops it unless it is passed on: pass = [{channel:?}] in [filter], or crumple-filter --pass \
-             {channel}{also}"
+            "filtering drops it unless it is passed on: pass = [{channel:?}] in [filter], or {}{also}",
+            option("filter", "pass", channel)
         )
     } else if let Some(near) = nearest(id, channels().chain(ids.iter().copied())) {
         format!("did you mean {near:?}?")
     } else {
-        "crumple-artifact show 1-ingest.mcap lists the channels of the test".to_owned()
+        format!("{} lists the channels of the test", program("artifact show 1-ingest.mcap"))
     };
     Refused::new(format!("the drive wave {id} is in none of the inputs"))
         .expected(format!("a waveform of {wanted} in them: {held}"))

@@ -6,16 +6,18 @@ mod records;
 
 use std::path::PathBuf;
 
+use crate::{
+    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
+    simulate_chain, simulate_driven,
+};
 use crumple_lumped::{LumpedError, Model, ModelKind};
 use crumple_lumped_fit::WallForce;
 use crumple_numerics::estimation::statistics::effective_samples;
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
-use crumple_simulate::{
-    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
-    simulate_chain, simulate_driven,
-};
 use crumple_stage::records::{CandidateV1, EventsV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, total_mass_remark};
+use crumple_stage::{
+    Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, option, total_mass_remark,
+};
 use rayon::prelude::*;
 
 use crate::stage::options::{ChainSettings, Options, Settings};
@@ -54,10 +56,11 @@ impl Stage for Simulate {
         let stated_speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
         // What starts from rest needs none.
         let impact_speed_m_per_s = stated_speed.or(settings.all_start_from_rest().then_some(0.0)).ok_or_else(|| {
-            Refused::new("neither the events nor the test have an impact speed").hint(
-                "--impact-speed 35km/h at crumple-ingest; a sled: --drive base --drive-wave \"half-sine 20g 90ms\", or \
-                 the id of its acceleration",
-            )
+            Refused::new("neither the events nor the test have an impact speed").hint(format!(
+                "{}; a sled: drive = \"base\" with drive_wave = \"half-sine 20g 90ms\" in [simulate], or the id of its \
+                 acceleration",
+                option("ingest", "impact-speed", "35km/h")
+            ))
         })?;
         let channel = &events.channel;
         let displacement = input.wave(&format!("{channel}/displacement"))?.signal::<Displacement>().refuse()?;
@@ -131,7 +134,7 @@ impl Stage for Simulate {
             })?;
         }
         Ok(if simulated == 0 {
-            out.no_result("no candidate could be simulated", "see what each candidate met: just notes")
+            out.no_result("no candidate could be simulated", "the notes of the run say what each candidate met")
         } else {
             Outcome::Done
         })

@@ -1,10 +1,8 @@
 //! Simulations as they stand in the artifact, beside other sensors and with the numbers of their fit counted.
 
+use crate::{Information, OtherSensor, Rating, SensorFit, Simulation, deceleration_peak, is_on_engine, numbers_of};
 use crumple_lumped::{Chain, CrushEvents, Dynamics, LumpedError, Model, Motion, ParameterKind};
 use crumple_signal::{Displacement, Notes, QuantityKind, Sampled, TestDescription};
-use crumple_simulate::{
-    Information, OtherSensor, Rating, SensorFit, Simulation, deceleration_peak, is_on_engine, numbers_of,
-};
 use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 

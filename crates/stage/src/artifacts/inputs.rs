@@ -38,10 +38,9 @@ pub(crate) struct Diagnosed {
 impl Diagnosed {
     /// The reason why a topic is missing, if the stage that writes it has said that it has no acceptable result.
     pub(crate) fn reason_for(&self, missing: &MissingTopic) -> Option<String> {
-        let writer = missing.writer();
         self.diagnoses
             .iter()
-            .find(|diagnosis| writer == format!("crumple-{}", diagnosis.stage))
+            .find(|diagnosis| missing.writers() == [diagnosis.stage.as_str()])
             .map(|diagnosis| format!("nothing to work on, since {} says: {}", diagnosis.stage, diagnosis.reason))
     }
 
@@ -397,10 +396,10 @@ mod tests {
         let concern = |severity| ConcernV1 { severity, ..ConcernV1::default() };
         let concerns = vec![concern(SeverityV1::Warning), concern(SeverityV1::NoResult)];
         let diagnosed = Diagnosed { diagnoses: vec![diagnosis], concerns, test: None };
-        let missing = |writer| MissingTopic::new("/model", String::new(), writer);
-        let reason = diagnosed.reason_for(&missing("crumple-identify")).unwrap();
+        let missing = |writers| MissingTopic::new("/model", String::new(), writers);
+        let reason = diagnosed.reason_for(&missing(&["identify"])).unwrap();
         assert_eq!(reason, "nothing to work on, since identify says: no poles");
-        assert_eq!(diagnosed.reason_for(&missing("crumple-filter")), None);
+        assert_eq!(diagnosed.reason_for(&missing(&["filter"])), None);
         assert_eq!(diagnosed.concerns().count(), 1);
     }
 

@@ -9,6 +9,7 @@ use crumple_signal::{Notes, QuantityKind, Sampled};
 use crate::artifacts::inputs::path_of;
 use crate::error::{Refused, Usage};
 use crate::terminal::Progress;
+use crate::typed::by_way;
 
 /// Collects records, waveforms, notes and the summary of a stage.
 pub struct Output {
@@ -87,7 +88,7 @@ pub fn artifacts_of_a_run(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let refused = |problem: String| {
         Refused::new(problem)
             .expected("the folder of a run, with 1-ingest.mcap and what was made from it")
-            .hint("just run RECORD makes one, and says where it is")
+            .hint(format!("{} RECORD makes one, and says where it is", by_way("just run", "crumple run")))
     };
     let cannot = |error: std::io::Error| refused(format!("cannot read the folder {}: {error}", folder.display()));
     let mut artifacts = Vec::new();

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::OnceLock;
+use std::sync::atomic::AtomicU64;
+use std::sync::atomic::Ordering::Relaxed;
 use std::{fmt, fs};
 
 use clap::{Arg, ArgMatches, Command};
@@ -100,8 +101,12 @@ const UNITS: [(&str, u64); 8] = [
     ("kB", 1_000),
 ];
 
-/// The limit typed on the command line; `None` inside where none was.
-static TYPED: OnceLock<Option<MemorySize>> = OnceLock::new();
+/// The limit typed on the command line of the program that runs, bytes; 0 where none was.
+static TYPED: AtomicU64 = AtomicU64::new(0);
+
+fn typed_limit() -> Option<MemorySize> {
+    Some(MemorySize(TYPED.load(Relaxed))).filter(|limit| limit.0 > 0)
+}
 
 /// An amount of memory, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -144,7 +149,8 @@ pub(crate) fn with_flag(command: Command) -> Command {
 
 /// Takes the limit from a command line.
 pub(crate) fn take(matches: &ArgMatches) {
-    let typed = TYPED.get_or_init(|| matches.get_one::<MemorySize>(FLAG).copied());
+    let typed = matches.get_one::<MemorySize>(FLAG);
+    TYPED.store(typed.map_or(0, |limit| limit.0), Relaxed);
     if typed.is_some() {
         keep_budget(&[], ExitStatus::Refused);
     }
@@ -152,14 +158,13 @@ pub(crate) fn take(matches: &ArgMatches) {
 
 /// The flag as it was typed, for other programs that this one starts.
 pub fn memory_limit_flag() -> Option<String> {
-    let MemorySize(bytes) = (*TYPED.get()?)?;
-    Some(format!("--memory-limit={}KiB", bytes.div_ceil(1 << 10)))
+    Some(format!("--memory-limit={}KiB", typed_limit()?.0.div_ceil(1 << 10)))
 }
 
 /// From now on the process keeps its budget: what `--memory-limit` says, else 512 MiB and four times the size of the
 /// inputs. What exceeds it is refused by the inputs' names, and the process ends with `refused`.
 pub fn keep_budget(inputs: &[PathBuf], refused: ExitStatus) {
-    let typed = TYPED.get().copied().flatten();
+    let typed = typed_limit();
     let size: u64 = inputs.iter().map(|input| size_on_disk(input)).sum();
     let budget = typed.unwrap_or(MemorySize(FREE + TIMES_INPUT * size));
     let names: Vec<String> = inputs.iter().take(3).map(|input| input.display().to_string()).collect();

@@ -1,5 +1,6 @@
 //! A pipeline file: a table for each stage, laid over the default pipeline unless it stands alone.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -8,8 +9,17 @@ use toml::{Table, Value};
 use crate::error::{Usage, unknown_name};
 use crate::names::STAGES;
 
-/// The default pipeline as it was when the program was built.
-const DEFAULT: &str = include_str!("../../../../pipelines/default.toml");
+/// A name with the pipeline of it.
+macro_rules! built_in {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!("../../../../pipelines/", $name, ".toml")))),*]
+    };
+}
+
+/// The pipelines as they were when the program was built, the default one first.
+const BUILT_IN: [(&str, &str); 6] =
+    built_in!("default" "unfiltered" "two-sensors" "papers/civic" "papers/era" "papers/firefly");
+const DEFAULT: &str = BUILT_IN[0].1;
 /// Keys beside the tables: what a pipeline says of itself.
 const HEADER_KEYS: [&str; 3] = ["title", "description", "base"];
 /// What a run adds to the pipeline that it hands to its stages.
@@ -68,12 +78,21 @@ impl Pipeline {
         Ok(pipeline)
     }
 
+    /// A file, or without one the pipeline that was built in under the name of its path.
     fn read_alone(path: &Path) -> anyhow::Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            Usage::new(format!("cannot read the pipeline file {}: {error}", path.display()))
-                .hint("pipelines lie in the folder pipelines/, e.g. --pipeline pipelines/default.toml")
-        })?;
-        Self::parse(path, &text)
+        let named = |name: &str| path.ends_with(Path::new("pipelines").join(name).with_extension("toml"));
+        match std::fs::read_to_string(path) {
+            Ok(text) => Self::parse(path, &text),
+            Err(error) => match BUILT_IN.iter().find(|(name, _)| named(name)) {
+                Some((_, text)) if error.kind() == ErrorKind::NotFound => Self::parse(path, text),
+                _ => {
+                    let name = path.with_extension("").to_string_lossy().into_owned();
+                    let name = name.rsplit_once("pipelines/").map_or(name.as_str(), |(_, name)| name);
+                    let problem = format!("cannot read the pipeline file {}: {error}", path.display());
+                    Err(unknown_name(&problem, name, &BUILT_IN.map(|(name, _)| name)))
+                }
+            },
+        }
     }
 
     fn parse(path: &Path, text: &str) -> anyhow::Result<Self> {

@@ -71,7 +71,7 @@ impl<'a> Visit<'a> for Functions {
 }
 
 /// Crates by layer, foundations first. A crate uses crates of lower layers; dev-dependencies are free.
-const LAYERS: [&str; 9] = [
+const LAYERS: [&str; 10] = [
     "signal numerics memory source-digest",
     "artifact",
     "metrics lumped",
@@ -80,6 +80,7 @@ const LAYERS: [&str; 9] = [
     "diff",
     "ingest filter integrate identify parameter-solve simulate predict report artifact-cli",
     "run",
+    "crumple",
     "testkit",
 ];
 

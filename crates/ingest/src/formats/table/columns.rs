@@ -172,7 +172,7 @@ fn check_for_acceleration(
         {
             "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash \
              need none: \
-             --allow-missing, and then crumple-identify --methods n4sid --inputs COLUMN --outputs COLUMN"
+             --allow-missing, and then the stage identify with methods n4sid, inputs COLUMN and outputs COLUMN"
         } else {
             "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
         };

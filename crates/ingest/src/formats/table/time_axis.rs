@@ -124,7 +124,7 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
     let not_a_crash = if header.columns.iter().any(|c| names_acceleration(&c.title)) {
         ""
     } else {
-        "; inputs and outputs that are no crash also take --allow-missing, and then crumple-identify"
+        "; inputs and outputs that are no crash also take --allow-missing, and then the stage identify"
     };
     let is_increasing = numbers.windows(2).all(|pair| pair[1] > pair[0]);
     let hint = if is_increasing {

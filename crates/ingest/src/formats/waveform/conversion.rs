@@ -109,7 +109,7 @@ pub fn to_channels(
         }));
     }
     if settings.resample.is_some() && !clocks.resamples() {
-        let why = "every channel states a uniform step; crumple-filter --resample brings channels to another rate";
+        let why = "every channel states a uniform step; resample of the filter brings channels to another rate";
         settings::warn("--resample", why, notes);
     }
     if settings.sample_time.is_some() && !clocks.is_stated_interval_used() {

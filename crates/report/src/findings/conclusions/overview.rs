@@ -10,6 +10,7 @@ use crate::phrases::words::fill;
 use crumple_artifact::records::{Certainty, ConcernV1, IntervalSourceV1};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, KeyQuantity, PEAK, STIFFNESS};
+use crumple_stage::by_way;
 
 use crate::findings::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::findings::conclusions::conclusion::Conclusion;
@@ -86,7 +87,7 @@ pub fn overview(
             n => fill(phrases.more, &[("count", &n.to_string())]),
         };
         let label = if first.is_empty() { phrases.warnings_label } else { "" };
-        lines.push(line(label, format!("{count}: just notes {}", folder.display())));
+        lines.push(line(label, format!("{count}: {} {}", by_way("just notes", "crumple notes"), folder.display())));
     }
     for (number, concern) in failed.into_iter().enumerate() {
         lines.push(line(if number == 0 { phrases.failed_label } else { "" }, concern.text.clone()));
@@ -149,7 +150,7 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(candidate, name)).collect();
-    texts.extend(curve.map(|curve| format!("{curve}: just curve {}", folder.display())));
+    texts.extend(curve.map(|curve| format!("{curve}: {} {}", by_way("just curve", "crumple curve"), folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
     format!("{}: {}{more}{}", candidate_name(&candidate.id), texts.join(", "), candidate.about_intervals())
 }

@@ -133,7 +133,7 @@ fn what_cannot_be_compared_is_said_with_what_to_do() {
         (&["run", "a.mcap"][..], "run is a folder, a.mcap is a file", "give two artifacts"),
         (&["x.json", "a.mcap"], "x.json is a JSON file, a.mcap is a file", "give two artifacts"),
         (&["run", "run"], "run: no run folder", "give the folder that holds 1-ingest.mcap"),
-        (&["x.json", "y.json"], "x.json: not JSON", "run crumple-report again"),
+        (&["x.json", "y.json"], "x.json: not JSON", "write the report again"),
         (&["a.mcap", "none.mcap"], "cannot read none.mcap", "check the path"),
         (&["a.mcap", "b.mcap", "--tolerance", "rules.toml"], "tolerances: ", "write lines like"),
         (&["a.mcap", "b.mcap", "--abs=-1"], "expected a number from 0", ""),

@@ -332,7 +332,7 @@ pub const VEHICLE_RULES: &[Rule] = &[
     }),
     rule("conclusion.what_to_do", &[("remedy", Words)], |said, spot| {
         let remedies = spot.made.list("/concerns").iter().filter_map(|concern| concern["remedy"].as_str());
-        let own = remedies.chain(["the notes of the run say more: just notes, and the folder of the run"]);
+        let own = remedies.chain(["the notes of the run say more, and its folder"]);
         let is_own =
             own.into_iter().any(|remedy| crate::truth::plain(remedy).trim_end_matches('.') == said.text("remedy"));
         holds(is_own, || "no warning has this remedy".to_owned())

@@ -1,0 +1,227 @@
+//! `crumple`, every program in one: what each word does, what a wrong one is answered with, links of other names.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
+
+/// Every word that stands for a program.
+const WORDS: [&str; 19] = [
+    "run",
+    "together",
+    "fleet",
+    "study",
+    "compare",
+    "index",
+    "diff",
+    "artifact",
+    "ingest",
+    "filter",
+    "integrate",
+    "identify",
+    "parameter-solve",
+    "simulate",
+    "predict",
+    "report",
+    "show",
+    "notes",
+    "curve",
+];
+
+fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The program alone on a machine, in a folder.
+fn crumple(folder: &Path, words: &[&str]) -> Output {
+    Command::new(CRUMPLE).args(words).current_dir(folder).env("PATH", "").output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn every_word_is_a_program_that_names_itself_as_it_was_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = stdout(&crumple(folder.path(), &["-h"]));
+    assert!(all.lines().count() <= 40, "{all}");
+    for word in WORDS {
+        let help = crumple(folder.path(), &[word, "-h"]);
+        let text = stdout(&help);
+        assert_eq!(help.status.code(), Some(0), "{word}");
+        assert!(text.contains(&format!("Usage: crumple {word} ")), "{word}: {text}");
+        assert!(text.lines().count() <= 40, "{word} -h has {} lines", text.lines().count());
+        let whole = stdout(&crumple(folder.path(), &["help", word]));
+        assert!(text.lines().count() <= whole.lines().count(), "{word}");
+        let flags = text.split_whitespace().map(|word| word.trim_matches(['[', ']', ',', '<', '>']));
+        assert!(flags.filter(|flag| flag.starts_with("--")).all(|flag| whole.contains(flag)), "{word}: {text}");
+        assert!(all.lines().any(|line| line.trim_start().starts_with(&format!("{word} "))), "{word} in {all}");
+        if !["show", "notes", "curve"].contains(&word) {
+            let man = crumple(folder.path(), &[word, "--generate", "man"]);
+            assert!(stdout(&man).contains(".SH SYNOPSIS"), "{word}: {}", stderr(&man));
+        }
+        let wrong = crumple(folder.path(), &[word, "--no-such-flag"]);
+        assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("crumple"), "{word}: {}", stderr(&wrong));
+        assert!(!stderr(&wrong).contains("crumple-"), "{word}: {}", stderr(&wrong));
+    }
+    for shell in ["bash", "zsh", "fish"] {
+        let script = stdout(&crumple(folder.path(), &["completions", shell]));
+        assert!(WORDS.iter().all(|word| script.contains(word)), "{shell}");
+    }
+}
+
+#[test]
+fn a_wrong_word_is_answered_with_the_nearest() {
+    let folder = tempfile::tempdir().unwrap();
+    for (word, meant) in [("filtre", "filter"), ("predcit", "predict"), ("runn", "run"), ("nots", "notes")] {
+        let answer = crumple(folder.path(), &[word]);
+        let text = stderr(&answer);
+        assert!(
+            answer.status.code() == Some(2) && text.contains(&format!("did you mean {meant:?}?")),
+            "{word}: {text}"
+        );
+    }
+    assert_eq!(crumple(folder.path(), &[]).status.code(), Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn called_by_a_link_it_is_the_program_of_that_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("crumple-filter");
+    std::os::unix::fs::symlink(CRUMPLE, &link).unwrap();
+    let help = Command::new(&link).arg("-h").output().unwrap();
+    assert!(stdout(&help).contains("Usage: crumple-filter "), "{}", stdout(&help));
+}
+
+/// A folder with nothing but the record of a fixture.
+fn with_record(fixture: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let record = workspace().join("fixtures").join(fixture).join("crash.csv");
+    std::fs::copy(record, folder.path().join("crash.csv")).unwrap();
+    folder
+}
+
+/// Files of a run that hold results, but for its pipeline, which names places and programs.
+fn results(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let named = files.map(|file| (file.file_name().into_string().unwrap(), std::fs::read(file.path()).unwrap()));
+    named.filter(|(name, _)| name != "0-pipeline.toml").collect()
+}
+
+#[test]
+fn a_run_needs_the_record_alone_and_its_bytes_are_those_of_the_separate_programs() {
+    for fixture in ["elastoplastic", "noisy"] {
+        let folder = with_record(fixture);
+        let run = crumple(folder.path(), &["run", "crash.csv"]);
+        let (answer, rest) = (stdout(&run), stderr(&run));
+        assert_eq!(run.status.code(), Some(0), "{answer}{rest}");
+        let made = folder.path().join("runs/crash/default");
+        let separate = tempfile::tempdir().unwrap();
+        let mut just = Command::new("just");
+        just.arg("--justfile").arg(workspace().join("justfile")).arg(format!("out={}", separate.path().display()));
+        let by_just = just.arg("run").arg(folder.path().join("crash.csv")).output().unwrap();
+        assert!(by_just.status.success(), "{}", stderr(&by_just));
+        // What `just run` says on standard error, warnings of the stages and all; the answer stands alone.
+        let said = stderr(&by_just).replace(separate.path().to_str().unwrap(), "./runs/crash/default");
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let said = words(&said).replace("just notes", "crumple notes").replace("just curve", "crumple curve");
+        assert!(answer.lines().count() > 3 && said.ends_with(&words(&answer)), "{said}\n{answer}");
+        assert!(!words(&rest).contains(&words(answer.lines().next().unwrap())), "{rest}");
+        let (own, other) = (results(&made), results(separate.path()));
+        assert!(own.keys().eq(other.keys()) && own.len() == 9, "{:?}", own.keys());
+        for (name, bytes) in &own {
+            assert!(*bytes == other[name], "{fixture}: {name} differs");
+        }
+
+        let again = crumple(folder.path(), &["run", "crash.csv"]);
+        assert_eq!(stdout(&again), answer, "{}", stderr(&again));
+        assert!(stderr(&again).contains("up to date"), "{}", stderr(&again));
+        assert!(results(&made) == own);
+    }
+}
+
+#[test]
+fn what_is_set_typed_and_swapped_holds_as_for_just_run() {
+    let folder = with_record("kelvin");
+    let at = |words: &[&str]| crumple(folder.path(), words);
+    let set = at(&["run", "--set", "filter.cfc=180", "crash.csv", "--mass", "900kg", "-o", "mine", "-q"]);
+    assert_eq!((set.status.code(), stdout(&set).as_str(), stderr(&set).as_str()), (Some(0), "", ""));
+    let pipeline = std::fs::read_to_string(folder.path().join("mine/0-pipeline.toml")).unwrap();
+    assert!(pipeline.contains("filter.cfc=180") && pipeline.contains("--mass 900kg"), "{pipeline}");
+    let civic = at(&["run", "crash.csv", "--pipeline", "unfiltered", "-q"]);
+    assert!(civic.status.success() && folder.path().join("runs/crash/unfiltered/report.html").is_file());
+
+    for (words, code, said) in [
+        (&["run", "crash.csv", "--set", "filtre.cfc=180"][..], 2, "did you mean \"filter\"?"),
+        (&["run", "crash.csv", "--set", "filter.cfc=181", "--out", "x"], 2, "--set filter.cfc=181"),
+        (&["run", "crash.csv", "--pipeline", "unfiltred"], 2, "did you mean \"unfiltered\"?"),
+        (&["run", "crash.csv", "--masss", "9kg"], 2, "--mass"),
+        (&["run", "none.csv"], 3, "none.csv"),
+        (&["run", "--mass", "9kg"], 2, "crumple run RECORD"),
+    ] {
+        let refused = at(words);
+        let text = stderr(&refused);
+        assert!(refused.status.code() == Some(code) && text.contains(said), "{words:?}: {text}");
+        assert!(!text.contains("just ") && !text.contains("crumple-"), "{words:?}: {text}");
+    }
+    let record = std::fs::read_to_string(folder.path().join("crash.csv")).unwrap();
+    let bare: Vec<&str> = record.lines().filter(|line| !line.starts_with("# mass")).collect();
+    std::fs::write(folder.path().join("bare.csv"), bare.join("\n")).unwrap();
+    let bare = at(&["run", "bare.csv"]);
+    assert!(bare.status.code() == Some(3) && stderr(&bare).contains("--mass"), "{}", stderr(&bare));
+
+    let mut swapped = Command::new(CRUMPLE);
+    swapped.args(["run", "crash.csv", "-o", "swapped"]).current_dir(folder.path());
+    let swapped = swapped.env("CRUMPLE_IDENTIFY", "sh -c 'exit 3'").output().unwrap();
+    assert_eq!(swapped.status.code(), Some(3), "{}", stderr(&swapped));
+    assert!(stderr(&swapped).contains("note: the stage identify ended with exit code 3"), "{}", stderr(&swapped));
+}
+
+#[test]
+fn every_command_works_on_runs_from_a_folder_without_a_project() {
+    let folder = with_record("elastoplastic");
+    std::fs::create_dir(folder.path().join("tests")).unwrap();
+    for (name, fixture) in [("tests/a.csv", "elastoplastic"), ("tests/b.csv", "noisy")] {
+        let record = workspace().join("fixtures").join(fixture).join("crash.csv");
+        std::fs::copy(record, folder.path().join(name)).unwrap();
+    }
+    let done = |words: &[&str]| {
+        let output = crumple(folder.path(), words);
+        assert_eq!(output.status.code(), Some(0), "{words:?}: {}{}", stdout(&output), stderr(&output));
+        assert!(!(stdout(&output) + &stderr(&output)).contains("just "), "{words:?}: {}", stderr(&output));
+        stdout(&output) + &stderr(&output)
+    };
+    done(&["run", "crash.csv"]);
+    let run = "runs/crash/default";
+    let solved = &format!("{run}/5-parameter-solve.mcap");
+    let predicted = done(&["predict", run, "--speed", "40km/h,64km/h"]);
+    assert!([" 40.0 ", " 64.0 "].iter().all(|speed| predicted.contains(speed)), "{predicted}");
+    let artifacts = [&format!("{run}/3-integrate.mcap"), solved];
+    done(&["predict", artifacts[0], artifacts[1], "-o", "7.mcap", "--speed", "30km/h"]);
+    done(&["report", run, "-q"]);
+    done(&["notes", run]);
+    done(&["curve", run, "--to", "900mm"]);
+    assert!(done(&["show", solved, "--topic", "/parameters/*"]).contains("/parameters/"));
+    assert!(done(&["artifact", "check", solved]).contains("ok"));
+    done(&["artifact", "unpack", solved, "plain", "-q"]);
+    done(&["artifact", "pack", "plain", "packed.mcap", "-q"]);
+    done(&["diff", solved, "packed.mcap", "-q"]);
+    done(&["together", "tests/a.csv", "tests/b.csv", "--name", "both"]);
+    done(&["fleet", "tests", "-q"]);
+    done(&["index", run, "runs/a/default", "-q"]);
+    done(&["compare", run, "runs/b/default", "-q"]);
+    for file in ["runs/together/both/report.html", "runs/fleet/tests/fleet.html", "index.html", "compare.html"] {
+        assert!(folder.path().join(file).is_file(), "{file}");
+    }
+    let study = crumple(folder.path(), &["study", "tests", "-q"]);
+    assert!([0, 4].map(Some).contains(&study.status.code()), "{}", stderr(&study));
+}
