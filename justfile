@@ -190,7 +190,7 @@ golden: build
         fresh="target/golden/$(basename "$fixture")"; \
         just flags=-q out="$fresh" run "$fixture/crash.csv"; \
         for expected in "$fixture"golden/*; do \
-            "$bin/crumple-diff" "$expected" "$fresh/$(basename "$expected")"; \
+            "$bin/crumple-diff" --rounding "$expected" "$fresh/$(basename "$expected")"; \
         done; \
     done
 

@@ -55,7 +55,8 @@ static OTHERS: &[Program] = &[
     crumple_run::STUDY,
     crumple_report::COMPARE,
     crumple_report::INDEX,
-    crumple_diff::PROGRAM,
+    crumple_report::DIFF,
+    crumple_report::ACCEPT,
     crumple_artifact_cli::PROGRAM,
 ];
 

@@ -15,9 +15,45 @@ use crate::{Base, CompareSettings, Tolerance};
 ///
 /// Lists whose elements have a unique `id` or `name` are paired by it, whatever their order; other lists by index.
 pub fn compare_json(topic: &str, a: &Value, b: &Value, settings: &CompareSettings) -> TopicReport {
-    let mut walk = Walk { settings, report: TopicReport::new(topic), candidate: None };
+    walk(topic, a, b, settings, None).0
+}
+
+/// The same, and the limit of every number that both sides have, by its place.
+pub fn compare_with_limits(
+    topic: &str,
+    a: &Value,
+    b: &Value,
+    settings: &CompareSettings,
+) -> (TopicReport, BTreeMap<String, Limit>) {
+    walk(topic, a, b, settings, Some(BTreeMap::new()))
+}
+
+fn walk(
+    topic: &str,
+    a: &Value,
+    b: &Value,
+    settings: &CompareSettings,
+    limits: Option<BTreeMap<String, Limit>>,
+) -> (TopicReport, BTreeMap<String, Limit>) {
+    let mut walk = Walk { settings, report: TopicReport::new(topic), candidate: None, limits };
     walk.value(At { place: String::new(), unit: None, scale: None, root_modulus: None }, a, b);
-    walk.report
+    (walk.report, walk.limits.unwrap_or_default())
+}
+
+/// How far two numbers may be apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// Tolerance in force.
+    pub tolerance: Tolerance,
+    /// What its relative part refers to.
+    pub scale: f64,
+}
+
+impl Limit {
+    /// The largest distance that counts as the same, in the unit of the number.
+    pub fn allowed(&self) -> f64 {
+        self.tolerance.abs + self.tolerance.rel * self.scale
+    }
 }
 
 struct Walk<'a> {
@@ -25,6 +61,8 @@ struct Walk<'a> {
     report: TopicReport,
     /// The candidate that the walk is in.
     candidate: Option<Candidate>,
+    /// The limit of every number, where asked for.
+    limits: Option<BTreeMap<String, Limit>>,
 }
 
 /// Where the walk stands.
@@ -139,6 +177,9 @@ impl Walk<'_> {
         let (mut abs, mut rel) = (None, None);
         if let Some((x, y)) = numbers {
             let scale = at.scale.unwrap_or(0.0).max(x.abs()).max(y.abs());
+            if let Some(limits) = &mut self.limits {
+                limits.insert(at.place.clone(), Limit { tolerance, scale });
+            }
             let difference = (x - y).abs();
             abs = Some(difference);
             rel = Some(if difference == 0.0 { 0.0 } else { difference / scale });

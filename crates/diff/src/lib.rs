@@ -9,13 +9,11 @@ mod differences;
 mod error;
 mod json;
 mod print;
-mod stage;
 mod tolerances;
 
 pub use artifact::compare_artifacts;
 pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
-pub use json::compare_json;
-pub use print::{TextOptions, head, tolerated_parameters, write_text};
-pub use stage::PROGRAM;
+pub use json::{Limit, compare_json, compare_with_limits};
+pub use print::{TextOptions, conclusion, write_text};
 pub use tolerances::{Base, CompareSettings, Tolerance, ToleranceRule, Tolerances, parse_rules};

@@ -260,6 +260,14 @@ const COMPUTATION: [Row; 18] = [
 ];
 
 impl Tolerances {
+    /// Errors: a rule for topics that neither side has.
+    pub fn refuse_unmatched<'a>(&self, topics: impl Iterator<Item = &'a str> + Clone) -> Result<(), DiffError> {
+        match self.rules.iter().find(|rule| !topics.clone().any(|topic| topic_matches(&rule.topic, topic))) {
+            None => Ok(()),
+            Some(rule) => Err(DiffError::Tolerance(format!("{:?}: neither side has such a topic", rule.topic))),
+        }
+    }
+
     /// The tolerance of a number, or of a whole topic where `place` is empty.
     pub(crate) fn tolerance_of(
         &self,

@@ -1,6 +1,6 @@
 //! One of the runs that are compared.
 
-use crate::findings::{CandidateResult, Ranking, Run};
+use crate::findings::{CandidateResult, Ranking, Run, Summary, summary};
 
 /// A run under the name that the comparison calls it.
 #[derive(Debug)]
@@ -13,9 +13,18 @@ pub struct ComparedRun {
     pub run: Run,
     /// The order of its candidates.
     pub ranking: Ranking,
+    /// What a script reads of it.
+    pub summary: Summary,
 }
 
 impl ComparedRun {
+    /// A run under a name; `report` is the address of its page.
+    pub fn new(name: String, report: Option<String>, run: Run) -> Self {
+        let ranking = Ranking::of_run(&run);
+        let summary = summary(&run, &ranking);
+        Self { name, report, run, ranking, summary }
+    }
+
     /// The candidate that its run recommends.
     pub fn recommended(&self) -> Option<&CandidateResult> {
         self.run.candidate(self.ranking.best.as_deref()?)

@@ -11,7 +11,7 @@ use crate::phrases::words::fill;
 
 use super::compared_run::ComparedRun;
 use super::figure::figure;
-use super::numbers::{key_number_rows, model_rows, prediction_rows};
+use super::numbers::number_rows;
 use super::settings;
 use super::table::{Row, to_html, to_lines, to_markdown};
 use crate::frame::{FIGURES, framed, words_of_figures};
@@ -31,12 +31,13 @@ impl<'a> RunComparison<'a> {
     /// Compares every run with the first. The same runs give the same bytes.
     pub fn new(runs: &'a [ComparedRun]) -> Self {
         let texts = &PHRASES.runs;
-        let (numbers, models, made) = (key_number_rows(runs), model_rows(runs), settings::rows(runs));
+        let [numbers, models, predictions] = number_rows(runs);
+        let made = settings::rows(runs);
         let sentences = vec![made_of(runs, &made, texts), what_differs(&numbers, &models, texts)];
         let mut tables = vec![
             (texts.key_numbers, texts.number, numbers),
             (texts.recommended_models, texts.of_the_model, models),
-            (texts.predictions, texts.prediction, prediction_rows(runs)),
+            (texts.predictions, texts.prediction, predictions),
             (texts.made_with, texts.setting, made),
         ];
         tables.retain(|(_, _, rows)| !rows.is_empty());

@@ -8,7 +8,7 @@ use crate::phrases::words::fill;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
-use super::numbers::{key_number_rows, model_rows, prediction_rows};
+use super::numbers::number_rows;
 use super::settings::record_of;
 use super::table::to_markdown;
 
@@ -38,10 +38,8 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     }
     let one = std::slice::from_ref(run);
     let value = [texts.value.to_owned()];
-    for (heading, rows) in [
-        (texts.key_numbers, key_number_rows(one)),
-        (texts.model_for_predictions, [model_rows(one), prediction_rows(one)].concat()),
-    ] {
+    let [numbers, models, _] = number_rows(one);
+    for (heading, rows) in [(texts.key_numbers, numbers), (texts.model_for_predictions, models)] {
         if !rows.is_empty() {
             text.push_str(&format!("\n### {heading}\n\n{}", to_markdown("", &value, &rows)));
         }

@@ -6,5 +6,8 @@ pub mod document;
 pub mod figure;
 pub mod first_screen;
 pub mod numbers;
+pub mod quantities;
+pub mod review;
+pub mod review_files;
 pub mod settings;
 pub mod table;

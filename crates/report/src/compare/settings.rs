@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::drawing::numbers::ABSENT;
+use crate::findings::StageRecord;
 use crate::phrases::PHRASES;
 use serde_json::Value;
 
@@ -19,7 +20,7 @@ pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
             &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned())),
         ),
     ];
-    let settings: Vec<BTreeMap<String, String>> = runs.iter().map(settings_of).collect();
+    let settings: Vec<BTreeMap<String, String>> = runs.iter().map(|run| settings_of(&run.run.provenance)).collect();
     let names: BTreeSet<&String> = settings.iter().flat_map(BTreeMap::keys).collect();
     let value = |settings: &BTreeMap<String, String>, name: &str| {
         settings.get(name).cloned().unwrap_or_else(|| ABSENT.to_owned())
@@ -48,9 +49,9 @@ pub fn record_of(run: &ComparedRun) -> String {
 }
 
 /// `stage.key.key` and the value of every setting, and the version of every stage.
-fn settings_of(run: &ComparedRun) -> BTreeMap<String, String> {
+pub fn settings_of(stages: &[StageRecord]) -> BTreeMap<String, String> {
     let mut settings = BTreeMap::new();
-    for record in &run.run.provenance {
+    for record in stages {
         settings.insert(format!("{}.version", record.stage), record.version.clone());
         if let Ok(value) = serde_json::from_str(&record.settings) {
             flatten(&record.stage, &value, &mut settings);

@@ -81,7 +81,8 @@ pub fn metric(name: &str) -> String {
     }
 }
 
-fn with_unit(number: String, unit: &str) -> String {
+/// A number with its unit; without one, the number alone.
+pub fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
 }
 

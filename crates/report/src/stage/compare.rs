@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::{ComparedRun, Ranking, RunComparison};
+use crate::{ComparedRun, RunComparison};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::{
@@ -30,7 +30,7 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
             run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);
         }
         let report = address(page, &folder.join("report.html"));
-        runs.push(ComparedRun { name, report, ranking: Ranking::of_run(&run), run });
+        runs.push(ComparedRun::new(name, report, run));
     }
     let comparison = RunComparison::new(&runs);
     write(page, OutputKind::Report, &comparison.to_html())?;

@@ -255,7 +255,8 @@ fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
     elements
 }
 
-fn stage_record(artifact: &Artifact) -> StageRecord {
+/// What an artifact says of how it was made.
+pub fn stage_record(artifact: &Artifact) -> StageRecord {
     let provenance = artifact.provenance();
     StageRecord {
         stage: artifact.stage().unwrap_or("not stated").to_owned(),

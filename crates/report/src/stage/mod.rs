@@ -2,6 +2,7 @@
 
 mod compare;
 mod console;
+pub mod diff;
 mod gather;
 mod index;
 mod pictures;
@@ -254,7 +255,7 @@ fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
     if let Some(path) = &cli.markdown {
         let own = output.with_file_name("0-pipeline.toml");
         let own = own.is_file().then(|| own.display().to_string());
-        let run = ComparedRun { name: String::new(), report: None, run, ranking };
+        let run = ComparedRun::new(String::new(), None, run);
         let here = Path::new(&run.run.test.source.name);
         let record =
             cli.record.as_deref().or_else(|| here.is_file().then_some(here)).map(|path| path.display().to_string());

@@ -5,6 +5,7 @@
 mod browser;
 mod compare;
 mod conclusion;
+mod diff;
 mod index;
 mod key_numbers;
 mod page_parts;

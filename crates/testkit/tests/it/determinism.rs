@@ -96,7 +96,7 @@ fn diff_names_the_first_difference_and_tells_trouble_from_difference() {
     with_one_sample_changed(&good, &changed, "accel_g", 1234);
 
     let diff = |a: &Path, b: &Path| {
-        let output = Command::new(binary("crumple-diff")).args([a, b]).output().unwrap();
+        let output = Command::new(binary("crumple-diff")).args([a, b]).arg("--rounding").output().unwrap();
         let text = [output.stdout, output.stderr].concat();
         (output.status.code().unwrap(), String::from_utf8_lossy(&text).into_owned())
     };

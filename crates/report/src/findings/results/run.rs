@@ -346,7 +346,7 @@ pub struct StageNote {
 }
 
 /// One artifact's origin.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct StageRecord {
     /// The stage that wrote it.
     pub stage: String,

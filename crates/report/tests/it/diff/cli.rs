@@ -9,7 +9,7 @@ use crumple_artifact::records::{CandidateV1, EventsV1, MetricsV2, NotesV1, WaveB
 use crumple_artifact::{ArtifactBuilder, Codec, Compression, Provenance, Record};
 use crumple_signal::{QuantityKind, Sampled};
 
-use crate::program::{Made, diff, pair};
+use super::{Made, diff, pair};
 
 /// The same content as another program may write it: the other encodings, another order, other chunks.
 fn write_elsewhere(made: &Made, path: &Path) {

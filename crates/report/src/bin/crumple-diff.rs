@@ -5,5 +5,5 @@
 static ALLOCATOR: crumple_memory::Budgeted<std::alloc::System> = crumple_memory::Budgeted(std::alloc::System);
 
 fn main() -> std::process::ExitCode {
-    crumple_diff::PROGRAM.main()
+    crumple_report::DIFF.main()
 }

@@ -7,7 +7,7 @@ use crumple_diff::{
 };
 use serde_json::{Value, json};
 
-use crate::program::{Made, diff, pair};
+use super::{Made, diff, pair};
 
 /// The text of a comparison of one topic, `all` or not.
 fn text(topic: &str, a: &Value, b: &Value, all: bool) -> Vec<String> {

@@ -1,4 +1,8 @@
-//! The program on artifacts that a test made.
+//! `crumple-diff` on artifacts and runs that a test made.
+
+mod cli;
+mod prints;
+mod values;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,9 +18,12 @@ pub struct Outcome {
     pub stderr: String,
 }
 
-/// Runs `crumple-diff` in a folder.
+/// Runs `crumple-diff` in a folder; where no tolerance is named, that of rounding.
 pub fn diff(folder: &Path, args: &[&str]) -> Outcome {
-    let output = Command::new(env!("CARGO_BIN_EXE_crumple-diff")).args(args).current_dir(folder).output().unwrap();
+    let named = ["--engineering", "--rounding", "--exact", "--bits"];
+    let base: &[&str] = if args.iter().any(|arg| named.contains(arg)) { &[] } else { &["--rounding"] };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_crumple-diff"));
+    let output = command.args(args).args(base).current_dir(folder).output().unwrap();
     Outcome {
         code: output.status.code().unwrap(),
         stdout: String::from_utf8(output.stdout).unwrap(),

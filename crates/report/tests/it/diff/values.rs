@@ -9,7 +9,7 @@ use crumple_diff::{Base, CompareSettings, Difference, Tolerances, compare_artifa
 use crumple_signal::{QuantityKind, Sampled, TestDescription};
 use serde_json::{Value, json};
 
-use crate::program::{Made, diff, pair};
+use super::{Made, diff, pair};
 
 fn engineering() -> CompareSettings {
     let tolerances = Tolerances { base: Base::Engineering, ..Tolerances::default() };
