@@ -328,11 +328,11 @@ page:
     @mv target/page/crumple.html.new target/page/crumple.html
     @ls -l target/page/crumple.html
 
-# The programs compile for Windows, without a C compiler for it: `rustup target add x86_64-pc-windows-gnu`. None is run there.
+# The programs compile for Windows and for the page, without a C compiler: `rustup target add x86_64-pc-windows-gnu wasm32-wasip1`.
 [group('development')]
 windows:
     cargo check --quiet --locked --workspace --exclude crumple-testkit --target x86_64-pc-windows-gnu
-    cargo check --quiet --locked --workspace --exclude crumple-testkit --exclude crumple-run --target wasm32-wasip1
+    cargo check --quiet --locked --package crumple-cli --no-default-features --target wasm32-wasip1
 
 # Mutated files and tampered artifacts through the programs, 1000 of each: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
 [group('development')]

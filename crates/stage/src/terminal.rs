@@ -24,11 +24,12 @@ const NARROWEST: usize = 40;
 
 /// Columns for text on stderr.
 pub fn columns() -> usize {
+    // Where there are no terminals, nobody can be asked.
     #[cfg(any(unix, windows))]
-    if let Some((columns, _)) = terminal_size::terminal_size_of(io::stderr()) {
-        return usize::from(columns.0).clamp(NARROWEST, WIDEST);
-    }
-    USUAL
+    let size = terminal_size::terminal_size_of(io::stderr());
+    #[cfg(not(any(unix, windows)))]
+    let size = terminal_size::terminal_size();
+    size.map_or(USUAL, |(columns, _)| usize::from(columns.0).clamp(NARROWEST, WIDEST))
 }
 
 /// Words in lines of at most `width` characters; a longer word has a line for itself. Blanks that do not break stay.

@@ -313,12 +313,12 @@ impl Reach {
     /// first of them.
     pub fn beyond(&self, tested: &Self) -> Option<(usize, f64)> {
         let pairs = self.compression_m.iter().zip(&tested.compression_m).enumerate();
-        let factors = pairs
+        let mut factors = pairs
             .filter(|(_, (_, tested))| **tested > 0.0)
             .map(|(k, (asked, tested))| (k + 1, asked / tested))
             .filter(|(_, factor)| *factor > BEYOND);
         let largest = factors.clone().map(|(_, factor)| factor).fold(0.0, f64::max);
-        factors.into_iter().find(|(_, factor)| *factor >= largest * (1.0 - 1e-9))
+        factors.find(|(_, factor)| *factor >= largest * (1.0 - 1e-9))
     }
 
     /// Whether the speed goes beyond that of a test.

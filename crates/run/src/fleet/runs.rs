@@ -159,10 +159,11 @@ pub(crate) fn plan(records: &[Record], options: &Options) -> anyhow::Result<Vec<
     let mut runs = Vec::new();
     for typed in options.pipelines() {
         let pipeline = Pipeline::resolve(typed, &options.project);
-        let content = fs::read(&pipeline.file).map_err(|error| {
-            Usage::new(format!("{}: {error}", pipeline.file.display()))
-                .hint(format!("the pipelines are the files below {}", options.project.join("pipelines").display()))
-        })?;
+        let content = match fs::read(&pipeline.file) {
+            Ok(content) => content,
+            // One that is built in.
+            Err(_) => crumple_stage::Pipeline::read(&pipeline.file, None)?.to_string().into_bytes(),
+        };
         for settings in &settings {
             let (typed_settings, flags) = (settings.join("\n"), options.flags() + &options.report_flags(""));
             let setup = setup(&[&content, &default, typed_settings.as_bytes(), flags.as_bytes(), programs.as_bytes()]);

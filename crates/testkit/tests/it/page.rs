@@ -60,9 +60,8 @@ fn saved(page: &Page) -> BTreeMap<String, Vec<u8>> {
     );
     page.ask("window.saved = null;");
     press(page, "save-results");
-    let packed = page.wait_for(
-        "return window.saved && btoa(Array.from(new Uint8Array(window.saved), (b) => String.fromCharCode(b)).join(''));",
-    );
+    let packed = page
+        .wait_for("return saved && btoa(Array.from(new Uint8Array(saved), (b) => String.fromCharCode(b)).join(''));");
     let bytes = STANDARD.decode(packed.as_str().unwrap()).unwrap();
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).unwrap();
     let mut files = BTreeMap::new();
