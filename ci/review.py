@@ -24,7 +24,7 @@ def main(env=os.environ) -> int:
     for old in (markdown, junit, report):
         old.unlink(missing_ok=True)
     command = [env.get("CRUMPLE_PROGRAM") or "crumple", "diff", env.get("CRUMPLE_EXPECTED") or "expected",
-               env.get("CRUMPLE_FRESH") or "runs", "--markdown", markdown, "--junit", junit, "--json", report, "--github"]
+               env.get("CRUMPLE_FRESH") or "runs", "--markdown", markdown, "--junit", junit, f"--json={report}", "--github"]
     if env.get("CRUMPLE_TOLERANCE"):
         command += ["--tolerance", env["CRUMPLE_TOLERANCE"]]
     code = subprocess.run(command, check=False).returncode

@@ -170,12 +170,15 @@ def predict(
 
 
 def diff(
-    a: Run | Paths, b: Run | Paths, *, tolerance: Paths | None = None, engineering: bool = False
+    a: Run | Paths, b: Run | Paths, *, tolerance: Paths | None = None, rounding: bool = False
 ) -> dict[str, Any]:
-    """Compares two runs or artifacts by what they mean: `["same"]`, and the report of every file and topic."""
+    """Compares two runs or artifacts by what an engineer calls the same: `["same"]`, and a report of the rest.
+
+    With `rounding` only results of another processor are the same; `tolerance` is a file of tolerances.
+    """
     sides = [_there(one) for one in (a, b)]
-    words = [*flags({"tolerance": tolerance}), *(["--engineering"] if engineering else [])]
-    found: dict[str, Any] = json.loads(call("diff", "--json", *words, *sides, allowed=(0, 1))[1])
+    words = [*flags({"tolerance": tolerance}), *(["--rounding"] if rounding else []), "--json"]
+    found: dict[str, Any] = json.loads(call("diff", *sides, *words, allowed=(0, 1))[1])
     return found
 
 

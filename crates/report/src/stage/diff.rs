@@ -74,7 +74,7 @@ struct Args {
     all: bool,
     /// The comparison as JSON, to a file or to stdout: a summary, then each topic by its largest difference (--all:
     /// every difference).
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     json: Option<PathBuf>,
     /// The comment for a merge request, as Markdown.
     #[arg(long, value_name = "FILE")]
