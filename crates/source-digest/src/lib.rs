@@ -19,7 +19,11 @@ pub fn state() -> io::Result<()> {
     for path in
         crates_of(&workspace, &name)?.iter().flat_map(|name| parts_of(name)).chain(OF_THE_WORKSPACE.map(Into::into))
     {
-        println!("cargo:rerun-if-changed={}", workspace.join(path).display());
+        // A file that is not there would count as changed every time.
+        let path = workspace.join(path);
+        if path.exists() {
+            println!("cargo:rerun-if-changed={}", path.display());
+        }
     }
     println!("cargo:rustc-env=CRUMPLE_BUILD={}", source_digest(&workspace, &name)?);
     Ok(())
