@@ -221,6 +221,11 @@ bytes *args:
 interval-benchmark *args: build
     @cargo run --quiet --release --package crumple-testkit -- interval-benchmark --bin "$bin" "$@"
 
+# How often nominal 90 % intervals of identified modes hold the truth, 100 made records a kind, and whether ambient records show their modes alone: `just identification-benchmark [--records N] [--first K] [KIND ...]`.
+[group('development')]
+identification-benchmark *args: build
+    @cargo run --quiet --release --package crumple-testkit -- identification-benchmark --bin "$bin" "$@"
+
 # How far predictions of other tests are off, 50 made cars of 13 kinds each: `just prediction-benchmark [--cars N] [--first K] [--tests 56,40] [--candidates] [--keep FOLDER] [KIND ...]`.
 [group('development')]
 prediction-benchmark *args: build

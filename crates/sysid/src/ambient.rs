@@ -5,6 +5,7 @@
 //! subspace identification, Peeters & De Roeck, J. Dyn. Syst. Meas. Control 123, 2001). A mode is what many orders and
 //! both halves of the record agree on; the fit of a simulation is no verdict on a record without an input.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use crumple_numerics::linalg::{dot, pseudo_inverse_times};
@@ -16,8 +17,14 @@ use crate::modes::{modal_assurance, normalized, phase_collinearity};
 use crate::order::Quartiles;
 use crate::{IdentifyError, IoData};
 
-/// Block rows of the first look, and at most.
+/// Block rows, at least and at most.
 const BLOCK_ROWS: (usize, usize) = (20, 100);
+
+/// Rows of the matrix of the first look, at most: its decomposition takes their cube.
+const FIRST_LOOK: usize = 600;
+
+/// Horizons in half periods of the lowest mode. What one of them splits or loses by chance, the others do not.
+const HORIZONS: [f64; 3] = [1.0, 1.4, 2.0];
 
 /// Highest order in units of the number of outputs.
 const ORDERS_PER_OUTPUT: usize = 6;
@@ -34,6 +41,12 @@ const CUT_OF_HALVES: f64 = 0.05;
 
 /// Share of the orders that a cluster is found in.
 const PRESENCE: f64 = 0.5;
+
+/// The same of a half of the record.
+const PRESENCE_IN_HALVES: f64 = 0.3;
+
+/// Relative difference of frequencies within which two clusters of one shape are one mode.
+const NEAR: f64 = 0.1;
 
 /// A cluster of a half is the same mode up to this relative difference of frequency, from this likeness of shapes on.
 const SAME_FREQUENCY: f64 = 0.04;
@@ -77,6 +90,8 @@ pub struct AmbientMode {
 pub struct AmbientPole {
     /// Order of its model.
     pub order: usize,
+    /// Block rows of its matrix.
+    pub block_rows: usize,
     /// The pole.
     pub mode: Mode,
     /// Its shape, the largest entry 1.
@@ -94,8 +109,8 @@ pub struct AmbientModes {
     pub orders: Vec<usize>,
     /// Poles that count, by order and frequency.
     pub poles: Vec<AmbientPole>,
-    /// Block rows.
-    pub block_rows: usize,
+    /// Block rows of every horizon.
+    pub block_rows: Vec<usize>,
 }
 
 /// Finds the modes of outputs that nobody knows the input of. Errors: fewer than two outputs, too few samples, outputs
@@ -112,23 +127,17 @@ pub fn ambient_modes(data: &IoData, options: AmbientOptions) -> Result<AmbientMo
         let why = format!("halves of five times {first} block rows each way");
         return Err(IdentifyError::TooShort { method: "ambient", samples, needed, why });
     }
-    let mut block_rows = first;
-    let mut poles = poles_of_orders(data, block_rows, options)?;
-    if options.block_rows.is_none() {
-        let lowest = clusters(&poles, q, options, CUT).first().map(|cluster| cluster.frequency.median);
-        // Half a period: too short loses the lowest mode, too long costs damping of the high ones.
-        let half = lowest.map_or(0.0, |frequency| PI / frequency / data.sample_time_s());
-        let most = BLOCK_ROWS.1.min(samples / 20);
-        let longer = (half.round() as usize).clamp(BLOCK_ROWS.0, most.max(BLOCK_ROWS.0));
-        if longer != block_rows {
-            block_rows = longer;
-            poles = poles_of_orders(data, block_rows, options)?;
-        }
-    }
-    let whole = clusters(&poles, q, options, CUT);
+    let horizons = match options.block_rows {
+        Some(given) => vec![given],
+        None => horizons(data, options)?,
+    };
+    let poles = poles_of_horizons(data, &horizons, options)?;
+    let looked = |presence: f64, cut: f64| Look { horizons: horizons.len(), presence, cut, ..Look::new(q, options) };
+    let whole = clusters(&poles, looked(PRESENCE, CUT));
     let of_half = |from: usize, to: usize| -> Result<Vec<Cluster>, IdentifyError> {
         let half = data.slice(from, to)?;
-        Ok(clusters(&poles_of_orders(&half, block_rows, options)?, q, options, CUT_OF_HALVES))
+        let poles = poles_of_horizons(&half, &horizons, options)?;
+        Ok(clusters(&poles, looked(PRESENCE_IN_HALVES, CUT_OF_HALVES)))
     };
     let halves = [of_half(0, samples / 2)?, of_half(samples / 2, samples)?];
     let count = whole.len();
@@ -142,13 +151,36 @@ pub fn ambient_modes(data: &IoData, options: AmbientOptions) -> Result<AmbientMo
     };
     let modes = whole.into_iter().filter_map(|cluster| {
         let halves_rad_per_s = [found_again(&cluster, &halves[0])?, found_again(&cluster, &halves[1])?];
-        let Cluster { orders, frequency, damping, shape } = cluster;
+        let Cluster { orders, frequency, damping, shape, .. } = cluster;
         let natural_frequency_rad_per_s = frequency;
         Some(AmbientMode { orders, natural_frequency_rad_per_s, damping_ratio: damping, shape, halves_rad_per_s })
     });
     let modes: Vec<AmbientMode> = modes.collect();
-    let orders = orders_of(q, block_rows, options).collect();
-    Ok(AmbientModes { not_in_both_halves: count - modes.len(), modes, orders, poles, block_rows })
+    let orders = orders_of(q, horizons.iter().copied().max().unwrap_or(first), options).collect();
+    Ok(AmbientModes { not_in_both_halves: count - modes.len(), modes, orders, poles, block_rows: horizons })
+}
+
+/// About half a period of the lowest mode, which is looked for over the longest horizon: too short loses it, too long
+/// costs damping of the high ones.
+fn horizons(data: &IoData, options: AmbientOptions) -> Result<Vec<usize>, IdentifyError> {
+    let q = data.outputs().len();
+    let most = BLOCK_ROWS.1.min(data.samples() / 20).min(FIRST_LOOK / q).max(BLOCK_ROWS.0);
+    let first = clusters(&poles_of_orders(data, most, options)?, Look::new(q, options));
+    let half = first.first().map_or(0.0, |cluster| PI / cluster.frequency.median / data.sample_time_s());
+    let rows = HORIZONS.map(|share| ((share * half).round() as usize).clamp(BLOCK_ROWS.0, most));
+    let mut all = rows.to_vec();
+    all.dedup();
+    Ok(all)
+}
+
+/// Poles that count, of the models of all orders of every horizon.
+fn poles_of_horizons(
+    data: &IoData,
+    horizons: &[usize],
+    options: AmbientOptions,
+) -> Result<Vec<AmbientPole>, IdentifyError> {
+    let all: Result<Vec<_>, _> = horizons.par_iter().map(|rows| poles_of_orders(data, *rows, options)).collect();
+    Ok(all?.concat())
 }
 
 /// Even orders up to the highest that the matrix has room for.
@@ -190,7 +222,7 @@ fn poles_of_orders(
                 && damping < options.highest_damping
                 && mode.natural_frequency_rad_per_s < limit
                 && phase_collinearity(&shape)? >= LEAST_COLLINEARITY;
-            counts.then_some(AmbientPole { order, mode, shape })
+            counts.then_some(AmbientPole { order, block_rows, mode, shape })
         });
         let mut poles: Vec<AmbientPole> = counts.collect();
         poles.sort_by(|a, b| a.mode.natural_frequency_rad_per_s.total_cmp(&b.mode.natural_frequency_rad_per_s));
@@ -223,37 +255,69 @@ fn correlations(data: &IoData, highest: usize) -> Result<(Vec<DMatrix<f64>>, Vec
 
 /// Poles of many orders that lie close together.
 struct Cluster {
+    /// Models that show it, and orders of these.
+    models: usize,
     orders: usize,
     frequency: Quartiles,
     damping: Quartiles,
     shape: Vec<Complex>,
 }
 
-/// Clusters by average linkage of `|f_i - f_j|/max + 1 - MAC`, those in half of the orders from twice the number of
-/// outputs on, by frequency.
-fn clusters(poles: &[AmbientPole], outputs: usize, options: AmbientOptions, cut: f64) -> Vec<Cluster> {
-    let last = poles.iter().map(|pole| pole.order).max().unwrap_or(0).max(2 * outputs);
-    let highest = options.highest_order.unwrap_or(last).min(last);
-    let considered = (highest - (2 * outputs).min(highest)) / 2 + 1;
+/// What makes a cluster.
+#[derive(Clone, Copy)]
+struct Look {
+    outputs: usize,
+    highest_order: Option<usize>,
+    horizons: usize,
+    presence: f64,
+    cut: f64,
+}
+
+impl Look {
+    /// In one horizon of the whole record.
+    fn new(outputs: usize, options: AmbientOptions) -> Self {
+        Self { outputs, highest_order: options.highest_order, horizons: 1, presence: PRESENCE, cut: CUT }
+    }
+}
+
+/// Clusters by average linkage of `|f_i - f_j|/max + 1 - MAC`, those in the share of the orders from twice the number
+/// of outputs on, by frequency. Of two of one shape near each other the one in more orders: models of high order split
+/// a mode.
+fn clusters(poles: &[AmbientPole], look: Look) -> Vec<Cluster> {
+    let first = 2 * look.outputs;
+    let last = poles.iter().map(|pole| pole.order).max().unwrap_or(0).max(first);
+    let highest = look.highest_order.unwrap_or(last).min(last);
+    let considered = look.horizons * ((highest - first.min(highest)) / 2 + 1);
     let mut all: Vec<Cluster> = Vec::new();
-    for members in average_linkage(poles, cut) {
+    for members in average_linkage(poles, look.cut) {
         let of_members = || members.iter().map(|place| &poles[*place]);
-        let mut orders: Vec<usize> = of_members().map(|pole| pole.order).filter(|n| *n >= 2 * outputs).collect();
-        orders.sort_unstable();
-        orders.dedup();
-        if (orders.len() as f64) < PRESENCE * considered as f64 {
+        let counted = of_members().filter(|pole| pole.order >= first);
+        let models: BTreeSet<(usize, usize)> = counted.map(|pole| (pole.order, pole.block_rows)).collect();
+        if (models.len() as f64) < look.presence * considered as f64 {
             continue;
         }
         let shape = mean_shape(of_members().map(|pole| &pole.shape));
         all.push(Cluster {
-            orders: orders.len(),
+            models: models.len(),
+            orders: models.iter().map(|(order, _)| order).collect::<BTreeSet<_>>().len(),
             frequency: Quartiles::from_values(of_members().map(|p| p.mode.natural_frequency_rad_per_s).collect()),
             damping: Quartiles::from_values(of_members().filter_map(|p| p.mode.damping_ratio).collect()),
             shape,
         });
     }
-    all.sort_by(|a, b| a.frequency.median.total_cmp(&b.frequency.median));
-    all
+    all.sort_by(|a, b| b.models.cmp(&a.models).then(a.frequency.median.total_cmp(&b.frequency.median)));
+    let mut kept: Vec<Cluster> = Vec::new();
+    for cluster in all {
+        let is_part_of = |other: &Cluster| {
+            (other.frequency.median / cluster.frequency.median - 1.0).abs() <= NEAR
+                && modal_assurance(&other.shape, &cluster.shape).unwrap_or(0.0) >= SAME_SHAPE
+        };
+        if !kept.iter().any(is_part_of) {
+            kept.push(cluster);
+        }
+    }
+    kept.sort_by(|a, b| a.frequency.median.total_cmp(&b.frequency.median));
+    kept
 }
 
 /// The mean of shapes, each with its largest entry 1, turned the same way as the first.

@@ -1,14 +1,12 @@
-//! Linear regression on past outputs and inputs: ARX of one output and of several.
+//! ARX models: linear regression on past outputs and inputs.
 
 use crumple_numerics::linalg::{CONDITION_LIMIT, Solution, TriangularFactor};
-use crumple_numerics::lti::StateSpace;
+use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::modes::discrete_mode_deviations;
 use crate::{IdentifyError, InformationCriteria, IoData};
-
-// ARX models: linear regression on past outputs and inputs.
 
 /// Samples per independent part of a long record. Parts are combined in order, so the result does not depend on the
 /// number of threads.
@@ -32,70 +30,65 @@ impl ArxOrder {
     }
 }
 
-/// `y[k] = -sum a_i y[k-i] + sum_j b_j u[k-nk-j] + e[k]`.
+/// `y[k] = -sum A_i y[k-i] + sum_j B_j u[k-nk-j] + e[k]`, numbers of one output and one input, else matrices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arx {
-    /// Orders and delay.
+    /// Lags and delay, the same for every output and input.
     pub order: ArxOrder,
-    /// `a_1 ... a_na`; the leading 1 is not part of it.
-    pub a: Vec<f64>,
-    /// `b_0 ... b_(nb-1)` of every input.
-    pub b: Vec<Vec<f64>>,
-    /// Covariance of `a`, then of the `b` of every input, for white `e`.
-    pub covariance: DMatrix<f64>,
-    /// Mean square of the one-step prediction errors.
-    pub loss: f64,
+    /// `A_1 ... A_na`, outputs x outputs; the leading 1 is not part of it.
+    pub a: Vec<DMatrix<f64>>,
+    /// `B_0 ... B_(nb-1)`, outputs x inputs.
+    pub b: Vec<DMatrix<f64>>,
+    /// Covariance of the rows of all `A`, then of all `B`, for white `e` of variance 1; the same for every output.
+    pub unit_covariance: DMatrix<f64>,
+    /// Mean square of the one-step prediction errors of every output.
+    pub losses: Vec<f64>,
     /// Rows of the regression.
     pub rows: usize,
-    /// Condition number of the column-scaled regression.
+    /// Condition number of the column-scaled regression, common to all outputs.
     pub condition: f64,
     /// Sampling interval, s.
     pub sample_time_s: f64,
 }
 
-/// Fits an ARX model of one output and any number of inputs by least squares (QR, no normal equations).
+/// Fits an ARX model of any outputs and inputs by least squares (QR, no normal equations).
 ///
-/// Exact for data made by such a model without noise. With noise it is unbiased only for noise that is white when
-/// filtered through `1/A`; otherwise it is biased towards too much damping: use it as a starting point, or with an
-/// order of several times the number of states. Errors: several outputs, too few samples, condition above
-/// [`CONDITION_LIMIT`] (noise-free data of lower order).
+/// All outputs have the same regressors, so that one triangular factor serves them all. Exact for data made by such a
+/// model without noise. With noise it is unbiased only for noise that is white when filtered through `1/A`; otherwise
+/// it is biased towards too much damping: use it as a starting point, or with an order of several times the number of
+/// states. Errors: too few samples, condition above [`CONDITION_LIMIT`] (collinear outputs, noise-free data of lower
+/// order).
 pub fn arx(data: &IoData, order: ArxOrder) -> Result<Arx, IdentifyError> {
-    fit(data, order, order.na.max((order.nb + order.nk).saturating_sub(1)))
+    arx_from(data, order, order.states())
 }
 
 /// The same on the rows from sample `first` on, so that several orders can be compared on the same equations.
-pub(crate) fn fit(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
+pub fn arx_from(data: &IoData, order: ArxOrder, first: usize) -> Result<Arx, IdentifyError> {
     let ArxOrder { na, nb, nk } = order;
-    let m = data.inputs().len();
-    if data.outputs().len() != 1 {
-        return Err(IdentifyError::Channels {
-            method: "arx",
-            needed: "one output",
-            inputs: m,
-            outputs: data.outputs().len(),
-        });
-    }
-    let p = na + nb * m;
-    let samples = data.samples();
-    enough(samples, p, first)?;
-    let (y, u) = (&data.outputs()[0], data.inputs());
-    let mut columns: Vec<(&[f64], usize)> = (1..=na).map(|lag| (&y[..], lag)).collect();
-    columns.extend(u.iter().flat_map(|u| (nk..nk + nb).map(move |lag| (&u[..], lag))));
-    columns.push((y, 0));
-    let factor = lagged_factor(&columns, first, samples);
+    let (m, q) = (data.inputs().len(), data.outputs().len());
+    let p = q * na + m * nb;
+    enough(data.samples(), p, first)?;
+    let mut columns: Vec<(&[f64], usize)> = (1..=na).flat_map(|lag| late(data.outputs(), lag)).collect();
+    columns.extend((nk..nk + nb).flat_map(|lag| late(data.inputs(), lag)));
+    columns.extend(late(data.outputs(), 0));
+    let factor = lagged_factor(&columns, first, data.samples());
+    let Solution { coefficients, residual_squares, condition, inverse_square, .. } = solved(&factor, q)?;
     let rows = factor.rows();
-    let Solution { coefficients, residual_squares, condition, inverse_square, .. } = solved(&factor, 1)?;
-    let variance = residual_squares[0] / (rows - p) as f64;
     Ok(Arx {
         order,
-        a: (0..na).map(|i| -coefficients[i]).collect(),
-        b: (0..m).map(|j| (0..nb).map(|t| coefficients[na + j * nb + t]).collect()).collect(),
-        covariance: inverse_square * variance,
-        loss: residual_squares[0] / rows as f64,
+        a: (0..na).map(|lag| DMatrix::from_fn(q, q, |i, j| -coefficients[(lag * q + j, i)])).collect(),
+        b: (0..nb).map(|tap| DMatrix::from_fn(q, m, |i, j| coefficients[(na * q + tap * m + j, i)])).collect(),
+        unit_covariance: inverse_square,
+        losses: residual_squares.iter().map(|s| s / rows as f64).collect(),
         rows,
         condition,
         sample_time_s: data.sample_time_s(),
     })
+}
+
+/// Every signal with a lag.
+fn late(signals: &[Vec<f64>], lag: usize) -> impl Iterator<Item = (&[f64], usize)> {
+    signals.iter().map(move |signal| (&signal[..], lag))
 }
 
 /// Errors: no parameters, or no row to spare for `parameters` of an output after `first` samples of memory.
@@ -178,115 +171,14 @@ pub fn arx_scan(data: &IoData, orders: &[ArxOrder]) -> Vec<Result<(Arx, Informat
                     ),
                 });
             }
-            let model = fit(data, *order, memory)?;
-            let criteria = InformationCriteria::new(model.loss, model.rows as f64, parameters(order));
+            let model = arx_from(data, *order, memory)?;
+            let criteria = InformationCriteria::new(model.losses[0], model.rows as f64, parameters(order));
             Ok((model, criteria))
         })
         .collect()
 }
 
 impl Arx {
-    /// The model as a state space in observer form, noise left out. Errors: not finite.
-    pub fn state_space(&self) -> Result<StateSpace, IdentifyError> {
-        let n = self.order.states();
-        let m = self.b.len();
-        let a = |i: usize| self.a.get(i.wrapping_sub(1)).copied().unwrap_or(0.0);
-        let b = |j: usize, lag: usize| {
-            lag.checked_sub(self.order.nk).and_then(|t| self.b[j].get(t)).copied().unwrap_or(0.0)
-        };
-        Ok(StateSpace::new(
-            DMatrix::from_fn(n, n, |i, k| if k == 0 { -a(i + 1) } else { f64::from(u8::from(k == i + 1)) }),
-            DMatrix::from_fn(n, m, |i, j| b(j, i + 1) - a(i + 1) * b(j, 0)),
-            DMatrix::from_fn(1, n, |_, k| f64::from(u8::from(k == 0))),
-            DMatrix::from_fn(1, m, |_, j| b(j, 0)),
-            Some(self.sample_time_s),
-        )?)
-    }
-
-    /// Standard deviations of natural frequency (rad/s) and damping ratio of the poles of [`Arx::state_space`], given
-    /// in its order, from the covariance: for white equation errors. `None` for poles at zero, multiple ones, and those
-    /// that are not roots of `a` but of the delay.
-    pub fn mode_deviations(&self, poles: &[crumple_numerics::lti::Complex]) -> Vec<Option<(f64, f64)>> {
-        let na = self.a.len();
-        let covariance = self.covariance.view((0, 0), (na, na)).into_owned();
-        discrete_mode_deviations(&self.a, &covariance, poles, self.sample_time_s)
-    }
-
-    /// What the inputs contribute to the equation of sample `k`.
-    fn driven(&self, data: &IoData, k: usize) -> f64 {
-        let taps = |b: &[f64], u: &[f64]| b.iter().enumerate().map(|(t, b)| b * u[k - self.order.nk - t]).sum::<f64>();
-        self.b.iter().zip(data.inputs()).map(|(b, u)| taps(b, u)).sum()
-    }
-
-    /// One-step predictions of the output; the first `states` samples, which lack their past, are the measured ones.
-    ///
-    /// `yh[k] = -sum a_i y[k-i] + sum_j b_j u[k-nk-j]`, unit of the output.
-    pub fn predict(&self, data: &IoData) -> Vec<f64> {
-        let y = &data.outputs()[0];
-        let first = self.order.states().min(y.len());
-        let mut predicted = y[..first].to_vec();
-        predicted.extend((first..y.len()).map(|k| {
-            let past: f64 = self.a.iter().enumerate().map(|(i, a)| -a * y[k - 1 - i]).sum();
-            past + self.driven(data, k)
-        }));
-        predicted
-    }
-}
-
-// ARX models of several outputs, each driven by the past of all.
-//
-// The coefficients of all outputs have the same regressors, so that one triangular factor serves them all.
-
-/// `y[k] = -sum A_i y[k-i] + sum_j B_j u[k-nk-j] + e[k]` with matrices for coefficients.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VectorArx {
-    /// Lags and delay, the same for every output and input.
-    pub order: ArxOrder,
-    /// `A_1 ... A_na`, outputs x outputs.
-    pub a: Vec<DMatrix<f64>>,
-    /// `B_0 ... B_(nb-1)`, outputs x inputs.
-    pub b: Vec<DMatrix<f64>>,
-    /// Mean square of the one-step prediction errors of every output.
-    pub losses: Vec<f64>,
-    /// Condition number of the column-scaled regression, common to all outputs.
-    pub condition: f64,
-    /// Sampling interval, s.
-    pub sample_time_s: f64,
-}
-
-/// Fits an ARX model to any number of outputs and inputs by least squares. What is said of [`arx`](crate::arx()) holds
-/// here, for every output.
-///
-/// Errors: too few samples, condition above [`CONDITION_LIMIT`](crumple_numerics::linalg::CONDITION_LIMIT) (collinear
-/// outputs, noise-free data of lower order).
-pub fn vector_arx(data: &IoData, order: ArxOrder) -> Result<VectorArx, IdentifyError> {
-    let ArxOrder { na, nb, nk } = order;
-    let (m, q) = (data.inputs().len(), data.outputs().len());
-    let p = q * na + m * nb;
-    let (first, samples) = (order.states(), data.samples());
-    enough(samples, p, first)?;
-    let mut columns: Vec<(&[f64], usize)> = Vec::with_capacity(p + q);
-    for lag in 1..=na {
-        columns.extend(data.outputs().iter().map(|y| (&y[..], lag)));
-    }
-    for lag in nk..nk + nb {
-        columns.extend(data.inputs().iter().map(|u| (&u[..], lag)));
-    }
-    columns.extend(data.outputs().iter().map(|y| (&y[..], 0)));
-    let factor = lagged_factor(&columns, first, samples);
-    let Solution { coefficients, residual_squares, condition, .. } = solved(&factor, q)?;
-    let rows = factor.rows() as f64;
-    Ok(VectorArx {
-        order,
-        a: (0..na).map(|lag| DMatrix::from_fn(q, q, |i, j| -coefficients[(lag * q + j, i)])).collect(),
-        b: (0..nb).map(|tap| DMatrix::from_fn(q, m, |i, j| coefficients[(na * q + tap * m + j, i)])).collect(),
-        losses: residual_squares.iter().map(|s| s / rows).collect(),
-        condition,
-        sample_time_s: data.sample_time_s(),
-    })
-}
-
-impl VectorArx {
     /// The model as a state space in block observer form, `outputs` times the longest memory states, noise left out.
     /// Errors: not finite.
     pub fn state_space(&self) -> Result<StateSpace, IdentifyError> {
@@ -313,39 +205,43 @@ impl VectorArx {
         Ok(StateSpace::new(state, input, output, direct, Some(self.sample_time_s))?)
     }
 
+    /// Covariance of the coefficients of an output, in the order of
+    /// [`unit_covariance`](Self::unit_covariance), for white `e`.
+    pub fn covariance(&self, output: usize) -> DMatrix<f64> {
+        let rows = self.rows as f64;
+        &self.unit_covariance * (self.losses[output] * rows / (rows - self.unit_covariance.nrows() as f64))
+    }
+
+    /// Standard deviations of natural frequency (rad/s) and damping ratio of the poles of
+    /// [`state_space`](Self::state_space), given in its order, from the covariance: for white equation errors. `None`
+    /// of several outputs, for poles at zero, multiple ones, and those that are not roots of `A` but of the delay.
+    pub fn mode_deviations(&self, poles: &[Complex]) -> Vec<Option<(f64, f64)>> {
+        if self.losses.len() != 1 {
+            return vec![None; poles.len()];
+        }
+        let na = self.a.len();
+        let a: Vec<f64> = self.a.iter().map(|a| a[(0, 0)]).collect();
+        let covariance = self.covariance(0).view((0, 0), (na, na)).into_owned();
+        discrete_mode_deviations(&a, &covariance, poles, self.sample_time_s)
+    }
+
     /// One-step predictions of every output; the first samples, which lack their past, are the measured ones.
     ///
     /// `yh[k] = -sum A_i y[k-i] + sum B_j u[k-nk-j]`: measured outputs of the past, not simulated ones.
     pub fn predict(&self, data: &IoData) -> Vec<Vec<f64>> {
         let first = self.order.states().min(data.samples());
-        let mut predicted: Vec<Vec<f64>> = data.outputs().iter().map(|y| y[..first].to_vec()).collect();
-        for k in first..data.samples() {
-            for (i, predicted) in predicted.iter_mut().enumerate() {
-                let past: f64 = self
-                    .a
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(lag, a)| {
-                        data.outputs()
-                            .iter()
-                            .zip(a.row(i).iter())
-                            .map(move |(y, a)| -a * y[k - 1 - lag])
-                            .collect::<Vec<_>>()
-                    })
-                    .sum();
-                let driven: f64 = self
-                    .b
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(tap, b)| {
-                        let lag = self.order.nk + tap;
-                        data.inputs().iter().zip(b.row(i).iter()).map(move |(u, b)| b * u[k - lag]).collect::<Vec<_>>()
-                    })
-                    .sum();
-                predicted.push(past + driven);
-            }
-        }
-        predicted
+        let sum = |i: usize, k: usize, matrices: &[DMatrix<f64>], signals: &[Vec<f64>], lag: usize| -> f64 {
+            let of_lag = |(t, x): (usize, &DMatrix<f64>)| -> f64 {
+                signals.iter().enumerate().map(|(j, s)| x[(i, j)] * s[k - lag - t]).sum()
+            };
+            matrices.iter().enumerate().map(of_lag).sum()
+        };
+        let predicted = |(i, y): (usize, &Vec<f64>)| {
+            let from_past = (first..y.len())
+                .map(|k| sum(i, k, &self.b, data.inputs(), self.order.nk) - sum(i, k, &self.a, data.outputs(), 1));
+            y[..first].iter().copied().chain(from_past).collect()
+        };
+        data.outputs().iter().enumerate().map(predicted).collect()
     }
 }
 
@@ -380,9 +276,9 @@ mod tests {
     fn clean_data_give_the_coefficients_back() {
         for nk in [0, 1, 3] {
             let model = arx(&record(nk, 0.0, 400), ArxOrder { na: 2, nb: 2, nk }).unwrap();
-            for (estimated, exact) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]) {
+            for (estimated, exact) in model.a.iter().chain(&model.b).zip([-1.6, 0.8, 0.5, 0.3]) {
                 // Rounding times a condition number below 100.
-                assert!((estimated - exact).abs() < 1e-13, "{estimated} {exact}");
+                assert!((estimated[0] - exact).abs() < 1e-13, "{estimated} {exact}");
             }
         }
     }
@@ -391,13 +287,16 @@ mod tests {
     fn covariance_covers_the_error_and_the_scan_finds_the_delay() {
         let data = record(2, 0.1, 3000);
         let model = arx(&data, ArxOrder { na: 2, nb: 2, nk: 2 }).unwrap();
-        for (i, (estimated, exact)) in model.a.iter().chain(&model.b[0]).zip([-1.6, 0.8, 0.5, 0.3]).enumerate() {
+        for (i, (estimated, exact)) in model.a.iter().chain(&model.b).zip([-1.6, 0.8, 0.5, 0.3]).enumerate() {
             // Four standard deviations: one in 16,000 by chance, and the data are fixed.
-            let deviation = model.covariance[(i, i)].sqrt();
-            assert!((estimated - exact).abs() < 4.0 * deviation && deviation < 0.01, "{estimated} {exact} {deviation}");
+            let deviation = model.covariance(0)[(i, i)].sqrt();
+            assert!(
+                (estimated[0] - exact).abs() < 4.0 * deviation && deviation < 0.01,
+                "{estimated} {exact} {deviation}"
+            );
         }
         // Uniform noise of half-width 0.1 has variance 0.01/3; 3000 samples know it to 3 %.
-        assert!((model.loss / (0.01 / 3.0) - 1.0).abs() < 0.1);
+        assert!((model.losses[0] / (0.01 / 3.0) - 1.0).abs() < 0.1);
         let orders: Vec<ArxOrder> = (0..6).map(|nk| ArxOrder { na: 2, nb: 2, nk }).collect();
         let scan = arx_scan(&data, &orders);
         let best = scan.iter().flatten().min_by(|a, b| a.1.bic.total_cmp(&b.1.bic)).unwrap();
@@ -429,7 +328,7 @@ mod tests {
         let model = arx(&data, ArxOrder { na: 2, nb: 2, nk: 0 }).unwrap();
         let fit = crate::compare(&model.state_space().unwrap(), &data).unwrap()[0].unwrap();
         assert!(fit.fit_percent.unwrap() > 100.0 - 1e-9, "{fit:?}");
-        let predicted = crate::fit_measures(&data.outputs()[0], &model.predict(&data)).unwrap();
+        let predicted = crate::fit_measures(&data.outputs()[0], &model.predict(&data)[0]).unwrap();
         assert!(predicted.fit_percent.unwrap() > 100.0 - 1e-9);
     }
 
@@ -444,11 +343,13 @@ mod tests {
 
     #[test]
     fn a_coupled_model_of_two_outputs_and_inputs_comes_back() {
-        let truth = VectorArx {
+        let truth = Arx {
             order: ArxOrder { na: 2, nb: 2, nk: 1 },
             a: vec![nalgebra::dmatrix![-1.5, 0.1; 0.2, -1.2], nalgebra::dmatrix![0.7, 0.0; -0.1, 0.5]],
             b: vec![nalgebra::dmatrix![1.0, -0.5; 0.3, 2.0], nalgebra::dmatrix![0.2, 0.0; 0.0, -0.4]],
+            unit_covariance: DMatrix::identity(8, 8),
             losses: vec![0.0; 2],
+            rows: 0,
             condition: 1.0,
             sample_time_s: 0.1,
         };
@@ -456,7 +357,7 @@ mod tests {
         let model = truth.state_space().unwrap();
         let y = simulate(&model, &u, &[0.1, -0.2, 0.3, 0.4]).unwrap();
         let data = IoData::new(u, y, 0.1).unwrap();
-        let estimated = vector_arx(&data, truth.order).unwrap();
+        let estimated = arx(&data, truth.order).unwrap();
         for (estimated, exact) in estimated.a.iter().chain(&estimated.b).zip(truth.a.iter().chain(&truth.b)) {
             // Rounding times a condition number below 100.
             assert!((estimated - exact).amax() < 1e-12, "{estimated} {exact}");
@@ -474,7 +375,7 @@ mod tests {
     fn two_copies_of_one_output_are_refused() {
         let u: Vec<f64> = (0..100).map(|k| uniform_at(0, k)).collect();
         let data = IoData::new(vec![u.clone()], vec![u.clone(), u], 0.1).unwrap();
-        let error = vector_arx(&data, ArxOrder { na: 1, nb: 1, nk: 1 }).unwrap_err();
+        let error = arx(&data, ArxOrder { na: 1, nb: 1, nk: 1 }).unwrap_err();
         assert!(matches!(error, IdentifyError::IllConditioned { .. }), "{error}");
     }
 }

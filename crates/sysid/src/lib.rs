@@ -2,8 +2,7 @@
 //!
 //! Free motion, from one channel or several: [`era`] realises a state space from Markov parameters,
 //! [`exponential_sum`] fits a sum of exponentials. From inputs and outputs ([`IoData`]): [`Subspace`] (N4SID, MOESP,
-//! CVA), [`arx`] and [`vector_arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] and
-//! [`transfer_function_array`] for continuous models. What speaks for a model: [`stabilization`] over orders,
+//! CVA), [`arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] for continuous models. What speaks for a model: [`stabilization`] over orders,
 //! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`]
 //! among several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
 //!
@@ -31,7 +30,7 @@ mod transfer_function;
 mod validation;
 
 pub use ambient::{AmbientMode, AmbientModes, AmbientOptions, AmbientPole, ambient_modes};
-pub use arx::{Arx, ArxOrder, VectorArx, arx, arx_scan, vector_arx};
+pub use arx::{Arx, ArxOrder, arx, arx_from, arx_scan};
 pub use crumple_numerics::estimation::minimise::{Stop, StopReason};
 pub use crumple_numerics::estimation::statistics::{
     InformationCriteria, ResidualTests, autoregressive_effective_samples, residual_tests,
@@ -61,9 +60,7 @@ pub use polynomial_form::{PolynomialDeviations, PolynomialForm};
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
-pub use transfer_function::{
-    TransferFunctionArray, TransferFunctionFit, transfer_function_array, transfer_function_fit,
-};
+pub use transfer_function::{TransferFunctionFit, transfer_function_fit};
 pub use validation::bootstrap::{BandPoint, Bootstrap, BootstrapOptions, NoSpread, Sample, Spread, bootstrap};
 pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
 pub use validation::model_choice::{

@@ -1,4 +1,4 @@
-//! Continuous transfer functions of one or several inputs and outputs.
+//! Continuous transfer functions of one or several inputs and outputs, with one denominator.
 
 use crumple_numerics::estimation::minimise::Stop;
 use crumple_numerics::estimation::minimise::separable_covariance::{propagated, unknowns_covariance};
@@ -14,24 +14,27 @@ use crate::poles::multistart::{Search, best_search};
 use crate::poles::options::TransferFunctionOptions;
 use crate::poles::search_outcome::SearchOutcome;
 use crate::poles::time_scale::{combined, in_seconds, state_powers, unscaled};
-use crate::{FitMeasures, IdentifyError, InformationCriteria, IoData, fit_measures};
-
-// Continuous transfer functions of several inputs and outputs with one denominator.
+use crate::{FitMeasures, IdentifyError, IoData, fit_measures};
 
 /// Refinements with other weights; the second changes little.
 const REWEIGHTED: usize = 2;
 
 /// Transfer functions from every input to every output, and the evidence for them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TransferFunctionArray {
+pub struct TransferFunctionFit {
     /// `entries[output][input]`, in units of the data; the denominator is the same for all.
     pub entries: Vec<Vec<TransferFunction>>,
-    /// Standard deviations of the numerators' coefficients, `[output][input]`, highest power first.
+    /// Standard deviations of the numerators' coefficients, `[output][input]`, as many as zeros + 1, highest power
+    /// first, from the covariance of the linearised fit inflated for correlated residuals.
     pub numerator_deviations: Vec<Vec<Vec<f64>>>,
-    /// The whole as one model, with as many states as poles times the lesser of the numbers of inputs and outputs.
+    /// The whole as one cascade of sections, well conditioned where coefficients of a polynomial are not, with as many
+    /// states as poles times the lesser of the numbers of inputs and outputs.
     pub state_space: StateSpace,
     /// Poles, 1/s, with frequency and damping.
     pub modes: Vec<Mode>,
+    /// Zeros of a single path, 1/s, and standard deviations of their real and imaginary parts; `None` where not
+    /// determined.
+    pub zeros: Vec<(Complex, Option<(f64, f64)>)>,
     /// Measures of every simulated output.
     pub fits: Vec<Option<FitMeasures>>,
     /// Simulated outputs.
@@ -44,24 +47,47 @@ pub struct TransferFunctionArray {
     pub coefficient_covariance: Option<DMatrix<f64>>,
     /// Number of unknowns: poles, numerators, initial motions.
     pub parameters: usize,
-    /// Independent samples that the residuals of all outputs are worth.
-    pub effective_samples: f64,
-    /// The search that found them.
+    /// The search that found them; its first loss is that of the fit.
     pub search: SearchOutcome,
 }
 
-/// Finds transfer functions from every input to every output, all with one denominator, as
-/// [`transfer_function_fit`](crate::transfer_function_fit()) does for one of each.
+impl TransferFunctionFit {
+    /// Covariance of the denominator's coefficients after the leading 1, by rows; empty where it is not finite.
+    pub fn denominator_covariance(&self) -> Vec<Vec<f64>> {
+        let n = self.search.denominator_deviations.len();
+        let Some(all) = &self.coefficient_covariance else { return Vec::new() };
+        let block = all.view((all.nrows() - n, all.ncols() - n), (n, n));
+        if block.iter().any(|x| !x.is_finite()) {
+            return Vec::new();
+        }
+        block.row_iter().map(|row| row.iter().copied().collect()).collect()
+    }
+}
+
+/// Finds the continuous transfer functions with given numbers of poles and zeros, all with one denominator, whose
+/// simulated outputs are nearest to the measured ones.
+///
+/// Output error, `min |y - yh|²`, by variable projection: only the poles are iterated on, numerators and initial
+/// motions are linear and solved for. The model is a cascade of second-order sections, discretised exactly for the
+/// declared hold; its sensitivities are states of a larger cascade, exact too. (A filter in direct form loses the
+/// optimum at high sampling rates: its coefficients differ from those of integrators by less than rounding allows.)
+/// Time is scaled by the record's length and signals by their root mean square.
 ///
 /// One structure has one set of modes, whatever drives it and wherever it is watched; numerators and initial motions
 /// are those of every path. Outputs are weighed by what is left of them: the search divides each by its root mean
 /// square, two more refinements by that of its residual, which is what the standard deviations rest on. Where the paths
 /// are different systems, fit each by itself. Starts: those of every pair of an input and an output. The order of a
 /// minimal model of several inputs *and* outputs is as many states as poles times the lesser of their numbers.
-pub fn transfer_function_array(
+///
+/// Without estimated initial conditions a record that starts in motion, as every crash record does, is fitted badly.
+/// The optimum found is the best of several starts, not proven global. A numerator may be badly determined: look at
+/// its standard deviations.
+///
+/// Methods of the starts: Garnier & Wang (ed.), *Identification of Continuous-time Models from Sampled Data*, 2008.
+pub fn transfer_function_fit(
     data: &IoData,
     options: &TransferFunctionOptions,
-) -> Result<TransferFunctionArray, IdentifyError> {
+) -> Result<TransferFunctionFit, IdentifyError> {
     let mut search = best_search("tfest", data, options)?;
     weigh_by_residuals(&mut search, data.samples(), options.stop);
     let Search { problem, best, .. } = &search;
@@ -118,11 +144,12 @@ pub fn transfer_function_array(
         // A unit impulse in scaled time has the area of the duration.
         in_seconds(&sum, n, duration).into_iter().map(|x| x * search.output_scales[i]).collect()
     };
-    Ok(TransferFunctionArray {
+    let coefficient_covariance = described.map(|all| all.view((0, 0), (numerators + n, numerators + n)).into_owned());
+    Ok(TransferFunctionFit {
+        zeros: if m * q == 1 { zeros(&entries[0][0], b_count, coefficient_covariance.as_ref())? } else { Vec::new() },
         entries,
         initial_numerators: if problem.free { (0..q).map(free_motion).collect() } else { Vec::new() },
-        coefficient_covariance: described.map(|all| all.view((0, 0), (numerators + n, numerators + n)).into_owned()),
-        effective_samples: effective,
+        coefficient_covariance,
         numerator_deviations: (0..q).map(|i| (0..m).map(|j| deviations[entry(i, j)].to_vec()).collect()).collect(),
         state_space: state_space(&search, &chain, duration, &gain)?,
         modes: chain.poles().into_iter().map(Mode::continuous).collect(),
@@ -131,6 +158,22 @@ pub fn transfer_function_array(
         parameters: unknowns.len(),
         search: SearchOutcome::new(&search, condition, n, &deviations[numerators..]),
     })
+}
+
+/// Zeros with the standard deviations of their parts from the covariance of the `count` coefficients of the numerator.
+fn zeros(
+    path: &TransferFunction,
+    count: usize,
+    covariance: Option<&DMatrix<f64>>,
+) -> Result<Vec<(Complex, Option<(f64, f64)>)>, IdentifyError> {
+    let zeros = path.zeros()?;
+    // Coefficients that vanish exactly are not part of the polynomial.
+    let (shown, dropped) = (path.numerator().len(), count - path.numerator().len());
+    let deviations = match covariance.map(|all| all.view((dropped, dropped), (shown, shown)).into_owned()) {
+        Some(of_numerator) => root_deviations(path.numerator(), &of_numerator, &zeros),
+        None => vec![None; zeros.len()],
+    };
+    Ok(zeros.into_iter().zip(deviations).collect())
 }
 
 /// Refines again with every output divided by the root mean square of its residual: the maximum-likelihood weights of
@@ -203,132 +246,13 @@ pub(crate) fn state_space(
     Ok(StateSpace::new(a, b, c, d, None)?)
 }
 
-// Continuous transfer functions from input and output records.
-
-/// A transfer function and the evidence for it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TransferFunctionFit {
-    /// The transfer function, in units of the data.
-    pub transfer_function: TransferFunction,
-    /// The same as a cascade of sections, well conditioned where coefficients of a polynomial are not.
-    pub state_space: StateSpace,
-    /// Numerator of the free motion over the same denominator, highest power first: `y_free = N(s)/A(s)` of a unit
-    /// impulse. Empty: from rest.
-    pub initial_numerator: Vec<f64>,
-    /// Poles, 1/s, with frequency and damping.
-    pub modes: Vec<Mode>,
-    /// Zeros, 1/s.
-    pub zeros: Vec<Complex>,
-    /// Standard deviations of the numerator's coefficients (as many as zeros + 1, highest power first), from the
-    /// covariance of the linearised fit inflated for correlated residuals.
-    pub numerator_deviations: Vec<f64>,
-    /// Covariance of both: the numerator's `zeros + 1` coefficients, then the denominator's; `None` where the
-    /// sensitivities do not determine it.
-    pub coefficient_covariance: Option<DMatrix<f64>>,
-    /// Standard deviations of the real and imaginary parts of the zeros, 1/s; `None` where not determined.
-    pub zero_deviations: Vec<Option<(f64, f64)>>,
-    /// Mean square of the error, square of the output's unit.
-    pub loss: f64,
-    /// Measures of the simulated output.
-    pub fit: Option<FitMeasures>,
-    /// Simulated output.
-    pub simulated: Vec<f64>,
-    /// Criteria with the effective number of samples.
-    pub criteria: InformationCriteria,
-    /// The search that found it.
-    pub search: SearchOutcome,
-}
-
-impl TransferFunctionFit {
-    /// Covariance of the denominator's coefficients after the leading 1, by rows; empty where it is not finite.
-    pub fn denominator_covariance(&self) -> Vec<Vec<f64>> {
-        let n = self.search.denominator_deviations.len();
-        let Some(all) = &self.coefficient_covariance else { return Vec::new() };
-        let block = all.view((all.nrows() - n, all.ncols() - n), (n, n));
-        if block.iter().any(|x| !x.is_finite()) {
-            return Vec::new();
-        }
-        block.row_iter().map(|row| row.iter().copied().collect()).collect()
-    }
-}
-
-/// Finds the continuous transfer function with given numbers of poles and zeros whose simulated output is nearest to
-/// the measured one.
-///
-/// Output error, `min |y - yh|²`, by variable projection: only the poles are iterated on, numerator and initial motion
-/// are linear and solved for. The model is a cascade of second-order sections, discretised exactly for the declared
-/// hold; its sensitivities are states of a larger cascade, exact too. (A filter in direct form loses the optimum at
-/// high sampling rates: its coefficients differ from those of integrators by less than rounding allows.) Time is
-/// scaled by the record's length and signals by their root mean square.
-///
-/// Without estimated initial conditions a record that starts in motion, as every crash record does, is fitted badly.
-/// The optimum found is the best of several starts, not proven global. A numerator may be badly determined: look at
-/// its standard deviations.
-///
-/// Methods of the starts: Garnier & Wang (ed.), *Identification of Continuous-time Models from Sampled Data*, 2008.
-pub fn transfer_function_fit(
-    data: &IoData,
-    options: &TransferFunctionOptions,
-) -> Result<TransferFunctionFit, IdentifyError> {
-    if data.inputs().len() != 1 || data.outputs().len() != 1 {
-        return Err(IdentifyError::Channels {
-            method: "tfest",
-            needed: "one input and one output",
-            inputs: data.inputs().len(),
-            outputs: data.outputs().len(),
-        });
-    }
-    let TransferFunctionArray {
-        mut entries,
-        mut numerator_deviations,
-        state_space,
-        modes,
-        fits,
-        mut simulated,
-        mut initial_numerators,
-        coefficient_covariance,
-        parameters,
-        effective_samples,
-        search,
-    } = transfer_function_array(data, options)?;
-    let transfer_function = entries.swap_remove(0).swap_remove(0);
-    let simulated = simulated.swap_remove(0);
-    let zeros = transfer_function.zeros()?;
-    // Coefficients that vanish exactly are not part of the polynomial.
-    let shown = transfer_function.numerator();
-    let dropped = options.zeros + 1 - shown.len();
-    let zero_deviations = match &coefficient_covariance {
-        Some(covariance) => {
-            let of_numerator = covariance.view((dropped, dropped), (shown.len(), shown.len())).into_owned();
-            root_deviations(shown, &of_numerator, &zeros)
-        }
-        None => vec![None; zeros.len()],
-    };
-    let loss = search.losses[0];
-    Ok(TransferFunctionFit {
-        zeros,
-        zero_deviations,
-        transfer_function,
-        state_space,
-        initial_numerator: initial_numerators.pop().unwrap_or_default(),
-        modes,
-        numerator_deviations: numerator_deviations.swap_remove(0).swap_remove(0),
-        coefficient_covariance,
-        loss,
-        fit: fits[0],
-        simulated,
-        criteria: InformationCriteria::new(loss, effective_samples, parameters),
-        search,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
     use super::*;
     use crumple_numerics::estimation::random::uniform_at;
-    use crumple_numerics::lti::{Complex, discretize_first_order_hold, simulate, to_transfer_function};
+    use crumple_numerics::lti::{Complex, discretize_first_order_hold, simulate};
 
     const DT_S: f64 = 2e-3;
 
@@ -366,7 +290,7 @@ mod tests {
     fn every_path_comes_back_for_several_inputs_outputs_and_both() {
         for (m, q) in [(2, 1), (1, 3), (2, 2), (3, 2)] {
             let (data, truth) = record(m, q, 0.0);
-            let fit = transfer_function_array(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
+            let fit = transfer_function_fit(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
             assert_eq!(fit.state_space.order(), 4 * m.min(q));
             for exact in truth.poles().unwrap() {
                 let miss = fit.modes.iter().map(|mode| (mode.pole - exact).norm()).fold(f64::INFINITY, f64::min);
@@ -392,7 +316,7 @@ mod tests {
     #[test]
     fn deviations_cover_the_error_of_noisy_paths() {
         let (data, truth) = record(2, 2, 0.2);
-        let fit = transfer_function_array(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
+        let fit = transfer_function_fit(&data, &TransferFunctionOptions::new(4, 3)).unwrap();
         for ((estimated, deviation), exact) in
             fit.modes.iter().zip(&fit.search.mode_deviations).zip(truth.poles().unwrap())
         {
@@ -400,21 +324,6 @@ mod tests {
             // Four deviations; the data are fixed.
             assert!((estimated.natural_frequency_rad_per_s - exact.norm()).abs() < 4.0 * w && w < 0.02 * exact.norm());
             assert!((estimated.damping_ratio.unwrap() + exact.re / exact.norm()).abs() < 4.0 * zeta);
-        }
-    }
-
-    #[test]
-    fn one_of_each_is_what_the_single_fit_finds() {
-        let (data, _) = record(1, 1, 0.1);
-        let options = TransferFunctionOptions::new(4, 3);
-        let (array, single) =
-            (transfer_function_array(&data, &options).unwrap(), transfer_function_fit(&data, &options).unwrap());
-        assert_eq!(array.entries[0][0], single.transfer_function);
-        assert_eq!(array.numerator_deviations[0][0], single.numerator_deviations);
-        let again = to_transfer_function(&array.state_space).unwrap();
-        for (a, b) in again.denominator().iter().zip(single.transfer_function.denominator()) {
-            // Rounding of the eigenvalues of a small matrix.
-            assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
         }
     }
 }

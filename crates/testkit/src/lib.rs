@@ -4,6 +4,7 @@ pub mod benchmark;
 pub mod browser;
 pub mod bytes;
 pub mod fuzz;
+pub mod identification_cover;
 pub mod interval_cover;
 pub mod made_fleet;
 mod places;
@@ -16,6 +17,6 @@ pub mod truth;
 pub use places::{shared, workspace};
 pub use random::{uniform, white_noise};
 pub use records::{
-    IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, integrated, kinds, known_truth, known_truths,
-    known_truths_in, other_records, reference_signals, table_5, write_filtered, write_known_truth,
+    IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, identification, integrated, kinds, known_truth,
+    known_truths, known_truths_in, other_records, reference_signals, table_5, write_filtered, write_known_truth,
 };

@@ -7,6 +7,7 @@ use clap::Parser;
 use crumple_testkit::bytes::{Difference, compare, write_digests};
 use crumple_testkit::fixture::fixtures;
 use crumple_testkit::fuzz::{Campaign, Tally, run_campaign};
+use crumple_testkit::identification_cover::{self, AMBIENT, right_clusters};
 use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::made_fleet::write_fleet;
 use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
@@ -35,6 +36,20 @@ enum Command {
         /// Number of the first
         #[arg(long, default_value_t = 0)]
         first: u64,
+    },
+    /// How often nominal 90 % intervals of identified modes hold the truth, as Markdown, and of how many ambient records
+    /// of a building the modes found are its own and no others
+    IdentificationBenchmark {
+        #[command(flatten)]
+        programs: Programs,
+        /// Records a kind; a fifth of them are ambient
+        #[arg(long, default_value_t = 100)]
+        records: usize,
+        /// Number of the first
+        #[arg(long, default_value_t = 0)]
+        first: usize,
+        /// Parts of names of kinds
+        kind: Vec<String>,
     },
     /// How often 95 % intervals of fitted parameters hold the truth and how wide they are, as Markdown
     ///
@@ -175,6 +190,9 @@ fn run(command: Command) -> Result<bool, Failure> {
             println!("mutated files: {mutated}\ntampered artifacts: {tampered}");
             Ok([&mutated, &tampered].into_iter().map(Tally::not_allowed).sum::<usize>() == 0)
         }
+        Command::IdentificationBenchmark { programs, records, first, kind } => {
+            identification_benchmark(&programs.bin, (first, records), &kind)
+        }
         Command::IntervalBenchmark(asked) => interval_benchmark(&asked),
         Command::MakeFixtures { folder } => {
             for fixture in fixtures()? {
@@ -220,6 +238,22 @@ fn report_differences(asked: &Bytes) -> Result<bool, Failure> {
     let counted = differences.iter().filter(|(_, difference)| *difference >= least).count();
     println!("{} of {} lines differ, {counted} of them count", differences.len(), first.lines().count());
     Ok(counted == 0)
+}
+
+fn identification_benchmark(bin: &Path, (first, records): (usize, usize), wanted: &[String]) -> Result<bool, Failure> {
+    let folder = own_folder("identification-benchmark");
+    println!("{}", identification_cover::HEAD);
+    for kind in identification_cover::KINDS.iter().filter(|kind| is_asked(wanted, kind.name)) {
+        let cover = identification_cover::cover_of(kind, first..first + records, (bin, &folder))?;
+        print!("{}", identification_cover::rows(kind, &cover));
+    }
+    if is_asked(wanted, AMBIENT) {
+        let ambient = records.div_ceil(5);
+        let right = right_clusters(first..first + ambient, (bin, &folder))?;
+        println!("\n{AMBIENT}: the five modes of the building and no others in {right} of {ambient} records");
+    }
+    std::fs::remove_dir_all(&folder)?;
+    Ok(true)
 }
 
 fn interval_benchmark(asked: &IntervalBenchmark) -> Result<bool, Failure> {

@@ -10,9 +10,10 @@ use crumple_stage::records::{
 };
 use crumple_stage::{Output, Refused};
 use crumple_sysid::{
-    AmbientModes, AmbientOptions, Constants, IoData, NoiseKind, Order, Stability, StabilizationOptions, ambient_modes,
-    delay_scan, outliers, trend,
+    AmbientModes, AmbientOptions, Constants, IdentifyError, IoData, NoiseKind, Order, Stability, StabilizationOptions,
+    Trend, ambient_modes, delay_scan, outliers, trend,
 };
+use rayon::prelude::*;
 
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::waves::{Source, WindowedWave, record, waves};
@@ -24,6 +25,9 @@ const SAMPLES_OF_CHECKS: usize = 20_000;
 /// Poles that the delay is looked for with, and trends and outliers, at most.
 const ORDER_OF_DELAY: usize = 4;
 const ORDER_OF_CHECKS: usize = 8;
+
+/// Delays that are tried where fewer are asked for: outside of a scan that misses the delay no lag in it is right.
+const LEAST_DELAYS: usize = 19;
 
 /// Outliers whose times are said.
 const SAID: usize = 5;
@@ -97,7 +101,8 @@ fn left_out(source: Source<'_>) -> anyhow::Result<Vec<String>> {
     Ok(names(&driving, &found.inputs_left_out))
 }
 
-/// The delay of the record, said with the number that `--delay` takes; once in a wider range where it is the last.
+/// The delay of the record, said with the number that `--delay` takes. A wider range is tried where few are asked for,
+/// and once where the best is the last: a delay beyond the range asked for is said.
 fn delay(
     source: Source<'_>,
     input_output: &InputOutputSettings,
@@ -112,35 +117,39 @@ fn delay(
     let data = record.data.slice(0, SAMPLES_OF_DELAY)?;
     let order = order.unwrap_or(ORDER_OF_DELAY);
     // A hold takes a lag of its own.
-    let from = if first == 0 { 0 } else { first + 1 };
-    let scan = |last: usize| delay_scan(&data, order, from, last + 1).map(|scan| (last, scan));
-    let found = scan(last).map(|narrow| match narrow.1.lag == last + 1 {
-        true => scan(2 * last + 1).unwrap_or(narrow),
-        false => narrow,
+    let scan = |last: usize| delay_scan(&data, order, 0, last + 1).map(|scan| (last, scan));
+    let wide = LEAST_DELAYS.max(last);
+    let found = scan(wide).or_else(|| scan(last)).map(|found| match found.1.lag == found.0 + 1 {
+        true => scan(2 * found.0 + 1).unwrap_or(found),
+        false => found,
     });
-    let Some((last, scan)) = found else {
+    let Some((tried, scan)) = found else {
         let text = format!("no delay from {first} to {last} has a model in {} samples: 0 is used", data.samples());
         out.notes().concern(About::IdentifiedModels, Weight::Slight, text);
         return Ok(None);
     };
     let samples = scan.lag.saturating_sub(1);
     let seconds = samples as f64 * data.sample_time_s();
-    out.summary(format!("delay: {samples} samples ({seconds:.6} s), the best of {first} to {last}"));
-    if scan.at_edge {
-        let text = format!(
-            "the delay of {samples} samples is at the edge of what was tried, {first} to {last}: try a wider range, \
-             --delay auto={}-{}",
-            first / 2,
-            2 * last
-        );
+    out.summary(format!("delay: {samples} samples ({seconds:.6} s), the best of 0 to {tried}"));
+    let is_last = scan.lag == tried + 1;
+    let is_asked = (first..=last).contains(&samples);
+    let text = match (is_last, is_asked) {
+        (true, _) => {
+            format!("is at the edge of what was tried, 0 to {tried}: try a wider range, --delay auto=0-{}", 2 * tried)
+        }
+        (_, false) => format!("lies beyond the edge of the scan asked for, {first} to {last}, and is used"),
+        _ => String::new(),
+    };
+    if !text.is_empty() {
+        let text = format!("the delay of {samples} samples {text}");
         out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
     }
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     Ok(Some(FoundDelayV1 {
         samples: size(samples),
-        first: size(first),
-        last: size(last),
-        at_edge: scan.at_edge,
+        first: 0,
+        last: size(tried),
+        at_edge: is_last,
         noise: match scan.noise {
             NoiseKind::OutputError => NoiseModelV1::OutputError,
             NoiseKind::Arx => NoiseModelV1::Arx,
@@ -169,10 +178,17 @@ pub fn finish(
     let order = order.clamp(1, ORDER_OF_CHECKS);
     checks.order = u32::try_from(order).ok();
     let delay = input_output.delay;
-    let data = record.data.delayed(delay).slice(delay, delay + SAMPLES_OF_CHECKS)?;
-    for (answer, output) in record.outputs.iter().zip(data.outputs()) {
+    // Unseen samples belong to the record.
+    let data = record.whole.delayed(delay).slice(delay, delay + SAMPLES_OF_CHECKS)?;
+    let checked = data.outputs().par_iter().map(|output| {
         let single = IoData::new(data.inputs().to_vec(), vec![output.clone()], data.sample_time_s())?;
-        if let Some(found) = trend(&single, order).ok().filter(|found| found.is_there && !input_output.remove_trend) {
+        let line = if input_output.remove_trend { None } else { trend(&single, order).ok() };
+        let places = outliers(&single, order, false).map_or_else(|_| Vec::new(), |(mut found, _)| found.swap_remove(0));
+        Ok((line.filter(|line| line.is_there), places))
+    });
+    let checked: Vec<(Option<Trend>, Vec<usize>)> = checked.collect::<Result<_, IdentifyError>>()?;
+    for (answer, (line, places)) in record.outputs.iter().zip(checked) {
+        if let Some(found) = line {
             let slope_per_s = found.slope / data.sample_time_s();
             let text = format!(
                 "{} follows a straight line of {slope_per_s:.3e}{}/s beside its motion, and a model takes it for a \
@@ -183,7 +199,6 @@ pub fn finish(
             out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
             checks.trends.push(TrendV1 { channel: answer.id.clone(), slope_per_s, bic_gain: found.bic_gain });
         }
-        let places = outliers(&single, order, false).map_or_else(|_| Vec::new(), |(mut found, _)| found.swap_remove(0));
         if !places.is_empty() {
             let times_s: Vec<f64> = places.iter().map(|place| answer.sampled.time_s(place + delay)).collect();
             let said: Vec<String> = times_s.iter().take(SAID).map(|time| format!("{time:.6} s")).collect();

@@ -6,6 +6,7 @@ mod any_waveform;
 mod automatic;
 mod daisy_program;
 mod delays_and_filters;
+mod faults;
 mod generic_records;
 mod program;
 mod screen;

@@ -46,7 +46,7 @@ pub struct OutputError {
 
 /// Finds the model of given order whose simulated output, from a free initial state, is nearest to the measured one.
 ///
-/// The same search as that of [`transfer_function_array`](crate::transfer_function_array()), with as many zeros as
+/// The same search as that of [`transfer_function_fit`](crate::transfer_function_fit()), with as many zeros as
 /// poles and inputs that are held between samples; what it finds is sampled. Every sampled model has such a form,
 /// except one with an odd number of equal poles on the negative real axis, which a pair at the Nyquist frequency comes
 /// close to. With one input or one output the model has `order` states, with several of both that many for each of the
@@ -215,7 +215,7 @@ mod tests {
             let options = TransferFunctionOptions { stable: true, ..TransferFunctionOptions::new(4, 3) };
             let reference = transfer_function_fit(&data, &options).unwrap();
             let scale = data.output_scales()[0];
-            let (sampled, reference) = (sampled.loss * scale * scale, reference.loss);
+            let (sampled, reference) = (sampled.loss * scale * scale, reference.search.losses[0]);
             // Sampled models of the order hold every continuous one under straight lines; 0.1 % for where they stop.
             assert!(sampled <= 1.001 * reference, "{system}: {sampled} {reference}");
         }

@@ -3,11 +3,10 @@
 use crumple_numerics::lti::Complex;
 use rayon::prelude::*;
 
-use crate::arx::fit;
 use crate::output_error::options::OutputErrorOptions;
 use crate::output_error::output_error::output_error;
 use crate::validation::noise_model::{NoiseKind, NoiseModel, NoiseOptions, burg, noise_model};
-use crate::{ArxOrder, IdentifyError, InformationCriteria, IoData};
+use crate::{ArxOrder, IdentifyError, InformationCriteria, IoData, arx_from};
 
 /// Highest order of the autoregression of a simulation's errors.
 const HIGHEST_AUTOREGRESSION: usize = 6;
@@ -25,9 +24,9 @@ const LARGEST_LOSS_PERCENT: f64 = 30.0;
 /// square of the prediction errors and Schwarz's criterion of each. Errors: those of the regressions.
 pub fn arx_orders(data: &IoData, delay: usize, highest: usize) -> Result<Vec<(f64, f64)>, IdentifyError> {
     let of_order = |n: usize| {
-        let model = fit(data, ArxOrder { na: n, nb: n, nk: delay }, highest + delay)?;
+        let model = arx_from(data, ArxOrder { na: n, nb: n, nk: delay }, highest + delay)?;
         let parameters = n * (1 + data.inputs().len());
-        Ok((model.loss, InformationCriteria::new(model.loss, model.rows as f64, parameters).bic))
+        Ok((model.losses[0], InformationCriteria::new(model.losses[0], model.rows as f64, parameters).bic))
     };
     (1..=highest).map(of_order).collect()
 }
@@ -88,8 +87,8 @@ pub fn delay_scan(data: &IoData, order: usize, first: usize, last: usize) -> Opt
         .map(|lag| {
             let of_output = |output: &Vec<f64>| {
                 let single = IoData::new(data.inputs().to_vec(), vec![output.clone()], data.sample_time_s()).ok()?;
-                let arx = fit(&single, ArxOrder { na: order, nb: order, nk: *lag }, last + order).ok()?;
-                let arx = rows * arx.loss.max(f64::MIN_POSITIVE).ln() + parameters * rows.ln();
+                let arx = arx_from(&single, ArxOrder { na: order, nb: order, nk: *lag }, last + order).ok()?;
+                let arx = rows * arx.losses[0].max(f64::MIN_POSITIVE).ln() + parameters * rows.ln();
                 Some((arx, by_output_error(&single, order, *lag, last + order)?))
             };
             let all: Option<Vec<(f64, f64)>> = data.outputs().iter().map(of_output).collect();

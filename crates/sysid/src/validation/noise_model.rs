@@ -12,9 +12,7 @@ use nalgebra::DMatrix;
 
 use crate::output_error::options::OutputErrorOptions;
 use crate::output_error::output_error::{OutputError, output_error, output_error_from};
-use crate::{
-    ArxOrder, IdentifyError, IoData, Subspace, SubspaceOptions, VectorArx, Weighting, simulate_fitted, vector_arx,
-};
+use crate::{ArxOrder, IdentifyError, IoData, Subspace, SubspaceOptions, Weighting, arx, simulate_fitted};
 
 /// Highest order of the autoregression of the errors of a simulation.
 const HIGHEST_AUTOREGRESSION: usize = 6;
@@ -197,7 +195,7 @@ const BLOCK_ROWS: usize = 10;
 /// Sampled poles of an ARX model and of subspace models of two horizons, of the order each.
 fn regressions(data: &IoData, order: usize) -> Vec<Vec<Complex>> {
     let lags = order.div_ceil(data.outputs().len());
-    let arx = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).and_then(|model| model.state_space());
+    let arx = arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).and_then(|model| model.state_space());
     let subspace = |block_rows: usize| {
         let options = SubspaceOptions { weighting: Weighting::N4sid, block_rows, direct: true };
         Some(Subspace::new(data, options).ok()?.realize(order).ok()?.model)
@@ -343,7 +341,7 @@ fn by_autoregressions(
 fn by_arx(data: &IoData, order: usize) -> Option<Candidate> {
     let (m, q) = (data.inputs().len(), data.outputs().len());
     let lags = order.div_ceil(q);
-    let model: VectorArx = vector_arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).ok()?;
+    let model = arx(data, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).ok()?;
     let system = model.state_space().ok()?;
     if system.poles().ok()?.iter().any(|z| z.norm() >= 1.0) {
         return None;
@@ -366,6 +364,11 @@ fn by_arx(data: &IoData, order: usize) -> Option<Candidate> {
 }
 
 impl NoiseModel {
+    /// The one of two with the smaller criterion.
+    pub(crate) fn or_smaller(self, other: Self) -> Self {
+        if other.bic < self.bic { other } else { self }
+    }
+
     /// Whether the errors of every output are white, so that intervals can be drawn from them.
     pub fn is_white(&self) -> bool {
         self.whiteness.iter().all(|whiteness| whiteness.is_white)

@@ -20,6 +20,9 @@ const LARGEST_SHARE: f64 = 0.01;
 /// A pole that moves by less than this over the record integrates.
 const INTEGRATES: f64 = 0.5;
 
+/// Samples up to which fewer poles are tried for a trend: a long record tells a line from slow poles.
+const FEWER_UP_TO: usize = 2000;
+
 /// Fits in which outliers are replaced.
 const ROUNDS: usize = 3;
 
@@ -77,10 +80,11 @@ pub struct Trend {
     pub bic_gain: f64,
 }
 
-/// Compares output error of one output with means removed from all channels, and with straight lines removed, both with
-/// an autoregression of the errors: the line must gain more than `ln N` in Schwarz's criterion.
+/// Compares the noise models of one output with means removed from all channels, and with straight lines removed: the
+/// lines must gain more than `ln N` in Schwarz's criterion.
 ///
-/// A test on the errors of one fit does not find a trend: free poles have taken the line in. Errors: no fit.
+/// A test on the errors of one fit does not find a trend: free poles have taken the line in. The order that a record
+/// with a trend asks for has one or two such poles, so that fewer are tried too. Errors: no fit.
 pub fn trend(data: &IoData, order: usize) -> Result<Trend, IdentifyError> {
     let without = |lines: bool| {
         let signal = |x: &Vec<f64>| -> Vec<f64> {
@@ -90,18 +94,32 @@ pub fn trend(data: &IoData, order: usize) -> Result<Trend, IdentifyError> {
             x.iter().enumerate().map(|(k, x)| x - level(k)).collect()
         };
         let all = |signals: &[Vec<f64>]| signals.iter().map(signal).collect();
-        let left = IoData::new(all(data.inputs()), all(data.outputs()), data.sample_time_s())?;
-        let noise = noise_model(&left, NoiseOptions::new(order))?;
-        let least = noise.bic_output_error.iter().copied().fold(f64::INFINITY, f64::min);
-        Ok::<(f64, NoiseModel), IdentifyError>((least, noise))
+        IoData::new(all(data.inputs()), all(data.outputs()), data.sample_time_s())
     };
-    let (with_lines, beside_lines) = without(true)?;
-    let bic_gain = without(false)?.0 - with_lines;
+    let (level, straight) = (without(false)?, without(true)?);
+    let [mut beside_level, mut beside_line] = both_noise_models(&level, &straight, order)?;
+    let least = if data.samples() > FEWER_UP_TO { order } else { order.saturating_sub(2).max(1) };
+    for fewer in least..order {
+        let Ok([of_level, of_line]) = both_noise_models(&level, &straight, fewer) else { continue };
+        beside_level = beside_level.or_smaller(of_level);
+        beside_line = beside_line.or_smaller(of_line);
+    }
+    let bic_gain = beside_level.bic - beside_line.bic;
     let slope = straight_line(&data.outputs()[0]).1;
     // A system that integrates drifts by itself.
     let duration_s = data.samples() as f64 * data.sample_time_s();
-    let integrates = beside_lines.poles.iter().any(|s| s.norm() * duration_s < INTEGRATES);
+    let integrates = beside_line.poles.iter().any(|s| s.norm() * duration_s < INTEGRATES);
     Ok(Trend { is_there: !integrates && bic_gain > (data.samples() as f64).ln(), slope, bic_gain })
+}
+
+/// Noise models of two forms of a record, each from the poles of the other too: a better start is no gain.
+fn both_noise_models(level: &IoData, straight: &IoData, order: usize) -> Result<[NoiseModel; 2], IdentifyError> {
+    let options = NoiseOptions::new(order);
+    let first = noise_model(straight, options)?;
+    let of_level = noise_model(level, NoiseOptions { near: &[first.model.poles()?], ..options })?;
+    let near = [of_level.model.poles()?];
+    let again = noise_model(straight, NoiseOptions { near: &near, near_alone: true, ..options });
+    Ok([of_level, again.map_or(first.clone(), |again| first.or_smaller(again))])
 }
 
 /// Samples of every output that stand out of the errors of an output-error fit, and the fit with them replaced by what

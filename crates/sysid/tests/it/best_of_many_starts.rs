@@ -140,19 +140,24 @@ fn check(name: &str, u: Vec<f64>, y: Vec<f64>, dt: f64) {
     println!(
         "{name}: ours {:.12e} ({:.4} %, {}, start {}, {} of {} refined starts there), best of 200: {:.12e}, {} within \
          1e-6",
-        ours.loss,
-        ours.fit.unwrap().fit_percent.unwrap(),
+        ours.search.losses[0],
+        ours.fits[0].unwrap().fit_percent.unwrap(),
         ours.search.stop_reason.name(),
         ours.search.start.name(),
-        ours.search.losses.iter().filter(|l| **l < ours.loss * (1.0 + 1e-6)).count(),
+        ours.search.losses.iter().filter(|l| **l < ours.search.losses[0] * (1.0 + 1e-6)).count(),
         ours.search.losses.len(),
         losses[0],
         losses.iter().filter(|l| **l < losses[0] * (1.0 + 1e-6)).count()
     );
-    println!("    {:?} / {:?}", ours.transfer_function.numerator(), ours.transfer_function.denominator());
+    println!("    {:?} / {:?}", ours.entries[0][0].numerator(), ours.entries[0][0].denominator());
     // Perfect fits are equal at rounding: a relative comparison of such losses would be one of rounding errors.
     let rounding = (1e-11 * size).powi(2);
-    assert!(ours.loss <= losses[0] * (1.0 + 1e-6) + rounding, "{name}: {:e} {:e}", ours.loss, losses[0]);
+    assert!(
+        ours.search.losses[0] <= losses[0] * (1.0 + 1e-6) + rounding,
+        "{name}: {:e} {:e}",
+        ours.search.losses[0],
+        losses[0]
+    );
 }
 
 fn known_truth(name: &str) {

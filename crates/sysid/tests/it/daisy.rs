@@ -5,7 +5,7 @@ use crumple_numerics::lti::{StateSpace, discretize_zero_order_hold};
 use crumple_sysid::{
     ArxOrder, Criterion, Hold, Horizons, IdentifyError, IoData, Lags, Okid, OkidOptions, Order, OutputErrorOptions,
     Stop, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting, arx, compare, fit_measures, horizons,
-    output_error, transfer_function_fit, vector_arx,
+    output_error, transfer_function_fit,
 };
 
 /// Columns of a text file: `inputs` first, the rest outputs. Mean of the first part removed.
@@ -55,7 +55,7 @@ fn subspace_table(estimation: &IoData, validation: &IoData, orders: &[usize], bl
 fn arx_line(estimation: &IoData, validation: &IoData, order: ArxOrder) -> f64 {
     let model = arx(estimation, order).unwrap();
     let simulated = fits(&model.state_space().unwrap(), validation);
-    let predicted = fit_measures(&validation.outputs()[0], &model.predict(validation)).unwrap();
+    let predicted = fit_measures(&validation.outputs()[0], &model.predict(validation)[0]).unwrap();
     let ArxOrder { na, nb, nk } = order;
     line(&format!("arx ({na},{nb},{nk}) simulated | 1 step"), &[simulated[0], predicted.fit_percent.unwrap()]);
     simulated[0]
@@ -91,7 +91,7 @@ fn transfer_function_line(estimation: &IoData, validation: &IoData, poles: usize
     let estimated = transfer_function_fit(estimation, &options).unwrap();
     let model = discretize_zero_order_hold(&estimated.state_space, estimation.sample_time_s()).unwrap();
     let name = format!("tfest {poles} poles, {zeros} zeros, delay {delay} | first half");
-    line(&name, &[fits(&model, &validation.delayed(delay))[0], estimated.fit.unwrap().fit_percent.unwrap()]);
+    line(&name, &[fits(&model, &validation.delayed(delay))[0], estimated.fits[0].unwrap().fit_percent.unwrap()]);
 }
 
 /// OKID at several orders; the best fit of the first output.
@@ -155,7 +155,7 @@ fn flexible_robot_arm() {
 
 /// Simulation fits of the validation part by an ARX model of all outputs.
 fn vector_arx_line(estimation: &IoData, validation: &IoData, lags: usize) -> Vec<f64> {
-    let model = vector_arx(estimation, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).unwrap();
+    let model = arx(estimation, ArxOrder { na: lags, nb: lags + 1, nk: 0 }).unwrap();
     let estimated = fits(&model.state_space().unwrap(), validation);
     line(&format!("arx, {lags} lags, {} states", lags * estimation.outputs().len()), &estimated);
     estimated

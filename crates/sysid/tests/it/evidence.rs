@@ -332,7 +332,7 @@ fn bands_cover_the_true_frequency_response_as_often_as_they_say() {
         let fit = transfer_function_fit(&data, &options).unwrap();
         let estimated = frequency_response(&fit.state_space, &rad_per_s).unwrap();
         let covariance = fit.coefficient_covariance.as_ref().unwrap();
-        for (k, band) in response_deviations(&fit.transfer_function, 4, covariance, &rad_per_s).iter().enumerate() {
+        for (k, band) in response_deviations(&fit.entries[0][0], 4, covariance, &rad_per_s).iter().enumerate() {
             let (magnitude, phase) = band.unwrap();
             let error = (estimated[k] / exact[k]).ln();
             magnitudes += usize::from(error.re.abs() < 1.6449 * magnitude);

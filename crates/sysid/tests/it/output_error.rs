@@ -3,7 +3,7 @@
 use crumple_numerics::lti::{Complex, StateSpace, discretize_zero_order_hold, simulate};
 use crumple_sysid::{
     Hold, IoData, OutputErrorOptions, TransferFunctionOptions, compare, modal_assurance, mode_shapes, output_error,
-    transfer_function_array,
+    transfer_function_fit,
 };
 use crumple_testkit::white_noise;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -61,7 +61,7 @@ fn an_impact_on_five_sensors_gives_the_model_and_its_shapes() {
     let (exact, _) = quality(&truth, &data, &shapes);
     let sampled = output_error(&data, OutputErrorOptions::new(10)).unwrap().model;
     let options = TransferFunctionOptions { hold: Hold::Zero, ..TransferFunctionOptions::new(10, 10) };
-    let continuous = transfer_function_array(&data, &options).unwrap();
+    let continuous = transfer_function_fit(&data, &options).unwrap();
     assert!(!continuous.search.initial_estimated);
     let continuous = discretize_zero_order_hold(&continuous.state_space, data.sample_time_s()).unwrap();
     for model in [&sampled, &continuous] {

@@ -65,21 +65,21 @@ fn coefficients_of_the_printed_model_come_back_to_nine_digits() {
         fit.search.start.name(),
         fit.search.iterations,
         fit.search.evaluations,
-        fit.loss
+        fit.search.losses[0]
     );
-    println!("{:?} / {:?}", fit.transfer_function.numerator(), fit.transfer_function.denominator());
-    let estimated = fit.transfer_function.denominator().iter().chain(fit.transfer_function.numerator());
+    println!("{:?} / {:?}", fit.entries[0][0].numerator(), fit.entries[0][0].denominator());
+    let estimated = fit.entries[0][0].denominator().iter().chain(fit.entries[0][0].numerator());
     for (estimated, exact) in estimated.zip(DENOMINATOR.iter().chain(&NUMERATOR)) {
         assert!((estimated / exact - 1.0).abs() < 1e-9, "{estimated} {exact}");
     }
     // The zero in the right half plane is the finding about that model.
-    assert!((fit.zeros[0].re - 466.2 / 76.15).abs() < 1e-7);
-    assert!(fit.fit.unwrap().fit_percent.unwrap() > 99.999_999);
+    assert!((fit.zeros[0].0.re - 466.2 / 76.15).abs() < 1e-7);
+    assert!(fit.fits[0].unwrap().fit_percent.unwrap() > 99.999_999);
     // Free motion over the same denominator: y(0) = 0 and y'(0) = 15.6 are its leading coefficients.
     assert!(
-        fit.initial_numerator[0].abs() < 1e-6 && (fit.initial_numerator[1] - 15.6).abs() < 1e-6,
+        fit.initial_numerators[0][0].abs() < 1e-6 && (fit.initial_numerators[0][1] - 15.6).abs() < 1e-6,
         "{:?}",
-        fit.initial_numerator
+        fit.initial_numerators[0]
     );
 }
 
@@ -87,19 +87,19 @@ fn coefficients_of_the_printed_model_come_back_to_nine_digits() {
 fn noise_is_covered_by_the_standard_deviations_and_blurs_the_numerator() {
     for noise_m in [1e-4, 1e-3] {
         let fit = transfer_function_fit(&crash(noise_m), &TransferFunctionOptions::new(4, 1)).unwrap();
-        let estimated = fit.transfer_function.denominator()[1..].iter().chain(fit.transfer_function.numerator());
-        let deviations = fit.search.denominator_deviations.iter().chain(&fit.numerator_deviations);
+        let estimated = fit.entries[0][0].denominator()[1..].iter().chain(fit.entries[0][0].numerator());
+        let deviations = fit.search.denominator_deviations.iter().chain(&fit.numerator_deviations[0][0]);
         for ((estimated, exact), deviation) in estimated.zip(DENOMINATOR[1..].iter().chain(&NUMERATOR)).zip(deviations)
         {
             println!("{noise_m}: {estimated:.6e} +- {deviation:.1e}, exact {exact:.6e}");
             // Four deviations; the data are fixed.
             assert!((estimated - exact).abs() < 4.0 * deviation, "{estimated} {exact} {deviation}");
         }
-        let rmse = fit.fit.unwrap().rmse;
+        let rmse = fit.fits[0].unwrap().rmse;
         assert!((rmse / noise_m - 1.0).abs() < 0.1, "{rmse}");
         if noise_m == 1e-3 {
             // At 1 mm the numerator's constant is known to a third at best.
-            assert!(fit.numerator_deviations[1] > 0.3 * NUMERATOR[1], "{:?}", fit.numerator_deviations);
+            assert!(fit.numerator_deviations[0][0][1] > 0.3 * NUMERATOR[1], "{:?}", fit.numerator_deviations[0][0]);
         }
     }
 }
@@ -125,10 +125,8 @@ fn rest_is_found_by_the_test_and_other_orders_and_holds_come_back() {
         };
         let fit = transfer_function_fit(&data, &options).unwrap();
         assert!(!fit.search.initial_estimated, "order {n}");
-        for ((estimated, exact), deviation) in fit.transfer_function.denominator()[1..]
-            .iter()
-            .zip(&denominator[1..])
-            .zip(&fit.search.denominator_deviations)
+        for ((estimated, exact), deviation) in
+            fit.entries[0][0].denominator()[1..].iter().zip(&denominator[1..]).zip(&fit.search.denominator_deviations)
         {
             assert!((estimated - exact).abs() < 4.0 * deviation, "order {n}: {estimated} {exact} +- {deviation}");
         }
@@ -138,34 +136,34 @@ fn rest_is_found_by_the_test_and_other_orders_and_holds_come_back() {
 #[test]
 fn every_start_alone_reaches_the_optimum() {
     let data = crash(1e-4);
-    let best = transfer_function_fit(&data, &TransferFunctionOptions::new(4, 1)).unwrap().loss;
+    let best = transfer_function_fit(&data, &TransferFunctionOptions::new(4, 1)).unwrap().search.losses[0];
     for start in [Start::Svf, Start::Iv, Start::N4sid, Start::Arx, Start::Random] {
         let options = TransferFunctionOptions { starts: vec![start], ..TransferFunctionOptions::new(4, 1) };
         let fit = transfer_function_fit(&data, &options).unwrap();
         println!(
             "{}: loss {:.9e}, {} evaluations, {:?}",
             start.name(),
-            fit.loss,
+            fit.search.losses[0],
             fit.search.evaluations,
             fit.search.stop_reason
         );
         // A stationary point to the gradient test; the loss is flat there to its square.
-        assert!(fit.loss <= best * (1.0 + 1e-9), "{}", start.name());
+        assert!(fit.search.losses[0] <= best * (1.0 + 1e-9), "{}", start.name());
     }
     let zero_hold = TransferFunctionOptions { hold: Hold::Zero, ..TransferFunctionOptions::new(4, 1) };
-    assert!(transfer_function_fit(&data, &zero_hold).unwrap().loss > best);
+    assert!(transfer_function_fit(&data, &zero_hold).unwrap().search.losses[0] > best);
 }
 
 #[test]
 fn state_space_and_transfer_function_are_the_same() {
     let fit = transfer_function_fit(&crash(1e-4), &TransferFunctionOptions::new(4, 1)).unwrap();
     let again = crumple_numerics::lti::to_transfer_function(&fit.state_space).unwrap();
-    for (a, b) in again.denominator().iter().zip(fit.transfer_function.denominator()) {
+    for (a, b) in again.denominator().iter().zip(fit.entries[0][0].denominator()) {
         // Rounding of the eigenvalues of a small matrix.
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     }
     let numerator = again.numerator();
-    for (a, b) in numerator[numerator.len() - 2..].iter().zip(fit.transfer_function.numerator()) {
+    for (a, b) in numerator[numerator.len() - 2..].iter().zip(fit.entries[0][0].numerator()) {
         assert!((a / b - 1.0).abs() < 1e-6, "{numerator:?}");
     }
 }

@@ -15,6 +15,7 @@ pub use crate::records::known_truth::{
 pub(crate) use crate::records::measurement::{FINE_S, LowPass, Measurement};
 
 pub mod fixture;
+pub mod identification;
 pub mod kinds;
 mod known_truth;
 mod measurement;

@@ -3,12 +3,12 @@
 use crumple_signal::{About, Weight};
 use crumple_stage::records::{ArxScanModelV1, ArxScanV1, ScanEdgeV1};
 use crumple_stage::{Outcome, Output, RefuseExt, Refused};
-use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted, vector_arx};
+use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted};
 
 use crate::stage::methods::discrete::{MethodRun, ModelRequest};
 use crate::stage::options::choices::Method;
 use crate::stage::options::orders::ArxRanges;
-use crate::stage::records::discrete::DiscreteModel;
+use crate::stage::records::discrete::{Deviations, DiscreteModel};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source};
 
@@ -32,28 +32,17 @@ pub fn identify_order(order: usize, data: &IoData) -> Result<DiscreteModel, Iden
 fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, IdentifyError> {
     let (m, q) = (data.inputs().len(), data.outputs().len());
     let ArxOrder { na, nb, .. } = order;
-    if q > 1 {
-        let model = vector_arx(data, order)?;
-        let states = model.state_space()?;
-        let predicted = model.predict(data);
-        let parameters = q * (na * q + nb * m) + states.order();
-        return Ok(DiscreteModel {
-            predicted,
-            predicted_from: order.states(),
-            ..DiscreteModel::new(states, parameters)
-        });
-    }
     let model = arx(data, order)?;
-    let coefficients = na + m * nb;
-    let from = order.states();
-    let predicted = model.predict(data);
+    let states = model.state_space()?;
+    // The initial state is fitted for the simulation.
+    let parameters = q * (na * q + nb * m) + states.order();
     let discrete = DiscreteModel {
-        predicted: vec![predicted],
-        predicted_from: from,
-        // The initial state is fitted for the simulation.
-        ..DiscreteModel::new(model.state_space()?, coefficients + from)
+        predicted: model.predict(data),
+        predicted_from: order.states(),
+        ..DiscreteModel::new(states, parameters)
     };
-    Ok(DiscreteModel { deviations: Some(Box::new(move |poles| model.mode_deviations(poles))), ..discrete })
+    let deviations: Deviations = Box::new(move |poles| model.mode_deviations(poles));
+    Ok(DiscreteModel { deviations: (q == 1).then_some(deviations), ..discrete })
 }
 
 /// The structures asked for, and the best of the scan.

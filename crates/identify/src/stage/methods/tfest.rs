@@ -2,14 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use crumple_numerics::lti::{Complex, InputHold, Mode, StateSpace, TransferFunction};
+use crumple_numerics::lti::{Complex, InputHold, TransferFunction};
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
-    Hold, InitialConditions, IoData, PoleKind, SearchOutcome, Stop, TransferFunctionArray, TransferFunctionFit,
-    TransferFunctionOptions, mode_shapes, pole_kinds, response_deviations, sampled, transfer_function_array,
-    transfer_function_fit,
+    Hold, InitialConditions, IoData, PoleKind, Stop, TransferFunctionFit, TransferFunctionOptions, mode_shapes,
+    pole_kinds, response_deviations, sampled, transfer_function_fit,
 };
 use nalgebra::DVector;
 
@@ -57,32 +56,41 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
         }
         let hint = "widen the window (--from, --to), lower --poles, or name other waveforms";
         notes.extend(preparation(&id, &record));
-        let fitted = if record.single() {
-            let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
-            notes.extend(remarks(&id, &fit, &record.inputs[0], &record.outputs[0]));
-            Fitted::single(fit, options.zeros)
-        } else {
-            let fit = transfer_function_array(&record.data, &options).refuse_with_hint(hint)?;
-            notes.extend(remarks_of_array(&id, &fit, &record));
-            Fitted::array(fit)
-        };
-        put(&task, fitted, notes, results)?;
+        let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
+        notes.extend(remarks(&id, &fit, &record));
+        put(&task, &fit, notes, results)?;
     }
     Ok(Outcome::Done)
 }
 
 /// What a reader should know before believing the coefficients.
-fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &WindowedWave) -> Notes {
+fn remarks(id: &str, fit: &TransferFunctionFit, record: &Record) -> Notes {
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    let mut notes = notes_on_poles(id, &poles, &[answer, drive]);
+    let mut notes = notes_on_poles(id, &poles, &record.waves());
+    let mut unknown = Vec::new();
+    if record.single() {
+        unknown = unknown_coefficients(fit);
+        // Zeros and gain of a numerator that nobody knows are no second warning.
+        let numerator_is_known = unknown.is_empty() && fit.search.condition <= ILL_CONDITIONED;
+        notes_on_path(id, fit, record, numerator_is_known, &mut notes);
+    } else {
+        notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
+    }
+    coefficient_note(id, fit.search.condition, &unknown, &mut notes);
+    for (wave, measures) in record.outputs.iter().zip(&fit.fits) {
+        let name = if record.single() { id.to_owned() } else { format!("{id}, {}", wave.id) };
+        note_on_fit(&name, measures.and_then(|measures| measures.fit_percent), &mut notes);
+    }
+    notes
+}
+
+/// Zeros in the right half plane and the gain at rest of a single path.
+fn notes_on_path(id: &str, fit: &TransferFunctionFit, record: &Record, numerator_is_known: bool, notes: &mut Notes) {
+    let (drive, answer) = (&record.inputs[0], &record.outputs[0]);
+    let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     let kinds = pole_kinds(&poles, pole_record(&[answer, drive]));
     let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
-    let unknown = unknown_coefficients(fit);
-    // Zeros and gain of a numerator that nobody knows are no second warning.
-    let numerator_is_known = unknown.is_empty() && fit.search.condition <= ILL_CONDITIONED;
-    for (zero, deviation) in
-        fit.zeros.iter().zip(&fit.zero_deviations).filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0)
-    {
+    for (zero, deviation) in fit.zeros.iter().filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0) {
         let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
         let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
         let is_there = deviation.is_some_and(|(re, _)| zero.re > 1.96 * re);
@@ -95,7 +103,7 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
             notes.info(place);
         }
     }
-    let gain = fit.transfer_function.at(Complex::new(0.0, 0.0)).re;
+    let gain = fit.entries[0][0].at(Complex::new(0.0, 0.0)).re;
     if of_motion && !kinds.contains(&PoleKind::Integrator) && poles.iter().all(|s| s.re < 0.0) {
         let exact = "the true system is 1/s^2 and has none";
         if gain < 0.0 && numerator_is_known {
@@ -107,15 +115,12 @@ fn remarks(id: &str, fit: &TransferFunctionFit, drive: &WindowedWave, answer: &W
             notes.info(format!("{id}: the gain at rest is {gain:.4e} s^2; {exact}"));
         }
     }
-    coefficient_note(id, fit.search.condition, &unknown, &mut notes);
-    note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
-    notes
 }
 
 /// Coefficients of a numerator of which each may have either sign at 95 %, in words; none where one is known.
 fn unknown_coefficients(fit: &TransferFunctionFit) -> Vec<String> {
-    let numerator = fit.transfer_function.numerator();
-    let shown = &fit.numerator_deviations[fit.numerator_deviations.len() - numerator.len()..];
+    let (numerator, deviations) = (fit.entries[0][0].numerator(), &fit.numerator_deviations[0][0]);
+    let shown = &deviations[deviations.len() - numerator.len()..];
     let powers = (0..numerator.len()).rev();
     let unknown = powers.zip(numerator.iter().zip(shown)).filter(|(_, (b, deviation))| 1.96 * **deviation > b.abs());
     let unknown: Vec<String> =
@@ -137,87 +142,21 @@ fn coefficient_note(id: &str, condition: f64, unknown: &[String], notes: &mut No
     notes.warning(format!("{id}: this record does not determine the single coefficients: {why}"));
 }
 
-/// What a reader should know of transfer functions with a common denominator.
-fn remarks_of_array(id: &str, fit: &TransferFunctionArray, record: &Record) -> Notes {
-    let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
-    let mut notes = notes_on_poles(id, &poles, &record.waves());
-    notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
-    coefficient_note(id, fit.search.condition, &[], &mut notes);
-    for (wave, measures) in record.outputs.iter().zip(&fit.fits) {
-        let name = format!("{id}, {}", wave.id);
-        note_on_fit(&name, measures.and_then(|measures| measures.fit_percent), &mut notes);
+/// What is known of every output.
+fn evidence(task: &TransferFunctionTask<'_>, fit: &TransferFunctionFit) -> Vec<EvidenceV1> {
+    let TransferFunctionTask { settings, input_output, record, .. } = *task;
+    let mut evidence = evidence_of(&record.inputs, &record.outputs, &fit.simulated, fit.parameters);
+    let covariance = if record.single() { fit.denominator_covariance() } else { Vec::new() };
+    for (output_evidence, deviations) in evidence.iter_mut().zip(&fit.numerator_deviations) {
+        put_search(&fit.search, input_output.hold, settings.paper, output_evidence);
+        output_evidence.numerator_deviations = if_determined(&deviations.concat());
+        output_evidence.denominator_covariance.clone_from(&covariance);
+        output_evidence.zeros_re_per_s = fit.zeros.iter().map(|(zero, _)| zero.re).collect();
+        output_evidence.zeros_im_rad_per_s = fit.zeros.iter().map(|(zero, _)| zero.im).collect();
+        output_evidence.zero_re_deviations = fit.zeros.iter().map(|(_, d)| d.map(|d| d.0)).collect();
+        output_evidence.zero_im_deviations = fit.zeros.iter().map(|(_, d)| d.map(|d| d.1)).collect();
     }
-    notes
-}
-
-/// Transfer functions with a common denominator, as the records have them.
-struct Fitted {
-    state_space: StateSpace,
-    modes: Vec<Mode>,
-    /// Numerator and denominator by output and input.
-    paths: Vec<Vec<(Vec<f64>, Vec<f64>)>>,
-    /// Of every output: deviations of the numerators, one input after the other.
-    numerator_deviations: Vec<Vec<f64>>,
-    zeros: Vec<(Complex, Option<(f64, f64)>)>,
-    simulated: Vec<Vec<f64>>,
-    parameters: usize,
-    search: SearchOutcome,
-    denominator_covariance: Vec<Vec<f64>>,
-    /// Relative deviation of the modulus and deviation of the phase of one path at frequencies in rad/s.
-    response_deviations: Option<ResponseDeviations>,
-}
-
-type ResponseDeviations = Box<dyn Fn(&[f64]) -> Vec<Option<(f64, f64)>>>;
-
-impl Fitted {
-    fn single(fit: TransferFunctionFit, zeros: usize) -> Self {
-        let (tf, covariance) = (fit.transfer_function.clone(), fit.coefficient_covariance.clone());
-        let of_response = covariance.map(|covariance| -> ResponseDeviations {
-            Box::new(move |w| response_deviations(&tf, zeros + 1, &covariance, w))
-        });
-        Self {
-            paths: vec![vec![polynomials(&fit.transfer_function)]],
-            denominator_covariance: fit.denominator_covariance(),
-            numerator_deviations: vec![fit.numerator_deviations],
-            zeros: fit.zeros.into_iter().zip(fit.zero_deviations).collect(),
-            simulated: vec![fit.simulated],
-            parameters: fit.criteria.parameters,
-            state_space: fit.state_space,
-            modes: fit.modes,
-            search: fit.search,
-            response_deviations: of_response,
-        }
-    }
-
-    fn array(fit: TransferFunctionArray) -> Self {
-        Self {
-            paths: fit.entries.iter().map(|of_inputs| of_inputs.iter().map(polynomials).collect()).collect(),
-            numerator_deviations: fit.numerator_deviations.iter().map(|of_inputs| of_inputs.concat()).collect(),
-            zeros: Vec::new(),
-            simulated: fit.simulated,
-            parameters: fit.parameters,
-            state_space: fit.state_space,
-            modes: fit.modes,
-            search: fit.search,
-            denominator_covariance: Vec::new(),
-            response_deviations: None,
-        }
-    }
-
-    fn evidence(&self, task: &TransferFunctionTask<'_>) -> Vec<EvidenceV1> {
-        let TransferFunctionTask { settings, input_output, record, .. } = *task;
-        let mut evidence = evidence_of(&record.inputs, &record.outputs, &self.simulated, self.parameters);
-        for (output_evidence, deviations) in evidence.iter_mut().zip(&self.numerator_deviations) {
-            put_search(&self.search, input_output.hold, settings.paper, output_evidence);
-            output_evidence.numerator_deviations = if_determined(deviations);
-            output_evidence.denominator_covariance = self.denominator_covariance.clone();
-            output_evidence.zeros_re_per_s = self.zeros.iter().map(|(zero, _)| zero.re).collect();
-            output_evidence.zeros_im_rad_per_s = self.zeros.iter().map(|(zero, _)| zero.im).collect();
-            output_evidence.zero_re_deviations = self.zeros.iter().map(|(_, d)| d.map(|d| d.0)).collect();
-            output_evidence.zero_im_deviations = self.zeros.iter().map(|(_, d)| d.map(|d| d.1)).collect();
-        }
-        evidence
-    }
+    evidence
 }
 
 fn polynomials(tf: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
@@ -225,27 +164,29 @@ fn polynomials(tf: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Writes the model and says it on the screen.
-fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &mut Results<'_>) -> anyhow::Result<()> {
+fn put(
+    task: &TransferFunctionTask<'_>,
+    fitted: &TransferFunctionFit,
+    notes: Notes,
+    results: &mut Results<'_>,
+) -> anyhow::Result<()> {
     let TransferFunctionTask { id, options, settings, input_output, record } = *task;
-    let evidence = fitted.evidence(task);
-    let simulated = simulated(task, &fitted)?;
-    let responses = responses_of(&fitted, &record.outputs[0], options.delay);
-    let band = fitted.response_deviations.as_ref().map(|deviations_at| {
+    let evidence = evidence(task, fitted);
+    let simulated = simulated(task, fitted)?;
+    let responses = responses_of(fitted, &record.outputs[0], options.delay);
+    let band = fitted.coefficient_covariance.as_ref().filter(|_| record.single()).map(|covariance| {
         let grid = responses.grid_hz();
         let rad_per_s: Vec<f64> = grid.iter().map(|f| TAU * f).collect();
         let magnitude: Vec<f64> = responses.sample(&grid).response.iter().map(|h| h.norm()).collect();
-        Band::from_deviations(&magnitude, &deviations_at(&rad_per_s))
+        let deviations = response_deviations(&fitted.entries[0][0], options.zeros + 1, covariance, &rad_per_s);
+        Band::from_deviations(&magnitude, &deviations)
     });
     let initial = if fitted.search.initial_estimated { InitialConditions::Estimate } else { InitialConditions::Zero };
     let poles = vec![responses.poles.clone()];
     let again = TransferFunctionOptions { starts: Vec::new(), given: poles, initial, ..options.clone() };
     let refit = |y: &[Vec<f64>], grid: &[f64]| {
         let data = IoData::new(record.data.inputs().to_vec(), y.to_vec(), record.data.sample_time_s()).ok()?;
-        let refitted = if record.single() {
-            Fitted::single(transfer_function_fit(&data, &again).ok()?, again.zeros)
-        } else {
-            Fitted::array(transfer_function_array(&data, &again).ok()?)
-        };
+        let refitted = transfer_function_fit(&data, &again).ok()?;
         Some(responses_of(&refitted, &record.outputs[0], options.delay).sample(grid))
     };
     let poles = Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
@@ -267,7 +208,7 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
         delay_s: record.delay_s,
         forms: Forms {
             state_spaces: vec![("continuous", fitted.state_space.clone(), record.input())],
-            paths: fitted.paths.clone(),
+            paths: fitted.entries.iter().map(|of_inputs| of_inputs.iter().map(polynomials).collect()).collect(),
             is_transfer_function: true,
             ..Forms::default()
         },
@@ -290,7 +231,7 @@ fn put(task: &TransferFunctionTask<'_>, fitted: Fitted, notes: Notes, results: &
     .put(results)
 }
 
-fn responses_of<'a>(fitted: &'a Fitted, answer: &WindowedWave, delay: usize) -> ModelResponses<'a> {
+fn responses_of<'a>(fitted: &'a TransferFunctionFit, answer: &WindowedWave, delay: usize) -> ModelResponses<'a> {
     ModelResponses {
         continuous: Some(&fitted.state_space),
         discrete: None,
@@ -303,7 +244,7 @@ fn responses_of<'a>(fitted: &'a Fitted, answer: &WindowedWave, delay: usize) -> 
 }
 
 /// The outputs on the record and on the samples kept after it.
-fn simulated(task: &TransferFunctionTask<'_>, fitted: &Fitted) -> anyhow::Result<Simulated> {
+fn simulated(task: &TransferFunctionTask<'_>, fitted: &TransferFunctionFit) -> anyhow::Result<Simulated> {
     let TransferFunctionTask { options, record, .. } = *task;
     let used = fitted.simulated.clone();
     if record.outputs[0].kept.is_empty() {

@@ -96,7 +96,7 @@ pub struct Options {
     #[serde(deserialize_with = "one_or_several")]
     pub max_iterations: Vec<u32>,
     /// Samples by which the input acts late; "auto": the best of 0 to 19 by the one-step prediction error, "auto=2-30":
-    /// of these. Default: 0.
+    /// expected in these, and a best one beyond them is said. Default: 0.
     #[arg(long)]
     pub delay: Option<Delay>,
     /// Remove the mean over the samples identified from, from inputs and outputs of methods with both (also from the

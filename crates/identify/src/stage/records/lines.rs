@@ -124,7 +124,7 @@ impl ModelFacts<'_> {
         let mut put = |label: &str, text: Option<String>| {
             lines.extend(text.map(|text| format!("  {label:<LABEL$} {text}")));
         };
-        put("outputs", self.outputs());
+        put("outputs", self.outputs().filter(|_| !self.is_ambient()));
         self.form().into_iter().for_each(|(label, text)| put(label, Some(text)));
         put("poles", self.poles());
         put("zeros", self.zeros());

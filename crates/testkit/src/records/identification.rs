@@ -1,30 +1,36 @@
-//! Records of the cases, made of a congruence from stated seeds.
+//! Records of the reference cases of system identification, made of a congruence from stated seeds.
 
 use std::f64::consts::PI;
 
-use crumple_sysid::IoData;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde_json::Value;
 
+/// Signals of inputs and of outputs.
+pub type Signals = (Vec<Vec<f64>>, Vec<Vec<f64>>);
+
+/// A number of a case; panics where it is missing.
 pub fn number(input: &Value, name: &str) -> f64 {
     input[name].as_f64().unwrap_or_else(|| panic!("{name} is missing"))
 }
 
+/// A whole number of a case; panics where it is missing.
 pub fn integer(input: &Value, name: &str) -> usize {
-    usize::try_from(input[name].as_u64().unwrap_or_else(|| panic!("{name} is missing"))).unwrap()
+    input[name].as_u64().unwrap_or_else(|| panic!("{name} is missing")) as usize
 }
 
+/// A list of numbers; empty where there is none.
 pub fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().into_iter().flatten().map(|x| x.as_f64().unwrap()).collect()
+    value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
+/// Sampling interval, s; 1 where none is stated.
 pub fn dt(input: &Value) -> f64 {
     input["dt"].as_f64().unwrap_or(1.0)
 }
 
 /// `x <- (1664525 x + 1013904223) mod 2^32`, values over 2^32.
 fn uniform(seed: usize) -> impl Iterator<Item = f64> {
-    let mut x = u32::try_from(seed).unwrap();
+    let mut x = seed as u32;
     std::iter::from_fn(move || {
         x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         Some(f64::from(x) / 4_294_967_296.0)
@@ -38,7 +44,7 @@ pub fn gauss(seed: usize, count: usize) -> Vec<f64> {
 }
 
 /// `B/A` of a signal from rest.
-fn filtered(b: &[f64], a: &[f64], u: &[f64]) -> Vec<f64> {
+pub(crate) fn filtered(b: &[f64], a: &[f64], u: &[f64]) -> Vec<f64> {
     let mut y: Vec<f64> = Vec::with_capacity(u.len());
     for k in 0..u.len() {
         let driven = b.iter().enumerate().filter_map(|(lag, b)| Some(b * u[k.checked_sub(lag)?])).sum::<f64>();
@@ -49,7 +55,7 @@ fn filtered(b: &[f64], a: &[f64], u: &[f64]) -> Vec<f64> {
 }
 
 /// `y = (B/F) u + (sd/D) e + slope k`, then outliers.
-pub fn record(input: &Value) -> IoData {
+pub fn record(input: &Value) -> Signals {
     let samples = integer(input, "N");
     let values = uniform(integer(input, "seed_u")).take(samples);
     let u: Vec<f64> = match input["input"].as_str().unwrap_or("uniform") {
@@ -68,10 +74,10 @@ pub fn record(input: &Value) -> IoData {
         .enumerate()
         .map(|(k, (y, v))| y + v + slope * k as f64)
         .collect();
-    for outlier in input["outliers"].as_array().into_iter().flatten() {
-        y[usize::try_from(outlier[0].as_u64().unwrap()).unwrap()] += outlier[1].as_f64().unwrap();
+    for outlier in input["outliers"].as_array().into_iter().flatten().map(numbers) {
+        y[outlier[0] as usize] += outlier[1];
     }
-    IoData::single(u, y, dt(input)).unwrap()
+    (vec![u], vec![y])
 }
 
 /// Channels `value + size` times draws.
@@ -79,10 +85,10 @@ pub fn channels(input: &Value, name: &str) -> Vec<Vec<f64>> {
     let samples = integer(input, "N");
     let channel = |channel: &Value| {
         let (value, size) = (channel["value"].as_f64().unwrap_or(0.0), channel["size"].as_f64().unwrap_or(0.0));
-        let seed = channel["seed"].as_u64().map_or(0, |seed| usize::try_from(seed).unwrap());
+        let seed = channel["seed"].as_u64().map_or(0, |seed| seed as usize);
         uniform(seed).take(samples).map(|x| value + size * (x - 0.5)).collect()
     };
-    input[name].as_array().unwrap().iter().map(channel).collect()
+    input[name].as_array().into_iter().flatten().map(channel).collect()
 }
 
 /// Draws row by row, a row an instant: one signal a mass.
@@ -90,11 +96,25 @@ fn rows(draws: &[f64], count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|i| draws.iter().skip(i).step_by(count).copied().collect()).collect()
 }
 
+/// Natural frequencies (rad/s) and shapes of unit modal mass of a chain held at mass 0, `springs[i]` below mass `i`:
+/// the symmetric problem of `M^-1/2 K M^-1/2`.
+pub fn chain_modes(masses: &[f64], springs: &[f64]) -> Vec<(f64, Vec<f64>)> {
+    let (count, root) = (masses.len(), |i: usize| masses[i].sqrt());
+    let stiffness = |i: usize, j: usize| match j {
+        _ if i == j => springs[i] + springs.get(i + 1).copied().unwrap_or(0.0),
+        _ if i.abs_diff(j) == 1 => -springs[i.max(j)],
+        _ => 0.0,
+    };
+    let eigen = SymmetricEigen::new(DMatrix::from_fn(count, count, |i, j| stiffness(i, j) / root(i) / root(j)));
+    let shape = |mode: usize| (0..count).map(|i| eigen.eigenvectors[(i, mode)] / root(i)).collect();
+    (0..count).map(|mode| (eigen.eigenvalues[mode].sqrt(), shape(mode))).collect()
+}
+
 /// Accelerations of a chain held at mass 0: struck, or driven by noise on every mass; with noise of the sensors.
-pub fn chain(input: &Value, is_struck: bool) -> IoData {
+pub fn chain(input: &Value, is_struck: bool) -> Signals {
     let (masses, springs) = (numbers(&input["masses"]), numbers(&input["springs"]));
     let (count, samples, dt_s) = (masses.len(), integer(input, "N"), number(input, "dt"));
-    let skip = input["skip"].as_u64().map_or(0, |skip| usize::try_from(skip).unwrap());
+    let skip = input["skip"].as_u64().map_or(0, |skip| skip as usize);
     let all = samples + skip;
     let forces: Vec<Vec<f64>> = if is_struck {
         let (at, struck, length) = (integer(input, "at"), integer(input, "struck"), integer(input, "pulse_samples"));
@@ -106,19 +126,10 @@ pub fn chain(input: &Value, is_struck: bool) -> IoData {
     } else {
         rows(&gauss(integer(input, "seed"), count * all), count)
     };
-    // Modes of M x'' + K x = f by the symmetric problem of M^-1/2 K M^-1/2.
-    let root = |i: usize| masses[i].sqrt();
-    let stiffness = DMatrix::from_fn(count, count, |i, j| match j {
-        _ if i == j => springs[i] + springs.get(i + 1).copied().unwrap_or(0.0),
-        _ if i.abs_diff(j) == 1 => -springs[i.max(j)],
-        _ => 0.0,
-    });
-    let eigen = SymmetricEigen::new(DMatrix::from_fn(count, count, |i, j| stiffness[(i, j)] / root(i) / root(j)));
+    let modes = chain_modes(&masses, &springs);
     let damping = number(input, "damping");
     let mut outputs = vec![vec![0.0; all]; count];
-    for mode in 0..count {
-        let w = eigen.eigenvalues[mode].sqrt();
-        let shape: Vec<f64> = (0..count).map(|i| eigen.eigenvectors[(i, mode)] / root(i)).collect();
+    for (w, shape) in modes {
         // Exact over a step of constant force: towards its equilibrium f/w² like free motion.
         let (decay, turned) = (damping * w, w * (1.0 - damping * damping).sqrt());
         let (shrink, cos, sin) = ((-decay * dt_s).exp(), (turned * dt_s).cos(), (turned * dt_s).sin());
@@ -146,5 +157,5 @@ pub fn chain(input: &Value, is_struck: bool) -> IoData {
         y.iter_mut().zip(noise).for_each(|(y, e)| *y += number(input, "noise") * size * e);
     }
     let inputs = if is_struck { vec![forces[integer(input, "struck")].clone()] } else { Vec::new() };
-    IoData::new(inputs, outputs, dt_s).unwrap()
+    (inputs, outputs)
 }

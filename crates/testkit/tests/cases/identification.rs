@@ -1,21 +1,31 @@
 //! Cases of system identification: records made of seeds, and what the library finds in them.
 
-mod records;
-
 use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_sysid::{
-    AmbientOptions, ArxOrder, Constants, Hold, InitialConditions, NoiseKind, NoiseModel, NoiseOptions, OnUnseen,
-    OutputErrorOptions, PoleKind, PoleRecord, PolynomialForm, Recommendable, Spread, TransferFunctionOptions,
+    AmbientOptions, ArxOrder, Constants, Hold, InitialConditions, IoData, NoiseKind, NoiseModel, NoiseOptions,
+    OnUnseen, OutputErrorOptions, PoleKind, PoleRecord, PolynomialForm, Recommendable, Spread, TransferFunctionOptions,
     ambient_modes, arx, arx_orders, delay_scan, fit_measures, modal_assurance, mode_shapes, noise_model,
     noise_of_orders, outliers, output_error, phase_collinearity, pole_kinds, recommended, smallest, straight_line,
-    transfer_function_array, trend,
+    transfer_function_fit, trend,
 };
+use crumple_testkit::identification::{self, Signals, channels, dt, gauss, integer, number, numbers};
 use serde_json::{Map, Value, json};
 
 use crate::Check;
-use crate::identification::records::{chain, dt, integer, number, numbers, record};
+
+fn data((inputs, outputs): Signals, input: &Value) -> IoData {
+    IoData::new(inputs, outputs, dt(input)).unwrap()
+}
+
+fn record(input: &Value) -> IoData {
+    data(identification::record(input), input)
+}
+
+fn chain(input: &Value, is_struck: bool) -> IoData {
+    data(identification::chain(input, is_struck), input)
+}
 
 /// What of a case is not met.
 pub fn check(_: Value) -> Check {
@@ -148,11 +158,11 @@ fn by_arx(input: &Value) -> Value {
     let poles = model.state_space().unwrap().poles().unwrap();
     let found = modes(continuous(&poles, dt(input)));
     let (frequency_sd, damping_sd) = mode_deviations(&poles, &model.mode_deviations(&poles), dt(input));
-    let parameters = [model.a.clone(), model.b[0].clone()].concat();
+    let parameters: Vec<f64> = model.a.iter().chain(&model.b).map(|x| x[0]).collect();
     json!({
         "parameters": parameters,
-        "standard_deviations": model.covariance.diagonal().iter().map(|x| x.sqrt()).collect::<Vec<f64>>(),
-        "loss": model.loss, "frequency_hz": frequencies(&found), "damping": dampings(&found),
+        "standard_deviations": model.covariance(0).diagonal().iter().map(|x| x.sqrt()).collect::<Vec<f64>>(),
+        "loss": model.losses[0], "frequency_hz": frequencies(&found), "damping": dampings(&found),
         "frequency_sd": frequency_sd, "damping_sd": damping_sd,
     })
 }
@@ -205,7 +215,7 @@ fn some_outliers(input: &Value) -> Value {
 fn constants(input: &Value) -> Value {
     let list = |name: &str| input[name].as_array().unwrap();
     let name = |name: &str, place: usize| list(name)[place]["name"].clone();
-    let found = Constants::of(&records::channels(input, "inputs"), &records::channels(input, "outputs"));
+    let found = Constants::of(&channels(input, "inputs"), &channels(input, "outputs"));
     let because: Vec<Value> = match found.all_inputs {
         true => (0..list("inputs").len()).map(|place| name("inputs", place)).collect(),
         false => found.outputs.iter().map(|place| name("outputs", *place)).collect(),
@@ -249,7 +259,7 @@ fn motion(input: &Value) -> Value {
         initial: InitialConditions::Zero,
         ..TransferFunctionOptions::new(order, order - 1)
     };
-    let fit = transfer_function_array(&data, &options).unwrap();
+    let fit = transfer_function_fit(&data, &options).unwrap();
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     let duration_s = dt(input) * data.samples() as f64;
     let kinds = pole_kinds(&poles, PoleRecord { dt_s: dt(input), duration_s, of_motion: false });
@@ -264,7 +274,7 @@ fn motion(input: &Value) -> Value {
 
 fn interval(input: &Value) -> Value {
     let (estimate, centre) = (number(input, "estimate"), number(input, "generator_value"));
-    let draws = records::gauss(integer(input, "seed"), integer(input, "replicates"));
+    let draws = gauss(integer(input, "seed"), integer(input, "replicates"));
     let (shift, spread) = (number(input, "shift"), number(input, "spread"));
     let replicates: Vec<f64> = draws.iter().map(|g| estimate * (1.0 + shift + spread * g)).collect();
     let found = Spread::about(estimate, centre, &replicates).unwrap();
