@@ -16,14 +16,11 @@ pub fn state() -> io::Result<()> {
     let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from).unwrap_or_default();
     let name = package.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let workspace = package.join("../..");
-    for path in
-        crates_of(&workspace, &name)?.iter().flat_map(|name| parts_of(name)).chain(OF_THE_WORKSPACE.map(Into::into))
-    {
-        // A file that is not there would count as changed every time.
-        let path = workspace.join(path);
-        if path.exists() {
-            println!("cargo:rerun-if-changed={}", path.display());
-        }
+    let crates = crates_of(&workspace, &name)?;
+    let parts = crates.iter().flat_map(|name| parts_of(name)).chain(OF_THE_WORKSPACE.map(Into::into));
+    // A file that is not there would count as changed every time.
+    for path in parts.map(|part| workspace.join(part)).filter(|path| path.exists()) {
+        println!("cargo:rerun-if-changed={}", path.display());
     }
     println!("cargo:rustc-env=CRUMPLE_BUILD={}", source_digest(&workspace, &name)?);
     Ok(())
