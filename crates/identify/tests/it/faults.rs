@@ -41,7 +41,9 @@ fn changed(change: impl Fn(usize, f64, f64) -> f64) -> Signals {
 
 /// The output of a system `b/a` from rest on the input of the clean record, and noise of 1 %.
 fn answered(b: &[f64], a: &[f64]) -> Signals {
-    let of = |sd: f64| json!({"B": b, "F": a, "N": 500, "sd": sd, "dt": DT_S, "input": "binary", "seed_u": 41, "seed_e": 42});
+    let of = |sd: f64| -> serde_json::Value {
+        json!({"B": b, "F": a, "N": 500, "sd": sd, "dt": DT_S, "input": "binary", "seed_u": 41, "seed_e": 42})
+    };
     let size = 0.01 * deviation(&record(&of(0.0)).1[0]);
     let (mut u, mut y) = record(&of(size));
     vec![("u", u.swap_remove(0)), ("y", y.swap_remove(0))]
