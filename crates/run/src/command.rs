@@ -20,8 +20,8 @@ use crumple_stage::{Call, ChainStage, Usage, by_way, chain, program};
 ///
 /// Which stage reads and writes what stands in `pipelines/chain`. CRUMPLE_FILTER in the environment is the command of
 /// the stage filter where it is not the program of the project, and so on; it is started as `COMMAND INPUT...
-/// --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was made from an old result is removed
-/// before a new one appears.
+/// --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was made from an old
+/// result is removed before a new one appears.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-run",

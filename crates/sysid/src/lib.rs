@@ -2,7 +2,8 @@
 //!
 //! Free motion, from one channel or several: [`era`] realises a state space from Markov parameters,
 //! [`exponential_sum`] fits a sum of exponentials. From inputs and outputs ([`IoData`]): [`Subspace`] (N4SID, MOESP,
-//! CVA), [`arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] for continuous models. What speaks for a model: [`stabilization`] over orders,
+//! CVA), [`arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] for continuous models. What speaks for a
+//! model: [`stabilization`] over orders,
 //! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`]
 //! among several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
 //!

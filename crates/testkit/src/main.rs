@@ -37,8 +37,8 @@ enum Command {
         #[arg(long, default_value_t = 0)]
         first: u64,
     },
-    /// How often nominal 90 % intervals of identified modes hold the truth, as Markdown, and of how many ambient records
-    /// of a building the modes found are its own and no others
+    /// How often nominal 90 % intervals of identified modes hold the truth, as Markdown, and of how many ambient
+    /// records of a building the modes found are its own and no others
     IdentificationBenchmark {
         #[command(flatten)]
         programs: Programs,

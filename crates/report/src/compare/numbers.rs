@@ -12,7 +12,7 @@ use super::compared_run::ComparedRun;
 use super::quantities::{Group, Quantity, engineering, quantities};
 use super::table::{Cell, Row};
 
-/// The rows of the key numbers, of the recommended models and of the predictions: every number that one of the runs has.
+/// The rows of the key numbers, of the recommended models and of the predictions: every number that a run has.
 /// What differs is beyond what an engineer calls the same. There are no rows of models where no run recommends one.
 pub fn number_rows(runs: &[ComparedRun]) -> [Vec<Row>; 3] {
     let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();

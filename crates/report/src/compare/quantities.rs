@@ -1,5 +1,5 @@
-//! The numbers of several runs: key numbers, parameters of the recommended models, predicted crush; how far each is from
-//! that of the first run, as a multiple of what counts as the same.
+//! The numbers of several runs: key numbers, parameters of the recommended models, predicted crush; how far each is
+//! from that of the first run, as a multiple of what counts as the same.
 
 use std::collections::BTreeMap;
 

@@ -99,6 +99,8 @@ pub struct Review {
     pub rows: Vec<Quantity>,
     /// How many numbers of each group there are.
     pub counts: BTreeMap<Group, usize>,
+    /// Whether both say how they were made.
+    is_known: bool,
     /// The recommended models.
     pub models: [Option<String>; 2],
 }
@@ -123,6 +125,7 @@ impl Review {
             unexplained: unexplained([a, b]),
             rows,
             counts,
+            is_known: !a.stages.is_empty() && !b.stages.is_empty(),
             models: [model(a), model(b)],
         }
     }
@@ -140,6 +143,7 @@ impl Review {
     /// What was done differently, in one line.
     pub fn cause(&self) -> String {
         let follows = match (&self.causes[..], &self.unexplained[..]) {
+            ([], _) if !self.is_known => return "how they were made is not known".to_owned(),
             ([], _) => return "no option, record or program differs: the numerics do".to_owned(),
             (_, []) => "the rest follows".to_owned(),
             (_, stages) => format!("{} differs though all it is made from is the same", stages.join(", ")),
@@ -183,10 +187,10 @@ impl Review {
             .collect();
         let outside = within.iter().filter(|within| !**within).count();
         match (within.len(), outside) {
-            (0, _) => format!("the same: {}", name(a)),
-            (_, 0) => format!("the same: {}; what changed of it stays in its intervals", name(a)),
+            (0, _) => format!("the same, {}", name(a)),
+            (_, 0) => format!("the same, {}; what changed of it stays in its intervals", name(a)),
             (changed, outside) => {
-                format!("the same: {}; {outside} of {changed} changed numbers leave their intervals", name(a))
+                format!("the same, {}; {outside} of {changed} changed numbers leave their intervals", name(a))
             }
         }
     }
@@ -345,7 +349,7 @@ pub mod tests {
             version: "0.2.0".into(),
             settings,
             digest,
-            inputs: Vec::new(),
+            inputs: vec![("ingest".into(), format!("f{cfc}"))],
         };
         let stages = vec![
             stage("filter", format!(r#"{{"cfc":{cfc},"mode":"iso6487"}}"#), format!("f{cfc}")),
@@ -363,7 +367,6 @@ pub mod tests {
     fn the_cause_is_of_an_input_and_the_gravest_comes_first() {
         let a = made(60, &[("peak_acceleration", 175.0, "m/s^2")], &[]);
         let mut b = made(180, &[("peak_acceleration", 180.0, "m/s^2")], &[]);
-        b.stages[1].inputs = vec![("filter".into(), "f180".into())];
         assert_eq!(review(&a, &b).cause(), "filter.cfc 60 -> 180; the rest follows");
         b.stages[0].version = "0.3.0".into();
         assert_eq!(review(&a, &b).cause(), "filter 0.2.0 -> 0.3.0, and 1 more; the rest follows");
@@ -395,7 +398,15 @@ pub mod tests {
         assert_eq!(shown, [("k1_n_per_m", true), ("dynamic_crush", true), ("peak_acceleration", false)]);
         assert!((found.rows[1].beyond(1) - 3.0).abs() < 1e-9);
         let lines: Vec<String> = found.lines(25).iter().map(|line| line.replace('\u{a0}', " ")).collect();
-        insta::assert_snapshot!(lines.join("\n"), @"");
+        insta::assert_snapshot!(lines.join("\n"), @"
+        different because of filter.cfc 60 -> 180; the rest follows
+        beyond the limit: 1 of 2 key numbers, 1 of 1 parameter
+                         before      after       change   limit
+        k1               100.0 kN/m  106.0 kN/m  +6.0 %   0.5 %  !
+        Dynamic crush C  450 mm      453 mm      +3.0 mm  1 mm   !
+        Peak             17.8 g      17.9 g      +0.1 %   0.5 %
+        recommended model: the same, Kelvin, direct fit 1
+        ");
         assert!(found.lines(7).len() <= 7, "{:?}", found.lines(7));
         // One side only.
         let without = made(60, &[], &[1e5]);

@@ -105,7 +105,11 @@ fn change(row: &Quantity) -> String {
 fn table_row(row: &Quantity, most: f64) -> String {
     let (beyond, mark) = (row.beyond(1), if row.differs(1) { "**" } else { "" });
     let bar = "█".repeat((LONGEST_BAR * (beyond / most).min(1.0)).ceil() as usize);
-    let times = if beyond.is_finite() { format!("{bar} {beyond:.1}") } else { "on one side only".to_owned() };
+    let times = if beyond.is_finite() {
+        format!("{bar} {beyond:.1}").trim_start().to_owned()
+    } else {
+        "on one side only".to_owned()
+    };
     let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
     format!(
         "| {mark}{}{mark} | {} | {mark}{}{mark} | {} | {limit} | {times} |\n",
@@ -244,9 +248,25 @@ mod tests {
     #[test]
     fn the_comment_names_the_cause_and_what_changed_and_says_how_to_take_it() {
         let (a, b) = (peak(60, 175.0, &[1e5]), peak(180, 180.0, &[1e5]));
-        let (changed, same) = (review(&a, &b), review(&a, &a));
+        let (changed, mut same) = (review(&a, &b), review(&a, &a));
+        same.name = "kelvin".into();
         let text = to_markdown(&[&changed, &same], "crumple accept runs").replace('\u{a0}', " ");
-        insta::assert_snapshot!(text, @"");
+        insta::assert_snapshot!(text, @"
+        <!-- crumple: rigid, kelvin -->
+        ### rigid: results changed, `filter.cfc` 60 → 180
+
+        **Peak** +2.9 %. Within the limits: Dynamic crush C.
+        Recommended model: the same, Kelvin, direct fit 1.
+
+        | | before | after | change | limit | change over limit |
+        |---|--:|--:|--:|--:|:--|
+        | **Peak** | 17.8 g | **18.4 g** | +2.9 % | 0.5 % | ████████████ 5.6 |
+        | Dynamic crush C | 450 mm | 450 mm | 0.0 mm | 1 mm | 0.0 |
+
+        The same within the limits: kelvin.
+
+        To take these results: `crumple accept runs` and commit.
+        ");
     }
 
     #[test]

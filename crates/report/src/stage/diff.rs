@@ -27,8 +27,8 @@ const LINES: usize = 25;
 /// Compares two results: first what they were made with that differs, then the numbers that people ask for, then the
 /// rest.
 ///
-/// A result is an artifact, a run folder, a summary.json, or what `crumple accept` wrote; two folders that hold runs are
-/// compared run by run. The same is what an engineer calls the same: times within 0.1 ms, lengths 1 mm, velocities
+/// A result is an artifact, a run folder, a summary.json, or what `crumple accept` wrote; two folders that hold runs
+/// are compared run by run. The same is what an engineer calls the same: times within 0.1 ms, lengths 1 mm, velocities
 /// 0.01 m/s, all else 0.5 %. `--rounding` takes for the same what another processor computes from the same data (1e-9
 /// relative; 1e-6 for what is identified, 1e-5 for what is fitted). All of it is in docs/diff.md.
 #[derive(Debug, clap::Parser)]
@@ -205,7 +205,7 @@ fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<Str
     let mut lines = Vec::new();
     let mut same = Vec::new();
     for (review, comparison) in compared {
-        if comparison.same {
+        if comparison.same && !all {
             same.push((review.name.as_str(), conclusion(comparison)));
             continue;
         }
@@ -214,7 +214,11 @@ fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<Str
         }
         let most = if all { usize::MAX } else { LINES };
         let has_numbers = !review.counts.is_empty();
-        let mut of_one = if has_numbers { review.lines(most - 1) } else { review.head() };
+        let mut of_one = match (comparison.same, has_numbers) {
+            (true, _) => Vec::new(),
+            (_, true) => review.lines(most - 1),
+            (_, false) => review.head(),
+        };
         if all || !has_numbers {
             let mut text = Vec::new();
             write_text(comparison, TextOptions { all }, &mut text)?;
@@ -253,7 +257,7 @@ struct Read {
 
 impl Read {
     fn of(path: &Path) -> anyhow::Result<Self> {
-        if path.extension().is_some_and(|extension| extension == "json") {
+        if is_json(path) {
             let value = read_json(path)?;
             if value["schema"] == Expected::SCHEMA {
                 let damaged = |source| DiffError::Json { path: path.to_owned(), source };
@@ -272,11 +276,11 @@ impl Read {
         let mut kept = Expected::default();
         let mut topics = BTreeSet::from([SUMMARY.to_owned()]);
         for path in &paths {
-            let artifact = Artifact::open(path)?;
+            let artifact = Artifact::open(path).map_err(DiffError::from)?;
             kept.stages.push(stage_record(&artifact));
             topics.extend(artifact.records().iter().map(|raw| raw.topic.clone()));
             topics.extend(artifact.waves().keys().map(|id| format!("{WAVE_PREFIX}{id}")));
-            if let Some(test) = artifact.record::<TestV1>("/test")? {
+            if let Some(test) = artifact.record::<TestV1>("/test").map_err(DiffError::from)? {
                 kept.record = [test.source.name, test.source.digest];
             }
         }
@@ -301,6 +305,10 @@ fn place_of(own: &Path, pipeline: Option<&str>, stage: &str, key: &str) -> Optio
 /// Pairs of results with a name each. Folders that hold runs are paired by the place of the runs in them, what was
 /// accepted by the name of its file.
 fn pairs(a: &Path, b: &Path) -> anyhow::Result<Vec<(String, PathBuf, PathBuf)>> {
+    let is_kept = |path: &Path| is_json(path) && read_json(path).is_ok_and(|value| value["schema"] == Expected::SCHEMA);
+    if kind(a) != kind(b) && !is_kept(a) && !is_kept(b) {
+        return Err(DiffError::Kinds { a: a.into(), a_is: kind(a), b: b.into(), b_is: kind(b) }.into());
+    }
     let is_one = |path: &Path| !path.is_dir() || results_in(path).is_ok();
     if is_one(a) && is_one(b) {
         return Ok(vec![(name_of(b), a.to_owned(), b.to_owned())]);
@@ -341,7 +349,7 @@ fn results_below(folder: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
         let path = entry.map_err(io)?.path();
         if path.is_dir() {
             found.extend(results_below(&path).unwrap_or_default());
-        } else if path.extension().is_some_and(|extension| extension == "json") {
+        } else if is_json(&path) {
             found.push((name_of(&path), path));
         }
     }
@@ -349,20 +357,19 @@ fn results_below(folder: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
     if found.is_empty() { Err(DiffError::NotARun { path: folder.to_owned() }.into()) } else { Ok(found) }
 }
 
-fn files(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
-    let is_json = |path: &Path| path.extension().is_some_and(|extension| extension == "json");
-    let kind = |path: &Path| {
-        if path.is_dir() {
-            "a folder"
-        } else if is_json(path) {
-            "a JSON file"
-        } else {
-            "a file"
-        }
-    };
-    if kind(a) != kind(b) {
-        return Err(DiffError::Kinds { a: a.into(), a_is: kind(a), b: b.into(), b_is: kind(b) });
+fn is_json(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json")
+}
+
+fn kind(path: &Path) -> &'static str {
+    match (path.is_dir(), is_json(path)) {
+        (true, _) => "a folder",
+        (_, true) => "a JSON file",
+        _ => "a file",
     }
+}
+
+fn files(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
     let file = |name: &str, a: &Path, b: &Path| -> Result<FileReport, DiffError> {
         if is_json(a) {
             // The summary's tolerances apply under whatever name it was kept.

@@ -86,13 +86,13 @@ fn topics_of_one_side_are_named_and_remarks_come_last() {
     write(&at("a.mcap"), &[("/notes", "a"), ("/z", "one"), ("/zz", "same")], "{}");
     write(&at("b.mcap"), &[("/notes", "b"), ("/y", "1"), ("/z", "two"), ("/zz", "same")], "{}");
     let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
-    let lines: Vec<&str> = output.stdout.lines().collect();
+    let lines: Vec<&str> = output.stdout.lines().skip(1).collect();
     assert_eq!(lines[0], "/y: only in b.mcap");
     assert!(lines[1].starts_with("/z, notes[0]: \"one\"  \"two\""), "{}", lines[1]);
     assert!(lines[2].starts_with("/notes, notes[0]"), "remarks come last: {}", lines[2]);
     assert_eq!((lines[3], output.code), ("different: 3 of 4 topics", 1));
     let json: Value = serde_json::from_str(&diff(folder.path(), &["b.mcap", "a.mcap", "--json"]).stdout).unwrap();
-    assert_eq!(json["files"][0]["name"], "b.mcap");
+    assert_eq!(json["files"][0]["file"]["name"], "b.mcap");
 }
 
 #[test]

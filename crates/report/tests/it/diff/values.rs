@@ -182,6 +182,7 @@ fn values_of_records_and_texts_are_named() {
     let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
     assert_eq!(output.code, 1);
     insta::assert_snapshot!(output.stdout, @r#"
+    different: no option, record or program differs: the numerics do
     /metrics, [olc].value: 255.0  256.5  (abs 1.5, rel 0.005848)
     /notes, notes length: 1  2
     /notes, notes[0]: "zero level 0.01 m/s^2"  "zero level 0.02 m/s^2"  (for information)
@@ -197,13 +198,14 @@ fn notes_with_other_numbers_are_told_and_are_no_result() {
     let folder = pair(&Made { notes: vec!["zero level 0.02 m/s^2".into()], ..Made::default() });
     let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
     assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
-    insta::assert_snapshot!(output.stdout, @r#"
-    /notes, notes[0]: "zero level 0.01 m/s^2"  "zero level 0.02 m/s^2"  (for information)
-    same within tolerance: 228 values in 3 topics, none differs; one text differs and does not count
-    "#);
-    let json = diff(folder.path(), &["a.mcap", "b.mcap", "--json"]);
+    let same = "same within tolerance: 228 values in 3 topics, none differs; one text differs and does not count\n";
+    assert_eq!(output.stdout, same);
+    let all = diff(folder.path(), &["a.mcap", "b.mcap", "--all"]).stdout;
+    let note = "/notes, notes[0]: \"zero level 0.01 m/s^2\"  \"zero level 0.02 m/s^2\"  (for information)\n";
+    assert_eq!(all, format!("{note}{same}"));
+    let json = diff(folder.path(), &["a.mcap", "b.mcap", "--json", "--all"]);
     let json: Value = serde_json::from_str(&json.stdout).unwrap();
-    assert_eq!(json["files"][0]["topics"][1]["aside"][0]["place"], "notes[0]");
+    assert_eq!(json["files"][0]["file"]["topics"][1]["aside"][0]["place"], "notes[0]");
     assert_eq!(diff(folder.path(), &["a.mcap", "b.mcap", "--exact"]).code, 1);
     // Other words are a difference.
     let folder = pair(&Made { notes: vec!["no zero level 0.01 m/s^2".into()], ..Made::default() });
@@ -221,7 +223,7 @@ fn the_digest_of_the_file_that_a_record_came_in_counts_as_provenance() {
         let provenance = Provenance::new("ingest", "0.1.0", "{}".into(), Vec::new());
         builder.write(&folder.path().join(name), &provenance, Compression::None).unwrap();
     }
-    let output = diff(folder.path(), &["a.mcap", "b.mcap"]);
+    let output = diff(folder.path(), &["a.mcap", "b.mcap", "--all"]);
     assert_eq!(output.code, 0, "{}{}", output.stdout, output.stderr);
     assert!(
         output.stdout.contains("/test, source.digest: \"blake3:00\"  \"blake3:11\"  (for information)"),
