@@ -5,7 +5,7 @@
 //! results of two records side by side, nothing lost by a run that fails, and a plain word where a program breaks the
 //! contract of a stage.
 //!
-//! [`together`] fits one model to several tests after their runs; [`fleet`] runs many records.
+//! `together` fits one model to several tests after their runs; `fleet` runs many records.
 
 mod command;
 pub mod fleet;

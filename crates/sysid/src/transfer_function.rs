@@ -34,7 +34,7 @@ pub struct TransferFunctionFit {
     pub modes: Vec<Mode>,
     /// Zeros of a single path, 1/s, and standard deviations of their real and imaginary parts; `None` where not
     /// determined.
-    pub zeros: Vec<(Complex, Option<(f64, f64)>)>,
+    pub zeros: Vec<UncertainRoot>,
     /// Measures of every simulated output.
     pub fits: Vec<Option<FitMeasures>>,
     /// Simulated outputs.
@@ -160,12 +160,15 @@ pub fn transfer_function_fit(
     })
 }
 
+/// A root with the standard deviations of its real and imaginary part, where they are known.
+pub type UncertainRoot = (Complex, Option<(f64, f64)>);
+
 /// Zeros with the standard deviations of their parts from the covariance of the `count` coefficients of the numerator.
 fn zeros(
     path: &TransferFunction,
     count: usize,
     covariance: Option<&DMatrix<f64>>,
-) -> Result<Vec<(Complex, Option<(f64, f64)>)>, IdentifyError> {
+) -> Result<Vec<UncertainRoot>, IdentifyError> {
     let zeros = path.zeros()?;
     // Coefficients that vanish exactly are not part of the polynomial.
     let (shown, dropped) = (path.numerator().len(), count - path.numerator().len());

@@ -293,11 +293,12 @@ fn write_both(report: &Path, summary: &Path, json: &str, lay_out: impl FnOnce() 
             let on_disk = thread::Builder::new().spawn_scoped(scope, sync);
             let page = lay_out();
             replace_atomically(report, OutputKind::Report, &old, |file| page.write_to(file))?;
-            Ok(match on_disk {
+            match on_disk {
                 Ok(on_disk) => on_disk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?,
                 // A browser has no threads.
                 Err(_) => sync()?,
-            })
+            }
+            Ok(())
         })
     })
 }
