@@ -9,7 +9,7 @@ use crumple_signal::{
     corridor, derivative_note, filter, filter_reporting,
 };
 use crumple_stage::records::{ChannelFilterV1, CorridorPointV1};
-use crumple_stage::{Inputs, Output, RefuseExt, Refused};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, option};
 use rayon::prelude::*;
 
 use crate::stage::channels_to_filter::ChannelToFilter;
@@ -69,12 +69,13 @@ fn filter_all(channels: &[ChannelToFilter<'_>], out: &Output) -> Vec<Result<Filt
 }
 
 /// The one thing to do about a channel that cannot be filtered.
-fn hint(error: &FilterError) -> &'static str {
+fn hint(error: &FilterError) -> String {
+    let typed = |name, value| option("filter", name, value);
     match error {
-        FilterError::Order { .. } => "--order 4 is usual",
-        FilterError::Cutoff { .. } => "--cutoff takes the -3 dB frequency with its unit, e.g. --cutoff 100Hz",
-        FilterError::Window { .. } => "--zero-level-from comes before --zero-level-to",
-        _ => "--cfc none leaves the signal as it is, --channels names the channels to filter",
+        FilterError::Order { .. } => format!("{} is usual", typed("order", "4")),
+        FilterError::Cutoff { .. } => format!("{}: the -3 dB frequency with its unit", typed("cutoff", "100Hz")),
+        FilterError::Window { .. } => "let the zero level begin before it ends".to_owned(),
+        _ => format!("{} leaves the signal as it is", typed("cfc", "none")),
     }
 }
 

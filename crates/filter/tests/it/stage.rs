@@ -283,9 +283,9 @@ fn a_filter_that_cannot_be_is_answered_with_its_own_flag() {
     let folder = tempfile::tempdir().unwrap();
     let input = ingested(folder.path(), &[(channel("093", "vehicle, sill", None), pulse(10_000.0))]);
     for (flags, said) in [
-        (&["--order", "13", "--cutoff", "100Hz"][..], "hint: --order"),
-        (&["--order", "4", "--cutoff", "9kHz"], "hint: --cutoff"),
-        (&["--zero-level-from=-10ms", "--zero-level-to=-50ms"], "hint: --zero-level-from"),
+        (&["--order", "13", "--cutoff", "100Hz"][..], "hint: crumple-filter --order 4"),
+        (&["--order", "4", "--cutoff", "9kHz"], "hint: crumple-filter --cutoff 100Hz"),
+        (&["--zero-level-from=-10ms", "--zero-level-to=-50ms"], "hint: let the zero level begin"),
     ] {
         let output = run(&input, flags);
         let text = String::from_utf8_lossy(&output.stderr);
