@@ -321,6 +321,26 @@ mod tests {
     }
 
     #[test]
+    fn every_pipeline_of_the_project_is_built_in() {
+        fn names(folder: &Path, before: &str) -> Vec<String> {
+            let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+            let of = |path: PathBuf| {
+                let name = format!("{before}{}", path.file_stem().unwrap().to_string_lossy());
+                match path.is_dir() {
+                    true => names(&path, &format!("{name}/")),
+                    false => vec![name].into_iter().filter(|_| path.extension().is_some_and(|e| e == "toml")).collect(),
+                }
+            };
+            entries.flat_map(of).collect()
+        }
+        let mut there = names(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines"), "");
+        let mut built_in = BUILT_IN.map(|(name, _)| name.to_owned());
+        there.sort();
+        built_in.sort();
+        assert_eq!(there, built_in);
+    }
+
+    #[test]
     fn a_file_says_what_it_changes_and_keeps_the_rest_of_the_default() {
         let over = read("title = 'Mine'\n[filter]\ncfc = 180\n[simulate]\n").unwrap();
         assert_eq!(value(&over, "filter", "cfc").unwrap(), "180");
