@@ -262,7 +262,7 @@ pub const DIFF: &[(&str, &str)] = &[
     ("all", "--all"),
     ("bits", "--bits --provenance"),
     ("exact", "--exact"),
-    ("engineering", "--engineering"),
+    ("rounding", "--rounding"),
     ("json", "--json --rel=1e-3"),
 ];
 
