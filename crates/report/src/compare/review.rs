@@ -10,6 +10,7 @@ use crate::findings::{StageRecord, Summary, candidate_name};
 
 use super::quantities::{Group, Quantity, quantities, recommended};
 use super::settings::settings_of;
+use super::table::plain;
 
 /// What is kept of an accepted run, small enough for a repository: `expected/<record>.json`.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -117,7 +118,7 @@ impl Review {
         let mut counts = BTreeMap::new();
         rows.iter().for_each(|row| *counts.entry(row.group).or_insert(0) += 1);
         rows.retain(|row| row.group == Group::KeyNumber || row.differs(1));
-        rows.sort_by(|x, y| y.differs(1).cmp(&x.differs(1)).then(over(y).total_cmp(&over(x))));
+        rows.sort_by(|x, y| y.differs(1).cmp(&x.differs(1)).then(y.beyond(1).total_cmp(&x.beyond(1))));
         let model = |side: &Expected| side.summary.recommended.as_deref().map(candidate_name);
         Self {
             name: name.to_owned(),
@@ -234,15 +235,6 @@ impl Review {
         head.push(foot);
         head
     }
-}
-
-fn plain(text: &str) -> String {
-    text.replace('\u{ad}', "")
-}
-
-/// How far a number is beyond its limit, as something to sort by.
-fn over(row: &Quantity) -> f64 {
-    row.beyond(1)
 }
 
 fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {

@@ -9,6 +9,7 @@ use crate::findings::markdown;
 
 use super::quantities::{Group, Quantity};
 use super::review::Review;
+use super::table::plain;
 
 /// Most characters of Markdown of one record.
 const MOST_OF_ONE: usize = 8_000;
@@ -94,7 +95,7 @@ fn section(review: &Review, with_details: bool) -> String {
 }
 
 fn name(row: &Quantity) -> String {
-    markdown(&row.name.replace('\u{ad}', ""))
+    markdown(&plain(&row.name))
 }
 
 fn change(row: &Quantity) -> String {

@@ -83,7 +83,7 @@ pub fn to_lines(runs: &[String], rows: &[&Row]) -> Vec<String> {
 }
 
 /// A name without soft hyphens.
-fn plain(text: &str) -> String {
+pub fn plain(text: &str) -> String {
     text.replace('\u{ad}', "")
 }
 
