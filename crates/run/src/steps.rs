@@ -9,7 +9,7 @@ use std::{env, panic, process};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{Call, ExitStatus, Way, say};
+use crumple_stage::{Call, ExitStatus, IN_RUN, Way, say};
 
 use crate::command::{Program, RECORD, Stage, held};
 use crate::folder::content::{Content, content_of, is_artifact};
@@ -142,7 +142,7 @@ pub(crate) fn start(program: &Program, arguments: &[OsString], flags: &[String])
     let own = program.flags.iter().map(OsString::from);
     let words: Vec<OsString> = own.chain(arguments.iter().cloned()).chain(flags.iter().map(OsString::from)).collect();
     let Some(stage) = held(program.stage).filter(|_| program.is_own) else {
-        return run_program(Command::new(&program.file).args(words));
+        return run_program(Command::new(&program.file).args(words).env(IN_RUN, "1"));
     };
     let call = Call { program: format!("crumple {}", stage.name), words, way: Way::InRun };
     // A program that panics has said why and ends with 101.

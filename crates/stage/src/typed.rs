@@ -18,8 +18,12 @@ const WAYS: [Way; 3] = [Way::Alone, Way::Within, Way::InRun];
 /// That of the program that runs.
 static WAY: AtomicU8 = AtomicU8::new(0);
 
+/// Set in the environment of the programs that a run starts: what they advise is typed behind that run.
+pub const IN_RUN: &str = "CRUMPLE_IN_RUN";
+
 pub(crate) fn begin(way: Way) {
-    WAY.store(way as u8, Relaxed);
+    let is_in_run = way == Way::Alone && std::env::var_os(IN_RUN).is_some();
+    WAY.store(if is_in_run { Way::InRun } else { way } as u8, Relaxed);
 }
 
 fn way() -> Way {
@@ -55,6 +59,15 @@ pub fn option(stage: &str, name: &str, value: &str) -> String {
             format!("--set {stage}.{}={value}", name.replace('-', "_"))
         }
         _ => format!("{} {flag}", program(stage)),
+    }
+}
+
+/// An option of a stage in a sentence that says what it is for: `--from`, `--set identify.from=...` behind a run.
+pub fn flag(stage: &str, name: &str) -> String {
+    match (way(), stage) {
+        (Way::InRun, "ingest") => format!("--{name}"),
+        (Way::InRun, _) => format!("--set {stage}.{}=...", name.replace('-', "_")),
+        _ => format!("--{name}"),
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -224,4 +224,43 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
     }
     let study = crumple(folder.path(), &["study", "tests", "-q"]);
     assert!([0, 4].map(Some).contains(&study.status.code()), "{}", stderr(&study));
+}
+
+/// Flags that start a line of the help of a stage.
+fn flags_of(stage: &str, folder: &Path) -> BTreeSet<String> {
+    let help = stdout(&crumple(folder, &["help", stage]));
+    let flags =
+        help.lines().filter_map(|line| line.trim_start().split_whitespace().find(|word| word.starts_with("--")));
+    let name =
+        |flag: &str| flag.trim_start_matches('-').split(['=', '[', ' ', ',']).next().unwrap_or_default().to_owned();
+    flags
+        .filter(|flag| help.lines().any(|line| line.trim_start().trim_start_matches("-o, ").starts_with(*flag)))
+        .map(name)
+        .collect()
+}
+
+#[test]
+fn every_flag_of_a_stage_is_a_setting_of_a_run_by_the_same_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let stages = ["filter", "integrate", "identify", "parameter-solve", "simulate"];
+    let all = stages.map(|stage| flags_of(stage, folder.path()));
+    let shared = all.iter().skip(1).fold(all[0].clone(), |known, flags| &known & flags);
+    for (stage, flags) in stages.iter().zip(&all) {
+        let own: Vec<&String> = flags.difference(&shared).collect();
+        assert!(own.len() > 3, "{stage}: {own:?}");
+        let keys: String = own.iter().map(|flag| format!("{} = \"?\"\n", flag.replace('-', "_"))).collect();
+        std::fs::write(folder.path().join("p.toml"), format!("base = \"none\"\n[{stage}]\n{keys}")).unwrap();
+        let said = stderr(&crumple(folder.path(), &[stage, "1.mcap", "--pipeline", "p.toml", "-o", "2.mcap"]));
+        assert!(!said.contains("unknown key"), "{stage}: {said}");
+    }
+}
+
+#[test]
+fn a_refusal_behind_a_run_advises_what_a_run_takes() {
+    let folder = with_record("kelvin");
+    let refused = crumple(folder.path(), &["run", "crash.csv", "--set", "identify.from=90s"]);
+    let said = stderr(&refused);
+    assert_eq!(refused.status.code(), Some(3), "{said}");
+    let advises = |flag: &str| said.split_whitespace().any(|word| word.trim_end_matches([',', ')']) == flag);
+    assert!(advises("identify.from=...") && !advises("--from"), "{said}");
 }

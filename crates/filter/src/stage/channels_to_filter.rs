@@ -6,7 +6,7 @@ use crumple_signal::{
     Axis, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel, part_of,
 };
 use crumple_stage::records::QualityV1;
-use crumple_stage::{Inputs, RefuseExt, Refused, Wave, program};
+use crumple_stage::{Inputs, RefuseExt, Refused, Wave, flag, program};
 
 use crate::stage::filtering::{Remarks, first_of};
 use crate::stage::options::StageSettings;
@@ -35,7 +35,9 @@ pub fn channels_to_filter<'a>(
         Err(SelectionError::None) if test.pulse.is_none() && no_acceleration(test) => {
             return Err(no_crash(test));
         }
-        selected => selected.refuse_with_hint("name the channels to filter with --channels")?,
+        selected => {
+            selected.refuse_with_hint(format!("name the channels to filter with {}", flag("filter", "channels")))?
+        }
     };
     if settings.channels.is_empty() {
         note_occupants_left(settings, pass, test, &selected, remarks);

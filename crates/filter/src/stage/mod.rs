@@ -11,7 +11,7 @@ use crumple_signal::{
     samples_added,
 };
 use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage, program};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage, option, program};
 
 use crate::stage::channels_to_filter::{channels_to_filter, resolve_ids};
 use crate::stage::filtering::{FilteredChannel, Remarks, derived, filter_channels, first_of, pulse_line, record};
@@ -97,8 +97,10 @@ impl Stage for Filter {
 fn resample_all(channels: &mut [FilteredChannel], to: Resampling, remarks: &mut Remarks) -> anyhow::Result<()> {
     for channel in channels {
         let from_hz = channel.filtered.samples.rate_hz();
-        channel.filtered.samples = resample(&channel.filtered.samples, to)
-            .refuse_with_hint("--resample takes a rate such as 10kHz; leave it out to keep the record's own")?;
+        channel.filtered.samples = resample(&channel.filtered.samples, to).refuse_with_hint(format!(
+            "give a rate, such as {}; leave it out to keep the record's own",
+            option("filter", "resample", "10kHz")
+        ))?;
         channel.extra.resampled_to_hz = Some(to.rate_hz);
         let how = to.interpolation.name();
         remarks.info(&channel.id, format!("resampled from {from_hz:.0} Hz to {:.0} Hz ({how})", to.rate_hz));

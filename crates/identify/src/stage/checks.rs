@@ -16,7 +16,7 @@ use crumple_sysid::{
 use rayon::prelude::*;
 
 use crate::stage::options::settings::{InputOutputSettings, Settings};
-use crate::stage::waves::{Source, WindowedWave, record, waves};
+use crate::stage::waves::{Source, WindowedWave, flag, record, waves, widen_the_window};
 
 /// Samples that the delay is looked for in, and trends and outliers, from the first on.
 const SAMPLES_OF_DELAY: usize = 4000;
@@ -88,14 +88,18 @@ fn left_out(source: Source<'_>) -> anyhow::Result<Vec<String>> {
     if !found.outputs.is_empty() {
         let names = names(&answering, &found.outputs).join(", ");
         return Err(Refused::new(format!("the output {names} is constant over the samples in use: nothing answers"))
-            .hint("name another with --outputs, or another window (--from, --to)")
+            .hint(format!("name another with {}, or {}", flag("outputs"), widen_the_window()))
             .into());
     }
     if found.all_inputs {
         let names: Vec<&str> = driving.iter().map(|wave| wave.id.as_str()).collect();
         let text = format!("the input {} is constant over the samples in use: nothing drives", names.join(", "));
         return Err(Refused::new(text)
-            .hint("name what drives with --inputs, \"none\" where nothing does, or another window (--from, --to)")
+            .hint(format!(
+                "name what drives with {}, \"none\" where nothing does, or {}",
+                flag("inputs"),
+                widen_the_window()
+            ))
             .into());
     }
     Ok(names(&driving, &found.inputs_left_out))
@@ -218,13 +222,13 @@ pub fn finish(
     out.put(&topic, &checks)
 }
 
-/// Modes of several outputs without an input, written as the diagram `ambient`; nothing for other records.
-pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<()> {
-    let Some(input_output) = source.settings.input_output.as_ref() else { return Ok(()) };
+/// Modes of several outputs without an input, written as the diagram `ambient`: their number, 0 for other records.
+pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<usize> {
+    let Some(input_output) = source.settings.input_output.as_ref() else { return Ok(0) };
     if input_output.inputs != ["none"] || input_output.outputs.len() < 2 {
-        return Ok(());
+        return Ok(0);
     }
-    let Ok(record) = record(source, input_output) else { return Ok(()) };
+    let Ok(record) = record(source, input_output) else { return Ok(0) };
     let mut options = AmbientOptions::default();
     if let Some(wanted) = source.settings.stabilisation.as_ref().filter(|wanted| wanted.highest_damping < 1.0) {
         options.highest_damping = wanted.highest_damping;
@@ -233,7 +237,7 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<()> {
         Ok(found) => found,
         Err(error) => {
             out.notes().info(format!("no modes over orders and halves of the record: {error}"));
-            return Ok(());
+            return Ok(0);
         }
     };
     let names: Vec<String> = found
@@ -258,7 +262,8 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<()> {
         ));
     }
     let channels: Vec<&str> = record.outputs.iter().map(|wave| wave.id.as_str()).collect();
-    out.put("/stabilisation/ambient", &diagram(&found, channels.join(", "), options))
+    out.put("/stabilisation/ambient", &diagram(&found, channels.join(", "), options))?;
+    Ok(found.modes.len())
 }
 
 fn diagram(found: &AmbientModes, channel: String, options: AmbientOptions) -> StabilizationV1 {

@@ -47,9 +47,11 @@ impl Stage for Identify {
         let test = inputs.test()?;
         out.put("/test", &TestV1::from(&test))?;
         let (settings, checks) = checks::prepared(Source { settings, test: &test, inputs }, out)?;
+        let mut settings = settings;
+        let modes = checks::put_ambient(Source { settings: &settings, test: &test, inputs }, out)?;
+        discrete::order_of_ambient(&mut settings, modes, &test, inputs, out);
         let settings = &settings;
         let source = Source { settings, test: &test, inputs };
-        checks::put_ambient(source, out)?;
         if let (_, Some(rule)) = window_start(source)? {
             out.notes().info(rule);
         }

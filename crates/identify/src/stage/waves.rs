@@ -11,10 +11,24 @@ use crate::stage::options::settings::Settings;
 // Inputs and outputs of a run: waveforms sampled together, in one window.
 
 /// What a user may do about waveforms that do not fit.
-const HINT: &str = "name other waveforms with --inputs and --outputs";
+fn other_waveforms() -> String {
+    format!("name other waveforms with {} and {}", flag("inputs"), flag("outputs"))
+}
+
+/// A flag of this stage as its user types it.
+pub fn flag(name: &str) -> String {
+    crumple_stage::flag("identify", name)
+}
+
+/// What to do where the window holds too little: "widen the window (--from, --to)".
+pub fn widen_the_window() -> String {
+    format!("widen the window ({}, {})", flag("from"), flag("to"))
+}
 
 /// What a user may do about a record without a crash pulse.
-const NO_PULSE: &str = "name what drives with --inputs and what answers with --outputs";
+fn no_pulse() -> String {
+    format!("name what drives with {} and what answers with {}", flag("inputs"), flag("outputs"))
+}
 
 /// Frequency times width at which a moving average leaves 1/√2: root of `sin(πx)/(πx) = 1/√2`.
 const MOVING_AVERAGE_EDGE: f64 = 0.442_946;
@@ -187,7 +201,7 @@ pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
 
 fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<WindowedWave>> {
     if input_output.outputs.is_empty() {
-        let pulse = channel(source, NO_PULSE)?;
+        let pulse = channel(source, &no_pulse())?;
         return waves(vec![format!("{pulse}/displacement")], source);
     }
     waves(input_output.outputs.clone(), source)
@@ -214,7 +228,9 @@ fn find_wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
         None => {
             let names: Vec<&str> = inputs.waves().map(|(id, _)| id).collect();
             let text = format!("there is no waveform {id:?}, the inputs hold: {}", names.join(", "));
-            Err(Refused::new(text).hint("name one of them with --inputs or --outputs").into())
+            Err(Refused::new(text)
+                .hint(format!("name one of them with {} or {}", flag("inputs"), flag("outputs")))
+                .into())
         }
     }
 }
@@ -223,7 +239,7 @@ fn find_wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
 pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Record> {
     let mut outputs = outputs(source, input_output)?;
     let ids = match &input_output.inputs[..] {
-        [] => vec![channel(source, NO_PULSE)?.to_owned()],
+        [] => vec![channel(source, &no_pulse())?.to_owned()],
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };
@@ -239,12 +255,13 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     }
     let first = &outputs[0];
     for other in inputs.iter().chain(&outputs[1..]) {
-        let hint = "name waveforms of one time base with --inputs and --outputs, or a window that all have";
-        other.require_same_times(first, hint)?;
+        let (inputs, outputs) = (flag("inputs"), flag("outputs"));
+        let hint = format!("name waveforms of one time base with {inputs} and {outputs}, or a window that all have");
+        other.require_same_times(first, &hint)?;
     }
     let data = |samples: &dyn Fn(&WindowedWave) -> Vec<f64>| {
         let signals_of = |waves: &[WindowedWave]| waves.iter().map(samples).collect();
-        IoData::new(signals_of(&inputs), signals_of(&outputs), first.sampled.dt_s()).refuse_with_hint(HINT)
+        IoData::new(signals_of(&inputs), signals_of(&outputs), first.sampled.dt_s()).refuse_with_hint(other_waveforms())
     };
     let (used, whole) = (data(&|wave| wave.sampled.samples().to_vec())?, data(&WindowedWave::whole)?);
     let delay_s =
@@ -387,7 +404,11 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
         };
         let Some(time_s) = events.time_of_rebound_s else {
             return Err(Refused::new("the record of /events shows no time of rebound, hence no separation")
-                .hint("give a share of the peak, e.g. --free-decay 5%, or --from")
+                .hint(format!(
+                    "give a share of the peak, e.g. {}, or {}",
+                    option("identify", "free-decay", "5%"),
+                    flag("from")
+                ))
                 .into());
         };
         let start = time_s.max(settings.from_s);
@@ -398,7 +419,7 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
     // The crash pulse is the channel that the events were read from.
     let pulse = match &events {
         Some(events) => &events.channel,
-        None => &test.pulse_channel().refuse_with_hint("give the start as a time with --from")?.id,
+        None => &test.pulse_channel().refuse_with_hint(format!("give the start as a time with {}", flag("from")))?.id,
     };
     let wave = &inputs.wave(pulse)?.sampled;
     let first = wave.index_at_or_after(zero_s + settings.from_s);
@@ -409,7 +430,7 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
             "channel {pulse} does not stay under {} % of its peak before the window ends: there is no free decay",
             100.0 * share
         ))
-        .hint("give a larger share, a later --to, or the start as a time with --from")
+        .hint(format!("give a larger share, a later {}, or the start as a time with {}", flag("to"), flag("from")))
         .into());
     };
     let start = force.t0_s() + after as f64 * force.dt_s() - zero_s;
@@ -459,12 +480,12 @@ pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
             record.t0_s(),
             record.end_s()
         ))
-        .hint("set --from and --to to times inside the record")
+        .hint(format!("set {} and {} to times inside the record", flag("from"), flag("to")))
         .into());
     }
     if keeps_some && (kept.is_empty() || end < used) {
         return Err(Refused::new("no sample is left for the validation, or --samples ends before it begins")
-            .hint("set --validate-from to a time inside the window, without --samples")
+            .hint(format!("set {} to a time inside the window, without {}", flag("validate-from"), flag("samples")))
             .into());
     }
     let kept = if keeps_some { kept } else { Vec::new() };

@@ -13,7 +13,7 @@ use crumple_signal::{
     part_of,
 };
 use crumple_stage::records::{ChannelFilterV1, DamageV1, MetricV1};
-use crumple_stage::{Inputs, Output, RefuseExt};
+use crumple_stage::{Inputs, Output, RefuseExt, option};
 
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{BarrierCells, Damage};
@@ -50,7 +50,7 @@ pub fn barrier(
         BarrierCells::All => waves(input, listed.iter()),
         BarrierCells::Valid => waves(input, listed.iter().filter(valid)),
     };
-    let Some(sum) = sum_of_cells(&summed).refuse_with_hint("--barrier-cells none leaves the barrier out")? else {
+    let Some(sum) = sum_of_cells(&summed).refuse_with_hint(without_the_barrier())? else {
         return Ok(Vec::new());
     };
     if cells == BarrierCells::Valid {
@@ -82,6 +82,11 @@ pub fn barrier(
     Ok(metrics)
 }
 
+/// What to do where the cells of a barrier give no force.
+fn without_the_barrier() -> String {
+    format!("{} leaves the barrier out", option("integrate", "barrier-cells", "none"))
+}
+
 fn is_cell(channel: &Channel) -> bool {
     channel.quantity == QuantityKind::Force
         && channel.axis.is_none_or(|axis| axis == Axis::X)
@@ -103,7 +108,7 @@ struct AsRead {
 /// A low-pass of class 60 and above leaves the impulse but for its ends. Cells on another grid are left out, as from
 /// the sum.
 fn as_read(input: &Inputs, cells: &[(&str, &Sampled)], time_zero_s: f64) -> anyhow::Result<Option<AsRead>> {
-    let Some(sum) = sum_of_cells(cells).refuse_with_hint("--barrier-cells none leaves the barrier out")? else {
+    let Some(sum) = sum_of_cells(cells).refuse_with_hint(without_the_barrier())? else {
         return Ok(None);
     };
     let mut zero_level_n = 0.0;

@@ -12,7 +12,7 @@ use crumple_signal::{
     STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight, integrate_reporting, integrate_without_drift,
 };
 use crumple_stage::records::ChannelFilterV1;
-use crumple_stage::{Inputs, Output, RefuseExt, Refused};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option};
 
 use crate::stage::options::{StageSettings, ZeroRule};
 
@@ -43,7 +43,7 @@ pub fn impact_speed(
     let speed = settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
         Refused::new("the test description has no impact speed")
             .expected("the speed just before contact; the accelerometer cannot tell it")
-            .hint("give it with --impact-speed, e.g. --impact-speed 35km/h, here or to ingest")
+            .hint(format!("state it: {}", option("ingest", "impact-speed", "35km/h")))
     })?;
     if let (Some(_), Some(of_test)) = (settings.impact_speed_m_per_s, test.impact_speed_m_per_s)
         && of_test != speed
@@ -99,7 +99,7 @@ pub fn time_zero(
     };
     let Some(zero) = zero else {
         return Err(Refused::new(format!("time zero rule {rule}: {}", nothing_found(rule, &channel.id)))
-            .hint("state first contact with --time-zero, e.g. --time-zero 0s")
+            .hint(format!("state first contact, e.g. {}", option("integrate", "time-zero", "0s")))
             .into());
     };
     if *rule == ZeroRule::Threshold && channel.cfc != Some(60) {
@@ -202,12 +202,13 @@ impl ChannelIntegration<'_> {
                 let progress = RefCell::new(out.progress("integrating", acceleration.len() as u64));
                 let report = |amount| progress.borrow_mut().advance(amount);
                 let motion = integrate_reporting(acceleration, &settings, report);
-                let hint = motion.as_ref().err().map_or("", hint);
+                let hint = motion.as_ref().err().map_or_else(String::new, hint);
                 (motion.refuse_with_hint(hint)?, None)
             }
             Some(end) => {
-                let (motion, drift) = integrate_without_drift(acceleration, &settings, end)
-                    .refuse_with_hint("--end-time says when the velocity is the one known")?;
+                let (motion, drift) = integrate_without_drift(acceleration, &settings, end).refuse_with_hint(
+                    format!("{} says when the velocity is the one known", flag("integrate", "end-time")),
+                )?;
                 note_drift(&channel.id, &drift, end.velocity_m_per_s, out.notes());
                 (motion, Some(drift))
             }
@@ -266,7 +267,7 @@ impl ChannelIntegration<'_> {
     pub fn write(&self, id: &str, channel: Integrated, out: &mut Output) -> anyhow::Result<()> {
         if let Some(mass_kg) = self.test.mass_kg {
             let force = barrier_force(&channel.motion.acceleration, mass_kg)
-                .refuse_with_hint("give the test mass to ingest with --mass")?;
+                .refuse_with_hint(format!("state the test mass: {}", option("ingest", "mass", "873kg")))?;
             out.wave(&format!("{id}/force"), QuantityKind::Force, force.into_sampled())?;
         }
         out.wave(&format!("{id}/velocity"), QuantityKind::Velocity, channel.motion.velocity.into_sampled())?;
@@ -275,19 +276,22 @@ impl ChannelIntegration<'_> {
 }
 
 /// The one thing to do about a channel that cannot be integrated.
-fn hint(error: &IntegrateError) -> &'static str {
+fn hint(error: &IntegrateError) -> String {
     match error {
-        IntegrateError::ImpactSpeed(_) => "--impact-speed is a speed, 0m/s for a motion from rest",
-        _ => "--time-zero says where on the record's time axis first contact is",
+        IntegrateError::ImpactSpeed(_) => {
+            format!("{} is right for a motion from rest", option("ingest", "impact-speed", "0m/s"))
+        }
+        _ => format!("{} says where on the record's time axis first contact is", flag("integrate", "time-zero")),
     }
 }
 
 /// The samples of an accelerometer.
 pub fn acceleration(input: &Inputs, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
-    input
-        .wave(&channel.id)?
-        .signal::<Acceleration>()
-        .refuse_with_hint(format!("channel {} is no accelerometer: name one with --channel", channel.id))
+    input.wave(&channel.id)?.signal::<Acceleration>().refuse_with_hint(format!(
+        "channel {} is no accelerometer: name one with {}",
+        channel.id,
+        flag("integrate", "channel")
+    ))
 }
 
 /// Whether a channel without a class went through a phaseless low-pass all the same.

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use crumple_signal::{About, Channel, Sampled, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV2, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, option};
+use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
 
 use crate::stage::channels::{ChannelAgreement, channels_named, other_channels};
 use crate::stage::collision::{
@@ -51,7 +51,10 @@ impl Stage for Integrate {
         if let Some(name) = &settings.channel {
             test.pulse = Some(pulse_named(name, &test, input)?);
         }
-        let channel = test.pulse_channel().refuse_with_hint("name the pulse with --channel")?.clone();
+        let channel = test
+            .pulse_channel()
+            .refuse_with_hint(format!("name the pulse with {}", flag("ingest", "channel")))?
+            .clone();
         let speed = settings.impact_speed_m_per_s.or(test.impact_speed_m_per_s);
         if let Some(missing) = missing_for_motion(input, &test, &channel, speed) {
             return without_motion(settings, input, &test, &channel, missing, out);

@@ -9,7 +9,7 @@ use crumple_signal::{
     Signal, TestDescription, Weight, part_of,
 };
 use crumple_stage::records::MetricV1;
-use crumple_stage::{Inputs, Output, RefuseExt};
+use crumple_stage::{Inputs, Output, RefuseExt, option};
 
 use crate::stage::criteria::{Site, sites};
 use crate::stage::options::{MetricGroup, StageSettings};
@@ -134,10 +134,10 @@ impl Criteria<'_> {
     }
 
     fn acceleration(&self, channel: &Channel) -> anyhow::Result<Signal<Acceleration>> {
-        self.input
-            .wave(&channel.id)?
-            .signal::<Acceleration>()
-            .refuse_with_hint("--metrics none leaves the criteria of occupants and roadside hardware out")
+        self.input.wave(&channel.id)?.signal::<Acceleration>().refuse_with_hint(format!(
+            "{} leaves the criteria of occupants and roadside hardware out",
+            option("integrate", "metrics", "none")
+        ))
     }
 
     /// The record of a criterion under the ids of its channels together, with what is to be said of their class and
@@ -255,7 +255,7 @@ impl Criteria<'_> {
         remarks.extend(class_remark(&planar, ROADSIDE_CFC, notes));
 
         let ax = self.acceleration(x)?;
-        let zeros = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint("--metrics none leaves it out");
+        let zeros = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint(without_metrics());
         let along = |channel: Option<&Channel>| channel.map_or_else(zeros, |channel| self.acceleration(channel));
         let (ay, az) = (along(y)?, along(z)?);
         let mut spatial = planar.clone();
@@ -315,6 +315,10 @@ impl Criteria<'_> {
 }
 
 /// Whether a channel that did not fail measures a quantity of the vehicle along an axis.
+fn without_metrics() -> String {
+    format!("{} leaves it out", option("integrate", "metrics", "none"))
+}
+
 fn of_vehicle(channel: &Channel, quantity: QuantityKind, axis: Axis) -> bool {
     channel.quantity == quantity
         && channel.axis == Some(axis)

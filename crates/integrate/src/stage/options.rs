@@ -10,7 +10,7 @@ use crumple_signal::{
     Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Uncertain,
     UsedStart,
 };
-use crumple_stage::Usage;
+use crumple_stage::{Usage, flag};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 // Flags and pipeline keys of the stage.
@@ -285,7 +285,7 @@ impl TryFrom<Options> for StageSettings {
             let given = [("end-time", options.end_time.is_some()), ("drift", options.drift.is_some())];
             if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
                 return Err(Usage::new(format!("{name} needs end-velocity"))
-                    .hint("give the velocity that is known with --end-velocity"));
+                    .hint(format!("give the velocity that is known with {}", flag("integrate", "end-velocity"))));
             }
         }
         let uncertainty = uncertainty(&options)?;
@@ -298,8 +298,11 @@ impl TryFrom<Options> for StageSettings {
             (Some(width), Some(crush)) => Some(Damage { width_m: width.si(), residual_crush_m: crush.si() }),
             (None, None) => None,
             _ => {
-                return Err(Usage::new("damage-width and residual-crush belong together")
-                    .hint("give both, e.g. --damage-width 1.6m --residual-crush 520mm"));
+                return Err(Usage::new("damage-width and residual-crush belong together").hint(format!(
+                    "give both, {} and {}",
+                    flag("integrate", "damage-width"),
+                    flag("integrate", "residual-crush")
+                )));
             }
         };
         Ok(Self {

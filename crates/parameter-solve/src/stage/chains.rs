@@ -14,7 +14,7 @@ use serde::Serialize;
 use toml::Value;
 
 use crate::stage::assess::assess_fit;
-use crate::stage::inputs::{sensor_wave, stated_places};
+use crate::stage::inputs::{see, sensor_wave, stated_places};
 use crate::stage::settings::StageSettings;
 
 // The table: a chain of masses of which some numbers are to be found.
@@ -232,7 +232,7 @@ fn waves(
         let what = (Some(mass), quantity);
         let samples = settings.solve.fit_samples;
         let observed = ObservedWave::new(record, what, events.time_zero_s, wave.measurement, window, samples)
-            .refuse_with_hint("see --fit-from and --fit-to")?;
+            .refuse_with_hint(see(&["fit-from", "fit-to"]))?;
         waves.push(observed);
         sensors.push(Sensor { channel: wave.channel, place });
     }

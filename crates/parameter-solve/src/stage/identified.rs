@@ -7,7 +7,9 @@ use crumple_lumped_fit::{
 };
 use crumple_numerics::lti::{eigenvalues, matrix_logarithm};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
-use crumple_stage::{Inputs, Output, RefuseExt, Refused, option, program};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option, program};
+
+use crate::stage::inputs::see;
 use nalgebra::{DMatrix, Matrix4, RowVector4, Vector4};
 
 use crate::stage::records::matching_record;
@@ -269,12 +271,12 @@ pub fn given_masses(settings: &StageSettings, mass_kg: Option<f64>, out: &mut Ou
         (None, _) => {
             return Err(Refused::new("the test has no mass")
                 .expected("the masses of chassis and compartment")
-                .hint("--m1 284.4kg --m2 1137.6kg")
+                .hint(format!("{} {}", option("parameter-solve", "m1", "284.4kg"), flag("parameter-solve", "m2")))
                 .into());
         }
     };
     let (m1_kg, m2_kg, split) =
-        masses(mass_kg, settings.solve.split, MassEvidence::Compartment).refuse_with_hint("see --m1 and --m2")?;
+        masses(mass_kg, settings.solve.split, MassEvidence::Compartment).refuse_with_hint(see(&["m1", "m2"]))?;
     out.notes().info(split);
     Ok((m1_kg, m2_kg))
 }

@@ -3,7 +3,7 @@
 use crumple_lumped_fit::{Candidate, FitQuantity, MassSplit, Measurement, Sensor, SensorPlace, TestData, solve};
 use crumple_signal::{Acceleration, Displacement, Force, Sampled, Signal, TestDescription, Velocity};
 use crumple_stage::records::EventsV1;
-use crumple_stage::{Inputs, Output, RefuseExt, Refused, option, program};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option, program};
 
 use crate::stage::options::PlacedSensor;
 use crate::stage::settings::StageSettings;
@@ -117,7 +117,7 @@ fn not_integrated(input: &Inputs, channel: &str, what: &str) -> anyhow::Error {
 /// The acceleration of a channel from the filter's artifact, else from the force that integrate made of it.
 fn acceleration(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<Sampled> {
     if let Some(wave) = input.wave_if(channel) {
-        let hint = "name an accelerometer with --sensors";
+        let hint = format!("name an accelerometer with {}", flag("parameter-solve", "sensors"));
         return Ok(wave.signal::<Acceleration>().refuse_with_hint(hint)?.into_sampled());
     }
     let tested = input.test()?.mass_kg.unwrap_or(mass_kg);
@@ -179,7 +179,9 @@ impl Record {
                 out.notes().info(format!("the test has no mass; taken as m1 + m2 = {} kg", m1 + m2));
                 m1 + m2
             }
-            (None, None, _) => return Err(Refused::new("the test has no mass").hint("--mass 873kg").into()),
+            (None, None, _) => {
+                return Err(Refused::new("the test has no mass").hint(option("ingest", "mass", "873kg")).into());
+            }
         };
         let impact_speed_m_per_s = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s).ok_or_else(|| {
             Refused::new("neither the events nor the test have an impact speed").hint(option(
@@ -208,6 +210,12 @@ const SPEEDS_UP: f64 = 1.05;
 
 /// Within this part of it, and the record shows no impact.
 const KEEPS_ITS_SPEED: f64 = 0.01;
+
+/// What to look at where settings do not fit the record.
+pub fn see(names: &[&str]) -> String {
+    let all: Vec<String> = names.iter().map(|name| flag("parameter-solve", name)).collect();
+    format!("see {}", all.join(", "))
+}
 
 /// Why no force slows the vehicle down, if so, and what to do: it never stops, and is in the end as far as its impact
 /// speed alone would have taken it, or beyond.
@@ -257,7 +265,7 @@ pub fn from_events(
 ) -> anyhow::Result<Vec<Candidate>> {
     let sensors = sensors_of(record);
     let test_data = test_data(record, events, &sensors);
-    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint("see --mass, --m1, --m2, --fit-from and --fit-to")
+    solve(&test_data, &settings.solve, out.notes()).refuse_with_hint(see(&["mass", "m1", "m2", "fit-from", "fit-to"]))
 }
 
 /// The sensors to fit together.

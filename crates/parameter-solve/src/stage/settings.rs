@@ -6,7 +6,7 @@ use crumple_lumped_fit::{
     MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M, REPETITIONS, SelectionRules, SolveSettings, largest_draw,
 };
 use crumple_signal::value::{Mass, Time};
-use crumple_stage::Usage;
+use crumple_stage::{Usage, option};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -128,7 +128,10 @@ fn triple_masses(options: &Options) -> Result<Option<[f64; 3]>, Usage> {
                 "triple-masses has {} masses, expected three",
                 options.triple_masses.len()
             ))
-            .hint("--triple-masses 150kg,200kg,900kg: engine, suspension and chassis, compartment"));
+            .hint(format!(
+                "{}: engine, suspension and chassis, compartment",
+                option("parameter-solve", "triple-masses", "150kg,200kg,900kg")
+            )));
         }
     })
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::stage::assess::assess_fit;
 use crate::stage::comparison::Comparison;
-use crate::stage::inputs::{Record, motion, not_slowed, pulse_displacement, sensors_of, test_data};
+use crate::stage::inputs::{Record, motion, not_slowed, pulse_displacement, see, sensors_of, test_data};
 use crate::stage::recommendation::{chosen, without};
 use crate::stage::records::write_candidates;
 use crate::stage::settings::StageSettings;
@@ -52,7 +52,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     out.put("/tests", &record_of_tests)?;
     warn_of_the_rate(&record_of_tests, out);
     let mut candidates =
-        fit_together(&joint, &settings.solve, out.notes()).refuse_with_hint("see --models, --fit-from and --fit-to")?;
+        fit_together(&joint, &settings.solve, out.notes()).refuse_with_hint(see(&["models", "fit-from", "fit-to"]))?;
     candidates.par_iter_mut().for_each(|c| c.assessed = assess_fit(c, &settings.assessment, None));
     let assessed = write_candidates(&candidates, &names.join(" and "), out)?;
     if assessed.is_empty() {
@@ -82,7 +82,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
 /// A mass and an end of the window are of one test; several have their own.
 fn refuse_what_is_of_one_test(settings: &StageSettings) -> anyhow::Result<()> {
     if settings.mass_kg.is_some() {
-        return Err(Usage::new("--mass is of one test, and several have masses of their own")
+        return Err(Usage::new("a mass is of one test, and several have masses of their own")
             .hint(format!("{}, or '# mass: 873 kg' in the header of each record", option("ingest", "mass", "873kg")))
             .into());
     }

@@ -14,7 +14,9 @@ use super::{
     candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
     numbers, predictions, ratings, remarks, what_if,
 };
+use crate::drawing::Figure;
 use crate::figures::all::{crash_figures, identification_figures};
+use crate::figures::crash::curves;
 use crate::frame::{FIGURES, framed_with, words_of_figures};
 use crate::frame::{PageFiles, Script, script_file};
 
@@ -63,6 +65,8 @@ impl Page {
         if run.joint.is_none() {
             key_numbers::write(&mut body, run, key_numbers);
         }
+        let first: Vec<Figure> = curves::first(run, ranking).filter(|_| run.joint.is_none()).into_iter().collect();
+        figures::write(&mut body, &first, "h2");
         body.push_str("<div class=\"answer\">\n");
         predictions::write_first(&mut body, run, ranking, said.status);
         top::write_before_use(&mut body, run, ranking, said, concerns);
@@ -97,7 +101,7 @@ impl Page {
         }
         body.push_str(&words_of_figures());
         body.push_str("</main>\n");
-        let toggles = figures::toggle_rules(crash.iter().chain(&identification));
+        let toggles = figures::toggle_rules(first.iter().chain(&crash).chain(&identification));
         let title = header::title(run);
         Self(framed_with(&files, &title, &toggles, &body, SCRIPT))
     }

@@ -3,6 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{KILO, MILLI};
 use crate::findings::{Ranking, Run, candidate_name};
+use crate::page::{UNFOLDED, folded};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 
@@ -35,7 +36,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         Column::number(texts.dissipated),
         Column::number(texts.closure).means(texts.closure_definition),
     ];
-    out.push_str(&format!("<section>\n<h2>{}</h2>\n{}", texts.energy, table("", &columns)));
+    out.push_str(&format!("<section>\n{}{}", folded(texts.energy), table("", &columns)));
     for (candidate, energy, closure) in rows {
         let kilojoule = |joule: f64| words::decimals(KILO * joule, 2);
         out.push_str(&format!(
@@ -56,7 +57,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             closure,
         ));
     }
-    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.energy_caption));
+    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n{UNFOLDED}", texts.energy_caption));
 }
 
 /// Rounding: its size says something, its digits do not. Of a motion that grows without end only that is said.

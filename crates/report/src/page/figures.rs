@@ -47,7 +47,11 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
     for (place, panel) in figure.panels.iter().enumerate() {
         out.push_str(&Drawing::new(figure, panel).svg(&format!("{id}-{place}"), true));
     }
-    out.push_str(&format!("</div>\n<p class=\"caption\">{}</p>\n</section>\n", html(&figure.caption)));
+    out.push_str("</div>\n");
+    if !figure.caption.is_empty() {
+        out.push_str(&format!("<p class=\"caption\">{}</p>\n", html(&figure.caption)));
+    }
+    out.push_str("</section>\n");
 }
 
 /// Rules by which a legend's box hides its curves.

@@ -1,5 +1,7 @@
 //! The page as HTML: its frame and its sections.
 
+use crate::phrases::PHRASES;
+
 pub mod candidates;
 pub mod channels;
 pub mod conclusion;
@@ -16,3 +18,11 @@ pub mod predictions;
 pub mod ratings;
 pub mod remarks;
 pub mod what_if;
+
+/// Heading of a section whose content is shown on demand; [`UNFOLDED`] ends it.
+fn folded(title: &str) -> String {
+    format!("<h2>{title}</h2>\n<details><summary>{}</summary>\n", PHRASES.remarks.show)
+}
+
+/// The end of a section with a heading of [`folded`].
+const UNFOLDED: &str = "</details>\n</section>\n";

@@ -3,6 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::Run;
+use crate::page::{UNFOLDED, folded};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -19,7 +20,12 @@ pub(super) fn write(out: &mut String, run: &Run) {
         return;
     }
     let texts = &PHRASES.numbers;
-    out.push_str(&format!("<section>\n<h2>{}</h2>\n<div class=\"pair\">\n", texts.events_and_metrics));
+    // Where there are models the key numbers above are what is asked for first.
+    let (heading, end) = match run.candidates.is_empty() {
+        true => (format!("<h2>{}</h2>\n", texts.events_and_metrics), "</section>\n"),
+        false => (folded(texts.events_and_metrics), UNFOLDED),
+    };
+    out.push_str(&format!("<section>\n{heading}<div class=\"pair\">\n"));
     if let Some(events) = &run.events {
         out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.events));
         table(out, &event_rows(events));
@@ -55,7 +61,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
     out.push_str("</div>\n");
     unlike_pulse(out, run);
     other_channels(out, run);
-    out.push_str("</section>\n");
+    out.push_str(end);
 }
 
 /// Metrics that only other channels have, open to view: occupants, barrier, recorder.

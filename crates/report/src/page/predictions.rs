@@ -3,6 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, candidate_name};
+use crate::page::{UNFOLDED, folded};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -101,11 +102,11 @@ pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
         Column::number(texts.olc),
         Column::text(texts.remarks_head),
     ];
-    out.push_str(&format!("<section id=\"predictions\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
+    out.push_str(&format!("<section id=\"predictions\">\n{}{}", folded(texts.title), table("", &columns)));
     for prediction in &run.predictions {
         row(out, prediction, status);
     }
-    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
+    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n{UNFOLDED}", texts.caption));
 }
 
 fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {

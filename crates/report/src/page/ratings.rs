@@ -3,6 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
+use crate::page::{UNFOLDED, folded};
 use crate::phrases::HowWellTexts;
 use crate::phrases::PHRASES;
 use crate::phrases::words;
@@ -43,9 +44,9 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let columns = columns(texts);
     let columns_of = |quantity: &str| columns.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
-        "<section>\n<h2>{}</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">{}</th>\
+        "<section>\n{}<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">{}</th>\
          <th scope=\"colgroup\" colspan=\"{}\">{}</th><th scope=\"colgroup\" colspan=\"{}\">{}</th></tr>\n<tr>",
-        texts.ratings,
+        folded(texts.ratings),
         texts.model,
         columns_of("acceleration"),
         texts.acceleration,
@@ -69,7 +70,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str("</tbody>\n</table></div>\n");
     caption(out, &rows);
-    out.push_str("</section>\n");
+    out.push_str(UNFOLDED);
 }
 
 fn find<'a>(simulation: &'a SimulationV1, quantity: &str, id: &str) -> Option<&'a RatingV1> {

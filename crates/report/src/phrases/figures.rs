@@ -11,6 +11,7 @@ texts! { FigureTexts
     deceleration: "deceleration, g (mass not known)";
     title: "What the test did, what the models do";
     title_of_test: "The test: curves";
+    title_of_first: "The pulse, and the force over crush";
     test_cfc: "test, CFC\u{a0}{cfc}";
     test_filtered: "test, filtered";
     test_as_read: "test, as read";

@@ -34,7 +34,7 @@ where
         left_out::refuse(table, left_out, &format!("{}: ", pipeline.file()))?;
     }
     let mut table = match &pipeline {
-        Some(pipeline) => with_lists(stage_table(stage, pipeline, &keys)?, &command),
+        Some(pipeline) => with_lists(stage_table(stage, pipeline, &keys, &command)?, &command),
         None => toml::Table::new(),
     };
     let given = toml::Table::try_from(flags).context("the flags cannot be written as a table")?;
@@ -111,17 +111,29 @@ fn option_keys<O: Serialize + Default>(command: &clap::Command) -> anyhow::Resul
 /// The table of a program in a pipeline file, which may hold `keys`; empty where there is none.
 pub fn pipeline_table(stage: &str, pipeline: &Pipeline, keys: &[&str]) -> anyhow::Result<toml::Table> {
     let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
-    stage_table(stage, pipeline, &keys)
+    stage_table(stage, pipeline, &keys, &clap::Command::new("options"))
 }
 
-fn stage_table(stage: &str, pipeline: &Pipeline, keys: &[String]) -> anyhow::Result<toml::Table> {
-    let table = pipeline.table(stage).cloned().unwrap_or_default();
-    for key in table.keys() {
-        if !keys.iter().any(|known| known == key) {
+/// The table of a stage. A key may be named as its flag: `inputs` of `--inputs`, whose own name is `input_channels`.
+fn stage_table(
+    stage: &str,
+    pipeline: &Pipeline,
+    keys: &[String],
+    command: &clap::Command,
+) -> anyhow::Result<toml::Table> {
+    let of_flag = |key: &str| {
+        let is_named = |argument: &&clap::Arg| argument.get_long().is_some_and(|long| long.replace('-', "_") == key);
+        command.get_arguments().find(is_named).map(|argument| argument.get_id().to_string())
+    };
+    let mut table = toml::Table::new();
+    for (key, value) in pipeline.table(stage).cloned().unwrap_or_default() {
+        let own = if keys.contains(&key) { Some(key.clone()) } else { of_flag(&key) };
+        let Some(own) = own else {
             let known: Vec<&str> = keys.iter().map(String::as_str).collect();
-            let place = pipeline.place(stage, key);
-            return Err(unknown_name(&format!("{place}: unknown key {key:?} in [{stage}]"), key, &known));
-        }
+            let place = pipeline.place(stage, &key);
+            return Err(unknown_name(&format!("{place}: unknown key {key:?} in [{stage}]"), &key, &known));
+        };
+        table.insert(own, value);
     }
     Ok(table)
 }

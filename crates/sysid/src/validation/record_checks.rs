@@ -11,6 +11,9 @@ const CONSTANT: f64 = 1e-12;
 /// Scaled median absolute deviations beyond which an error is that of an outlier.
 const OUTLIER: f64 = 6.0;
 
+/// Samples on either side of an error that it is compared with: two outliers in a row stand out of five.
+const NEIGHBOURS: usize = 2;
+
 /// The median absolute deviation of normal values times this is their standard deviation.
 const SCALED: f64 = 1.4826;
 
@@ -154,11 +157,19 @@ pub fn outliers(data: &IoData, order: usize, from_rest: bool) -> Result<(Vec<Vec
     Ok((found, fit))
 }
 
-/// Places of errors that lie further from the median than six scaled median absolute deviations.
+/// Places of errors that lie further from the median than six scaled median absolute deviations, from that of all and
+/// from that of the [`NEIGHBOURS`]: a mode that the model misses is large over many samples, and no outlier.
 fn standing_out(errors: &[f64]) -> Vec<usize> {
+    let beside = |k: usize| {
+        let near = &errors[k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(errors.len())];
+        (errors[k] - median(near.to_vec())).abs()
+    };
     let middle = median(errors.to_vec());
-    let reach = OUTLIER * SCALED * median(errors.iter().map(|e| (e - middle).abs()).collect());
-    errors.iter().enumerate().filter(|(_, e)| (*e - middle).abs() > reach).map(|(k, _)| k).collect()
+    let from_all: Vec<f64> = errors.iter().map(|e| (e - middle).abs()).collect();
+    let from_near: Vec<f64> = (0..errors.len()).map(beside).collect();
+    let reach = |distances: &[f64]| OUTLIER * SCALED * median(distances.to_vec());
+    let (far, beside) = (reach(&from_all), reach(&from_near));
+    (0..errors.len()).filter(|k| from_all[*k] > far && from_near[*k] > beside).collect()
 }
 
 #[cfg(test)]

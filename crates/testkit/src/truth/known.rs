@@ -230,7 +230,7 @@ pub fn fit_percent(made: &Made, candidate: &str) -> Option<f64> {
 /// Subjects of `phrases` that none of the surfaces shows: they stand below the first screen, on other pages, or in
 /// another program.
 pub const ELSEWHERE: &[(&str, &str)] = &[
-    ("figures", "axes, legends and captions of figures, below the first screen"),
+    ("figures", "axes, legends and captions of figures"),
     ("identification", "section of the identified models, below the first screen of a crash"),
     ("joint", "one model of several tests: said by just together, not by a run"),
     ("candidates", "table of all candidates, below the first screen"),

@@ -10,11 +10,13 @@ use crate::stage::options::choices::Method;
 use crate::stage::options::orders::ArxRanges;
 use crate::stage::records::discrete::{Deviations, DiscreteModel};
 use crate::stage::records::results::Results;
-use crate::stage::waves::{Record, Source};
+use crate::stage::waves::{Record, Source, flag, widen_the_window};
 
 /// What to do about a regression that does not work.
-const HINT: &str =
-    "lower the numbers of --arx-orders or --arx-scan, widen the window (--from, --to), or name other waveforms";
+fn hint() -> String {
+    let (orders, scan) = (flag("arx-orders"), flag("arx-scan"));
+    format!("lower the numbers of {orders} or {scan}, {}, or name other waveforms", widen_the_window())
+}
 
 /// ARX of an order `n`: `n` past outputs, `n + 1` inputs from the same sample on; of several outputs as many lags of
 /// all as make `n` states.
@@ -48,7 +50,7 @@ fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, I
 /// The structures asked for, and the best of the scan.
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
-    let all = MethodRun::new(Method::Arx, source, input_output, HINT)?;
+    let all = MethodRun::new(Method::Arx, source, input_output, hint())?;
     let mut structures: Vec<(ArxOrder, Option<String>)> =
         input_output.arx_orders.iter().map(|structure| (structure.0, None)).collect();
     if let Some(ranges) = &input_output.arx_scan {
@@ -83,7 +85,7 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             "a scan of arx structures has one output, {} are named",
             data.outputs().len()
         ))
-        .hint("name one of --outputs, or give --arx-orders")
+        .hint(format!("name one of {}, or give {}", flag("outputs"), flag("arx-orders")))
         .into());
     }
     let orders = ranges.all();
@@ -161,8 +163,8 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             ));
             Ok(orders[best])
         }
-        (None, Some(error)) => Err(error).refuse_with_hint(HINT),
-        (None, None) => Err(Refused::new("the scan of arx structures is empty").hint(HINT).into()),
+        (None, Some(error)) => Err(error).refuse_with_hint(hint()),
+        (None, None) => Err(Refused::new("the scan of arx structures is empty").hint(hint()).into()),
     }
 }
 

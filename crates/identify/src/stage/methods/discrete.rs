@@ -1,20 +1,23 @@
 //! The discrete methods with an input: every model asked for is identified, simulated and written.
 
 use crumple_numerics::lti::Complex;
-use crumple_signal::{About, Notes, Weight};
-use crumple_stage::{Outcome, Output, RefuseExt};
-use crumple_sysid::{IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weighting, output_error};
+use crumple_signal::{About, Notes, TestDescription, Weight};
+use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
+use crumple_sysid::{
+    IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weighting, fit_measures, output_error, weak_fit,
+};
 
 use crate::stage::methods::okid::okid;
 use crate::stage::methods::subspace::{Horizon, chosen_order, put_subspace_diagram};
 use crate::stage::methods::{arx, subspace};
 use crate::stage::options::choices::{Initial, Method};
+use crate::stage::options::orders::OrderOption;
 use crate::stage::options::settings::{HankelSettings, InputOutputSettings, Settings};
 use crate::stage::records::discrete::{
     DiscreteModel, DiscreteTask, RecordChoices, put_discrete_model, simulate_accepted,
 };
 use crate::stage::records::results::Results;
-use crate::stage::waves::{Record, Source, record};
+use crate::stage::waves::{Record, Source, flag, record, widen_the_window};
 
 /// A method and the waveforms that it works on.
 pub struct MethodRun<'a> {
@@ -31,7 +34,7 @@ pub struct MethodRun<'a> {
     /// The same with what is kept after it.
     pub whole: IoData,
     /// What a user can do where no request leads to a model.
-    pub hint: &'static str,
+    pub hint: String,
 }
 
 /// Identifies a model from a record.
@@ -55,7 +58,7 @@ impl<'a> MethodRun<'a> {
         method: Method,
         source: Source<'a>,
         input_output: &'a InputOutputSettings,
-        hint: &'static str,
+        hint: String,
     ) -> anyhow::Result<Self> {
         let record = record(source, input_output)?;
         let (data, whole) = (record.data.delayed(input_output.delay), record.whole.delayed(input_output.delay));
@@ -89,7 +92,7 @@ impl<'a> MethodRun<'a> {
             Some(error @ (IdentifyError::Diverged { .. } | IdentifyError::Misses { .. })) => {
                 Ok(Outcome::NoAcceptableResult(error.to_string()))
             }
-            Some(error) => Err(error).refuse_with_hint(self.hint),
+            Some(error) => Err(error).refuse_with_hint(&self.hint),
             None => Ok(Outcome::Done),
         }
     }
@@ -132,7 +135,9 @@ impl<'a> MethodRun<'a> {
 const AUTOMATIC_ORDER: usize = 4;
 
 /// What to do about orders without a model.
-const HINT: &str = "lower --orders, widen the window (--from, --to), or name other waveforms";
+fn hint() -> String {
+    format!("lower {}, {}, or name other waveforms", flag("orders"), widen_the_window())
+}
 
 /// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison in
 /// words.
@@ -141,7 +146,7 @@ type Choice = (Horizon, String);
 /// One model per order.
 pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
-    let all = MethodRun::new(method, source, input_output, HINT)?;
+    let all = MethodRun::new(method, source, input_output, hint())?;
     let weighting = method.weighting();
     if let (Some(wanted), Some(weighting)) = (&source.settings.stabilisation, weighting) {
         put_subspace_diagram(
@@ -188,6 +193,38 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
         })
         .collect();
     all.put_all(&requests, results)
+}
+
+/// Two states for each mode of an ambient record, where the order is left to the record: there the simulation from the
+/// first sample on says nothing about it. A record that such a model simulates is a free motion, and is left alone.
+pub fn order_of_ambient(
+    settings: &mut Settings,
+    modes: usize,
+    test: &TestDescription,
+    inputs: &Inputs,
+    out: &mut Output,
+) {
+    let automatic = OrderOption(Order::Automatic);
+    let Some(input_output) = settings.input_output.as_ref().filter(|_| settings.orders.contains(&automatic)) else {
+        return;
+    };
+    let order = 2 * modes;
+    let is_ambient = || -> Option<bool> {
+        let record = record(Source { settings, test, inputs }, input_output).ok()?;
+        let model = subspace::identify_order(Weighting::N4sid, order, &record.data, input_output, None).ok()?;
+        let simulated = simulate_accepted(model, &record.data).map(|(simulated, _)| simulated);
+        let is_weak = |(y, yh): (&Vec<f64>, &Vec<f64>)| {
+            fit_measures(y, yh).and_then(|fit| fit.fit_percent).is_none_or(|fit| weak_fit(fit).is_some())
+        };
+        Some(simulated.map_or(true, |all| record.data.outputs().iter().zip(&all).any(is_weak)))
+    };
+    if modes == 0 || is_ambient() != Some(true) {
+        return;
+    }
+    out.notes().info(format!("order auto is {order}: two states for each of the {modes} modes over orders and halves"));
+    for known in settings.orders.iter_mut().filter(|known| **known == automatic) {
+        *known = OrderOption(Order::Given(order));
+    }
 }
 
 /// The number of states where it is left to the method, told in a note, and why this one where the record chose it.

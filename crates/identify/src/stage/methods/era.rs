@@ -11,7 +11,7 @@ use crate::stage::options::settings::Settings;
 use crate::stage::records::realization;
 use crate::stage::records::realization::{RealizationTask, put_realization};
 use crate::stage::records::results::Results;
-use crate::stage::waves::{ScaledWaves, Source, WindowedWave, channel, filter_edges, waves};
+use crate::stage::waves::{ScaledWaves, Source, WindowedWave, channel, filter_edges, flag, waves, widen_the_window};
 
 /// What models of all orders are for and from.
 struct EraRun<'a> {
@@ -28,7 +28,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     let settings = source.settings;
     let channels = match &settings.hankel {
         Some(hankel) if !hankel.channels.is_empty() => hankel.channels.clone(),
-        _ => vec![channel(source, "name the waveform with --outputs")?.to_owned()],
+        _ => vec![channel(source, &format!("name the waveform with {}", flag("outputs")))?.to_owned()],
     };
     let names = channels.join(", ");
     let waves = sampled_together(channels, source)?;
@@ -73,8 +73,8 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
 fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<WindowedWave>> {
     let waves = waves(ids, source)?;
     for next in &waves[1..] {
-        let hint = "name channels of one time base with --channels, or a window that all have";
-        waves[0].require_same_times(next, hint)?;
+        let hint = format!("name channels of one time base with {}, or a window that all have", flag("channels"));
+        waves[0].require_same_times(next, &hint)?;
     }
     Ok(waves)
 }
@@ -127,7 +127,8 @@ fn realize_all(
             return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
         }
         result => {
-            result.refuse_with_hint("widen the window (--from, --to, --samples), or lower --rows and --columns")?
+            let hint = format!("{}, or lower {} and {}", widen_the_window(), flag("rows"), flag("columns"));
+            result.refuse_with_hint(hint)?
         }
     };
     let before = written.len();
@@ -177,7 +178,7 @@ fn realize_all(
         results.out.notes().concern(About::Method(Method::Era.to_string()), Weight::Slight, text);
     }
     if let Some((_, error)) = answer {
-        return Err(error).refuse_with_hint("lower --orders, or widen the window (--from, --to, --samples)");
+        return Err(error).refuse_with_hint(format!("lower {}, or {}", flag("orders"), widen_the_window()));
     }
     Ok(Outcome::Done)
 }

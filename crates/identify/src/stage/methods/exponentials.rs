@@ -15,7 +15,7 @@ use crate::stage::records::evidence::{Poles, notes_on_poles, pole_record};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of};
 use crate::stage::records::responses::ModelResponses;
 use crate::stage::records::results::Results;
-use crate::stage::waves::{Source, WindowedWave, output};
+use crate::stage::waves::{Source, WindowedWave, flag, output, widen_the_window};
 
 /// What one sum is fitted with.
 struct SumTask {
@@ -77,8 +77,12 @@ fn conditions(
     if count > 1 {
         start.push(velocity(input_output, answer, inputs)?.ok_or_else(|| {
             Refused::new(format!("the velocity of {} at the start of the window is not known", answer.id)).hint(
-                "give --start-velocity, leave \"velocity\" out of --conditions, or take a displacement as the \
-                    first of --outputs",
+                format!(
+                    "give {}, leave \"velocity\" out of {}, or take a displacement as the first of {}",
+                    flag("start-velocity"),
+                    flag("conditions"),
+                    flag("outputs")
+                ),
             )
         })?);
     }
@@ -92,7 +96,12 @@ fn conditions(
             answer.id,
             answer.quantity.name()
         ))
-        .hint("take a displacement as the first of --outputs, or leave out --start-velocity and --start-acceleration")
+        .hint(format!(
+            "take a displacement as the first of {}, or leave out {} and {}",
+            flag("outputs"),
+            flag("start-velocity"),
+            flag("start-acceleration")
+        ))
         .into());
     }
     Ok(start)
@@ -116,8 +125,12 @@ fn fit_sum(
 ) -> anyhow::Result<Outcome> {
     let SumTask { id, options, .. } = task;
     let record = answer.sampled.samples();
-    let fit = exponential_sum(record, answer.sampled.dt_s(), options)
-        .refuse_with_hint("widen the window (--from, --to), lower --terms, or name another of --outputs")?;
+    let fit = exponential_sum(record, answer.sampled.dt_s(), options).refuse_with_hint(format!(
+        "{}, lower {}, or name another of {}",
+        widen_the_window(),
+        flag("terms"),
+        flag("outputs")
+    ))?;
     let mut notes = fit_notes(task, &fit, answer);
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
     notes.extend(notes_on_poles(id, &poles, &[answer]));

@@ -116,6 +116,14 @@ pub fn put_subspace_diagram(
     Ok(())
 }
 
+/// Whether all inputs rest, each at one value, in half of the samples or more: what follows a blow is a free motion, and
+/// its poles stand in the record without the input.
+fn rests_for_half(inputs: &[Vec<f64>]) -> bool {
+    let samples = inputs.first().map_or(0, Vec::len);
+    let rests = |k: usize| k > 0 && inputs.iter().all(|u| u[k] == u[k - 1]);
+    2 * (0..samples).filter(|k| rests(*k)).count() >= samples
+}
+
 /// A subspace model of one order, from the horizon that simulates best: of those that the order and the record ask for,
 /// and of that by which the order was chosen, where it was.
 pub fn identify_order(
@@ -160,7 +168,7 @@ pub fn identify_order(
         text.extend(lags.map(|lags| format!("; a regression on the past needs {lags} lags by BIC")));
         notes.info(text);
     }
-    if excited < full {
+    if excited < full && !rests_for_half(data.inputs()) {
         notes.warning(format!(
             "the input excites {excited} of {full} directions only: it follows from its own past, so driven and free \
              motion cannot be separated and the poles are unreliable; use tfest, or --inputs none for a free motion"

@@ -22,7 +22,7 @@ use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, t
 use crate::stage::records::realization::shapes;
 use crate::stage::records::responses::{Band, ModelResponses};
 use crate::stage::records::results::Results;
-use crate::stage::waves::{Record, Source, WindowedWave, record};
+use crate::stage::waves::{Record, Source, WindowedWave, flag, record, widen_the_window};
 
 /// One transfer function, or an array of them, for every limit of iterations.
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
@@ -54,7 +54,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
         if let Some(paper) = settings.paper {
             paper::remarks(paper).iter().for_each(|remark| notes.info(*remark));
         }
-        let hint = "widen the window (--from, --to), lower --poles, or name other waveforms";
+        let hint = format!("{}, lower {}, or name other waveforms", widen_the_window(), flag("poles"));
         notes.extend(preparation(&id, &record));
         let fit = transfer_function_fit(&record.data, &options).refuse_with_hint(hint)?;
         notes.extend(remarks(&id, &fit, &record));

@@ -12,6 +12,7 @@ use crate::stage::options::choices::{
 use crate::stage::options::flags::Options;
 use crate::stage::options::orders::{ArxRanges, ArxStructure, OrderOption, OrdersOption};
 use crate::stage::options::paper;
+use crate::stage::waves::flag;
 
 /// Highest order that subspace methods consider by themselves where several outputs are named: their modes are many.
 const HIGHEST_OF_SEVERAL: u32 = 40;
@@ -77,8 +78,11 @@ impl Settings {
         let from_s = options.from.map_or(0.0, Time::si);
         let to_s = options.to.map(Time::si);
         if let Some(to_s) = to_s.filter(|to| *to <= from_s) {
-            return Err(Usage::new(format!("the window from {from_s} s to {to_s} s is empty"))
-                .hint("give --to a later time than --from"));
+            return Err(Usage::new(format!("the window from {from_s} s to {to_s} s is empty")).hint(format!(
+                "give {} a later time than {}",
+                flag("to"),
+                flag("from")
+            )));
         }
         let (validate_from_s, validate_from_share) = validate_from(&options, from_s, to_s)?;
         let bootstrap = BootstrapSettings::resolve(&options)?;
@@ -160,7 +164,8 @@ fn channels(options: &Options) -> Result<Vec<String>, Usage> {
         return Err(Usage::new(format!("channel {} is named twice", twice.1)));
     }
     if !named.is_empty() && options.channel.is_some() {
-        return Err(Usage::new("channel and channels are both given").hint("name all of them with --channels"));
+        return Err(Usage::new("channel and channels are both given")
+            .hint(format!("name all of them with {}", flag("channels"))));
     }
     let free = options.methods.is_empty() || options.methods.iter().any(|method| method.is_of_free_motion());
     // The paper's procedure is one of the pulse, whatever its curve fit takes.
@@ -397,7 +402,7 @@ fn validate_from(options: &Options, from_s: f64, to_s: Option<f64>) -> Result<(O
     };
     match validate_from_s.filter(|v| *v <= from_s || to_s.is_some_and(|to| *v >= to)) {
         Some(from) => Err(Usage::new(format!("validation from {from} s leaves nothing before it, or nothing after"))
-            .hint("give --validate-from a time between --from and --to")),
+            .hint(format!("give {} a time between {} and {}", flag("validate-from"), flag("from"), flag("to")))),
         None => Ok((validate_from_s, None)),
     }
 }

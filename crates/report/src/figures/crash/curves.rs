@@ -18,13 +18,33 @@ const ROOM_FOR_MODELS: f64 = 0.25;
 
 /// As many panels as there are records for; `None` without any.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
+    let texts = &PHRASES.figures;
+    let models = DrawnModels::of(run, ranking);
+    drawn("curves", if models.models.is_empty() { texts.title_of_test } else { texts.title }, run, &models)
+}
+
+/// The pulse and the force over crush of the test and the recommended model: the figure of the first screen. `None`
+/// without both.
+pub fn first(run: &Run, ranking: &Ranking) -> Option<Figure> {
+    let mut figure =
+        drawn("first", PHRASES.figures.title_of_first, run, &DrawnModels::of(run, ranking).recommended(ranking))?;
+    let pulse = figure.panels.iter().position(|panel| panel.time)?;
+    let force = figure.panels.iter().position(|panel| panel.follows.is_some())?;
+    figure.panels = [pulse, force].map(|place| figure.panels[place].clone()).to_vec();
+    figure.caption.clear();
+    // What waits in the legend is in the figure below.
+    let waits: Vec<bool> = figure.legend.iter().map(|entry| !entry.shown).collect();
+    figure.panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| !waits[curve.entry]));
+    Some(figure.tidy())
+}
+
+fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> Option<Figure> {
     let measured = &run.measured;
     if run.acceleration().is_none() && measured.displacement.is_none() {
         return None;
     }
-    let models = DrawnModels::of(run, ranking);
     let texts = &PHRASES.figures;
-    let mut figure = Figure::new("curves", if models.models.is_empty() { texts.title_of_test } else { texts.title });
+    let mut figure = Figure::new(id, title);
     let test = figure.entry(test_name(run), Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
     let raw = figure.entry(
         texts.as_read,
@@ -69,8 +89,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         panel.windows.extend(window_ms(run));
         figure.panels.push(panel);
     }
-    let mut caption = caption(run, &models);
-    if let Some((panel, words)) = force::panel(run, &models, &entries, test, &mut figure) {
+    let mut caption = caption(run, models);
+    if let Some((panel, words)) = force::panel(run, models, &entries, test, &mut figure) {
         figure.panels.push(panel);
         caption.push_str(&words);
     }

@@ -70,6 +70,13 @@ impl<'a> DrawnModels<'a> {
         Self { models, shown, equals }
     }
 
+    /// The recommended one alone, or none.
+    pub fn recommended(mut self, ranking: &Ranking) -> Self {
+        let of_models = self.shown.len().min(1);
+        self.models.truncate(if ranking.best.is_some() { of_models } else { 0 });
+        self
+    }
+
     /// Whether any waits in the legend.
     pub fn hides_some(&self) -> bool {
         self.models.iter().any(|(candidate, _)| !self.shown.contains(candidate.id.as_str()))

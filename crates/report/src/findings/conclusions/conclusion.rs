@@ -4,7 +4,9 @@ use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_artifact::records::{ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1};
+use crumple_artifact::records::{
+    ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1,
+};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, PEAK, STIFFNESS};
 use schemars::JsonSchema;
@@ -21,6 +23,9 @@ use crate::findings::conclusions::status::{
 use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
 use crate::findings::text::{as_sentence, candidate_name, model_name};
 use crate::findings::{CandidateResult, Ranking, Run};
+
+/// Modes of an ambient record that are named.
+const MOST_MODES: usize = 8;
 
 /// Whether what was asked for is there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -385,6 +390,9 @@ impl<'a> Text<'a> {
     /// The identified model that follows the record closest.
     fn identified(&mut self) -> String {
         let phrases = &PHRASES.conclusion;
+        if let Some(ambient) = self.run.ambient() {
+            return self.ambient(ambient);
+        }
         let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.identified_none.to_owned() };
         let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
         let unseen = model.unseen_fit_percent().map_or_else(String::new, |unseen| {
@@ -410,6 +418,24 @@ impl<'a> Text<'a> {
             fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
         });
         fill(phrases.identified, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen), ("mode", &mode)])
+    }
+
+    /// The modes of an ambient record, the slowest first.
+    fn ambient(&mut self, diagram: &StabilizationV1) -> String {
+        let phrases = &PHRASES.conclusion;
+        let mut all: Vec<f64> = diagram.clusters.iter().map(|c| c.natural_frequency_rad_per_s).collect();
+        all.sort_by(f64::total_cmp);
+        let in_hz = |rad_per_s: &f64| words::quantity(rad_per_s / std::f64::consts::TAU, 2, "Hz");
+        let shown: Vec<String> = all.iter().take(MOST_MODES).map(in_hz).collect();
+        let more = match all.len() - shown.len() {
+            0 => String::new(),
+            count => fill(phrases.more_modes, &[("count", count.to_string())]),
+        };
+        let modes = match all.len() {
+            0 => phrases.no_mode.to_owned(),
+            _ => fill(phrases.ambient_modes, &[("frequencies", shown.join(", ")), ("more", more)]),
+        };
+        fill(phrases.ambient, &[("modes", modes)])
     }
 
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.

@@ -188,6 +188,9 @@ pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Conce
 /// Returns the reason when not even the closest identified model has a fit, follows half of the record, or holds on
 /// unseen samples.
 fn of_identified(run: &Run) -> Option<StatusReason> {
+    if let Some(ambient) = run.ambient() {
+        return ambient.clusters.is_empty().then_some(StatusReason::NotAdequate);
+    }
     let Some((_, model, fit_percent)) = closest_identified(run) else { return Some(StatusReason::NotAdequate) };
     if !model.holds() {
         return Some(StatusReason::NotAdequate);
@@ -196,14 +199,16 @@ fn of_identified(run: &Run) -> Option<StatusReason> {
     (fit_percent < limit_percent).then_some(StatusReason::PoorFit { fit_percent, limit_percent })
 }
 
-/// The identified model with the highest fit, one that holds on unseen samples before others, and by the fit of these
-/// where some were kept: its place, itself, the fit in percent.
+/// The identified model to speak of: one that holds on unseen samples before others, then the one that the comparison
+/// of the models recommends, then that with the highest fit, of unseen samples where some were kept. Its place, itself,
+/// the fit in percent.
 pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
     let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, model.fit_percent()?)));
     fitted.max_by(|(a, x, x_fit), (b, y, y_fit)| {
         let unseen = |model: &Model, fit: f64| model.unseen_fit_percent().unwrap_or(fit);
         let by_fit = unseen(x, *x_fit).total_cmp(&unseen(y, *y_fit));
-        x.holds().cmp(&y.holds()).then(by_fit).then(b.cmp(a))
+        let is_recommended = |model: &Model| run.is_recommended(&model.id);
+        x.holds().cmp(&y.holds()).then(is_recommended(x).cmp(&is_recommended(y))).then(by_fit).then(b.cmp(a))
     })
 }
 

@@ -65,6 +65,9 @@ pub struct Run {
     pub missing: Vec<String>,
 }
 
+/// What samples are taken for where nobody knows the input, and the name of the diagram of their modes.
+const AMBIENT: &str = "ambient";
+
 /// Share by which speeds and masses differ that are one, as a person types them.
 const ROUNDED: f64 = 0.005;
 
@@ -136,6 +139,20 @@ pub enum PoleStability {
 
 /// Growth or decay of a pole over the whole record below which it is rounding, as identify counts it.
 const MARGINAL: f64 = 1e-6;
+
+impl Run {
+    /// The modes of a record that nobody knows the input of, where its models are of such a record.
+    pub fn ambient(&self) -> Option<&StabilizationV1> {
+        let is_ambient = |model: &Model| model.identification.as_ref().is_some_and(|i| i.treated_as == AMBIENT);
+        let diagram = self.stabilizations.iter().find(|diagram| diagram.method == AMBIENT);
+        diagram.filter(|_| self.models.iter().all(is_ambient))
+    }
+
+    /// Whether the comparison of the models of an output recommends the identified model of this id.
+    pub fn is_recommended(&self, id: &str) -> bool {
+        self.selections.iter().any(|selection| selection.recommended.as_deref() == Some(id))
+    }
+}
 
 impl Model {
     /// All its poles, the modes first: real part (1/s), imaginary part (rad/s), and where each lies.

@@ -6,7 +6,7 @@ use crate::truth::known::Subject;
 use crate::truth::rules::rule::{
     Rule, Spot, holds, is_rebound_cut, numbers_of_records, own_test, places_alone, rule, says, shows,
 };
-use crate::truth::run::numbers;
+use crate::truth::run::{Shown, numbers};
 use crate::truth::template::Place::{At, Number, Said as Inner, Words};
 use crate::truth::template::Said;
 
@@ -187,7 +187,7 @@ fn console_number(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 fn prediction_of_a_row(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let value = |place: &str| numbers(said.text(place)).into_iter().next();
     let speed = value("speed").ok_or("no speed is said")?;
-    let is_close = |shown: Option<crate::truth::Shown>, own: Option<f64>| match (shown, own) {
+    let is_close = |shown: Option<Shown>, own: Option<f64>| match (shown, own) {
         (Some(shown), Some(own)) => shown.is_of(own),
         (shown, _) => shown.is_none(),
     };
@@ -318,6 +318,7 @@ pub const VEHICLE_RULES: &[Rule] = &[
     ),
     rule("conclusion.unseen", &[("fit", Number)], numbers_of_records),
     rule("conclusion.identified_fails", &[("fit", Number), ("unseen", Inner(&["conclusion.unseen"]))], identified),
+    rule("conclusion.ambient", &[("modes", Words)], ambient_modes),
     rule("conclusion.identified_none", &[], |_, spot| {
         let fits = spot.made.list("/models").iter().any(|model| model["fit_percent"].is_number());
         holds(!fits, || "a model has a fit".to_owned())
@@ -338,6 +339,25 @@ pub const VEHICLE_RULES: &[Rule] = &[
         holds(is_own, || "no warning has this remedy".to_owned())
     }),
 ];
+
+/// The modes of an ambient record are those of its diagram.
+fn ambient_modes(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let mut records = spot.made.records.iter();
+    let diagram = records.find(|(topic, _)| topic == "/stabilisation/ambient").map(|(_, record)| record);
+    let clusters = diagram.and_then(|diagram| diagram["clusters"].as_array()).ok_or("there is no diagram")?;
+    let of = |cluster: &Value| cluster["natural_frequency_rad_per_s"].as_f64();
+    let mut known: Vec<f64> = clusters.iter().filter_map(of).map(|w| w / std::f64::consts::TAU).collect();
+    known.sort_by(f64::total_cmp);
+    let text = said.text("modes");
+    let mut shown = numbers(text);
+    if text.contains(" more") {
+        shown.pop();
+    }
+    let all = shown.len() == known.len() || text.contains(" more");
+    // Two digits after the point.
+    let is_near = |(shown, known): (&Shown, &f64)| (shown.value - known).abs() < 0.0051;
+    holds(all && shown.iter().zip(&known).all(is_near), || format!("the diagram has {known:?} Hz"))
+}
 
 fn crushed(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let made = spot.made;
