@@ -15,13 +15,13 @@ use rayon::prelude::*;
 use tempfile::TempDir;
 
 /// Pages whose commands run, beside those in `how-to/`.
-const PAGES: [&str; 4] = ["first-crash.md", "fleet.md", "pipelines.md", "write-a-stage.md"];
+const PAGES: [&str; 6] = ["first-crash", "fleet", "pipelines", "prediction", "together", "write-a-stage"];
 
 #[test]
 fn the_commands_of_the_book_run_and_print_what_it_shows() {
     let docs = workspace().join("docs");
     let how_tos = fs::read_dir(docs.join("how-to")).unwrap().map(|entry| entry.unwrap().path());
-    let pages: Vec<PathBuf> = PAGES.iter().map(|page| docs.join(page)).chain(how_tos).collect();
+    let pages: Vec<PathBuf> = PAGES.iter().map(|page| docs.join(format!("{page}.md"))).chain(how_tos).collect();
     let programs = binary("crumple").parent().unwrap().to_owned();
     let wrong: Vec<String> = pages.par_iter().flat_map_iter(|page| wrong(page, &programs)).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
