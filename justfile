@@ -258,6 +258,12 @@ cases subject file:
 papers:
     CRUMPLE_WRITE_PAPERS=1 cargo test --quiet --workspace --test cases -- papers
 
+# docs/ as a book with a search, target/book/index.html. What runs its commands: crates/testkit/tests/it/book.rs.
+[group('development')]
+book:
+    [ -x target/tools/bin/mdbook ] || cargo install --quiet --locked mdbook@0.5.4 --no-default-features --features search --root target/tools
+    target/tools/bin/mdbook build
+
 # The Python wheel for this machine, into target/wheels: docs/python.md.
 [group('development')]
 wheel: python-tools
@@ -314,6 +320,7 @@ ci-full:
         cargo nextest run --workspace -E 'test(a_fleet_outlives_a_node_that_dies)' --run-ignored all
     just papers
     just truth
+    just book
     just windows
     just page
     CRUMPLE_PAGE=target/page/crumple.html cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^page::/)'

@@ -19,8 +19,8 @@ use crumple_stage::{
     program, refuse_to_overwrite, run_tool, say, to_stdout,
 };
 
-/// Looks into artifacts (the *.mcap files of a run), checks them, takes them apart into plain files and puts them
-/// together again.
+/// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
+/// artifact.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-artifact",
@@ -48,7 +48,7 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Prints the notes alone: warnings by their weight, then what is good to know, each with its stage.
+    /// Prints the notes of a run: warnings by their weight, then the other notes, each with its stage.
     Notes {
         /// The folder of a run, or artifacts.
         #[arg(required = true, value_name = "RUN|FILE")]

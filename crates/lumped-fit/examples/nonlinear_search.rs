@@ -34,10 +34,9 @@ fn main() -> anyhow::Result<()> {
         "Made by `cargo run -p crumple-lumped-fit --example nonlinear_search > docs/methods/nonlinear-search.md`.\n"
     );
     println!(
-        "A displacement record of the model itself, {SAMPLES} samples up to 150 ms, made from the parameters of Table \
-         5 of the single-mass paper: it can be met exactly. Error is the root mean square over the record, in mm, over \
-         {SEEDS} seeds; what uses no random numbers has one. An evaluation is one simulation, with or without its ten \
-         sensitivities.\n"
+        "The record is the displacement of the model itself, {SAMPLES} samples up to 150 ms, with the parameters\n\
+         of Table 5 of the single-mass paper, so that it can be met exactly. Errors are root mean squares over\n\
+         the record, in mm, over {SEEDS} seeds. An evaluation is one simulation, with or without sensitivities.\n"
     );
     println!("| method | evaluations (median) | best | median | worst |");
     println!("|---|---|---|---|---|");
@@ -59,20 +58,15 @@ fn main() -> anyhow::Result<()> {
     println!();
     println!("## What it says\n");
     println!(
-        "- **The firefly search as printed is a random walk.** Distances in N/m, N·s/m, m and m/s side by side are \
-         near 1e6, and `exp(-gamma r²)` with `gamma = 1/sqrt(L) = 6.1e-4` underflows to zero for every pair. With the \
-         attraction set to zero by hand (`beta0 = 0`) all trajectories are the same to the last bit, seed by seed: the \
-         two rows are equal, and a test asserts it for three seeds."
-    );
-    println!("- In the unit box the attraction acts, and the search works moderately.");
-    println!(
-        "- L-SHADE is the general search for a model without a structure to use, and always ends with a descent. Here \
-         100 random descents on analytic sensitivities do better for fewer evaluations."
-    );
-    println!(
-        "- The default, `direct-fit`, uses the structure: for fixed knots the momentum is linear in the seven \
-         coefficients. It is deterministic. Where the record determines the parameters it finds them with a few \
-         hundred evaluations."
+        "- **The firefly search as printed is a random walk.** Distances in N/m, N·s/m, m and m/s are near 1e6,\n\
+         \x20\x20and `exp(-gamma r²)` with `gamma = 1/sqrt(L) = 6.1e-4` underflows to zero for every pair. With the\n\
+         \x20\x20attraction set to zero (`beta0 = 0`) all trajectories are the same to the last bit (a test).\n\
+         - In the unit box the attraction acts, and the search works moderately.\n\
+         - L-SHADE is the general search for a model without a structure to use. It always ends with a descent.\n\
+         \x20\x20Here 100 random descents with analytic sensitivities do better with fewer evaluations.\n\
+         - The default, `direct-fit`, uses the structure: for fixed knots the momentum is linear in the seven\n\
+         \x20\x20coefficients. It uses no random numbers. If the record identifies the parameters, it finds them with\n\
+         \x20\x20a few hundred evaluations."
     );
     Ok(())
 }

@@ -14,8 +14,6 @@ use crate::parameters::{FitParameter, mass_of};
 use crate::record::observation::Observation;
 use crate::{FitQuantity, ObservedWave, SensorFit};
 
-// Methods by which parameters are found: their names in files and what each is.
-
 /// How parameters are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Method {

@@ -7,8 +7,6 @@ use crumple_lumped::{Elastoplastic, Kelvin, Maxwell};
 use crate::SolveError;
 use crate::error::positive;
 
-// The elastoplastic model from crush, speed and restitution: a loading line, a steeper unloading line, no damper.
-
 /// The elastoplastic model with the crush, speed and restitution of the record: `k_E = m v0²/C²`, `k_P = k_E/e²`.
 ///
 /// Energy balance of loading and unloading, single-mass paper, equations 9 to 15; `e` is a ratio of velocities, so

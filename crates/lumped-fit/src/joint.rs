@@ -14,8 +14,6 @@ use crate::{
     bounds_remark,
 };
 
-// Models of one mass fitted to several tests together.
-
 /// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
 const WORTH_ANOTHER: f64 = 0.01;

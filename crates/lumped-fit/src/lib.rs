@@ -20,9 +20,20 @@
 //! [`choose`] names the candidate for prediction, the simplest and the closest: evidence as measured, and what is known
 //! of vehicles as terms of its own.
 //!
+//! ```
+//! use crumple_lumped::Kelvin;
+//! use crumple_lumped_fit::kelvin_from_events;
+//!
+//! let car = Kelvin { mass_kg: 1200.0, stiffness_n_per_m: 4e5, damping_n_s_per_m: 6e3 };
+//! let events = car.events(14.0);
+//! let (time_s, crush_m) = events.time_of_dynamic_crush_s.zip(events.dynamic_crush_m).ok_or("it stops")?;
+//! let fitted = kelvin_from_events(1200.0, 14.0, time_s, crush_m)?.model;
+//! assert!((fitted.stiffness_n_per_m / 4e5 - 1.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! The library knows no files, no command line and no clock; the same input gives the same bits on any number of
 //! threads.
-//!
 //!
 //! Sources: single-mass paper, sections 3.1 and 3.2; M. Huang, *Vehicle Crash Mechanics*, 2002, for the Kelvin model;
 //! transfer-function paper for coefficient matching; ERA paper for the curve fit; nonlinear paper for the two

@@ -19,8 +19,6 @@ use crate::matching::{Identified, Matched, Quartic, match_identified};
 use crate::parameters::Map;
 use crate::{Candidate, Fit, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
-// Springs and dampers from exponents and amplitudes, as the ERA paper does it: for reproduction.
-
 /// Least squares of `y = intercept + slope x`, as `(intercept, slope)`. Sums are taken about the mean, which avoids
 /// cancellation.
 fn line(x: &[f64], y: impl Fn(usize) -> f64) -> (f64, f64) {

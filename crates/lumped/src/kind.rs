@@ -5,8 +5,6 @@ use std::str::FromStr;
 
 use crate::error::LumpedError;
 
-// The families of models.
-//
 // The names are part of the file format: candidates, pipelines and summaries carry them.
 
 /// The model families that candidates are named after.
@@ -353,8 +351,6 @@ impl ModelKind {
     }
 }
 
-// A family by its name in candidate ids and pipeline files.
-//
 // Letters and hyphens exactly as [`ModelKind::name`] has them; of crushed structures the kind of one mass. Errors: any
 // other text, with all names in the message.
 

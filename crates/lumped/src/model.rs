@@ -14,8 +14,6 @@ use crate::{
     TripleSpringMassDamper,
 };
 
-// A model of any family.
-//
 // [`Model`] is the one type that candidates, fits and simulations hold: whatever the family, it checks its parameters,
 // knows its masses and the [`Structure`] it is a name for. What a family is made of is in `families/`.
 

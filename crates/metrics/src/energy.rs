@@ -6,14 +6,10 @@ use crate::metric::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
 use crate::metric::value::same_grid;
 use crate::{DynamicCrush, Metric, MetricsError};
 
-// Average stiffness from mass, impact speed and dynamic crush.
-
 /// Average stiffness k = m·v0²/C², N/m: the linear spring that stores the impact energy at the dynamic crush.
 pub fn average_stiffness(mass_kg: f64, impact_speed_m_per_s: f64, dynamic_crush_m: f64) -> f64 {
     mass_kg * impact_speed_m_per_s * impact_speed_m_per_s / (dynamic_crush_m * dynamic_crush_m)
 }
-
-// Stiffness coefficients of CRASH3 from a barrier test.
 
 /// Speed of no damage where it is not known, m/s: 5 mph.
 pub const NO_DAMAGE_SPEED_M_PER_S: f64 = 2.2352;

@@ -6,8 +6,6 @@ use crate::metric::definitions::{HIC, HIC15, HIC36, HICD};
 use crate::sums::in_samples;
 use crate::{Definition, Metric};
 
-// Head injury criterion and its relatives on a resultant.
-
 /// Longest window of HIC15, s.
 pub const HIC15_WINDOW_S: f64 = 0.015;
 

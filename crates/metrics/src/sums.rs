@@ -5,8 +5,6 @@ use crumple_signal::{Acceleration, Signal, Velocity};
 use crate::metric::definitions::{SLIDING_MEAN, SM25};
 use crate::{Definition, Metric};
 
-// Cumulative trapezoid and reading it between samples.
-
 /// Cumulative trapezoid from 0: `V[0] = 0`, `V[k] = V[k-1] + T·(a[k-1] + a[k])/2`.
 pub(crate) fn cumulative(a: &[f64], dt_s: f64) -> Vec<f64> {
     let mut sum = 0.0;
@@ -39,8 +37,6 @@ pub(crate) fn in_samples(length_s: f64, dt_s: f64) -> Option<(usize, f64)> {
     }
     Some((x.floor() as usize, x - x.floor()))
 }
-
-// Largest mean over a window.
 
 /// Largest mean acceleration over a window of `window_s` that starts at a sample at or after `from_s`, m/s², as a
 /// magnitude.

@@ -13,8 +13,6 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-// Two curves, the band of their table, and which cells of it can reach a path.
-
 /// Fronts kept of a stretch of diagonals.
 const KEPT: usize = 64;
 
@@ -69,8 +67,6 @@ impl<'a> Warping<'a> {
         &self.t_reversed[self.c.len() - 1 + i - k..]
     }
 }
-
-// The recursion of time warping.
 
 /// Costs of cells of one diagonal from the two before it: `out[p] = (c[p] - t[p])² + min(up, left, corner)[p]`.
 ///

@@ -26,7 +26,7 @@ use crumple_stage::{Call, ChainStage, Usage, by_way, chain, program};
 #[command(
     name = "crumple-run",
     version,
-    after_help = "One run at a time works in a folder; a second one waits and says for which.\n\
+    after_help = "A second run into the same folder waits for the first.\n\
                   Exit codes: 0 done, 1 a stage failed unforeseen, 2 usage, 3 record refused, 4 no acceptable result \
                   (the report shows the diagnosis)."
 )]
@@ -43,7 +43,7 @@ pub struct Options {
     #[arg(short, long, value_name = "FOLDER", allow_hyphen_values = true)]
     pub(crate) out: Option<OsString>,
 
-    /// Predicts again in the folder of a run that was made; behind `--` stand flags of the stage predict.
+    /// Predict again in an existing run folder; flags of predict follow `--`.
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
 

@@ -5,8 +5,6 @@ use std::str::FromStr;
 
 use crate::QuantityKind;
 
-// One measuring channel of a test.
-
 /// Sensitive axis of a sensor, SAE J211-1: X forward, Y to the right, Z down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Axis {

@@ -3,8 +3,6 @@
 use crate::iso13499::{IsoCode, wildcard};
 use crate::{Channel, QuantityKind};
 
-// The part of a dummy that an accelerometer sits in, and the channel frequency class it asks for.
-
 /// A part of the body that a criterion is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BodyPart {

@@ -96,8 +96,8 @@ pub struct Motion {
 ///
 /// The samples stay where they are: a time zero other than 0 s is an offset, not a new grid.
 ///
-/// How wrong it is: by the rule, O(T²) and below 0.01 mm of crush for the trapezoid at 10 kHz; by the inputs as in the
-/// table of the crate. On four channels of a real barrier test the start with the record costs 0.5 to 0.7 mm of crush
+/// How wrong it is: by the rule, O(T²) and below 0.01 mm of crush for the trapezoid at 10 kHz; by the inputs as in
+/// `docs/methods/integration.md`. On four channels of a real barrier test the start with the record costs 0.5 to 0.7 mm of crush
 /// by what zero level and noise do before the event.
 ///
 /// # Errors

@@ -478,8 +478,7 @@ fn parse<C: FromArgMatches>(command: Command, call: &Call) -> Result<(C, clap::A
     match matches {
         Ok(parsed) => parsed,
         Err(error) => {
-            // A closed pipe while printing help is nobody's problem.
-            let _ = error.print();
+            let _ = error.print(); // A closed pipe while printing help is nobody's problem.
             Err(match error.kind() {
                 ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitStatus::Done,
                 _ => ExitStatus::Usage,
@@ -497,7 +496,8 @@ fn in_short(command: Command) -> Command {
     if !is_too_long(&command) {
         return command;
     }
-    let first = |text: String| text.find(". ").map_or(text.clone(), |end| text[..end].to_owned());
+    let end = |text: &str| text.match_indices(". ").map(|(at, _)| at).find(|at| !text[..*at].ends_with("e.g"));
+    let first = |text: String| end(&text).map_or(text.clone(), |end| text[..end].to_owned());
     let mut command = command.mut_args(|arg| match arg.get_help().map(ToString::to_string).map(first) {
         Some(text) if arg.get_action().takes_values() => {
             arg.hide_default_value(true).hide_possible_values(true).help(text)

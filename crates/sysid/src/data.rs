@@ -9,8 +9,6 @@ use nalgebra::DMatrix;
 
 use crate::{EraError, IdentifyError};
 
-// Rows and columns of a matrix as slices, for inner products that run over neighbouring numbers.
-
 /// Rows of a matrix, contiguous.
 pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()

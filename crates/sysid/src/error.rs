@@ -2,8 +2,6 @@
 
 use crumple_numerics::lti::LtiError;
 
-// Why ERA has no model.
-
 /// Singular values below this fraction of the largest are rounding.
 pub(crate) const RANK_TOLERANCE: f64 = 1e-12;
 

@@ -16,8 +16,6 @@ use crate::poles::starts::random_poles;
 use crate::poles::time_scale::unscaled;
 use crate::{EraOptions, FitMeasures, Hold, IdentifyError, InformationCriteria, Order, fit_measures};
 
-// Sums of exponentials fitted to a record.
-
 /// Starting points that are refined to the end, of all that were tried.
 const REFINED: usize = 8;
 

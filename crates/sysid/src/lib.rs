@@ -2,10 +2,21 @@
 //!
 //! Free motion, from one channel or several: [`era`] realises a state space from Markov parameters,
 //! [`exponential_sum`] fits a sum of exponentials. From inputs and outputs ([`IoData`]): [`Subspace`] (N4SID, MOESP,
-//! CVA), [`arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] for continuous models. What speaks for a
-//! model: [`stabilization`] over orders,
-//! [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples, [`select`] and [`recommended`]
-//! among several, [`caveats`] in words; of a record [`delay_scan`], [`trend`], [`outliers`], [`ambient_modes`].
+//! CVA), [`arx`], [`Okid`], [`output_error`], and [`transfer_function_fit`] for continuous models. Validation:
+//! [`stabilization`] over orders, [`noise_model`] and [`bootstrap`], [`compare`] and [`continued`] on other samples,
+//! [`select`] and [`recommended`] among several, [`caveats`] in words; of a record [`delay_scan`], [`trend`],
+//! [`outliers`], [`ambient_modes`].
+//!
+//! ```
+//! use crumple_sysid::{EraOptions, Order, era};
+//!
+//! // The impulse response of a system with the poles -5 ± 60i 1/s.
+//! let times = (0..400).map(|k| f64::from(k) * 1e-3);
+//! let record: Vec<f64> = times.map(|t| (-5.0 * t).exp() * (60.0 * t).sin()).collect();
+//! let model = era(&record, EraOptions { order: Order::Given(2), ..EraOptions::new(1e-3) })?.continuous?;
+//! assert!(model.poles()?.iter().all(|pole| (pole.re + 5.0).abs() < 1e-6 && (pole.im.abs() - 60.0).abs() < 1e-6));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! Functions of numbers only: no file, clock, environment or terminal. The same record and options give the same model
 //! on any number of threads; random starts and draws are seeded. Signals are slices of `f64` in any unit, sampled

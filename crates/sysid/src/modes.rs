@@ -6,8 +6,6 @@ use std::f64::consts::PI;
 use crumple_numerics::lti::{Complex, Mode, StateSpace, TransferFunction, eigenvectors};
 use nalgebra::{DMatrix, DVector};
 
-// The modes of a realisation, and how much the data supports each.
-
 /// A pole of an identified model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IdentifiedMode {

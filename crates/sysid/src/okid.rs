@@ -7,8 +7,6 @@ use crate::era::realization::input_matrix_of;
 use crate::regression::lagged_regression::{LaggedRegression, LaggedSolution};
 use crate::{Era, EraOptions, IdentifyError, InformationCriteria, IoData, MarkovParameters, Order};
 
-// Regression of every output on past inputs and outputs, and the choice of the number of lags.
-
 /// How the number of lags is chosen among several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {

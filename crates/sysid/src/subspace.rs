@@ -12,8 +12,6 @@ use crate::simulation::input_matrices::input_matrices;
 use crate::simulation::mirrored_poles::stabilized;
 use crate::{IdentifyError, IoData};
 
-// How many samples of past and future a subspace method looks at.
-
 /// Lags that the criterion looks at, at most.
 const HIGHEST_LAGS: usize = 40;
 

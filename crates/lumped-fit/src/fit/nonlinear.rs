@@ -14,8 +14,6 @@ use crate::parameters::{FitParameter, Map};
 use crate::record::observation::ObservedWave;
 use crate::{Fit, Observation, SolveError};
 
-// The free numbers of the nonlinear models in the searches of the single-mass paper, and the record of their fits.
-
 /// Bounds of the knots, as shares of the last one.
 pub(crate) const KNOTS: (f64, f64) = (0.005, 0.995);
 

@@ -5,8 +5,6 @@ use crumple_lumped::{HORIZON_S, Structure};
 
 use crate::Candidate;
 
-// The record's own crush: a plastic structure takes the same energy to the same crush.
-
 /// Slower impacts, over the tested speed: 34 to 53 km/h after 56.
 const SHARES: std::ops::RangeInclusive<u32> = 60..=95;
 /// Between two of them, percent.

@@ -3,8 +3,6 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-// Places of a block bootstrap.
-
 /// The places that a resampled record of `samples` samples takes its values from: blocks of `length` neighbours on a
 /// circle, each begun at random, so that the correlation in time is kept within a block.
 ///

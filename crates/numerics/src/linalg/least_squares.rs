@@ -5,8 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use crate::linalg;
 use crate::linalg::dot;
 
-// Non-negative least squares by an active set on the triangular factor; the normal equations are not formed.
-
 /// A gradient counts as zero below this share of the column's length times that of the right side: rounding of an
 /// inner product of some thousand terms.
 const FLAT: f64 = 1e-13;

@@ -7,8 +7,6 @@ use nalgebra::DMatrix;
 use crate::lti::eigenvalues::check_finite;
 use crate::lti::{Complex, LtiError, eigenvalues, polynomial_roots};
 
-// Natural frequency and damping of a pole.
-
 /// One pole in continuous time, as an engineer reads it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
@@ -50,8 +48,6 @@ impl Mode {
         self.natural_frequency_rad_per_s / TAU
     }
 }
-
-// State-space models.
 
 /// `x' = a x + b u`, `y = c x + d u`, or with `x[k+1]` on the left for a sampled model.
 ///
@@ -136,8 +132,6 @@ impl StateSpace {
 pub(crate) fn check_sample_time(dt_s: f64) -> Result<(), LtiError> {
     if dt_s.is_finite() && dt_s > 0.0 { Ok(()) } else { Err(LtiError::SampleTime(dt_s)) }
 }
-
-// Transfer functions.
 
 /// A continuous transfer function of one input and one output.
 ///

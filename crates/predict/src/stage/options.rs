@@ -22,12 +22,11 @@ pub struct Options {
     #[arg(long, value_name = "SPEED", value_delimiter = ',')]
     pub speed: Vec<String>,
 
-    /// The standing list of speeds, of the pipeline [default: the speed of the test, where --speed gives none either]
+    /// Speeds that the pipeline always predicts [default: the speed of the test, where --speed gives none either]
     #[arg(long, value_name = "SPEED", value_delimiter = ',')]
     pub speeds: Vec<String>,
 
-    /// Masses of the vehicle, e.g. 1300kg,1500kg: what is added to the tested mass sits in the compartment [default:
-    /// that of the test]
+    /// Masses of the vehicle, e.g. 1300kg,1500kg; added mass sits in the compartment [default: the mass of the test]
     #[arg(long, value_name = "MASS", value_delimiter = ',')]
     pub mass: Vec<Mass>,
 

@@ -6,7 +6,7 @@ texts! { CandidateTexts
     simplest: "Simplest";
     closest: "Closest to the record";
     none: "none";
-    evidence_of_all: "Evidence for and against every candidate";
+    evidence_of_all: "Evidence for every candidate";
     model: "Model";
     determined: "Determined";
     of: "{determined} of {parameters}";
@@ -19,10 +19,10 @@ texts! { CandidateTexts
         "Dynamic crush as predicted at this speed, same mass, same wall; below it the 90 % interval.";
     crush_error: "ΔC, mm";
     crush_error_definition:
-        "Dynamic crush of the model minus that of the test.";
+        "Dynamic crush, model minus test.";
     time_error: "Δt<sub>m</sub>, ms";
     time_error_definition:
-        "Time of dynamic crush of the model minus that of the test.";
+        "Time of dynamic crush, model minus test.";
     fit: "Fit, %";
     fit_as_measured_definition:
         "100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window, the model measured as the \
@@ -70,7 +70,7 @@ texts! { CandidateTexts
     filtered_alike: ", the models filtered as the record was";
     no_priors: "none.";
     priors_caption:
-        "Prior knowledge adds the terms beside it, which a reader can take off: {priors}";
+        "Prior knowledge adds these terms: {priors}";
     every_candidate:
         "Every candidate with its parameters and remarks";
     rank: "Rank";
@@ -113,7 +113,7 @@ texts! { CandidateTexts
     dual_of: "dual of {model}: same record";
     fitted_to:
         "Fitted to the {quantity} of channel {channel} from {from} to {to} ms ({samples} samples); stopped: {reason}.";
-    on_bounds: "On a bound of the search: {names}.";
+    on_bounds: "Reached the search limit: {names}.";
     one_remark: "{count} remark";
     remarks: "{count} remarks";
     star: "chosen";

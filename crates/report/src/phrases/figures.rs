@@ -9,7 +9,7 @@ texts! { FigureTexts
     displacement: "displacement, mm";
     force: "force, kN";
     deceleration: "deceleration, g (mass not known)";
-    title: "What the test did, what the models do";
+    title: "Test and models";
     title_of_test: "The test: curves";
     title_of_first: "The pulse, and the force over crush";
     test_cfc: "test, CFC\u{a0}{cfc}";
@@ -22,16 +22,16 @@ texts! { FigureTexts
     unknown: "unknown";
     sign: ", SAE J211 sign: deceleration is negative.";
     filtered:
-        " Filtered in mode {mode}; the record as read waits in the legend, and may reach beyond the axes.";
+        " Filtered in mode {mode}. Click the unfiltered record in the legend to show it; it may exceed the axes.";
     integrated_from:
         " Velocity and displacement by the {rule} rule from {start}.";
     integrated: " Integrated by the {rule} rule.";
     no_crush_to_mark:
         " The velocity does not reach zero within the record: there is no dynamic crush to mark.";
     window:
-        " The shaded window, {from} to {to}, is the one the models are compared over; outside it they are only drawn.";
+        " Models are compared in the shaded window, {from} to {to}.";
     others_wait:
-        " Other models wait in the legend; of parameter sets of one model that fit alike the first stands for all.";
+        " Click other models in the legend to show them. One curve stands for parameter sets that fit alike.";
     duals_once:
         " Parameter sets that give exactly the same record (duals) are drawn once.";
     recommended_and_closest: "recommended and closest: ";
@@ -48,7 +48,7 @@ texts! { FigureTexts
         "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as \
          one body.";
     no_force:
-        "Deceleration takes the place of force, since no force record or mass is at hand.";
+        "Deceleration instead of force: the record has neither mass nor force.";
     load_cells_differ:
         " The load cells measured it at the barrier: where the two part, the engine and other masses move otherwise \
          than this sensor.";
@@ -76,12 +76,12 @@ texts! { FigureTexts
     residual_displacement: "residual of the displacement, mm";
     residual_velocity: "residual of the velocity, km/h";
     residual_band:
-        "recommended: what its parameters leave open, 95 %";
+        "recommended: 95 % band from its parameters";
     residual_caption:
         "The axes hold the largest residual inside the shaded window, which the models are compared over; a model \
          that was made for the loading phase may leave them after it. Of many models the first six are drawn.";
     mass_split:
-        "Which divisions of the mass a double model can have";
+        "Mass splits that a double model can have";
     mass_ratio: "mass ratio m2/m1 (compartment over chassis)";
     stiffness: "stiffness, kN/m";
     damping: "damping, kN·s/m";
@@ -100,7 +100,7 @@ texts! { FigureTexts
         "Filled: all four parameters are positive, and such divisions are shaded; negative values have no place on a \
          logarithmic axis.";
     used_is_among:
-        "The division used, m2/m1 = {ratio}, is among them.";
+        "The assumed split, m2/m1 = {ratio}, is one of them.";
     used_is_not_among:
-        "The division used, m2/m1 = {ratio}, is not among them.";
+        "The assumed split, m2/m1 = {ratio}, is not one of them.";
 }

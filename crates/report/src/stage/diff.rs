@@ -90,7 +90,7 @@ struct Args {
     quiet: bool,
 }
 
-/// Keeps what a review needs of runs: expected/RECORD.json, a small file each, for a repository.
+/// Keeps the accepted numbers of runs: expected/RECORD.json, a small file each, for a repository.
 #[derive(Debug, clap::Parser)]
 #[command(name = "crumple-accept", version)]
 struct AcceptArgs {

@@ -23,7 +23,7 @@ use crumple_stage::{
 };
 use pictures::{Fonts, write_figures};
 
-/// Writes report.html, which a person looks at, and summary.json, which a script reads; or a page of several runs.
+/// Writes the report of a run: report.html for people and summary.json for scripts; or a page of several runs.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-report",
@@ -79,8 +79,8 @@ pub struct Cli {
     #[arg(long, value_name = "FOLDER")]
     pub png: Option<PathBuf>,
 
-    /// Folder with style and scripts that many pages share, as seen from the page; it has what is missing in it written
-    /// [default: they stand in the page, which can be mailed alone].
+    /// Folder with style and scripts that many pages share, as seen from the page; missing files are written there
+    /// [default: none, the page holds them].
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["compare", "index"])]
     pub shared: Option<String>,
 

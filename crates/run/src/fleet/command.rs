@@ -45,11 +45,11 @@ pub struct Options {
     #[arg(long, value_name = "FOLDER", default_value = "", allow_hyphen_values = true, overrides_with = "out")]
     pub(crate) out: OsString,
 
-    /// Part K of N of the records, by the digest of what each is called: for a cluster. Writes no tables.
+    /// Part K of N of the records, for a cluster; the name of a record decides its part. Writes no tables.
     #[arg(long, value_name = "K/N")]
     pub(crate) batch: Option<Batch>,
 
-    /// Runs nothing: tables and page of the runs that are up to date; the others are named as missing.
+    /// Only write tables and page, of the runs that are up to date; the others are named as missing.
     #[arg(long, conflicts_with = "batch")]
     pub(crate) tables_only: bool,
 
@@ -57,8 +57,8 @@ pub struct Options {
     #[arg(long, value_name = "KIND", value_parser = ["zstd"])]
     pub(crate) compress: Option<String>,
 
-    /// Style and scripts in the page of every run, so that each can be mailed alone, in place of files in `page/` that
-    /// all share.
+    /// Put style and scripts into the page of every run, so that each page can be sent without others; else they share
+    /// the files in `page/`.
     #[arg(long)]
     pub(crate) whole_pages: bool,
 

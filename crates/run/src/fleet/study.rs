@@ -151,7 +151,7 @@ pub(crate) fn left_out_table(all: &[(String, LeftOut)]) -> Table {
 
 // The command line of `crumple-study`.
 
-/// Runs a fleet, fits one model to the tests of each vehicle, and asks how the models depend on mass, year and class.
+/// Fits one model to the tests of each vehicle of a fleet: runs the fleet, and regresses the models on mass and year.
 ///
 /// The recipe `study` of the justfile calls it. Tests are of one vehicle where their records name the same one.
 #[derive(Debug, clap::Parser)]

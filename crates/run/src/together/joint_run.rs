@@ -298,7 +298,7 @@ pub struct TogetherOptions {
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: Words,
 
-    /// Predicts again with the joint result in this folder; behind `--` stand flags of that prediction.
+    /// Predict again with the joint result in this folder; flags of predict follow `--`.
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
 

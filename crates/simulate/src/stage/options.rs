@@ -19,15 +19,14 @@ pub struct Options {
     #[arg(long, value_name = "TIME")]
     pub to: Option<Time>,
 
-    /// Keep the elastoplastic model attached after rebound, so that it oscillates for ever, instead of letting it leave
-    /// the barrier [default: false]
+    /// Keep the elastoplastic model on the barrier after rebound, where it oscillates; else it leaves the barrier
+    /// [default: false]
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL")]
     pub stay_attached: Option<bool>,
 
-    /// What moves the models: impact (the impact speed), force (a waveform of the inputs, N, from rest), base (the
-    /// barrier's acceleration, a waveform of the inputs or a sled pulse, from rest), pulse-as-force (the impact speed,
-    /// and the mass times the measured acceleration as a force on the front mass: the transfer-function paper's
-    /// simulation, circular) [default: impact]
+    /// What moves the models: impact (the impact speed), force (a waveform in N), base (acceleration of the barrier, a
+    /// waveform or a sled pulse), pulse-as-force (impact speed, and mass times measured acceleration on the front mass:
+    /// the transfer-function paper's simulation, circular). Force and base start from rest [default: impact]
     #[arg(long, value_name = "NAME", hide_possible_values = true)]
     pub drive: Option<Drive>,
 

@@ -26,8 +26,8 @@ pub struct SharedFlags {
     #[arg(short, long, value_name = "FILE")]
     pub pipeline: Option<PathBuf>,
 
-    /// File made from the output: removed right before a new output appears, so that it never stands beside one it was
-    /// not made from; kept where the output is up to date or the stage fails. Several: in the order of removal.
+    /// Dependent file to delete when the output changes. It is kept where the output is up to date or the stage fails.
+    /// Several are deleted in their order.
     #[arg(long = "dependent", value_name = "FILE")]
     pub dependents: Vec<PathBuf>,
 

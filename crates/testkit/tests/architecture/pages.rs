@@ -1,4 +1,4 @@
-//! Links of the pages: each leads to a file, and to a heading in it.
+//! The pages: each link leads to a file and to a heading in it, and the book has every page below `docs/`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,10 +16,16 @@ fn anchor(line: &str) -> String {
     kept.collect::<String>().trim().to_lowercase().replace(' ', "-")
 }
 
-/// Links of the pages of the project that lead nowhere.
+/// Links of the pages of the project that lead nowhere, and pages that the table of contents of the book leaves out.
 pub fn broken(root: &Path) -> Vec<String> {
-    let mut broken = Vec::new();
-    for page in pages(root, false).into_iter().chain(pages(&root.join("docs"), true)) {
+    let docs = root.join("docs");
+    let contents = fs::read_to_string(docs.join("SUMMARY.md")).unwrap();
+    let is_in = |page: &PathBuf| page.ends_with("SUMMARY.md") || contents.contains(&format!("({})", page.display()));
+    let below = pages(&docs, true).into_iter().map(|page| page.strip_prefix(&docs).unwrap().to_owned());
+    let left_out =
+        below.filter(|page| !is_in(page)).map(|page| format!("docs/{}: not in docs/SUMMARY.md", page.display()));
+    let mut broken: Vec<String> = left_out.collect();
+    for page in pages(root, false).into_iter().chain(pages(&docs, true)) {
         let text = fs::read_to_string(&page).unwrap();
         let links = text.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
         for link in links.filter(|link| !link.contains([':', ' '])) {

@@ -197,19 +197,6 @@ fn a_channel_that_was_not_installed_is_refused_as_that() {
 }
 
 #[test]
-fn the_page_of_the_first_crash_shows_what_a_run_prints() {
-    let page = std::fs::read_to_string(workspace().join("docs/first-crash.md")).unwrap();
-    let shown = page.split_once("```text\n").unwrap().1.split_once("```").unwrap().0;
-    let folder = tempfile::tempdir().unwrap();
-    let output = run(&[], folder.path(), &workspace().join("fixtures/elastoplastic/crash.csv"), &[]);
-    let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).concat();
-    let printed = printed.replace('\u{a0}', " ");
-    for line in shown.lines() {
-        assert!(printed.lines().any(|text| text == line), "{line} is not in\n{printed}");
-    }
-}
-
-#[test]
 fn a_python_program_that_writes_json_serves_as_identify() {
     let python = workspace().join(".venv/bin/python");
     assert!(python.exists(), "{} is missing: run scripts/setup.sh test", python.display());
