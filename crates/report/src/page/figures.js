@@ -117,7 +117,8 @@
     }
   }
 
-  const figures = Array.from(document.querySelectorAll(".figure")).map((element) => ({
+  // The figure of the first screen repeats what the next one has.
+  const figures = Array.from(document.querySelectorAll(".figure:not(#first)")).map((element) => ({
     element,
     plots: Array.from(element.querySelectorAll("svg.plot"), (svg) => new Plot(svg)),
     boxes: Array.from(element.querySelectorAll(".legend li:not(.all) input")),
