@@ -229,14 +229,9 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
 /// Flags that start a line of the help of a stage.
 fn flags_of(stage: &str, folder: &Path) -> BTreeSet<String> {
     let help = stdout(&crumple(folder, &["help", stage]));
-    let flags =
-        help.lines().filter_map(|line| line.trim_start().split_whitespace().find(|word| word.starts_with("--")));
-    let name =
-        |flag: &str| flag.trim_start_matches('-').split(['=', '[', ' ', ',']).next().unwrap_or_default().to_owned();
-    flags
-        .filter(|flag| help.lines().any(|line| line.trim_start().trim_start_matches("-o, ").starts_with(*flag)))
-        .map(name)
-        .collect()
+    let first = help.lines().map(|line| line.trim_start());
+    let flags = first.filter_map(|line| line.strip_prefix("--"));
+    flags.map(|line| line.split(['=', '[', ' ']).next().unwrap_or_default().to_owned()).collect()
 }
 
 #[test]
