@@ -229,7 +229,7 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
 /// Flags that start a line of the help of a stage.
 fn flags_of(stage: &str, folder: &Path) -> BTreeSet<String> {
     let help = stdout(&crumple(folder, &["help", stage]));
-    let first = help.lines().map(|line| line.trim_start());
+    let first = help.lines().map(str::trim_start);
     let flags = first.filter_map(|line| line.strip_prefix("--"));
     flags.map(|line| line.split(['=', '[', ' ']).next().unwrap_or_default().to_owned()).collect()
 }
