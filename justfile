@@ -348,7 +348,7 @@ fuzz *args: build
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run together fleet study compare index; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve run together fleet study compare index; do \
         for kind in bash zsh fish man; do \
             "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \
