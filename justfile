@@ -288,7 +288,6 @@ python-test $wheel="":
         (cd python/tests; python -m pytest -q -p no:cacheprovider); \
     fi
 
-# The program is static and the wheel needs glibc 2.28, whatever this machine has: the linker of the wheel is zig's.
 # What a release holds, into dist/: program, wheel, page, checksums.
 [group('development')]
 dist: (python-tools "ziglang>=0.13,<1" "cargo-zigbuild>=0.20,<1")
@@ -329,9 +328,9 @@ ci-full:
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
     just bytes --compare target/bytes-1.txt target/bytes-4.txt
 
-# The program as WebAssembly in one page that works from a disk, target/page/crumple.html: needs `rustup target add wasm32-wasip1`, gzip, base64 and awk.
+# The program as WebAssembly in one page that works from a disk, target/page/crumple.html: needs gzip, base64 and awk.
 [group('development')]
-page:
+page: (target "wasm32-wasip1")
     cargo build --quiet --locked --profile page --target wasm32-wasip1 --package crumple-cli --no-default-features
     @mkdir -p target/page
     @# A line of the template that starts with @ is replaced by what its command prints.
@@ -340,9 +339,14 @@ page:
     @mv target/page/crumple.html.new target/page/crumple.html
     @ls -l target/page/crumple.html
 
-# The programs compile for Windows and for the page, without a C compiler: `rustup target add x86_64-pc-windows-gnu wasm32-wasip1`.
+# Installs a target of Rust where it is missing.
+[private]
+target name:
+    @[ -d "$(rustc --print sysroot)/lib/rustlib/{{ name }}" ] || rustup target add {{ name }}
+
+# The programs compile for Windows and for the page, without a C compiler.
 [group('development')]
-windows:
+windows: (target "x86_64-pc-windows-gnu") (target "wasm32-wasip1")
     cargo check --quiet --locked --workspace --exclude crumple-testkit --target x86_64-pc-windows-gnu
     cargo check --quiet --locked --package crumple-cli --no-default-features --target wasm32-wasip1
 
@@ -355,7 +359,7 @@ fuzz *args: build
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run together fleet study compare index; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve run together fleet study compare index; do \
         for kind in bash zsh fish man; do \
             "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \

@@ -7,7 +7,9 @@ const html = document.documentElement;
 const STEM = /\.[^.]*$/;
 // Endings of the file that stands for a record of several files.
 const MAIN = /\.(ev5|mme|tdm)$/i;
-const INPUTS = [["mass", "--mass"], ["impact_speed", "--impact-speed"], ["channel", "--channel"]];
+// The usual settings, by stage and key; the program says what each takes.
+const USUAL = [["ingest", "mass", "Mass of the vehicle"], ["ingest", "impact_speed", "Impact speed"], ["ingest", "channel", "Channel of the pulse"],
+  ["ingest", "unit", "Unit of acceleration"], ["ingest", "time_zero", "Time of first contact"], ["filter", "cfc", "Filter class"], ["parameter-solve", "models", "Models"]];
 
 // One line a stage: what it reads, what it writes.
 const chain = text("chain").split("\n").filter((line) => line && !line.startsWith("#")).map((line) => {
@@ -21,9 +23,13 @@ let number = 0;
 let record;
 let results;
 let clock;
+// Fields of the form, and the flags that they come to, by stage.
+let fields = [];
+let flags = {};
 
 function show(state, message = "") {
   html.dataset.state = state;
+  if (state === "asking" || state === "done") element(state === "asking" ? "asked" : "settings").append(element("form"));
   element("status").textContent = message;
   clearInterval(clock);
 }
@@ -46,6 +52,10 @@ function start() {
   };
   return call("start", { packed: text("module") });
 }
+
+const readText = async (path) => new TextDecoder().decode(await call("read", { path }));
+// Objects that stand one a line.
+const objects = (lines) => lines.trim().split("\n").map((one) => JSON.parse(one));
 
 class Refusal extends Error {}
 
@@ -129,24 +139,48 @@ const name = () => record.path.replace(STEM, "");
 
 // Reads a record, and asks for what it lacks.
 async function open(path) {
-  record = { path, flags: [] };
-  element("form").reset();
+  record = { path };
+  for (const { stage, input } of fields) if (stage === "ingest") input.value = "";
+  flags.ingest = [];
   element("channel").replaceChildren();
   const concerns = await ingest();
   const lacks = { mass: record.test.mass_kg == null, "impact-speed": record.test.impact_speed_m_per_s == null };
-  const asked = concerns.filter(({ about }) => lacks[about]).map(({ about }) => about);
+  const asked = concerns.filter(({ about }) => lacks[about]).map(({ about }) => about.replace("-", "_"));
   if (!asked.length) return runChain();
-  element("ask-mass").hidden = !asked.includes("mass");
-  element("ask-speed").hidden = !asked.includes("impact-speed");
+  ask([...asked, "channel"]);
   show("asking", `${path}: state what the record lacks`);
+}
+
+// Makes the fields of the usual settings from the options of the program.
+async function makeFields() {
+  const known = {};
+  for (const [stage] of USUAL) known[stage] ??= objects((await run([stage, "--generate", "options"])).out);
+  fields = USUAL.map(([stage, key, name]) => {
+    const { flag, about, values, many } = known[stage].find((option) => option.key === key);
+    const input = document.createElement(values.length || key === "channel" ? "select" : "input");
+    const [label, output, place] = [line("label", name), line("output", ""), line("p", "")];
+    Object.assign(input, { id: key, multiple: many, autocomplete: "off" }, many && { size: values.length });
+    input.append(...values.map((value) => new Option(value)));
+    input.setAttribute("aria-describedby", `${key}-about ${key}-error`);
+    Object.assign(output, { id: `${key}-error` });
+    label.htmlFor = output.htmlFor = key;
+    place.replaceChildren(label, input, Object.assign(line("small", about), { id: `${key}-about` }), output);
+    element("fields").append(place);
+    return { stage, flag, input, output, place };
+  });
+}
+
+// Shows the fields of these settings; the channel where there is a choice.
+function ask(keys) {
+  for (const { input, place } of fields) place.hidden = !keys.includes(input.id) || (input.id === "channel" && input.options.length < 2);
 }
 
 // Runs ingest with the flags of the form, and shows what it read.
 async function ingest() {
   const to = `${folderOf(record.path)}/1-ingest.mcap`;
   await call("write", { path: `${folderOf(record.path)}/.made`, bytes: "" });
-  const { out, err } = await run(["ingest", record.path, "-o", to, "--pipeline", pipeline(), "--json", ...record.flags]);
-  const records = out.trim().split("\n").map((one) => JSON.parse(one));
+  const { out, err } = await run(["ingest", record.path, "-o", to, "--pipeline", pipeline(), "--json", ...flags.ingest]);
+  const records = objects(out);
   const of = (topic) => records.find((one) => one.topic === topic)?.data;
   record.test = of("/test");
   element("read").textContent = err;
@@ -157,12 +191,10 @@ async function ingest() {
 // Draws the pulse, and lists the channels that may stand in its place.
 async function showPulse(artifact) {
   await run(["artifact", "unpack", artifact, "tmp/waves", "--force"]);
-  const decode = (bytes) => new TextDecoder().decode(bytes);
-  const waves = decode(await call("read", { path: "tmp/waves/waves.ndjson" })).trim().split("\n").map((one) => JSON.parse(one));
+  const waves = objects(await readText("tmp/waves/waves.ndjson"));
   const wave = waves.find(({ id }) => id === record.test.pulse);
   const channels = waves.filter(({ quantity }) => quantity === "acceleration").map(({ id }) => new Option(id, id, id === wave?.id, id === wave?.id));
   if (!element("channel").options.length) element("channel").replaceChildren(...channels);
-  element("ask-channel").hidden = channels.length < 2;
   element("pulse").setAttribute("hidden", "");
   if (!wave) return;
   const samples = new Float64Array((await call("read", { path: `tmp/waves/${wave.file}` })).buffer);
@@ -175,24 +207,24 @@ async function showPulse(artifact) {
   element("pulse").removeAttribute("hidden");
 }
 
-// Each value is checked by the program, its words stand at the field.
+// Runs with the fields as they are; each value is checked by the program, its words stand at the field.
 async function answer(event) {
   event.preventDefault();
-  record.flags = [];
-  let wrong = 0;
-  for (const [id, flag] of INPUTS) {
-    const value = element(id).value.trim();
-    element(`${id}-error`).textContent = "";
-    if (!value || element(id).closest("[hidden]")) continue;
-    const words = ["ingest", record.path, "-o", "tmp/x.mcap", "--check-options", flag, value];
-    const { code, err } = await call("run", { words });
-    if (code) {
-      element(`${id}-error`).textContent = err.trim().split("\n")[0];
-      if (!wrong++) element(id).focus();
-    } else record.flags.push(flag, value);
+  const asked = fields.filter(({ place, output }) => ((output.textContent = ""), !place.hidden));
+  const wrong = [];
+  const typed = { ingest: [] };
+  for (const { stage, flag, input, output } of asked) {
+    const value = input.multiple ? [...input.selectedOptions].map((option) => option.value).join() : input.value.trim();
+    if (!value || input.selectedOptions?.[0]?.defaultSelected) continue;
+    const { code, err } = await call("run", { words: [stage, record.path, "-o", "tmp/x.mcap", "--check-options", flag, value] });
+    if (code) output.textContent = err.trim().split("\n")[0];
+    if (code) wrong.push(input);
+    (typed[stage] ??= []).push(flag, value);
   }
-  if (wrong) return;
+  if (wrong.length) return wrong[0].focus();
+  flags = { ...(html.dataset.state === "asking" && flags), ...typed };
   try {
+    await writePipeline();
     await ingest();
     await runChain();
   } catch (error) {
@@ -214,14 +246,16 @@ async function stages() {
   element("steps").replaceChildren(...used.map(({ name }) => line("li", name)));
   show("running", record.path);
   const begun = performance.now();
-  clock = setInterval(() => (element("elapsed").textContent = `${((performance.now() - begun) / 1000).toFixed(1)} s`), 100);
+  const tick = () => (element("elapsed").textContent = `${record.path}, ${((performance.now() - begun) / 1000).toFixed(1)} s`);
+  clock = setInterval(tick, 100);
+  tick();
   for (const [k, { name, inputs, outputs }] of used.entries()) {
     const step = element("steps").children[k];
     step.setAttribute("aria-current", "step");
     if (inputs[0] !== "RECORD") {
       const paths = inputs.filter((input) => made.has(input)).map((input) => `${folder}/${input}`);
       const quiet = name === "report" ? [] : ["--no-summary"];
-      await run([name, ...paths, "-o", `${folder}/${outputs[0]}`, "--pipeline", pipeline(), ...quiet]);
+      await run([name, ...paths, "-o", `${folder}/${outputs[0]}`, "--pipeline", pipeline(), ...(flags[name] ?? []), ...quiet]);
     }
     step.removeAttribute("aria-current");
     step.className = "over";
@@ -231,7 +265,8 @@ async function stages() {
 // Several records: every one by itself, then one page of them all.
 async function compare(paths) {
   for (const path of paths) {
-    record = { path, flags: [] };
+    record = { path };
+    flags.ingest = [];
     await ingest();
     await stages();
   }
@@ -241,20 +276,21 @@ async function compare(paths) {
 }
 
 async function showReport(path) {
-  const decode = (bytes) => new TextDecoder().decode(bytes);
   const folders = record.folders ?? [folderOf(record.path)];
   results = [];
   for (const folder of folders) {
     const files = (await call("list", { path: folder })).filter(([name]) => !name.startsWith("."));
     results.push(...files.map(([name, bytes]) => [`${folder.slice("runs/".length)}/${name}`, bytes]));
   }
-  record.report = decode(await call("read", { path }));
-  const summary = record.folders ? undefined : JSON.parse(decode(await call("read", { path: `${folders[0]}/summary.json` })));
+  record.report = await readText(path);
+  const summary = record.folders ? undefined : JSON.parse(await readText(`${folders[0]}/summary.json`));
   const verdict = summary ? [summary.verdict.status_sentence, ...summary.verdict.sentences.slice(0, 1)] : [];
   element("verdict").textContent = verdict.filter(Boolean).join(" ");
   element("title").textContent = summary?.test.title ?? name();
   element("frame").srcdoc = record.report;
   if (history.state !== "done") history.pushState("done", "");
+  ask(USUAL.map(([, key]) => key));
+  element("settings").hidden = Boolean(record.folders);
   show("done", `${record.path}: done`);
 }
 
@@ -349,25 +385,14 @@ on("frame", "load", fit);
 on("save-report", "click", () => save(`${name()}-report.html`, [record.report], "text/html"));
 on("save-results", "click", () => save(`${name()}-results.zip`, zip(results), "application/zip"));
 for (const button of document.querySelectorAll(".another")) button.addEventListener("click", again);
-on("settings-form", "submit", async (event) => {
-  event.preventDefault();
-  try {
-    await writePipeline();
-    await ingest();
-    await runChain();
-  } catch (error) {
-    refuse(error);
-  }
-});
-on("reset", "click", () => (element("pipeline").value = element("pipeline").defaultValue));
 takeDrops(window);
 addEventListener("popstate", ({ state }) => show(state === "done" ? "done" : "ready"));
 
 if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") {
   element("loading").textContent = "This browser cannot run Crumple: it lacks WebAssembly or DecompressionStream. Use one of 2023 or later.";
 } else {
-  start().then(() => run(["--version"])).then(({ out }) => {
-    element("version").textContent = out.trim();
+  start().then(makeFields).then(() => run(["--version"])).then(({ out }) => {
+    element("version").textContent = `${out.trim()}, `;
     show("ready");
   }, refuse);
 }

@@ -1,4 +1,4 @@
-"""Artifacts after docs/format.md: the program reads them, this module writes them; a Python function as a stage."""
+"""Artifacts: the program unpacks and packs them (docs/format.md); a Python function as a stage."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ import functools
 import json
 import operator
 import os
-import struct
 import sys
 import tempfile
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,9 +18,6 @@ from numpy.typing import NDArray
 
 from ._program import CrumpleError, call
 
-MAGIC = b"\x89MCAP0\r\n"
-HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, METADATA, DATA_END = 1, 2, 3, 4, 5, 12, 15
-BLOCK, ORIGIN_NS = 65_536, 1_000_000_000_000
 UNITS = {
     "acceleration": "m/s^2", "velocity": "m/s", "velocity_change": "m/s", "displacement": "m", "force": "N",
     "moment": "N*m", "angle": "rad", "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2",
@@ -98,45 +93,18 @@ def read(path: str | os.PathLike[str]) -> Artifact:
 
 
 def write(path: str | os.PathLike[str], artifact: Artifact) -> None:
-    """Writes records and waveforms; the latter start 1000 s before time zero at the earliest."""
-    file = bytearray(MAGIC + _section(HEADER, _text("") + _text("crumple python/1")))
-
-    def add(number: int, topic: str, encoding: str, schema: str, about: bytes, messages: dict[float, bytes]) -> None:
-        ids = struct.pack("<H", number)
-        file.extend(_section(SCHEMA, ids + _text(schema) + _text("jsonschema") + _text("{}")))
-        file.extend(_section(CHANNEL, ids + ids + _text(topic) + _text(encoding) + _counted(about)))
-        for time_s, data in messages.items():
-            at = ORIGIN_NS + round(1e9 * time_s)
-            file.extend(_section(MESSAGE, struct.pack("<HIQQ", number, 0, at, at) + data))
-
-    start = min((wave.t0 for wave in artifact.waves.values()), default=0.0)
-    for number, (topic, record) in enumerate(artifact.records.items(), 1):
-        data = json.dumps(record, allow_nan=False, ensure_ascii=False).encode()
-        add(number, topic, "json", record.schema, b"", {start: data})
-    for number, (id, wave) in enumerate(artifact.waves.items(), 1 + len(artifact.records)):
-        blocks = {}
-        for first in range(0, len(wave.samples), BLOCK):
-            block = np.asarray(wave.samples[first : first + BLOCK], "<f8")
-            head = struct.pack("<qdQQ", round(1e9 * wave.t0), wave.dt, first, len(block))
-            blocks[wave.t0 + first * wave.dt] = head + block.tobytes()
-        about = _text("quantity") + _text(wave.quantity) + _text("unit") + _text(wave.unit)
-        add(number, f"/wave/{id}", "bincode", "crumple.WaveBlock.v1", about, blocks)
-    origin = _counted(_text("time.t0_offset_ns") + _text(str(ORIGIN_NS)))
-    file.extend(_section(METADATA, _text("content") + origin))
-    file.extend(_section(DATA_END, struct.pack("<I", zlib.crc32(file))) + _section(FOOTER, bytes(20)) + MAGIC)
-    Path(path).write_bytes(file)
-
-
-def _section(code: int, body: bytes) -> bytes:
-    return struct.pack("<BQ", code, len(body)) + body
-
-
-def _counted(body: bytes) -> bytes:
-    return struct.pack("<I", len(body)) + body
-
-
-def _text(text: str) -> bytes:
-    return _counted(text.encode())
+    """Writes records and waveforms. Errors: `Refused`, what is no record of its schema, or no finite number."""
+    with tempfile.TemporaryDirectory() as scratch:
+        records = [{"topic": topic, "schema": one.schema, "data": one} for topic, one in artifact.records.items()]
+        waves = []
+        for number, (id, wave) in enumerate(artifact.waves.items()):
+            about = {"id": id, "quantity": wave.quantity, "t0_s": wave.t0, "dt_s": wave.dt}
+            waves.append({**about, "samples": len(wave.samples), "file": f"{number}.f64"})
+            np.asarray(wave.samples, "<f8").tofile(f"{scratch}/{number}.f64")
+        for name, lines in (("records", records), ("waves", waves)):
+            texts = [json.dumps(line, allow_nan=False, ensure_ascii=False) + "\n" for line in lines]
+            Path(scratch, f"{name}.ndjson").write_text("".join(texts), "utf-8")
+        call("artifact", "pack", scratch, os.path.abspath(path))
 
 
 def stage(function: Callable[[Artifact], Artifact]) -> None:

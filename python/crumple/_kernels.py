@@ -1,4 +1,4 @@
-"""Single steps on arrays: each calls the program twice, once for its result and once to read it."""
+"""Single steps on arrays: each calls the program three times, to pack its input, for its result, to unpack it."""
 
 from __future__ import annotations
 

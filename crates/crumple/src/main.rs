@@ -70,8 +70,13 @@ fn main() -> ExitCode {
     #[cfg(feature = "run")]
     crumple_run::hold(&STAGES);
     let call = Call::of_process();
-    let link = call.program.strip_prefix("crumple-").and_then(program);
-    link.map_or_else(|| of_words(call.words.clone()), |program| (program.run)(&call)).into()
+    let link = call.program.strip_prefix("crumple-").unwrap_or_default();
+    let of_artifact = OF_ARTIFACT.iter().filter(|name| **name == link).map(OsString::from);
+    match program(link) {
+        Some(program) => (program.run)(&call),
+        None => of_words(of_artifact.chain(call.words.clone()).collect()),
+    }
+    .into()
 }
 
 fn programs() -> impl Iterator<Item = &'static Program> {
@@ -92,7 +97,7 @@ fn of_words(mut words: Vec<OsString>) -> ExitStatus {
     if let Some((_, flag)) = FIRST.iter().find(|(word, _)| *word == first) {
         // `help filter` is `filter --help`, `completions bash` is `--generate bash`.
         words.remove(0);
-        words.insert(words.len().min(usize::from(first == "help")), (*flag).into());
+        words.insert(if first == "help" { words.len() } else { 0 }, (*flag).into());
         return of_words(words);
     }
     if OF_ARTIFACT.contains(&first.as_str()) {

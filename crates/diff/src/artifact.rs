@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::differences::{Difference, FileReport, Side, TopicReport};
 use crate::json::compare_json;
-use crate::tolerances::{Base, Unit};
+use crate::tolerances::{Base, Candidate, Unit};
 use crate::{CompareSettings, Tolerances};
 
 // Two artifacts: topics paired by name, each compared as what it is.
@@ -30,6 +30,23 @@ pub fn compare_artifacts(
     let same = topics.iter().all(|topic| topic.same) && (provenance.is_empty() || !settings.provenance);
     let digests = Some([a.digest().to_owned(), b.digest().to_owned()]);
     Ok(FileReport { name: name.to_owned(), same, only_in: None, digests, topics, provenance })
+}
+
+/// Candidates in two artifacts of which the record leaves parameters open, on one side at least. Errors: a record that
+/// does not decode.
+pub fn open_candidates(a: &Artifact, b: &Artifact) -> Result<BTreeSet<String>, ReadError> {
+    let mut open = BTreeSet::new();
+    for x in a.records() {
+        let same_topic = |y: &&RawRecord| y.topic == x.topic;
+        let Some(id) = x.topic.strip_prefix("/parameters/") else { continue };
+        let Some(y) = b.records().iter().find(same_topic) else { continue };
+        if let (Some(Value::Object(x)), Some(Value::Object(y))) = (json_of(a, x)?, json_of(b, y)?)
+            && Candidate::from_records("", &x, &y).is_some_and(|candidate| candidate.is_open())
+        {
+            open.insert(id.to_owned());
+        }
+    }
+    Ok(open)
 }
 
 /// What a waveform measures stands beside the messages, so the digest does not see it.

@@ -11,7 +11,7 @@ mod json;
 mod print;
 mod tolerances;
 
-pub use artifact::compare_artifacts;
+pub use artifact::{compare_artifacts, open_candidates};
 pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
 pub use error::DiffError;
 pub use json::{Limit, compare_json, compare_with_limits};

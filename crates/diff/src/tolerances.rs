@@ -61,11 +61,8 @@ impl Candidate {
         if place.starts_with("fit.") && place.ends_with("_s") {
             return None;
         }
-        // One of many sets that fit equally well: its responses are the same to an engineer, its interior is not.
         match place.strip_prefix("simulation.") {
-            Some("fit_percent" | "fit_as_measured_percent") => Some(Tolerance { abs: EQUAL_FIT_POINTS, rel: 0.0 }),
-            Some("dynamic_crush_m" | "time_of_dynamic_crush_s") => Some(Tolerance::engineering(place, unit)),
-            Some(_) => Some(Tolerance::ANY),
+            Some(of_simulation) => Some(of_open_simulation(of_simulation, unit)),
             None if place.starts_with("uncertainty") || place.starts_with("fit") || place.starts_with("notes") => {
                 Some(Tolerance::ANY)
             }
@@ -73,8 +70,19 @@ impl Candidate {
         }
     }
 
-    fn is_open(&self) -> bool {
+    /// Whether the record leaves a parameter open.
+    pub(crate) fn is_open(&self) -> bool {
         self.deviations.values().any(|deviation| deviation.is_infinite())
+    }
+}
+
+/// The tolerance in the simulation of a candidate with open parameters. It is one of many sets that fit equally well:
+/// its motion in the window of the fit is the same to an engineer, its interior and its motion beyond are not.
+fn of_open_simulation(place: &str, unit: Option<Unit>) -> Tolerance {
+    match place {
+        "fit_percent" | "fit_as_measured_percent" => Tolerance { abs: EQUAL_FIT_POINTS, rel: 0.0 },
+        "dynamic_crush_m" | "time_of_dynamic_crush_s" => Tolerance::engineering(place, unit),
+        _ => Tolerance::ANY,
     }
 }
 
@@ -211,6 +219,8 @@ pub struct Tolerances {
     pub rel: Option<f64>,
     /// What the user says of single topics and places; goes before all else. The longest pattern that matches counts.
     pub rules: Vec<ToleranceRule>,
+    /// Candidates of which the record leaves parameters open, on one side at least.
+    pub open: BTreeSet<String>,
 }
 
 /// Topic pattern, place pattern, tolerance; the first that matches counts.
@@ -226,12 +236,23 @@ const ASIDE: [Row; 5] = [
     ("/test", "source.name", Tolerance::ANY),
 ];
 
+/// What a residual is worth, for every base. The number of its effective samples is an estimate from correlations of
+/// the closest candidate's residual, known to a tenth at best. Models whose criteria are less than 2 apart are equally
+/// supported (Burnham and Anderson 2002, section 2.6). A criterion is a sum over the effective samples, and known as
+/// well as their number.
+const ESTIMATED: [Row; 4] = [
+    ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
+    ("/simulation/*", "aicc", tolerance(0.2, 0.1)),
+    ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
+    ("summary.json", "candidates*aicc", tolerance(0.2, 0.1)),
+];
+
 /// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). A last bit changed in
 /// every sample moves filtered and integrated waveforms by 1e-15, eigenvalues and models by 3e-13, and fitted
 /// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
 /// leaves room beyond that; a standard deviation comes from an inverse and gets more.
 /// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
-const COMPUTATION: [Row; 18] = [
+const COMPUTATION: [Row; 14] = [
     // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
     ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-5)),
     ("/wave/*", "*", tolerance(0.0, 1e-9)),
@@ -247,14 +268,9 @@ const COMPUTATION: [Row; 18] = [
     ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
     // What it compares are fits and their motion; of a perfect fit the misfit is a rounding error.
     ("/recommendation", "*", tolerance(1e-6, 1e-5)),
-    ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
-    // Models whose criteria are less than 2 apart are equally supported (Burnham and Anderson 2002, section 2.6).
-    ("/simulation/*", "aicc", tolerance(0.2, 0.0)),
     ("/simulation/*", "*", tolerance(1e-6, 1e-5)),
     // The report's summary repeats all of the above; each number is compared where it comes from.
     ("summary.json", "candidates*uncertainty*", tolerance(0.0, 0.1)),
-    ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
-    ("summary.json", "candidates*aicc", tolerance(0.2, 0.0)),
     ("summary.json", "*", tolerance(1e-6, 1e-5)),
     ("*", "*", tolerance(1e-12, 1e-9)),
 ];
@@ -277,8 +293,12 @@ impl Tolerances {
         candidate: Option<&Candidate>,
     ) -> Tolerance {
         let table = self.base_of(topic, place, unit);
-        let in_candidate = candidate.filter(|_| self.base != Base::Exact && !table.is_any());
-        let mut tolerance = in_candidate.and_then(|known| known.tolerance(place, unit, table)).unwrap_or(table);
+        let determined = || match candidate {
+            Some(known) => known.tolerance(place, unit, table),
+            None => self.of_open(topic, place, unit),
+        };
+        let by_its_record = if self.base == Base::Exact || table.is_any() { None } else { determined() };
+        let mut tolerance = by_its_record.unwrap_or(table);
         if !tolerance.is_any() {
             tolerance.abs = self.abs.unwrap_or(tolerance.abs);
             tolerance.rel = self.rel.unwrap_or(tolerance.rel);
@@ -298,14 +318,28 @@ impl Tolerances {
         }
     }
 
+    /// What hangs on a candidate with open parameters outside its own record: its simulation, its waves, its line in
+    /// the recommendation.
+    fn of_open(&self, topic: &str, place: &str, unit: Option<Unit>) -> Option<Tolerance> {
+        let is_rest = |rest: &str| !rest.starts_with(char::is_numeric);
+        let is_open = |text: &str| self.open.iter().any(|id| text.strip_prefix(id.as_str()).is_some_and(is_rest));
+        let below = |text: &str, start: &str| text.strip_prefix(start).is_some_and(is_open);
+        if below(topic, "/simulation/") && !place.is_empty() {
+            return Some(of_open_simulation(place, unit));
+        }
+        let is_line = topic == "/recommendation" && below(place, "candidates[");
+        (is_line || below(topic, "/wave/")).then_some(Tolerance::ANY)
+    }
+
     fn base_of(&self, topic: &str, place: &str, unit: Option<Unit>) -> Tolerance {
         let row = |rows: &[Row]| {
             rows.iter().find(|row| topic_matches(row.0, topic) && topic_matches(row.1, place)).map(|row| row.2)
         };
+        let aside = || row(&ASIDE).or_else(|| row(&ESTIMATED));
         match self.base {
             Base::Exact => Tolerance::ZERO,
-            Base::Computation => row(&ASIDE).or_else(|| row(&COMPUTATION)).unwrap_or(Tolerance::ZERO),
-            Base::Engineering => row(&ASIDE).unwrap_or_else(|| Tolerance::engineering(place, unit)),
+            Base::Computation => aside().or_else(|| row(&COMPUTATION)).unwrap_or(Tolerance::ZERO),
+            Base::Engineering => aside().unwrap_or_else(|| Tolerance::engineering(place, unit)),
         }
     }
 }

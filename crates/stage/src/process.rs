@@ -440,6 +440,9 @@ pub fn run_tool<C: CommandFactory + FromArgMatches>(
 /// Flag that prints a completion script or the man page instead of running.
 const GENERATE: &str = "generate";
 
+/// Kind of it that is neither: the options for a form, one JSON object a line.
+const OPTIONS: &str = "options";
+
 const SHELLS: [(&str, clap_complete::Shell); 3] =
     [("bash", clap_complete::Shell::Bash), ("zsh", clap_complete::Shell::Zsh), ("fish", clap_complete::Shell::Fish)];
 
@@ -448,33 +451,39 @@ const SHELLS: [(&str, clap_complete::Shell); 3] =
 fn parse<C: FromArgMatches>(command: Command, call: &Call) -> Result<(C, clap::ArgMatches), ExitStatus> {
     typed::begin(call.way);
     be_quiet(false);
-    let kinds = PossibleValuesParser::new(SHELLS.iter().map(|(name, _)| *name).chain(["man"]));
+    let kinds = PossibleValuesParser::new(SHELLS.iter().map(|(name, _)| *name).chain(["man", OPTIONS]));
     let flag = Arg::new(GENERATE)
         .long(GENERATE)
         .value_name("KIND")
         .value_parser(kinds)
         .exclusive(true)
         .help_heading(None)
-        .help("Print a completion script for a shell, or the man page, and do nothing else");
-    let command = command.bin_name(&call.program).display_name(&call.program).no_binary_name(true);
+        .help("Print a completion script, the man page, or the options as JSON, and do nothing else");
+    // Where a subcommand is needed, this flag is exclusive of it as well; behind one it is about that one.
+    let is_generating = call.has("--generate");
+    let (mut command, mut words, mut name) = (command, call.words.as_slice(), call.program.clone());
+    if is_generating
+        && let Some((Some(first), rest)) = words.split_first().map(|(first, rest)| (first.to_str(), rest))
+        && let Some(subcommand) = command.find_subcommand(first)
+    {
+        (command, words, name) = (subcommand.clone(), rest, format!("{name}-{first}"));
+    }
+    let command = command.bin_name(&name).display_name(&name).no_binary_name(true);
     let command = match call.way {
         Way::InRun => command.override_usage("crumple run [OPTIONS] RECORD [FLAGS OF crumple ingest]"),
         _ => command,
     };
     let command = args::with_flag(command.arg(flag));
-    // Where a subcommand is needed, this flag is exclusive of it as well.
-    let is_generating = call.has("--generate");
     let is_short = call.words.iter().any(|word| word == "-h");
     let parser = if is_short { in_short(command.clone()) } else { command.clone() };
     let parser = if is_generating { parser.subcommand_required(false).arg_required_else_help(false) } else { parser };
-    let matches =
-        parser.try_get_matches_from(&call.words).and_then(|matches| match matches.get_one::<String>(GENERATE) {
-            Some(kind) => Ok(Err(generate(command, kind))),
-            None => {
-                args::take(&matches);
-                Ok(Ok((C::from_arg_matches(&matches)?, matches)))
-            }
-        });
+    let matches = parser.try_get_matches_from(words).and_then(|matches| match matches.get_one::<String>(GENERATE) {
+        Some(kind) => Ok(Err(generate(command, kind))),
+        None => {
+            args::take(&matches);
+            Ok(Ok((C::from_arg_matches(&matches)?, matches)))
+        }
+    });
     match matches {
         Ok(parsed) => parsed,
         Err(error) => {
@@ -518,12 +527,28 @@ fn in_short(command: Command) -> Command {
     command
 }
 
-/// Prints the completion script of a shell, or the man page.
+/// An option by its key in a pipeline, with what it takes, as a line of JSON.
+fn option_line(arg: &Arg) -> Option<String> {
+    let values: Vec<String> = arg.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
+    let option = serde_json::json!({
+        "key": arg.get_id().as_str(),
+        "flag": format!("--{}", arg.get_long()?),
+        "about": arg.get_help()?.to_string(),
+        "values": values,
+        "many": arg.get_value_delimiter().is_some(),
+    });
+    Some(format!("{option}\n"))
+}
+
+/// Prints the completion script of a shell, the man page, or the options.
 fn generate(mut command: Command, kind: &str) -> ExitStatus {
     let name = command.get_bin_name().unwrap_or_else(|| command.get_name()).to_owned();
     let mut text = Vec::new();
     match SHELLS.iter().find(|(shell, _)| *shell == kind) {
         Some((_, shell)) => clap_complete::generate(*shell, &mut command, name, &mut text),
+        None if kind == OPTIONS => {
+            text.extend(command.get_arguments().filter_map(option_line).collect::<String>().bytes())
+        }
         None => {
             if clap_mangen::Man::new(command.name(name.leak() as &str)).render(&mut text).is_err() {
                 return ExitStatus::Failure;

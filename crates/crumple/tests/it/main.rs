@@ -8,8 +8,8 @@ use std::process::{Command, Output};
 
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
-/// Every word that stands for a program.
-const WORDS: [&str; 19] = [
+/// Every word that stands for a program, and those behind one.
+const WORDS: [&str; 26] = [
     "run",
     "together",
     "fleet",
@@ -17,7 +17,14 @@ const WORDS: [&str; 19] = [
     "compare",
     "index",
     "diff",
+    "accept",
     "artifact",
+    "artifact show",
+    "artifact notes",
+    "artifact curve",
+    "artifact check",
+    "artifact unpack",
+    "artifact pack",
     "ingest",
     "filter",
     "integrate",
@@ -53,35 +60,48 @@ fn every_word_is_a_program_that_names_itself_as_it_was_typed() {
     let folder = tempfile::tempdir().unwrap();
     let all = stdout(&crumple(folder.path(), &["-h"]));
     assert!(all.lines().count() <= 40, "{all}");
+    let script = |shell: &str| stdout(&crumple(folder.path(), &["completions", shell]));
+    let scripts = ["bash", "zsh", "fish"].map(script);
     for word in WORDS {
-        let help = crumple(folder.path(), &[word, "-h"]);
+        let words: Vec<&str> = word.split(' ').collect();
+        let with = |flags: &[&str]| crumple(folder.path(), &[&words, flags].concat());
+        let help = with(&["-h"]);
         let text = stdout(&help);
         assert_eq!(help.status.code(), Some(0), "{word}");
         assert!(text.contains(&format!("Usage: crumple {word} ")), "{word}: {text}");
         assert!(text.lines().count() <= 40 && !text.contains("e.g\n"), "{word} -h: {text}");
-        let whole = stdout(&crumple(folder.path(), &["help", word]));
+        let whole = stdout(&crumple(folder.path(), &[&["help"], &words[..]].concat()));
         assert!(text.lines().count() <= whole.lines().count(), "{word}");
         let flags = text.split_whitespace().map(|word| word.trim_matches(['[', ']', ',', '<', '>']));
         assert!(flags.filter(|flag| flag.starts_with("--")).all(|flag| whole.contains(flag)), "{word}: {text}");
-        assert!(all.lines().any(|line| line.trim_start().starts_with(&format!("{word} "))), "{word} in {all}");
-        if !["show", "notes", "curve"].contains(&word) {
-            let man = crumple(folder.path(), &[word, "--generate", "man"]);
-            assert!(stdout(&man).contains(".SH SYNOPSIS"), "{word}: {}", stderr(&man));
+        let options = text.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+        let is_part = |c: char| c.is_ascii_lowercase() || c == '-';
+        for flag in options.filter_map(|line| line.split(|c| !is_part(c)).find_map(|part| part.strip_prefix("--"))) {
+            assert!(scripts.iter().all(|script| script.contains(flag)), "{word}: --{flag}");
         }
-        let wrong = crumple(folder.path(), &[word, "--no-such-flag"]);
-        assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("crumple"), "{word}: {}", stderr(&wrong));
-        assert!(!stderr(&wrong).contains("crumple-"), "{word}: {}", stderr(&wrong));
+        let is_line = |line: &str| line.trim_start().starts_with(&format!("{word} "));
+        assert!(words.len() > 1 || all.lines().any(is_line), "{word} in {all}");
+        let link = format!("crumple-{}", word.replace(' ', "-"));
+        let man = with(&["--generate", "man"]);
+        let page = stdout(&man).replace('\\', "");
+        assert!(page.contains(".SH SYNOPSIS") && page.contains(&format!("{link} - ")), "{word}: {}", stderr(&man));
+        assert!(stdout(&with(&["--generate", "bash"])).contains(&link), "{word}");
+        let wrong = with(&["--hepl"]);
+        let told = stderr(&wrong);
+        // Two commands ask for their records first.
+        let is_near = ["run", "together"].contains(&word) || told.contains("similar argument exists: '--help'");
+        assert!(wrong.status.code() == Some(2) && is_near, "{word}: {told}");
+        assert!(told.contains("crumple") && !told.contains("crumple-"), "{word}: {told}");
     }
-    for shell in ["bash", "zsh", "fish"] {
-        let script = stdout(&crumple(folder.path(), &["completions", shell]));
-        assert!(WORDS.iter().all(|word| script.contains(word)), "{shell}");
-    }
+    assert!(scripts.iter().all(|script| WORDS.iter().all(|word| word.split(' ').all(|word| script.contains(word)))));
 }
 
 #[test]
 fn a_wrong_word_is_answered_with_the_nearest() {
     let folder = tempfile::tempdir().unwrap();
-    for (word, meant) in [("filtre", "filter"), ("predcit", "predict"), ("rum", "run"), ("nots", "notes")] {
+    for (word, meant) in
+        [("filtre", "filter"), ("predcit", "predict"), ("rum", "run"), ("nots", "notes"), ("acept", "accept")]
+    {
         let answer = crumple(folder.path(), &[word]);
         let text = stderr(&answer);
         assert!(
@@ -89,6 +109,8 @@ fn a_wrong_word_is_answered_with_the_nearest() {
             "{word}: {text}"
         );
     }
+    let nested = stderr(&crumple(folder.path(), &["artifact", "chek"]));
+    assert!(nested.contains("'check'"), "{nested}");
     assert_eq!(crumple(folder.path(), &[]).status.code(), Some(2));
 }
 
@@ -100,6 +122,10 @@ fn called_by_a_link_it_is_the_program_of_that_name() {
     std::os::unix::fs::symlink(CRUMPLE, &link).unwrap();
     let help = Command::new(&link).arg("-h").output().unwrap();
     assert!(stdout(&help).contains("Usage: crumple-filter "), "{}", stdout(&help));
+    let link = folder.path().join("crumple-notes");
+    std::os::unix::fs::symlink(CRUMPLE, &link).unwrap();
+    let help = Command::new(&link).arg("-h").output().unwrap();
+    assert!(stdout(&help).contains("Usage: crumple notes "), "{}", stdout(&help));
 }
 
 /// A folder with nothing but the record of a fixture.

@@ -9,7 +9,7 @@ use crumple_artifact::records::TestV1;
 use crumple_artifact::{Artifact, OutputKind, WAVE_PREFIX, refuse_named_pipe};
 use crumple_diff::{
     Base, CompareSettings, Comparison, DiffError, FileReport, Side, TextOptions, Tolerances, compare_artifacts,
-    compare_json, conclusion, parse_rules, write_text,
+    compare_json, conclusion, open_candidates, parse_rules, write_text,
 };
 use crumple_stage::{ExitStatus, Program, Usage, keep_budget, printable, run_tool, to_stdout};
 
@@ -144,7 +144,7 @@ fn settings(args: &Args) -> Result<CompareSettings, DiffError> {
         _ => Base::Engineering,
     };
     Ok(CompareSettings {
-        tolerances: Tolerances { base, abs: args.abs, rel: args.rel, rules },
+        tolerances: Tolerances { base, abs: args.abs, rel: args.rel, rules, ..Tolerances::default() },
         bits: args.bits,
         provenance: args.provenance,
     })
@@ -370,12 +370,16 @@ fn kind(path: &Path) -> &'static str {
 }
 
 fn files(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
-    let file = |name: &str, a: &Path, b: &Path| -> Result<FileReport, DiffError> {
+    let mut settings = settings.clone();
+    // Of a run the fits come before what is made of them.
+    let mut file = |name: &str, a: &Path, b: &Path| -> Result<FileReport, DiffError> {
         if is_json(a) {
             // The summary's tolerances apply under whatever name it was kept.
-            return Ok(FileReport::json(name, compare_json(SUMMARY, &read_json(a)?, &read_json(b)?, settings)));
+            return Ok(FileReport::json(name, compare_json(SUMMARY, &read_json(a)?, &read_json(b)?, &settings)));
         }
-        Ok(compare_artifacts(name, &Artifact::open(a)?, &Artifact::open(b)?, settings)?)
+        let (a, b) = (Artifact::open(a)?, Artifact::open(b)?);
+        settings.tolerances.open.extend(open_candidates(&a, &b)?);
+        Ok(compare_artifacts(name, &a, &b, &settings)?)
     };
     if !a.is_dir() {
         return Ok(vec![file(&a.file_name().unwrap_or_default().to_string_lossy(), a, b)?]);

@@ -84,5 +84,6 @@ fn the_house_keeps_its_rules() {
     broken.extend(packages.iter().flat_map(sizes::broken));
     broken.extend(sizes::check(&packages));
     broken.extend(pages::broken(&root()));
+    broken.extend(pages::other_versions(&root()));
     assert!(broken.is_empty(), "{} rules broken\n{}", broken.len(), broken.join("\n"));
 }

@@ -40,3 +40,16 @@ pub fn broken(root: &Path) -> Vec<String> {
     }
     broken
 }
+
+/// What names another version than the workspace: the citation, the first heading of the changelog.
+pub fn other_versions(root: &Path) -> Vec<String> {
+    let read = |name: &str| fs::read_to_string(root.join(name)).unwrap();
+    let manifest: toml::Table = read("Cargo.toml").parse().unwrap();
+    let version = manifest["workspace"]["package"]["version"].as_str().unwrap();
+    let places = [("CITATION.cff", "version: "), ("CHANGELOG.md", "## ")];
+    let names = |(file, mark): &(&str, &str)| {
+        read(file).lines().find_map(|line| line.strip_prefix(mark)?.split(' ').next().map(str::to_owned))
+    };
+    let other = places.into_iter().filter(|place| names(place).as_deref() != Some(version));
+    other.map(|(file, _)| format!("{file} does not name version {version}")).collect()
+}

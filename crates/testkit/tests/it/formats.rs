@@ -117,7 +117,7 @@ fn a_real_shock_record_of_labview_goes_through() {
 
 /// An ISO-MME test of 600 channels: six accelerometers on the structure, 94 on dummies, 500 cells of a barrier that
 /// together carry the force of 1500 kg.
-fn iso_mme(folder: &Path) -> PathBuf {
+pub fn iso_mme(folder: &Path) -> PathBuf {
     let top = folder.join("T600");
     fs::create_dir_all(top.join("Channel")).unwrap();
     let mme = "Data format edition number  :1.6\r\nTitle                       :six hundred\r\nMass test object \
@@ -150,6 +150,26 @@ fn iso_mme(folder: &Path) -> PathBuf {
     top
 }
 
+/// A zip archive of a folder with folders in it, written into another.
+pub fn zipped(test: &Path, into: &Path) -> PathBuf {
+    let archive = into.join(test.file_name().unwrap()).with_extension("zip");
+    let mut zip = zip::ZipWriter::new(File::create(&archive).unwrap());
+    let mut folders = vec![test.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(test.parent().unwrap()).unwrap().to_str().unwrap();
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+            zip.write_all(&fs::read(&path).unwrap()).unwrap();
+        }
+    }
+    zip.finish().unwrap();
+    archive
+}
+
 #[test]
 fn six_hundred_channels_of_an_iso_mme_test_go_through_from_folder_and_zip() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,19 +179,7 @@ fn six_hundred_channels_of_an_iso_mme_test_go_through_from_folder_and_zip() {
     assert_eq!(artifact.waves().len(), 600);
     assert_crush(&made[2]);
 
-    let archive = folder.path().join("T600.zip");
-    let mut zip = zip::ZipWriter::new(File::create(&archive).unwrap());
-    let options = zip::write::SimpleFileOptions::default();
-    let mut add = |name: String, path: &Path| {
-        zip.start_file(name, options).unwrap();
-        zip.write_all(&fs::read(path).unwrap()).unwrap();
-    };
-    add("T600/T600.mme".to_owned(), &test.join("T600.mme"));
-    for k in 1..=600 {
-        let name = format!("Channel/T600.{k:03}");
-        add(format!("T600/{name}"), &test.join(&name));
-    }
-    zip.finish().unwrap();
+    let archive = zipped(&test, folder.path());
     let run = folder.path().join("run");
     let summary = summary_of(&[], &run, &archive, &[]);
     assert_eq!(summary["test"]["channel"], "10SECMLERE00ACXP");

@@ -214,6 +214,23 @@ fn a_parameter_that_one_side_leaves_open_opens_its_candidate() {
 }
 
 #[test]
+fn what_hangs_on_a_candidate_with_open_parameters_is_one_of_many_alike() {
+    let of = |topic: &str, place: Value, other: Value, base: Base| {
+        let tolerances = Tolerances { open: ["x/fit/1".to_owned()].into(), base, ..Tolerances::default() };
+        differing(topic, &place, &other, &CompareSettings { tolerances, ..CompareSettings::default() })
+    };
+    let simulation = |crush: f64, energy: f64| json!({"dynamic_crush_m": crush, "energy_j": energy});
+    let line = |misfit: f64| json!({"candidates": [{"id": "x/fit/1", "misfit": misfit}], "misfit": misfit});
+    for base in [Base::Computation, Base::Engineering] {
+        let found = of("/simulation/x/fit/1", simulation(0.5, 1.0), simulation(0.502, 2.0), base);
+        assert_eq!(found, ["dynamic_crush_m"]);
+        assert_eq!(of("/simulation/x/fit/10", simulation(0.5, 1.0), simulation(0.5, 2.0), base), ["energy_j"]);
+        assert_eq!(of("/recommendation", line(1.0), line(2.0), base), ["misfit"]);
+    }
+    assert_eq!(of("/simulation/x/fit/1", simulation(0.5, 1.0), simulation(0.5, 2.0), Base::Exact), ["energy_j"]);
+}
+
+#[test]
 fn rankings_may_differ_in_the_order_of_equals_alone() {
     for (key, near, far) in [("ranking", 0.05, 0.2), ("ranking_by_aicc", 1.5, 3.0)] {
         let side = |gap: f64, order: [&str; 3]| {
