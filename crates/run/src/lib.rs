@@ -16,6 +16,7 @@ mod folder {
     pub mod lock;
 }
 mod messages;
+mod names;
 mod run;
 mod steps;
 mod together {

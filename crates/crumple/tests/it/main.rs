@@ -150,6 +150,29 @@ fn a_run_needs_the_record_alone_and_its_bytes_are_those_of_the_separate_programs
 }
 
 #[test]
+fn records_of_one_name_keep_apart_and_a_run_has_the_same_bytes_in_every_folder() {
+    let run = || {
+        let folder = tempfile::tempdir().unwrap();
+        for (test, fixture) in [("a", "kelvin"), ("b", "elastoplastic")] {
+            std::fs::create_dir(folder.path().join(test)).unwrap();
+            let record = format!("{test}/crash.csv");
+            let fixture = workspace().join("fixtures").join(fixture).join("crash.csv");
+            std::fs::copy(fixture, folder.path().join(&record)).unwrap();
+            let run = crumple(folder.path(), &["run", &record, "-q", "--set", "identify.methods=era"]);
+            assert_eq!((run.status.code(), stderr(&run).as_str()), (Some(0), ""));
+        }
+        let read = |run: &str| std::fs::read(folder.path().join("runs").join(run)).unwrap();
+        let files = ["crash", "b-crash"].map(|run| {
+            ["0-pipeline.toml", "1-ingest.mcap", "summary.json"].map(|file| read(&format!("{run}/default/{file}")))
+        });
+        let pipeline = String::from_utf8(files[1][0].clone()).unwrap();
+        assert!(pipeline.contains("record = \"b/crash.csv\"") && !pipeline.contains("\"/"), "{pipeline}");
+        files
+    };
+    assert!(run() == run());
+}
+
+#[test]
 fn what_is_set_typed_and_swapped_holds_as_for_just_run() {
     let folder = with_record("kelvin");
     let at = |words: &[&str]| crumple(folder.path(), words);

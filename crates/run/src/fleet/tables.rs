@@ -419,7 +419,7 @@ pub(crate) const OF_RUN: [(&str, Kind); 4] =
     [("record", Text), ("record_digest", Text), ("pipeline", Text), ("settings", Text)];
 
 /// Columns of the table.
-pub(crate) const TESTS: [(&str, Kind); 30] = [
+pub(crate) const TESTS: [(&str, Kind); 32] = [
     ("run_folder", Text),
     ("status", Text),
     ("exit_code", Count),
@@ -444,6 +444,8 @@ pub(crate) const TESTS: [(&str, Kind); 30] = [
     ("energy_absorbed_j", Number),
     ("kelvin_stiffness_n_per_m", Number),
     ("kelvin_damping_n_s_per_m", Number),
+    ("verdict", Text),
+    ("verdict_because", Text),
     ("recommended", Text),
     ("recommended_because", Text),
     ("simplest", Text),
@@ -498,6 +500,8 @@ pub(crate) fn test_row(run: &Run, ended: &JournalEntry, summary: Option<&Summary
         metric("energy_absorbed"),
         kelvin("stiffness_n_per_m"),
         kelvin("damping_n_s_per_m"),
+        summary.and_then(|summary| Some(summary.verdict.status?.word())).into(),
+        text(summary.map(|summary| &summary.verdict.status_sentence)),
         text(summary.and_then(|summary| summary.recommended.as_ref())),
         text(summary.map(|summary| &summary.recommended_because)),
         text(summary.and_then(|summary| summary.simplest.as_ref())),
