@@ -274,6 +274,7 @@ python-test $wheel="":
     wheel="$(realpath "${wheel:-$(ls target/wheels/*.whl)}")"; export CRUMPLE_WHEEL="$wheel"; \
     PATH="$PWD/target/python-test/bin:$PATH"; \
     pip install --quiet --disable-pip-version-check "$wheel[pandas]" mypy pandas-stubs pytest; \
+    pip install --quiet --disable-pip-version-check polars pyarrow openpyxl mcap mcap-protobuf-support; \
     mypy; \
     (cd python/tests; python -m pytest -q -p no:cacheprovider); \
     if python -c "import sys; sys.exit(sys.version_info >= (3, 13))"; then \
@@ -348,7 +349,7 @@ fuzz *args: build
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run together fleet study compare index; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff artifact run together fleet study export view compare index; do \
         for kind in bash zsh fish man; do \
             "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \

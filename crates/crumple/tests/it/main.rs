@@ -9,11 +9,13 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program.
-const WORDS: [&str; 19] = [
+const WORDS: [&str; 21] = [
     "run",
     "together",
     "fleet",
     "study",
+    "export",
+    "view",
     "compare",
     "index",
     "diff",
@@ -233,6 +235,8 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
     done(&["report", run, "-q"]);
     done(&["notes", run]);
     done(&["curve", run, "--to", "900mm"]);
+    done(&["export", run, "--to", "csv", "-o", "tables"]);
+    done(&["view", run]);
     assert!(done(&["show", solved, "--topic", "/parameters/*"]).contains("/parameters/"));
     assert!(done(&["artifact", "check", solved]).contains("ok"));
     done(&["artifact", "unpack", solved, "plain", "-q"]);
@@ -240,6 +244,8 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
     done(&["diff", solved, "packed.mcap", "-q"]);
     done(&["together", "tests/a.csv", "tests/b.csv", "--name", "both"]);
     done(&["fleet", "tests", "-q"]);
+    done(&["export", "runs/together/both", "--to", "xlsx", "-o", "both.xlsx"]);
+    done(&["export", "runs/fleet/tests", "--to", "parquet", "-o", "of-fleet"]);
     done(&["index", run, "runs/a/default", "-q"]);
     done(&["compare", run, "runs/b/default", "-q"]);
     for file in ["runs/together/both/report.html", "runs/fleet/tests/fleet.html", "index.html", "compare.html"] {
