@@ -187,12 +187,13 @@ schemas:
 golden: build
     @rm -rf target/golden
     @for fixture in fixtures/*/; do \
-        fresh="target/golden/$(basename "$fixture")"; \
+        fresh="target/golden/$(basename "$fixture")/default"; \
         just flags=-q out="$fresh" run "$fixture/crash.csv"; \
         for expected in "$fixture"golden/*; do \
             "$bin/crumple-diff" --rounding "$expected" "$fresh/$(basename "$expected")"; \
         done; \
     done
+    @"$bin/crumple" diff ci/expected target/golden
 
 # The simulated and predicted waveforms are the bulk; one fixture keeps them, the others their figures in summary.json.
 # Writes the committed results of the fixtures again. Say in CHANGELOG.md why the numbers changed.
@@ -201,9 +202,12 @@ golden-update: build
     @for fixture in fixtures/*/; do \
         rm -rf "$fixture/golden"; \
         just flags=-q out="$fixture/golden" run "$fixture/crash.csv"; \
+        fresh="target/accepted/$(basename "$fixture")/default"; \
+        rm -rf "$fresh"; mkdir -p "$(dirname "$fresh")"; cp -r "$fixture/golden" "$fresh"; \
         rm -f "$fixture/golden/report.html" "$fixture/golden/0-pipeline.toml"; \
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap" "$fixture/golden/7-predict.mcap"; \
     done
+    @"$bin/crumple" accept target/accepted --into ci/expected
 
 # For changes that must not change a byte: `just bytes A` before, `just bytes B` after, `just bytes --compare A B [--content | --masked]`;
 # `just bin=OTHER/release bytes A` for programs built elsewhere. What a line holds: crates/testkit/src/bytes/run.rs.

@@ -211,6 +211,50 @@ fn what_is_set_typed_and_swapped_holds_as_for_just_run() {
     assert!(stderr(&swapped).contains("note: the stage identify ended with exit code 3"), "{}", stderr(&swapped));
 }
 
+/// The comment on a change of `filter.cfc` from 60 to 180 is that of docs/ci.md; `CRUMPLE_WRITE_COMMENT=1` writes it.
+fn assert_comment_in_docs(name: &str, record: &Path) {
+    let folder = tempfile::tempdir().unwrap();
+    let done = |words: &[&str], code: i32| {
+        let output = crumple(folder.path(), words);
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {}", stderr(&output));
+    };
+    let record = record.to_str().unwrap();
+    done(&["run", record, "-q"], 0);
+    done(&["accept", "runs"], 0);
+    done(&["run", record, "-q", "--set", "filter.cfc=180"], 0);
+    done(&["diff", "expected", "runs", "-q", "--markdown", "review.md"], 1);
+    let made = std::fs::read_to_string(folder.path().join("review.md")).unwrap();
+    let page = workspace().join("docs/ci.md");
+    let text = std::fs::read_to_string(&page).unwrap();
+    let fence = format!("```markdown {name}\n");
+    let (before, rest) = text.split_once(&fence).unwrap();
+    let (shown, after) = rest.split_once("```").unwrap();
+    if std::env::var_os("CRUMPLE_WRITE_COMMENT").is_some() {
+        std::fs::write(page, format!("{before}{fence}{made}```{after}")).unwrap();
+        return;
+    }
+    assert_eq!(shown, made);
+}
+
+#[test]
+fn the_comment_on_a_fixture_in_the_docs_is_as_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = folder.path().join("noisy.csv");
+    std::fs::copy(workspace().join("fixtures/noisy/crash.csv"), &record).unwrap();
+    assert_comment_in_docs("noisy", &record);
+}
+
+#[test]
+fn the_comment_on_a_public_test_in_the_docs_is_as_made() {
+    let shared = std::env::var_os("CRUMPLE_SHARED").map(PathBuf::from).unwrap_or_default();
+    let record = shared.join("data/nhtsa-v10146-camry-frontal/v10146.EV5");
+    if record.is_file() {
+        assert_comment_in_docs("v10146", &record);
+    } else {
+        eprintln!("SKIPPED the comment on NHTSA 10146: CRUMPLE_SHARED has no such record");
+    }
+}
+
 #[test]
 fn every_command_works_on_runs_from_a_folder_without_a_project() {
     let folder = with_record("elastoplastic");

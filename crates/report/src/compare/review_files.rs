@@ -75,7 +75,8 @@ fn section(review: &Review, with_details: bool) -> String {
     if !others.is_empty() {
         text.push_str(&format!(" Within the limits: {}.", others.join(", ")));
     }
-    text.push_str(&format!("\nRecommended model: {}.\n\n", markdown(&review.model())));
+    let counted = review.counted().replacen('b', "B", 1);
+    text.push_str(&format!("\n{}.\nRecommended model: {}.\n\n", markdown(&counted), arrows(&review.model())));
     text.push_str("| | before | after | change | limit | change over limit |\n|---|--:|--:|--:|--:|:--|\n");
     let most = loud.iter().map(|row| row.beyond(1)).filter(|x| x.is_finite()).fold(1.0, f64::max);
     let (shown, rest) = review.rows.split_at(review.rows.len().min(loud.len().clamp(8, 16)));
@@ -83,7 +84,7 @@ fn section(review: &Review, with_details: bool) -> String {
     if with_details && (!rest.is_empty() || review.causes.len() > 1) {
         text.push_str("\n<details><summary>All that differs</summary>\n\n");
         for cause in &review.causes {
-            text.push_str(&format!("- {}\n", markdown(&cause.to_string())));
+            text.push_str(&format!("- {}\n", arrows(&cause.to_string())));
         }
         if !rest.is_empty() {
             text.push_str("\n| | before | after | change | limit | |\n|---|--:|--:|--:|--:|:--|\n");
@@ -93,6 +94,11 @@ fn section(review: &Review, with_details: bool) -> String {
     }
     text.push('\n');
     text
+}
+
+/// A text with before and after, for Markdown.
+fn arrows(text: &str) -> String {
+    markdown(&text.replace(" -> ", " → "))
 }
 
 fn name(row: &Quantity) -> String {
@@ -259,6 +265,7 @@ mod tests {
         ### rigid: results changed, `filter.cfc` 60 → 180
 
         **Peak** +2.9 %. Within the limits: Dynamic crush C.
+        Beyond the limit: 1 of 2 key numbers, 0 of 1 parameter.
         Recommended model: the same, Kelvin, direct fit 1.
 
         | | before | after | change | limit | change over limit |
