@@ -187,12 +187,13 @@ schemas:
 golden: build
     @rm -rf target/golden
     @for fixture in fixtures/*/; do \
-        fresh="target/golden/$(basename "$fixture")"; \
+        fresh="target/golden/$(basename "$fixture")/default"; \
         just flags=-q out="$fresh" run "$fixture/crash.csv"; \
         for expected in "$fixture"golden/*; do \
             "$bin/crumple-diff" --rounding "$expected" "$fresh/$(basename "$expected")"; \
         done; \
     done
+    @"$bin/crumple" diff ci/expected target/golden
 
 # The simulated and predicted waveforms are the bulk; one fixture keeps them, the others their figures in summary.json.
 # Writes the committed results of the fixtures again. Say in CHANGELOG.md why the numbers changed.
@@ -201,9 +202,12 @@ golden-update: build
     @for fixture in fixtures/*/; do \
         rm -rf "$fixture/golden"; \
         just flags=-q out="$fixture/golden" run "$fixture/crash.csv"; \
+        fresh="target/accepted/$(basename "$fixture")/default"; \
+        rm -rf "$fresh"; mkdir -p "$(dirname "$fresh")"; cp -r "$fixture/golden" "$fresh"; \
         rm -f "$fixture/golden/report.html" "$fixture/golden/0-pipeline.toml"; \
         [ "$(basename "$fixture")" = double ] || rm -f "$fixture/golden/6-simulate.mcap" "$fixture/golden/7-predict.mcap"; \
     done
+    @"$bin/crumple" accept target/accepted --into ci/expected
 
 # For changes that must not change a byte: `just bytes A` before, `just bytes B` after, `just bytes --compare A B [--content | --masked]`;
 # `just bin=OTHER/release bytes A` for programs built elsewhere. What a line holds: crates/testkit/src/bytes/run.rs.
@@ -280,6 +284,7 @@ python-test $wheel="":
     wheel="$(realpath "${wheel:-$(ls target/wheels/*.whl)}")"; export CRUMPLE_WHEEL="$wheel"; \
     PATH="$PWD/target/python-test/bin:$PATH"; \
     pip install --quiet --disable-pip-version-check "$wheel[pandas]" mypy pandas-stubs pytest; \
+    pip install --quiet --disable-pip-version-check polars pyarrow openpyxl mcap mcap-protobuf-support; \
     mypy; \
     (cd python/tests; python -m pytest -q -p no:cacheprovider); \
     if python -c "import sys; sys.exit(sys.version_info >= (3, 13))"; then \
@@ -359,7 +364,7 @@ fuzz *args: build
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve run together fleet study compare index; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve run together fleet study export view compare index; do \
         for kind in bash zsh fish man; do \
             "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \

@@ -1,8 +1,11 @@
 """The script of the action against a server that answers as GitHub does: `python3 -m unittest discover ci`."""
 
 import json
+import os
+import subprocess
 import tempfile
 import threading
+import time
 import unittest
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
@@ -52,6 +55,40 @@ def run(answers, code=1, text="<!-- crumple: a -->\n### a: results changed\n", n
 
 def said(login, body, number=1):
     return {"id": number, "user": {"login": login}, "body": body}
+
+
+@unittest.skipUnless(os.environ.get("CRUMPLE_PROGRAM"), "SKIPPED end to end: CRUMPLE_PROGRAM names no program")
+class EndToEnd(unittest.TestCase):
+    def test_a_change_of_an_option_is_told_by_the_program_itself(self):
+        program = str(Path(os.environ["CRUMPLE_PROGRAM"]).resolve())
+        record = Path(__file__).parents[1] / "fixtures/noisy/crash.csv"
+        with tempfile.TemporaryDirectory() as folder:
+            folder = Path(folder)
+
+            def step(name, *words):
+                started = time.monotonic()
+                subprocess.run([program, *map(str, words)], check=True, cwd=folder, stdout=subprocess.DEVNULL)
+                print(f"{name}: {time.monotonic() - started:.2f} s")
+
+            step("run", "run", record, "-q")
+            step("accept", "accept", "runs")
+            step("run of the change", "run", record, "-q", "--set", "filter.cfc=180")
+            review_of = {"CRUMPLE_PROGRAM": program, "CRUMPLE_EXPECTED": str(folder / "expected"),
+                         "CRUMPLE_FRESH": str(folder / "runs"), "CRUMPLE_OUT": str(folder / "review")}
+            started = time.monotonic()
+            ended, asked, summary, output = run(lambda *_: (200, []), **review_of)
+            print(f"script of the action: {time.monotonic() - started:.2f} s")
+            self.assertEqual((ended, [method for method, *_ in asked]), (1, ["GET", "POST"]))
+            comment = (folder / "review/review.md").read_text()
+            self.assertEqual((asked[-1][2], summary), (comment, comment))
+            self.assertIn("`filter.cfc` 60 → 180", comment)
+            self.assertIn("cause=filter.cfc", output)
+            for file in [*(folder / "review").iterdir(), *(folder / "expected").iterdir()]:
+                print(f"{file.name}: {file.stat().st_size} bytes")
+            own = [said("github-actions[bot]", comment, 42)]
+            step("run of the base again", "run", record, "-q")
+            ended, asked, *_ = run(lambda *_: (200, own), **review_of)
+            self.assertEqual((ended, asked[-1][0]), (0, "PATCH"))
 
 
 class Comments(unittest.TestCase):

@@ -34,13 +34,14 @@ pub struct StaticCurve {
 
 /// The curves of a candidate of an artifact of `crumple-parameter-solve`: of all elements that have one.
 ///
-/// `candidate`: its id; without one the recommended. `to_m`: deflection up to which curves without a last knot are
-/// written, m. Errors: no candidates at all, no such candidate, none recommended, parameters without meaning, no
+/// `candidate`: its id; without one the recommended. `to_m`: deflection up to which curves are written, m; without one
+/// those without a last knot end at `crush_m`, the dynamic crush of the test. Errors: no candidates at all, no such candidate, none recommended, parameters without meaning, no
 /// element with a static force.
 pub fn static_curves(
     artifact: &Artifact,
     candidate: Option<&str>,
     to_m: Option<f64>,
+    crush_m: Option<f64>,
 ) -> Result<Vec<StaticCurve>, CurveError> {
     if !artifact.records().iter().any(|raw| raw.topic.starts_with("/parameters/")) {
         return Err(CurveError::NoCandidates);
@@ -70,7 +71,7 @@ pub fn static_curves(
             rate_s_per_m: 0.0,
             gap_m: 0.0,
         };
-        let curve = match (&connection.element, to_m) {
+        let curve = match (&connection.element, to_m.or(crush_m)) {
             (Element::ForceDeflection(element), _) => {
                 let end_m = to_m.unwrap_or(0.0).max(last_knot_m(&tested.element));
                 let knots = element.knots().iter().map(|knot| knot.0);

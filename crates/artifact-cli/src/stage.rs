@@ -9,7 +9,7 @@ use crate::{
     f64_bytes, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
 };
 use anyhow::Context;
-use crumple_artifact::records::ConcernV1;
+use crumple_artifact::records::{ConcernV1, EventsV1};
 use crumple_artifact::{
     Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
 };
@@ -64,7 +64,8 @@ enum Command {
         /// How it is written.
         #[arg(long, value_enum, default_value = "csv")]
         format: CurveFormat,
-        /// Deflection up to which it is written, e.g. 900mm [default: that of the last knot].
+        /// Deflection up to which it is written, e.g. 900mm [default: that of the last knot; without knots the crush of the
+        /// test].
         #[arg(long, value_name = "LENGTH")]
         to: Option<Length>,
     },
@@ -180,7 +181,12 @@ fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<L
     }
     let solved = path.join("5-parameter-solve.mcap");
     let path = if path.is_dir() { &solved } else { path };
-    let curves = static_curves(&open(path)?, candidate, to_m).map_err(|error| {
+    // Of a run the motion stands beside its candidates.
+    let motion = Some(path.with_file_name("3-integrate.mcap")).filter(|motion| motion.is_file());
+    let events =
+        motion.map(|motion| open(&motion)?.record::<EventsV1>("/events").map_err(Refused::from)).transpose()?;
+    let crush_m = events.flatten().and_then(|events| events.dynamic_crush_m).filter(|crush| *crush > 0.0);
+    let curves = static_curves(&open(path)?, candidate, to_m, crush_m).map_err(|error| {
         let hint = match &error {
             CurveError::NoCandidates => "give 5-parameter-solve.mcap of a run, or its folder",
             CurveError::NoneRecommended { .. } | CurveError::NoCandidate { .. } => "name one with --candidate",

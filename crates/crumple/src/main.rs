@@ -53,6 +53,10 @@ static OTHERS: &[Program] = &[
     crumple_run::FLEET,
     #[cfg(feature = "run")]
     crumple_run::STUDY,
+    #[cfg(feature = "run")]
+    crumple_run::EXPORT,
+    #[cfg(feature = "run")]
+    crumple_run::VIEW,
     crumple_report::COMPARE,
     crumple_report::INDEX,
     crumple_report::DIFF,

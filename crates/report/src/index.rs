@@ -312,7 +312,8 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
             let word = summary.verdict.status.map(|status| status.word().to_owned());
             let said: Vec<String> = word.into_iter().chain(model).collect();
             let said = if said.is_empty() { texts.none.to_owned() } else { said.join(": ") };
-            write!(out, "<td tabindex=\"0\" title=\"{}\">{}", html(&summary.verdict.status_sentence), html(&said))
+            let reason = shortened(&summary.verdict.status_sentence, OF_WARNING);
+            write!(out, "<td>{}<br><small>{}</small>", html(&said), html(&reason))
         }
         None if run.is_done() => write!(out, "<td>{}", texts.none),
         None => write!(out, "<td><b>{}</b>", status(run.exit_code)),

@@ -12,6 +12,8 @@ use anyhow::Context;
 use clap::{Arg, CommandFactory};
 use crumple_stage::{Call, ChainStage, Usage, by_way, chain, program};
 
+use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
+
 // The command line of `crumple-run`.
 
 /// Runs the stages of a pipeline on a record, one after another, into one run folder.
@@ -174,11 +176,11 @@ impl Options {
             let looks_like_a_flag = out.as_os_str().as_encoded_bytes().starts_with(b"-");
             return Ok(if looks_like_a_flag { Path::new(".").join(out) } else { out.to_owned() });
         }
-        let stem = self.record.first().and_then(|record| Path::new(record).file_stem());
-        let stem = stem.with_context(|| {
+        let folder = self.record.first().and_then(|record| folder_of_record(&self.project, Path::new(record)));
+        let folder = folder.with_context(|| {
             Usage::new("the record has no file name").hint(format!("say where to: {}", elsewhere()))
         })?;
-        Ok(self.project.join("runs").join(stem).join(&pipeline.name))
+        Ok(folder.join(&pipeline.name))
     }
 
     /// The flags of the first stage: all that stands behind the record.
@@ -193,9 +195,6 @@ impl Options {
 }
 
 // Which pipeline file is meant, and its name.
-
-/// The pipeline of a run in its folder.
-pub(crate) const PIPELINE_OF_A_RUN: &str = "0-pipeline.toml";
 
 /// A pipeline file and the name that its run folders have.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,6 +8,16 @@
 //! `together` fits one model to several tests after their runs; `fleet` runs many records.
 
 mod command;
+mod export {
+    //! The results of a run for other programs: tables, and a file for viewers of recordings.
+
+    pub mod layouts;
+    pub mod program;
+    pub mod view;
+    pub mod view_file;
+    pub mod waves;
+    pub mod workbook;
+}
 pub mod fleet;
 mod folder {
     //! The run folder: its lock, who holds it, whose files are in it, what an earlier run left behind.
@@ -16,8 +26,10 @@ mod folder {
     pub mod lock;
 }
 mod messages;
+mod names;
 mod run;
 mod steps;
+mod table;
 mod together {
     //! One model for several tests: their runs, the joint stages, every test predicted from the others.
 
@@ -46,6 +58,12 @@ pub const TOGETHER: Program = Program::of_tool::<TogetherOptions>("together", |c
 pub const FLEET: Program = Program::of_tool::<fleet::Options>("fleet", |call| run_tool(call, fleet::fleet));
 /// `crumple-study`: what a fleet says of its vehicles.
 pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |call| run_tool(call, fleet::study));
+/// `crumple-export`: a run as tables.
+pub const EXPORT: Program =
+    Program::of_tool::<export::program::ExportOptions>("export", |call| run_tool(call, export::program::export));
+/// `crumple-view`: a run as a recording for viewers.
+pub const VIEW: Program =
+    Program::of_tool::<export::view::ViewOptions>("view", |call| run_tool(call, export::view::view));
 
 /// Predicts again in the folder of a run, where a call of `predict` names one: `RUN --speed 40km/h`. `None`: it is one
 /// of the stage.

@@ -9,8 +9,7 @@ use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
 
 use crate::command::{
-    Options, PIPELINE_OF_A_RUN, Pipeline, Program, Stage, Words, chain_of, dependents, is_one_program, own_command,
-    own_program, stages_of,
+    Options, Pipeline, Program, Stage, Words, chain_of, dependents, is_one_program, own_command, own_program, stages_of,
 };
 use crate::folder::content::{
     PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, state_of, sweep, written,
@@ -19,6 +18,7 @@ use crate::folder::lock::{LockedFolder, is_at};
 use crate::messages::{
     say_what_changed, say_what_failed, say_what_is_replaced, say_which_stage_failed, suggest_stage_of_flag,
 };
+use crate::names::{PIPELINE_OF_A_RUN, place_of_record};
 use crate::steps::{StageExit, arguments, install_outputs, run_program, start};
 use crate::together::joint_run::{INTEGRATED, SOLVED};
 
@@ -43,11 +43,9 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     let mut composed = pipeline.read(&options.project, &options.set)?;
     let (stages, left_out) = stages_of(&options, &composed)?;
     let outputs = || chain().flat_map(|stage| stage.outputs);
-    composed.note_run(&pipeline.name);
-    if options.again.is_none() {
-        note_typed(&mut composed, &options, &stages);
-    }
-    let folder = LockedFolder::lock(&path)?;
+    note_run(&mut composed, &options, &pipeline, &stages);
+    let folder = locked(&options, path)?;
+    let path = folder.path();
     let before = pipeline_before(folder.path())?;
     if options.again.is_none() {
         refuse_files_of_others(folder.path(), outputs())?;
@@ -131,6 +129,29 @@ fn pipeline_and_folder(options: &Options) -> anyhow::Result<(Pipeline, PathBuf)>
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let path = options.folder(&pipeline)?;
     Ok((pipeline, path))
+}
+
+/// The folder of the run, locked. While this run waited, another one may have put another record there: then it is the
+/// next one.
+fn locked(options: &Options, mut path: PathBuf) -> anyhow::Result<LockedFolder> {
+    loop {
+        let folder = LockedFolder::lock(&path)?;
+        match pipeline_and_folder(options)?.1 {
+            now if now == path => return Ok(folder),
+            now => path = now,
+        }
+    }
+}
+
+/// Notes what a run is of. One that is made again keeps what it was run with.
+fn note_run(composed: &mut crumple_stage::Pipeline, options: &Options, pipeline: &Pipeline, stages: &[Stage]) {
+    if options.again.is_none() || composed.name().is_none() {
+        composed.note_run(&pipeline.name);
+    }
+    if let Some(record) = options.record.first().filter(|_| options.again.is_none()) {
+        note_typed(composed, options, stages);
+        composed.note_record(&place_of_record(&options.project, Path::new(record)));
+    }
 }
 
 /// Notes flags typed for single stages, and programs from elsewhere: what a run depends on beside its pipeline.
@@ -341,9 +362,11 @@ impl Run<'_> {
 
     /// The exit status of a run that failed; a report from before is named as that, here and by who predicts with it.
     fn failed(&self, status: ExitStatus, before: Option<&crumple_stage::Pipeline>) -> anyhow::Result<ExitStatus> {
-        if let Some(mut before) = before.filter(|_| self.options.again.is_none()).cloned() {
-            before.note_end("failed", status as u8);
-            written(self.folder.path(), &before)?.persist(self.folder.path().join(PIPELINE_OF_A_RUN))?;
+        let has_artifact = self.stages.iter().any(|stage| self.folder.path().join(stage.output()).is_file());
+        let noted = before.or_else(|| has_artifact.then_some(self.composed));
+        if let Some(mut noted) = noted.filter(|_| self.options.again.is_none()).cloned() {
+            noted.note_end(crumple_stage::Pipeline::FAILED, status as u8);
+            written(self.folder.path(), &noted)?.persist(self.folder.path().join(PIPELINE_OF_A_RUN))?;
         }
         let report = self.stages.last().map(|stage| self.folder.path().join(stage.output()));
         if report.is_some_and(|report| report.exists()) {

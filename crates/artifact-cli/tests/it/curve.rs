@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, ConcernV1, ConcernsV2, NotesV1, RecommendationV1, SeverityV1};
+use crumple_artifact::records::{CandidateV1, ConcernV1, ConcernsV2, EventsV1, NotesV1, RecommendationV1, SeverityV1};
 use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 
 fn candidate(model: &str, parameters: &[(&str, f64)]) -> CandidateV1 {
@@ -66,6 +66,21 @@ fn the_recommended_curve_is_written_and_goes_on_with_its_trend() {
     assert!(printed(&curve(&artifact, &["--format", "pc-crash"])).ends_with("0.500000\t300.000000\n"));
     let spring = ["--candidate", "kelvin/direct-fit/1", "--to", "0.5m"];
     assert!(printed(&curve(&artifact, &spring)).ends_with("0,0\n0.5,300000\n"));
+}
+
+#[test]
+fn a_curve_without_knots_ends_at_the_crush_of_the_test() {
+    let folder = tempfile::tempdir().unwrap();
+    artifact(folder.path(), Some("kelvin/direct-fit/1"));
+    let mut builder = ArtifactBuilder::new();
+    let events = EventsV1 { dynamic_crush_m: Some(0.75), ..EventsV1::default() };
+    builder.put("/events", &events).unwrap();
+    let provenance = Provenance::new("integrate", "0", "{}".to_owned(), vec![]);
+    builder.write(&folder.path().join("3-integrate.mcap"), &provenance, Compression::None).unwrap();
+    assert!(printed(&curve(folder.path(), &[])).ends_with("0,0\n0.75,450000\n"));
+    assert!(printed(&curve(folder.path(), &["--to", "0.5m"])).ends_with("0,0\n0.5,300000\n"));
+    let knots = ["--candidate", "force-deflection/direct-fit/1"];
+    assert!(printed(&curve(folder.path(), &knots)).ends_with("0.5,300000\n"));
 }
 
 #[test]

@@ -14,12 +14,18 @@ pub enum OutputKind {
     Artifact,
     /// A page of the report.
     Report,
-    /// A summary: JSON with a schema of this project.
+    /// JSON with a schema of this project: a summary, a comparison, accepted results.
     Summary,
     /// A figure of a report as a file of its own: SVG or PNG.
     Figure,
-    /// What a report says first, as Markdown.
+    /// What a report says first, or a comparison, as Markdown.
     Markdown,
+    /// A comparison as tests of JUnit.
+    Junit,
+    /// A file for viewers with a message a sample, or a layout for it.
+    View,
+    /// A table for other programs, which a person asked to replace: any regular file.
+    Export,
     /// A table of a fleet: Parquet, or CSV that begins with the record and its digest.
     Table,
     /// Lines of JSON, as of an artifact that was unpacked.
@@ -54,9 +60,15 @@ impl OutputKind {
             Self::Report => {
                 (start.starts_with(b"<!DOCTYPE html>") && has(b"content=\"crumple-"), "exists and is no report")
             }
-            Self::Summary => (starts_as_json(&start) && names_a_type(), "exists and is no summary of a run"),
+            Self::Summary => (starts_as_json(&start) && names_a_type(), "exists and is no JSON of this project"),
             Self::Figure => (start.starts_with(b"<svg") || start.starts_with(b"\x89PNG"), "exists and is no figure"),
-            Self::Markdown => (start.starts_with(b"<!-- crumple-"), "exists and is no Markdown of a report"),
+            Self::Markdown => (
+                start.starts_with(b"<!-- crumple-") || start.starts_with(b"<!-- crumple: "),
+                "exists and is no Markdown of this project",
+            ),
+            Self::Junit => (has(b"<testsuites name=\"crumple "), "exists and holds no tests of this project"),
+            Self::View => (has(b"crumple.view"), "exists and is no file that crumple view wrote"),
+            Self::Export => (true, ""),
             Self::PageFile => (start.starts_with(b"/* crumple-"), "exists and is no style or script of reports"),
             Self::Table => (
                 start.starts_with(b"PAR1") || start.starts_with(b"record,record_digest,"),
@@ -110,7 +122,10 @@ mod tests {
         let is_of_pages = |text: &[u8]| is_it(text, OutputKind::PageFile, "p.css");
         assert!(is_of_pages(b"/* crumple-report 0.1.0 */\na{}") && !is_of_pages(b"a { color: red }\n"));
         assert!(is_it(b"<!-- crumple-report 0.1.0 -->", OutputKind::Markdown, "r.md"));
+        assert!(is_it(b"<!-- crumple: rigid -->", OutputKind::Markdown, "r.md"));
         assert!(!is_it(b"# Read me\n", OutputKind::Markdown, "r.md"));
+        let is_of_tests = |text: &[u8]| is_it(text, OutputKind::Junit, "t.xml");
+        assert!(is_of_tests(b"<?xml?>\n<testsuites name=\"crumple diff\">") && !is_of_tests(b"<testsuites>"));
         assert!(is_it(b"{\n \"schema\": \"crumple.summary.v1\"}", Summary, "s.json"));
         assert!(!is_it(b"{\"name\": \"package\"}", Summary, "s.json"));
         assert!(is_it(b" {}\n", Lines, "l") && !is_it(b"a,b\n", Lines, "l"));

@@ -9,11 +9,13 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 26] = [
+const WORDS: [&str; 28] = [
     "run",
     "together",
     "fleet",
     "study",
+    "export",
+    "view",
     "compare",
     "index",
     "diff",
@@ -176,6 +178,29 @@ fn a_run_needs_the_record_alone_and_its_bytes_are_those_of_the_separate_programs
 }
 
 #[test]
+fn records_of_one_name_keep_apart_and_a_run_has_the_same_bytes_in_every_folder() {
+    let run = || {
+        let folder = tempfile::tempdir().unwrap();
+        for (test, fixture) in [("a", "kelvin"), ("b", "elastoplastic")] {
+            std::fs::create_dir(folder.path().join(test)).unwrap();
+            let record = format!("{test}/crash.csv");
+            let fixture = workspace().join("fixtures").join(fixture).join("crash.csv");
+            std::fs::copy(fixture, folder.path().join(&record)).unwrap();
+            let run = crumple(folder.path(), &["run", &record, "-q", "--set", "identify.methods=era"]);
+            assert_eq!((run.status.code(), stderr(&run).as_str()), (Some(0), ""));
+        }
+        let read = |run: &str| std::fs::read(folder.path().join("runs").join(run)).unwrap();
+        let files = ["crash", "b-crash"].map(|run| {
+            ["0-pipeline.toml", "1-ingest.mcap", "summary.json"].map(|file| read(&format!("{run}/default/{file}")))
+        });
+        let pipeline = String::from_utf8(files[1][0].clone()).unwrap();
+        assert!(pipeline.contains("record = \"b/crash.csv\"") && !pipeline.contains("\"/"), "{pipeline}");
+        files
+    };
+    assert!(run() == run());
+}
+
+#[test]
 fn what_is_set_typed_and_swapped_holds_as_for_just_run() {
     let folder = with_record("kelvin");
     let at = |words: &[&str]| crumple(folder.path(), words);
@@ -212,6 +237,50 @@ fn what_is_set_typed_and_swapped_holds_as_for_just_run() {
     assert!(stderr(&swapped).contains("note: the stage identify ended with exit code 3"), "{}", stderr(&swapped));
 }
 
+/// The comment on a change of `filter.cfc` from 60 to 180 is that of docs/ci.md; `CRUMPLE_WRITE_COMMENT=1` writes it.
+fn assert_comment_in_docs(name: &str, record: &Path) {
+    let folder = tempfile::tempdir().unwrap();
+    let done = |words: &[&str], code: i32| {
+        let output = crumple(folder.path(), words);
+        assert_eq!(output.status.code(), Some(code), "{words:?}: {}", stderr(&output));
+    };
+    let record = record.to_str().unwrap();
+    done(&["run", record, "-q"], 0);
+    done(&["accept", "runs"], 0);
+    done(&["run", record, "-q", "--set", "filter.cfc=180"], 0);
+    done(&["diff", "expected", "runs", "-q", "--markdown", "review.md"], 1);
+    let made = std::fs::read_to_string(folder.path().join("review.md")).unwrap();
+    let page = workspace().join("docs/ci.md");
+    let text = std::fs::read_to_string(&page).unwrap();
+    let fence = format!("```markdown {name}\n");
+    let (before, rest) = text.split_once(&fence).unwrap();
+    let (shown, after) = rest.split_once("```").unwrap();
+    if std::env::var_os("CRUMPLE_WRITE_COMMENT").is_some() {
+        std::fs::write(page, format!("{before}{fence}{made}```{after}")).unwrap();
+        return;
+    }
+    assert_eq!(shown, made);
+}
+
+#[test]
+fn the_comment_on_a_fixture_in_the_docs_is_as_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = folder.path().join("noisy.csv");
+    std::fs::copy(workspace().join("fixtures/noisy/crash.csv"), &record).unwrap();
+    assert_comment_in_docs("noisy", &record);
+}
+
+#[test]
+fn the_comment_on_a_public_test_in_the_docs_is_as_made() {
+    let shared = std::env::var_os("CRUMPLE_SHARED").map(PathBuf::from).unwrap_or_default();
+    let record = shared.join("data/nhtsa-v10146-camry-frontal/v10146.EV5");
+    if record.is_file() {
+        assert_comment_in_docs("v10146", &record);
+    } else {
+        eprintln!("SKIPPED the comment on NHTSA 10146: CRUMPLE_SHARED has no such record");
+    }
+}
+
 #[test]
 fn every_command_works_on_runs_from_a_folder_without_a_project() {
     let folder = with_record("elastoplastic");
@@ -236,6 +305,8 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
     done(&["report", run, "-q"]);
     done(&["notes", run]);
     done(&["curve", run, "--to", "900mm"]);
+    done(&["export", run, "--to", "csv", "-o", "tables"]);
+    done(&["view", run]);
     assert!(done(&["show", solved, "--topic", "/parameters/*"]).contains("/parameters/"));
     assert!(done(&["artifact", "check", solved]).contains("ok"));
     done(&["artifact", "unpack", solved, "plain", "-q"]);
@@ -243,6 +314,8 @@ fn every_command_works_on_runs_from_a_folder_without_a_project() {
     done(&["diff", solved, "packed.mcap", "-q"]);
     done(&["together", "tests/a.csv", "tests/b.csv", "--name", "both"]);
     done(&["fleet", "tests", "-q"]);
+    done(&["export", "runs/together/both", "--to", "xlsx", "-o", "both.xlsx"]);
+    done(&["export", "runs/fleet/tests", "--to", "parquet", "-o", "of-fleet"]);
     done(&["index", run, "runs/a/default", "-q"]);
     done(&["compare", run, "runs/b/default", "-q"]);
     for file in ["runs/together/both/report.html", "runs/fleet/tests/fleet.html", "index.html", "compare.html"] {

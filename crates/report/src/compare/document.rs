@@ -111,8 +111,8 @@ impl<'a> RunComparison<'a> {
         fill(PHRASES.runs.compared, &[("count", self.runs.len().to_string())])
     }
 
-    /// The tables as Markdown, for a merge request.
-    pub fn to_markdown(&self) -> String {
+    /// The tables as Markdown, for a merge request; `again` is the command that makes it.
+    pub fn to_markdown(&self, again: &str) -> String {
         let mut text = format!("{HEAD}## {}\n\n", self.title());
         for sentence in &self.sentences {
             text.push_str(&format!("{}\n", markdown(sentence)));
@@ -120,6 +120,7 @@ impl<'a> RunComparison<'a> {
         for (heading, of, rows) in &self.tables {
             text.push_str(&format!("\n### {heading}\n\n{}", to_markdown(of, &self.names, rows)));
         }
+        text.push_str(&format!("\n### {}\n\n```sh\n{again}\n```\n", PHRASES.runs.again));
         text
     }
 }

@@ -5,6 +5,7 @@ use crate::findings::{HEAD, candidate_name, conclusion, distinct_curves, first_w
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
+use crumple_stage::by_way;
 use serde_json::Value;
 
 use super::compared_run::ComparedRun;
@@ -104,15 +105,20 @@ fn again(run: &ComparedRun, pipeline: Option<&str>, record: Option<&str>) -> Str
         .and_then(Value::as_object)
         .map(|all| all.iter().filter_map(flag).collect())
         .unwrap_or_default();
-    format!(
-        "just {}run {}{flags}",
-        pipeline.unwrap_or_default(),
-        shell_word(record.unwrap_or(&run.run.test.source.name))
-    )
+    let record = shell_word(record.unwrap_or(&run.run.test.source.name));
+    match by_way("just", "crumple") {
+        "just" => format!("just {}run {record}{flags}", pipeline.unwrap_or_default()),
+        program => {
+            format!(
+                "{program} run {record}{}{flags}",
+                pipeline.map_or_else(String::new, |own| format!(" --{}", own.trim_end()))
+            )
+        }
+    }
 }
 
 /// A word of a shell's command line.
-fn shell_word(text: &str) -> String {
+pub fn shell_word(text: &str) -> String {
     let text = text.replace(['\n', '\r', '`'], " ");
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-,=+@".contains(c);
     if !text.is_empty() && text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }

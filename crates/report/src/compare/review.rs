@@ -120,6 +120,12 @@ impl Review {
         rows.retain(|row| row.group == Group::KeyNumber || row.differs(1));
         rows.sort_by(|x, y| y.differs(1).cmp(&x.differs(1)).then(y.beyond(1).total_cmp(&x.beyond(1))));
         let model = |side: &Expected| side.summary.recommended.as_deref().map(candidate_name);
+        let models = [model(a), model(b)];
+        if models[0] != models[1] {
+            // Parameters of two models stand beside nothing.
+            rows.retain(|row| row.group != Group::Parameter);
+            counts.remove(&Group::Parameter);
+        }
         Self {
             name: name.to_owned(),
             causes: causes([a, b], place),
@@ -127,7 +133,7 @@ impl Review {
             rows,
             counts,
             is_known: !a.stages.is_empty() && !b.stages.is_empty(),
-            models: [model(a), model(b)],
+            models,
         }
     }
 

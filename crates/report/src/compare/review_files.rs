@@ -21,8 +21,8 @@ const LONGEST_BAR: f64 = 12.0;
 const MOST_OF_JSON: usize = 100_000;
 
 /// The comment for a merge request: first those that differ, each under its name, then the same ones in one line.
-/// `accept` is the command that takes the results.
-pub fn to_markdown(reviews: &[&Review], accept: &str) -> String {
+/// `again` is the command that makes it, `accept` the one that takes the results.
+pub fn to_markdown(reviews: &[&Review], again: &str, accept: &str) -> String {
     let names: Vec<&str> = reviews.iter().map(|review| review.name.as_str()).collect();
     let mut text = format!("<!-- crumple: {} -->\n", comment(&names.join(", ")));
     let mut left = Vec::new();
@@ -47,6 +47,7 @@ pub fn to_markdown(reviews: &[&Review], accept: &str) -> String {
     if same.len() < reviews.len() {
         text.push_str(&format!("To take these results: `{}` and commit.\n", accept.replace('`', "'")));
     }
+    text.push_str(&format!("To compare again: `{}`.\n", again.replace('`', "'")));
     text
 }
 
@@ -74,7 +75,8 @@ fn section(review: &Review, with_details: bool) -> String {
     if !others.is_empty() {
         text.push_str(&format!(" Within the limits: {}.", others.join(", ")));
     }
-    text.push_str(&format!("\nRecommended model: {}.\n\n", markdown(&review.model())));
+    let counted = review.counted().replacen('b', "B", 1);
+    text.push_str(&format!("\n{}.\nRecommended model: {}.\n\n", markdown(&counted), arrows(&review.model())));
     text.push_str("| | before | after | change | limit | change over limit |\n|---|--:|--:|--:|--:|:--|\n");
     let most = loud.iter().map(|row| row.beyond(1)).filter(|x| x.is_finite()).fold(1.0, f64::max);
     let (shown, rest) = review.rows.split_at(review.rows.len().min(loud.len().clamp(8, 16)));
@@ -82,7 +84,7 @@ fn section(review: &Review, with_details: bool) -> String {
     if with_details && (!rest.is_empty() || review.causes.len() > 1) {
         text.push_str("\n<details><summary>All that differs</summary>\n\n");
         for cause in &review.causes {
-            text.push_str(&format!("- {}\n", markdown(&cause.to_string())));
+            text.push_str(&format!("- {}\n", arrows(&cause.to_string())));
         }
         if !rest.is_empty() {
             text.push_str("\n| | before | after | change | limit | |\n|---|--:|--:|--:|--:|:--|\n");
@@ -92,6 +94,11 @@ fn section(review: &Review, with_details: bool) -> String {
     }
     text.push('\n');
     text
+}
+
+/// A text with before and after, for Markdown.
+fn arrows(text: &str) -> String {
+    markdown(&text.replace(" -> ", " → "))
 }
 
 fn name(row: &Quantity) -> String {
@@ -128,7 +135,7 @@ fn xml(text: &str) -> String {
 
 /// JUnit: one suite a comparison, a case a key number, parameter, prediction that differs or is a key number, and file.
 pub fn to_junit(compared: &[(Review, Comparison)]) -> String {
-    let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n".to_owned();
+    let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"crumple diff\">\n".to_owned();
     for (review, comparison) in compared {
         let cause = xml(&review.cause());
         let mut cases = Vec::new();
@@ -251,12 +258,14 @@ mod tests {
         let (a, b) = (peak(60, 175.0, &[1e5]), peak(180, 180.0, &[1e5]));
         let (changed, mut same) = (review(&a, &b), review(&a, &a));
         same.name = "kelvin".into();
-        let text = to_markdown(&[&changed, &same], "crumple accept runs").replace('\u{a0}', " ");
+        let text =
+            to_markdown(&[&changed, &same], "crumple diff expected runs", "crumple accept runs").replace('\u{a0}', " ");
         insta::assert_snapshot!(text, @"
         <!-- crumple: rigid, kelvin -->
         ### rigid: results changed, `filter.cfc` 60 → 180
 
         **Peak** +2.9 %. Within the limits: Dynamic crush C.
+        Beyond the limit: 1 of 2 key numbers, 0 of 1 parameter.
         Recommended model: the same, Kelvin, direct fit 1.
 
         | | before | after | change | limit | change over limit |
@@ -267,6 +276,7 @@ mod tests {
         The same within the limits: kelvin.
 
         To take these results: `crumple accept runs` and commit.
+        To compare again: `crumple diff expected runs`.
         ");
     }
 
@@ -277,12 +287,12 @@ mod tests {
         b.record = ["@team <b>|\n`x`-->.csv".into(), "blake3:other".into()];
         let mut found = review(&a, &b);
         found.name = "a|b <!-- @x".into();
-        let text = to_markdown(&[&found], "crumple accept runs");
+        let text = to_markdown(&[&found], "crumple diff a b", "crumple accept runs");
         assert!(text.len() < MOST_OF_ONE, "{} characters", text.len());
         assert_eq!(text.matches("-->").count(), 1, "{text}");
         assert!(!text.contains("<b>"), "{text}");
         let reviews: Vec<&Review> = (0..30).map(|_| &found).collect();
-        let all = to_markdown(&reviews, "crumple accept runs");
+        let all = to_markdown(&reviews, "crumple diff a b", "crumple accept runs");
         assert!(all.len() < MOST && all.contains("Too long for a comment"), "{}", all.len());
     }
 

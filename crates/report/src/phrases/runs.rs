@@ -78,6 +78,8 @@ texts! { RunTexts
     refused: "refused";
     not_acceptable: "no acceptable result";
     failed: "failed";
+    ended_at: "the run ended at {stage}, before its report";
+    earlier_report: "the last run ended before its report: the numbers are those of the run before";
     vehicle_or_test: "Vehicle or test";
     numbers_of_it: "Numbers of it";
     pulse: "Pulse";

@@ -3,12 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::compare::first_screen::shell_word;
 use crate::{ComparedRun, RunComparison};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::{
-    ExitStatus, Pipeline, Usage, artifacts_of_a_run, columns, keep_budget, load_artifacts, refuse_to_overwrite, say,
-    told_apart, wrapped,
+    ExitStatus, Pipeline, Usage, artifacts_of_a_run, by_way, columns, keep_budget, load_artifacts, refuse_to_overwrite,
+    say, told_apart, wrapped,
 };
 
 use super::gather::gather;
@@ -35,7 +36,11 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
     let comparison = RunComparison::new(&runs);
     write(page, OutputKind::Report, &comparison.to_html())?;
     if let Some(path) = markdown {
-        write(path, OutputKind::Markdown, &comparison.to_markdown())?;
+        let named = folders.iter().map(PathBuf::as_path);
+        let words: Vec<String> =
+            named.chain([Path::new("--markdown"), path]).map(|word| shell_word(&word.display().to_string())).collect();
+        let again = format!("{} {}", by_way("just compare", "crumple compare"), words.join(" "));
+        write(path, OutputKind::Markdown, &comparison.to_markdown(&again))?;
     }
     if !quiet {
         let columns = columns();

@@ -4,18 +4,20 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use crumple_artifact::records::TestV1;
 use crumple_artifact::{Artifact, OutputKind, WAVE_PREFIX, refuse_named_pipe};
 use crumple_diff::{
     Base, CompareSettings, Comparison, DiffError, FileReport, Side, TextOptions, Tolerances, compare_artifacts,
     compare_json, conclusion, open_candidates, parse_rules, write_text,
 };
-use crumple_stage::{ExitStatus, Program, Usage, keep_budget, printable, run_tool, to_stdout};
+use crumple_stage::{
+    ExitStatus, Program, Usage, keep_budget, printable, program, refuse_to_overwrite, run_tool, to_stdout,
+};
 
 use super::compare::write;
 use super::gather::stage_record;
 use crate::Summary;
+use crate::compare::first_screen::shell_word;
 use crate::compare::review::{Expected, Review, line_of};
 use crate::compare::review_files::{to_github, to_json, to_junit, to_markdown};
 
@@ -110,6 +112,27 @@ pub const DIFF: Program =
 pub const ACCEPT: Program =
     Program::of_tool::<AcceptArgs>("accept", |call| run_tool(call, |args: AcceptArgs| accept(&args).map_err(trouble)));
 
+/// A path as a word of a shell.
+fn word(path: &Path) -> String {
+    shell_word(&path.display().to_string())
+}
+
+impl Args {
+    /// The command that makes the Markdown again.
+    fn again(&self) -> String {
+        let mut words = vec![program("diff"), word(&self.a), word(&self.b)];
+        let switches = [(self.rounding, "--rounding"), (self.exact, "--exact"), (self.bits, "--bits")];
+        words.extend(switches.iter().filter(|(is_on, _)| *is_on).map(|(_, flag)| (*flag).to_owned()));
+        for (flag, value) in [("--abs", self.abs), ("--rel", self.rel)] {
+            words.extend(value.map(|value| format!("{flag} {value}")));
+        }
+        for (flag, path) in [("--tolerance", &self.tolerance), ("--markdown", &self.markdown)] {
+            words.extend(path.as_ref().map(|path| format!("{flag} {}", word(path))));
+        }
+        words.join(" ")
+    }
+}
+
 fn trouble(error: anyhow::Error) -> anyhow::Error {
     // An error that tells its cause in its own words does not tell it twice.
     let mut text = error.to_string();
@@ -151,7 +174,16 @@ fn settings(args: &Args) -> Result<CompareSettings, DiffError> {
 }
 
 fn run(args: &Args) -> anyhow::Result<ExitStatus> {
-    keep_budget(&[args.a.clone(), args.b.clone()], ExitStatus::Usage);
+    let results = [args.a.clone(), args.b.clone()];
+    let outputs = [
+        (args.markdown.as_ref(), OutputKind::Markdown),
+        (args.junit.as_ref(), OutputKind::Junit),
+        (args.json.as_ref().filter(|path| path.as_path() != Path::new("-")), OutputKind::Summary),
+    ];
+    for (path, kind) in outputs {
+        path.map_or(Ok(()), |path| refuse_to_overwrite(path, kind, &results))?;
+    }
+    keep_budget(&results, ExitStatus::Usage);
     let settings = settings(args)?;
     let mut compared = Vec::new();
     let mut topics = BTreeSet::new();
@@ -175,17 +207,18 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     let same = compared.iter().all(|(_, comparison)| comparison.same);
     let reviews: Vec<&Review> = compared.iter().map(|(review, _)| review).collect();
     if let Some(path) = &args.markdown {
-        write(path, OutputKind::Markdown, &to_markdown(&reviews, &format!("crumple accept {}", args.b.display())))?;
+        let accept = format!("crumple accept {}", word(&args.b));
+        write(path, OutputKind::Markdown, &to_markdown(&reviews, &args.again(), &accept))?;
     }
     if let Some(path) = &args.junit {
-        fs::write(path, to_junit(&compared)).with_context(|| format!("cannot write {}", path.display()))?;
+        write(path, OutputKind::Junit, &to_junit(&compared))?;
     }
     if let Some(path) = &args.json {
         let text = serde_json::to_string_pretty(&to_json(&compared, args.all))? + "\n";
         match path.to_str() {
             // JSON spells such characters out itself.
             Some("-") => to_stdout(text.as_bytes())?,
-            _ => fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?,
+            _ => write(path, OutputKind::Summary, &text)?,
         }
     }
     let says = !args.quiet && args.json.as_deref().is_none_or(|path| path != Path::new("-"));
@@ -199,6 +232,23 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     Ok(if same { ExitStatus::Done } else { ExitStatus::Failure })
 }
 
+/// How much is the same or not; of what was accepted the numbers alone are kept.
+fn ending(review: &Review, comparison: &Comparison) -> String {
+    let is_kept = |file: &FileReport| file.topics.is_empty() && file.digests.is_none() && file.only_in.is_none();
+    match (comparison.files.iter().all(is_kept), comparison.same) {
+        (false, true) => conclusion(comparison),
+        (false, false) => format!("{}; every difference: --all", conclusion(comparison)),
+        (true, true) => {
+            let numbers: usize = review.counts.values().sum();
+            format!(
+                "same within the limits: {numbers} number{} and the recommended model",
+                if numbers == 1 { "" } else { "s" }
+            )
+        }
+        (true, false) => "different from what was accepted".to_owned(),
+    }
+}
+
 /// What is printed: of one comparison at most [`LINES`], of several those that differ under their names.
 fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<String>> {
     let several = compared.len() > 1;
@@ -206,7 +256,7 @@ fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<Str
     let mut same = Vec::new();
     for (review, comparison) in compared {
         if comparison.same && !all {
-            same.push((review.name.as_str(), conclusion(comparison)));
+            same.push((review.name.as_str(), ending(review, comparison)));
             continue;
         }
         if several {
@@ -224,7 +274,7 @@ fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<Str
             write_text(comparison, TextOptions { all }, &mut text)?;
             of_one.extend(String::from_utf8_lossy(&text).lines().map(str::to_owned));
         } else {
-            of_one.push(format!("{}; every difference: --all", conclusion(comparison)));
+            of_one.push(ending(review, comparison));
         }
         if of_one.len() > most {
             let last = of_one.pop();
@@ -435,8 +485,7 @@ fn accept(args: &AcceptArgs) -> anyhow::Result<ExitStatus> {
             let path = args.into.join(format!("{name}.json"));
             let is_there = fs::read_to_string(&path).is_ok_and(|old| old == json);
             if !is_there {
-                fs::create_dir_all(&args.into).with_context(|| format!("cannot make {}", args.into.display()))?;
-                fs::write(&path, json).with_context(|| format!("cannot write {}", path.display()))?;
+                write(&path, OutputKind::Summary, &json)?;
             }
             text += &format!("{}{}\n", path.display(), if is_there { ", as it was" } else { "" });
         }

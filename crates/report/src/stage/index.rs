@@ -4,12 +4,18 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use crate::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, pulse_line};
+use crate::phrases::PHRASES;
+use crate::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, fill, pulse_line};
 use crumple_artifact::{Artifact, OutputKind};
-use crumple_stage::{ExitStatus, Refused, Usage, by_way, program, refuse_to_overwrite, say, told_apart};
+use crumple_stage::{
+    ChainStage, ExitStatus, Pipeline, Refused, Usage, by_way, chain, program, refuse_to_overwrite, say, told_apart,
+};
 
 use super::compare::write;
 use super::run_folders::address;
+
+/// Where a run notes how it ended.
+const PIPELINE: &str = "0-pipeline.toml";
 
 /// Most folders that an error names.
 const NAMED: usize = 5;
@@ -18,24 +24,24 @@ const NAMED: usize = 5;
 pub fn index(inputs: &[PathBuf], page: &Path, quiet: bool) -> anyhow::Result<ExitStatus> {
     let folders = run_folders(inputs)?;
     let summaries: Vec<PathBuf> = folders.iter().map(|folder| folder.join("summary.json")).collect();
-    refuse_missing(&folders, &summaries)?;
+    refuse_missing(&folders)?;
     refuse_to_overwrite(page, OutputKind::Report, &summaries)?;
-    let mut named: Vec<(String, &PathBuf, Summary)> = Vec::new();
+    let mut named: Vec<(String, &PathBuf, Option<Summary>)> = Vec::new();
     for ((name, folder), summary) in told_apart(&folders).into_iter().zip(&folders).zip(&summaries) {
-        named.push((name, folder, read(summary)?));
+        named.push((name, folder, summary.is_file().then(|| read(summary)).transpose()?));
     }
     named.sort_by(|a, b| (&a.0, a.1).cmp(&(&b.0, b.1)));
     let mut runs = Vec::new();
     for (name, folder, summary) in &named {
-        let (exit_code, error) = IndexedRun::ending(summary);
+        let (exit_code, error) = ending(folder, summary.as_ref());
         runs.push(IndexedRun {
             name: name.clone(),
             variant: String::new(),
             report: address(page, &folder.join("report.html")),
             exit_code,
             error,
-            summary: Some(summary),
-            pulse: pulse(folder, summary),
+            summary: summary.as_ref(),
+            pulse: summary.as_ref().map_or_else(String::new, |summary| pulse(folder, summary)),
         });
     }
     let index = RunIndex { title: "", tables: &[], runs: &runs, figures: Vec::new() };
@@ -84,24 +90,41 @@ fn listed(list: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(lines.map(|line| beside.join(line)).collect())
 }
 
-/// Names folders without a summary: a row of nothing would look like a run.
-fn refuse_missing(folders: &[PathBuf], summaries: &[PathBuf]) -> Result<(), Refused> {
-    let missing: Vec<String> = folders
-        .iter()
-        .zip(summaries)
-        .filter(|(_, summary)| !summary.is_file())
-        .map(|(folder, _)| folder.display().to_string())
-        .collect();
+/// How the last run into a folder ended: its exit code and, where that is not 0, why.
+fn ending(folder: &Path, summary: Option<&Summary>) -> (i32, String) {
+    let noted = Pipeline::read(&folder.join(PIPELINE), None).ok();
+    let noted = noted.as_ref().and_then(Pipeline::end);
+    let failed = noted.filter(|(state, _)| *state == Pipeline::FAILED).map(|(_, code)| i32::from(code));
+    match (summary, failed) {
+        (Some(_), Some(code)) => (code, PHRASES.runs.earlier_report.to_owned()),
+        (Some(summary), None) => IndexedRun::ending(summary),
+        (None, code) => {
+            let is_missing = |stage: &ChainStage| {
+                !stage.is_optional && stage.outputs.iter().any(|name| !folder.join(name).is_file())
+            };
+            let stage = chain().find(is_missing).map_or("", |stage| stage.name);
+            (code.unwrap_or(ExitStatus::Failure as i32), fill(PHRASES.runs.ended_at, &[("stage", stage)]))
+        }
+    }
+}
+
+/// Names folders that are none of a run: a row of nothing would look like one.
+fn refuse_missing(folders: &[PathBuf]) -> Result<(), Refused> {
+    let is_of_a_run = |folder: &&PathBuf| {
+        chain().flat_map(|stage| stage.outputs).chain([PIPELINE]).any(|name| folder.join(name).is_file())
+    };
+    let missing: Vec<String> =
+        folders.iter().filter(|folder| !is_of_a_run(folder)).map(|folder| folder.display().to_string()).collect();
     let named = missing[..missing.len().min(NAMED)].join(", ");
     let found = match missing.len() {
         0 => return Ok(()),
-        1 => format!("{named} holds no summary.json"),
-        n if n > NAMED => format!("{n} folders hold no summary.json: {named}, ..."),
-        n => format!("{n} folders hold no summary.json: {named}"),
+        1 => format!("{named} holds no results of a run"),
+        n if n > NAMED => format!("{n} folders hold no results of a run: {named}, ..."),
+        n => format!("{n} folders hold no results of a run: {named}"),
     };
     Err(Refused::new(found)
-        .expected("run folders, each with the summary.json of its report")
-        .hint(format!("{} RECORD makes one; leave out runs that did not get there", by_way("just run", "crumple run"))))
+        .expected("run folders")
+        .hint(format!("{} RECORD makes one, and says where it is", by_way("just run", "crumple run"))))
 }
 
 fn read(path: &Path) -> anyhow::Result<Summary> {

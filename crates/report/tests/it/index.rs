@@ -58,7 +58,7 @@ fn a_row_has_the_numbers_the_model_how_sure_it_is_and_the_first_warning() {
         assert!(row.contains(cell), "{cell}: {row}");
     }
     // The status stands where the model is named, and names it where it may be used.
-    assert!(row.contains(">do not use<td>") && row.contains("<svg class=s "), "{row}");
+    assert!(row.contains("<td>do not use<br><small>do not use: ") && row.contains("<svg class=s "), "{row}");
     assert!(page.contains(">usable: "), "{page}");
     assert!(row.contains("<td>check the impact speed (50.0 km/h)"), "{row}");
     // In the order of the names, whatever the order of the command line.
@@ -116,6 +116,28 @@ fn a_run_without_a_result_is_a_row_and_its_reason_is_named() {
 }
 
 #[test]
+fn a_run_that_was_refused_is_a_row_with_the_stage_it_ended_at() {
+    let folder = tempfile::tempdir().unwrap();
+    run_folder(folder.path(), "runs/good", "elastoplastic");
+    for (run, code) in [("refused", 3), ("earlier", 1)] {
+        let run = run_folder(folder.path(), &format!("runs/{run}"), "kelvin");
+        fs::copy(golden("kelvin").join("1-ingest.mcap"), run.join("1-ingest.mcap")).unwrap();
+        let noted = format!("base = 'none'\n[run]\nname = 'default'\nstate = 'failed'\nexit_code = {code}\n");
+        fs::write(run.join("0-pipeline.toml"), noted).unwrap();
+    }
+    for file in ["summary.json", "report.html"] {
+        fs::remove_file(folder.path().join("runs/refused").join(file)).unwrap();
+    }
+    let output = index(folder.path(), &["runs/good", "runs/refused", "runs/earlier"]);
+    assert!(output.status.success() && said(&output).contains("2 without a result"), "{}", said(&output));
+    let page = fs::read_to_string(folder.path().join("index.html")).unwrap();
+    let row = |name: &str| page.lines().find(|line| line.starts_with("<tr>") && line.contains(name)).unwrap();
+    assert!(row("refused").contains("<td><b>refused</b>"), "{}", row("refused"));
+    assert!(row("refused").contains("<td>the run ended at integrate, before its report"), "{}", row("refused"));
+    assert!(row("earlier").contains("<td><b>failed</b>") && row("earlier").contains("<td>the last run ended"));
+}
+
+#[test]
 fn a_folder_without_a_summary_is_named_with_what_to_do() {
     let folder = tempfile::tempdir().unwrap();
     run_folder(folder.path(), "runs/good", "kelvin");
@@ -123,7 +145,7 @@ fn a_folder_without_a_summary_is_named_with_what_to_do() {
     let output = index(folder.path(), &["runs/good", "runs/empty"]);
     let error = said(&output);
     assert_eq!(output.status.code(), Some(3), "{error}");
-    assert!(error.contains("runs/empty holds no summary.json") && error.contains("just run RECORD"), "{error}");
+    assert!(error.contains("runs/empty holds no results of a run") && error.contains("just run RECORD"), "{error}");
     assert!(!folder.path().join("index.html").exists());
     fs::write(folder.path().join("runs/empty/summary.json"), "{}").unwrap();
     let output = index(folder.path(), &["runs/empty"]);

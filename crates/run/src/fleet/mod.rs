@@ -11,7 +11,7 @@ mod records;
 mod regression;
 mod runs;
 mod study;
-mod tables;
+pub(crate) mod tables;
 
 pub use command::Options;
 pub use make::fleet;

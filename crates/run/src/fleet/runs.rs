@@ -264,7 +264,15 @@ pub(crate) fn run_all(
 // Which programs a run is made with.
 
 /// Programs of the project that no run is made with.
-const OTHERS: [&str; 5] = ["crumple-fleet", "crumple-study", "crumple-together", "crumple-diff", "crumple-artifact"];
+const OTHERS: [&str; 7] = [
+    "crumple-fleet",
+    "crumple-study",
+    "crumple-together",
+    "crumple-diff",
+    "crumple-artifact",
+    "crumple-export",
+    "crumple-view",
+];
 
 /// Digest of the programs of the stages: of their commands as typed, of every file that stands in one, and of the
 /// programs of the project beside this one. A program that another one starts is not seen.

@@ -19,9 +19,10 @@ use crate::fleet::command::Options;
 use crate::fleet::make::make;
 use crate::fleet::regression::Study;
 use crate::fleet::runs::{Journal, JournalEntry, digest_of_programs, digest_of_summary, jobs, read_journals};
-use crate::fleet::tables::Kind::{Count, Flag, Number, Text};
-use crate::fleet::tables::{Cell, Row, Table, columns, write_tables};
+use crate::fleet::tables::{Row, write_tables};
 use crate::steps::exit_code_of;
+use crate::table::Kind::{Count, Flag, Number, Text};
+use crate::table::{Cell, Table, columns};
 use crate::together::summary::{JointSummary, LeftOut};
 
 // Classes of vehicles, from a file.
@@ -130,23 +131,20 @@ pub(crate) fn left_out_table(all: &[(String, LeftOut)]) -> Table {
             left.no_prediction_because.as_deref().into(),
         ]
     };
-    Table {
-        name: "left_out",
-        columns: columns(&[
-            ("vehicle", Text),
-            ("test", Text),
-            ("candidate", Text),
-            ("recommended", Flag),
-            ("impact_speed_m_per_s", Number),
-            ("dynamic_crush_error_percent", Number),
-            ("time_of_dynamic_crush_error_percent", Number),
-            ("peak_acceleration_error_percent", Number),
-            ("iso18571_score", Number),
-            ("interval_holds_crush", Flag),
-            ("no_prediction_because", Text),
-        ]),
-        rows: all.iter().map(row).collect(),
-    }
+    let columns = columns(&[
+        ("vehicle", Text),
+        ("test", Text),
+        ("candidate", Text),
+        ("recommended", Flag),
+        ("impact_speed_m_per_s", Number),
+        ("dynamic_crush_error_percent", Number),
+        ("time_of_dynamic_crush_error_percent", Number),
+        ("peak_acceleration_error_percent", Number),
+        ("iso18571_score", Number),
+        ("interval_holds_crush", Flag),
+        ("no_prediction_because", Text),
+    ]);
+    Table::new("left_out", columns, all.iter().map(row).collect())
 }
 
 // The command line of `crumple-study`.
@@ -406,21 +404,18 @@ pub(crate) fn vehicle_table(models: &[VehicleModel]) -> Table {
             model.recommended.as_deref().into(),
         ]
     };
-    Table {
-        name: "vehicles",
-        columns: columns(&[
-            ("vehicle", Text),
-            ("model_year", Count),
-            ("class", Text),
-            ("mass_kg", Number),
-            ("tests", Count),
-            ("model_from", Text),
-            ("kelvin_stiffness_n_per_m", Number),
-            ("kelvin_damping_n_s_per_m", Number),
-            ("recommended", Text),
-        ]),
-        rows: models.iter().map(row).collect(),
-    }
+    let columns = columns(&[
+        ("vehicle", Text),
+        ("model_year", Count),
+        ("class", Text),
+        ("mass_kg", Number),
+        ("tests", Count),
+        ("model_from", Text),
+        ("kelvin_stiffness_n_per_m", Number),
+        ("kelvin_damping_n_s_per_m", Number),
+        ("recommended", Text),
+    ]);
+    Table::new("vehicles", columns, models.iter().map(row).collect())
 }
 
 #[cfg(test)]

@@ -2,24 +2,17 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 
-use Kind::{Count, Flag, Number, Text};
 use anyhow::Context;
 use crumple_artifact::records::PredictionV1;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::{CandidateSummary, MetricSummary, Summary, status};
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
-use parquet::schema::types::Type;
 use rayon::prelude::*;
 
 use crate::fleet::runs::{JournalEntry, Run, path_in};
+use crate::table::Kind::{Count, Flag, Number, Text};
+use crate::table::{Cell, Column, CsvForm, Kind, Table, columns, write_csv, write_parquet};
 
 // `candidates`: one row a candidate of a run.
 
@@ -100,29 +93,6 @@ fn candidate_row(candidate: &CandidateSummary, summary: &Summary, parameters: &[
     row
 }
 
-// A table as a CSV file.
-
-/// Writes a table: names of the columns, then the rows; what is unknown is empty, numbers are in full.
-pub(crate) fn write_csv(table: &Table, file: impl Write) -> Result<(), csv::Error> {
-    let mut writer = csv::Writer::from_writer(file);
-    writer.write_record(table.columns.iter().map(|(name, _)| name))?;
-    for row in &table.rows {
-        writer.write_record(row.iter().map(text))?;
-    }
-    writer.flush()?;
-    Ok(())
-}
-
-fn text(cell: &Cell) -> String {
-    match cell {
-        Cell::Empty => String::new(),
-        Cell::Text(text) => text.to_string(),
-        Cell::Number(number) => number.to_string(),
-        Cell::Count(number) => number.to_string(),
-        Cell::Flag(flag) => flag.to_string(),
-    }
-}
-
 // `metrics`: one row a metric of a run.
 
 /// Columns of the table.
@@ -137,20 +107,25 @@ pub(crate) const METRICS: [(&str, Kind); 8] = [
     ("definition_id", Text),
 ];
 
+/// The cells of a metric: its name, channel and location, value with its interval, unit, definition.
+pub(crate) fn metric_cells(
+    name: &str,
+    (channel, location): (Option<&str>, Option<&str>),
+    (value, low, high): (Option<f64>, Option<f64>, Option<f64>),
+    unit: &str,
+    definition: Option<&str>,
+) -> Vec<Cell> {
+    let numbers = [value, low, high].map(Cell::from);
+    let [value, low, high] = numbers;
+    vec![name.into(), channel.into(), location.into(), value, unit.into(), low, high, definition.into()]
+}
+
 /// The rows of a run: metrics of the pulse, then those of other channels.
 pub(crate) fn metric_rows(run: &Run, summary: &Summary) -> Vec<Vec<Cell>> {
     let own = cells_of_run(run);
     let row = |name: &str, channel: Option<&str>, location: Option<&str>, metric: &MetricSummary| {
-        let row = vec![
-            name.into(),
-            channel.into(),
-            location.into(),
-            metric.value.into(),
-            (&metric.unit).into(),
-            metric.low.into(),
-            metric.high.into(),
-            metric.definition_id.as_deref().into(),
-        ];
+        let numbers = (metric.value, metric.low, metric.high);
+        let row = metric_cells(name, (channel, location), numbers, &metric.unit, metric.definition_id.as_deref());
         [own.clone(), row].concat()
     };
     let pulse = summary.test.channel.as_deref();
@@ -160,67 +135,6 @@ pub(crate) fn metric_rows(run: &Run, summary: &Summary) -> Vec<Vec<Cell>> {
         .iter()
         .map(|other| row(&other.name, Some(&other.channel), other.location.as_deref(), &other.metric));
     of_pulse.chain(of_others).collect()
-}
-
-// A table as a Parquet file.
-
-/// Rows of a row group: what a reader has in memory at a time.
-const GROUP: usize = 50_000;
-
-/// Writes a table. The same table gives the same bytes.
-pub(crate) fn write_parquet(table: &Table, file: &mut (impl Write + Send)) -> Result<(), ParquetError> {
-    let fields = table.columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
-    let schema = Arc::new(Type::group_type_builder(table.name).with_fields(fields).build()?);
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_created_by("crumple-fleet".to_owned())
-        .build();
-    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
-    for rows in table.rows.chunks(GROUP) {
-        let mut group = writer.next_row_group()?;
-        for (number, (_, kind)) in table.columns.iter().enumerate() {
-            let cells = rows.iter().map(|row| row.get(number).unwrap_or(&Cell::Empty));
-            let Some(mut column) = group.next_column()? else { break };
-            write_column(&mut column, *kind, cells)?;
-            column.close()?;
-        }
-        group.close()?;
-    }
-    writer.close()?;
-    Ok(())
-}
-
-fn field((name, kind): &Column) -> Result<Arc<Type>, ParquetError> {
-    let (physical, logical) = match kind {
-        Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-        Number => (Physical::DOUBLE, None),
-        Count => (Physical::INT64, None),
-        Flag => (Physical::BOOLEAN, None),
-    };
-    let field = Type::primitive_type_builder(name, physical).with_logical_type(logical);
-    Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).build()?))
-}
-
-fn write_column<'a>(
-    column: &mut SerializedColumnWriter<'_>,
-    kind: Kind,
-    cells: impl Iterator<Item = &'a Cell> + Clone,
-) -> Result<(), ParquetError> {
-    let is_there: Vec<i16> = cells.clone().map(|cell| i16::from(*cell != Cell::Empty)).collect();
-    macro_rules! write {
-        ($type:ty, $pattern:pat => $value:expr) => {{
-            let values: Vec<_> =
-                cells.filter_map(|cell| if let $pattern = cell { Some($value) } else { None }).collect();
-            column.typed::<$type>().write_batch(&values, Some(&is_there), None)?;
-        }};
-    }
-    match kind {
-        Text => write!(ByteArrayType, Cell::Text(text) => ByteArray::from(&**text)),
-        Number => write!(DoubleType, Cell::Number(number) => *number),
-        Count => write!(Int64Type, Cell::Count(number) => *number),
-        Flag => write!(BoolType, Cell::Flag(flag) => *flag),
-    }
-    Ok(())
 }
 
 // `predictions`: one row an impact that was not made.
@@ -250,7 +164,8 @@ pub(crate) fn prediction_rows(run: &Run, summary: &Summary) -> Vec<Vec<Cell>> {
     summary.predictions.iter().map(|prediction| [own.clone(), prediction_row(prediction)].concat()).collect()
 }
 
-fn prediction_row(prediction: &PredictionV1) -> Vec<Cell> {
+/// The cells of a prediction.
+pub(crate) fn prediction_row(prediction: &PredictionV1) -> Vec<Cell> {
     let crush = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
     vec![
         (&prediction.candidate).into(),
@@ -306,110 +221,24 @@ pub(crate) fn tables(rows: &[Row]) -> [Table; 4] {
     let with_run = |more: &[_]| -> Vec<Column> { [columns(&OF_RUN), columns(more)].concat() };
     let mut of_candidates = with_run(&CANDIDATES);
     of_candidates.extend(parameter_columns(&parameters));
-    let table = |name, columns, rows| Table { name, columns, rows };
     [
-        table(
+        Table::new(
             "tests",
             with_run(&TESTS),
             rows.iter().map(|row| test_row(&row.run, &row.ended, row.summary.as_ref())).collect(),
         ),
-        table(
+        Table::new(
             "candidates",
             of_candidates,
             found().flat_map(|(run, summary)| candidate_rows(run, summary, &parameters)).collect(),
         ),
-        table("metrics", with_run(&METRICS), found().flat_map(|(run, s)| metric_rows(run, s)).collect()),
-        table(
+        Table::new("metrics", with_run(&METRICS), found().flat_map(|(run, s)| metric_rows(run, s)).collect()),
+        Table::new(
             "predictions",
             with_run(&PREDICTIONS),
             found().flat_map(|(run, summary)| prediction_rows(run, summary)).collect(),
         ),
     ]
-}
-
-// A table in memory: named columns of one kind each.
-
-/// What a column holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// Text.
-    Text,
-    /// A number.
-    Number,
-    /// A whole number.
-    Count,
-    /// Yes or no.
-    Flag,
-}
-
-/// One value; every column may lack some.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Cell {
-    /// Unknown.
-    Empty,
-    /// Text.
-    Text(Arc<str>),
-    /// A number.
-    Number(f64),
-    /// A whole number.
-    Count(i64),
-    /// Yes or no.
-    Flag(bool),
-}
-
-/// A column: its name, with the unit of its numbers, and what it holds.
-pub(crate) type Column = (String, Kind);
-
-/// A table.
-#[derive(Debug, Clone)]
-pub(crate) struct Table {
-    /// Name of its file without ending.
-    pub(crate) name: &'static str,
-    /// Columns.
-    pub(crate) columns: Vec<Column>,
-    /// Rows, a cell for each column.
-    pub(crate) rows: Vec<Vec<Cell>>,
-}
-
-impl From<Option<f64>> for Cell {
-    fn from(value: Option<f64>) -> Self {
-        value.filter(|value| value.is_finite()).map_or(Self::Empty, Self::Number)
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        Some(value).into()
-    }
-}
-
-impl From<&str> for Cell {
-    fn from(text: &str) -> Self {
-        if text.is_empty() { Self::Empty } else { Self::Text(text.into()) }
-    }
-}
-
-impl From<&String> for Cell {
-    fn from(text: &String) -> Self {
-        text.as_str().into()
-    }
-}
-
-impl From<Option<&str>> for Cell {
-    fn from(text: Option<&str>) -> Self {
-        text.map_or(Self::Empty, Self::from)
-    }
-}
-
-impl From<bool> for Cell {
-    fn from(value: bool) -> Self {
-        Self::Flag(value)
-    }
-}
-
-/// Columns by their names and kinds.
-pub(crate) fn columns(columns: &[(&str, Kind)]) -> Vec<Column> {
-    columns.iter().map(|(name, kind)| ((*name).to_owned(), *kind)).collect()
 }
 
 // `tests`: one row a run.
@@ -419,7 +248,7 @@ pub(crate) const OF_RUN: [(&str, Kind); 4] =
     [("record", Text), ("record_digest", Text), ("pipeline", Text), ("settings", Text)];
 
 /// Columns of the table.
-pub(crate) const TESTS: [(&str, Kind); 30] = [
+pub(crate) const TESTS: [(&str, Kind); 32] = [
     ("run_folder", Text),
     ("status", Text),
     ("exit_code", Count),
@@ -444,6 +273,8 @@ pub(crate) const TESTS: [(&str, Kind); 30] = [
     ("energy_absorbed_j", Number),
     ("kelvin_stiffness_n_per_m", Number),
     ("kelvin_damping_n_s_per_m", Number),
+    ("verdict", Text),
+    ("verdict_because", Text),
     ("recommended", Text),
     ("recommended_because", Text),
     ("simplest", Text),
@@ -498,6 +329,8 @@ pub(crate) fn test_row(run: &Run, ended: &JournalEntry, summary: Option<&Summary
         metric("energy_absorbed"),
         kelvin("stiffness_n_per_m"),
         kelvin("damping_n_s_per_m"),
+        summary.and_then(|summary| Some(summary.verdict.status?.word())).into(),
+        text(summary.map(|summary| &summary.verdict.status_sentence)),
         text(summary.and_then(|summary| summary.recommended.as_ref())),
         text(summary.map(|summary| &summary.recommended_because)),
         text(summary.and_then(|summary| summary.simplest.as_ref())),
@@ -518,51 +351,9 @@ pub(crate) fn write_tables(folder: &Path, tables: &[Table]) -> anyhow::Result<()
         write_atomically(&path, OutputKind::Table, |file| -> anyhow::Result<()> { Ok(write_parquet(table, file)?) })
             .with_context(|| cannot_write(&path))?;
         let path = folder.join(format!("{}.csv", table.name));
-        write_atomically(&path, OutputKind::Table, |file| -> anyhow::Result<()> { Ok(write_csv(table, file)?) })
-            .with_context(|| cannot_write(&path))
+        write_atomically(&path, OutputKind::Table, |file| -> anyhow::Result<()> {
+            Ok(write_csv(table, CsvForm::Plain, file)?)
+        })
+        .with_context(|| cannot_write(&path))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-
-    #[test]
-    fn texts_are_quoted_and_gaps_stay_empty() {
-        let table = Table {
-            name: "t",
-            columns: columns(&[("error", Text), ("mass_kg", Number)]),
-            rows: vec![vec!["a \"b\",\nc".into(), Cell::Empty], vec![Cell::Empty, 0.1.into()]],
-        };
-        let mut bytes = Vec::new();
-        write_csv(&table, &mut bytes).unwrap();
-        assert_eq!(String::from_utf8(bytes).unwrap(), "error,mass_kg\n\"a \"\"b\"\",\nc\",\n,0.1\n");
-    }
-
-    #[test]
-    fn what_is_written_is_read_back_with_what_is_missing() {
-        let table = Table {
-            name: "t",
-            columns: columns(&[("record", Text), ("mass_kg", Number), ("exit_code", Count), ("physical", Flag)]),
-            rows: vec![
-                vec!["a".into(), 873.25.into(), Cell::Count(4), true.into()],
-                vec!["b".into(), Cell::Empty, Cell::Count(0), Cell::Empty],
-            ],
-        };
-        let file = tempfile::NamedTempFile::new().unwrap();
-        write_parquet(&table, &mut file.reopen().unwrap()).unwrap();
-        let reader = SerializedFileReader::new(file.reopen().unwrap()).unwrap();
-        let rows: Vec<String> = reader.get_row_iter(None).unwrap().map(|row| row.unwrap().to_string()).collect();
-        assert_eq!(
-            rows,
-            [
-                "{record: \"a\", mass_kg: 873.25, exit_code: 4, physical: true}",
-                "{record: \"b\", mass_kg: null, exit_code: 0, physical: null}",
-            ]
-        );
-        let again = tempfile::NamedTempFile::new().unwrap();
-        write_parquet(&table, &mut again.reopen().unwrap()).unwrap();
-        assert_eq!(fs::read(file.path()).unwrap(), fs::read(again.path()).unwrap());
-    }
 }

@@ -10,7 +10,8 @@ use crumple_artifact::readable;
 use crumple_stage::{Pipeline, Usage};
 use tempfile::NamedTempFile;
 
-use crate::command::{PIPELINE_OF_A_RUN, elsewhere};
+use crate::command::elsewhere;
+use crate::names::PIPELINE_OF_A_RUN;
 
 /// What a file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,6 +11,7 @@ use crumple_stage::{ExitStatus, Usage, by_way, say};
 use crate::command::{OfAllStages, Pipeline, Program, Words, own_command};
 use crate::folder::content::PipelineOfRun;
 use crate::folder::lock::LockedFolder;
+use crate::names::folder_of_record;
 use crate::steps::{StageExit, run_program, start};
 use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others, write_summary};
 
@@ -216,7 +217,7 @@ fn test_runs(records: &[PathBuf], options: &TogetherOptions) -> Result<Vec<TestR
         let run = test_run(record, &pipeline, options)?;
         if let Some(other) = seen.insert(run.name.clone(), record) {
             let problem = format!("{} and {} have one name, {}", other.display(), record.display(), run.name);
-            return Err(Usage::new(problem).hint("their results would share a folder: rename one of the files"));
+            return Err(Usage::new(problem).hint("run each of them first, which gives them folders of two names"));
         }
         runs.push(run);
     }
@@ -233,10 +234,9 @@ fn test_run(record: &Path, pipeline: &Pipeline, options: &TogetherOptions) -> Re
         let name = of_record.and_then(name_of).ok_or_else(without_name)?;
         return Ok(TestRun { name, folder: record.to_owned(), record: None });
     }
-    let stem = record.file_stem().ok_or_else(without_name)?;
-    let name = name_of(Path::new(stem)).ok_or_else(without_name)?;
-    let folder = options.project.join("runs").join(stem).join(&pipeline.name);
-    Ok(TestRun { name, folder, record: Some(record.to_owned()) })
+    let of_record = folder_of_record(&options.project, record).ok_or_else(without_name)?;
+    let name = name_of(&of_record).ok_or_else(without_name)?;
+    Ok(TestRun { name, folder: of_record.join(&pipeline.name), record: Some(record.to_owned()) })
 }
 
 /// Runs the records that no folder was given for. `Some`: the exit status of one that failed, which is named.

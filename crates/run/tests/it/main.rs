@@ -4,5 +4,6 @@
 
 mod chain;
 mod endings;
+mod export;
 mod fleet;
 mod stand_in;

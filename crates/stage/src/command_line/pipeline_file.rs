@@ -169,10 +169,26 @@ impl Pipeline {
         Ok(())
     }
 
-    /// Notes what a run hands on with the pipeline: its name, the file it was read from.
+    /// What [`note_end`](Self::note_end) notes in place of a digest where the last run failed.
+    pub const FAILED: &str = "failed";
+
+    /// Notes what a run hands on with the pipeline: its name, the file it was read from without the folder that this
+    /// lies in, so that the same run elsewhere has the same bytes.
     pub fn note_run(&mut self, name: &str) {
         self.run.insert("name".to_owned(), Value::from(name));
-        self.run.insert("file".to_owned(), Value::from(self.path.display().to_string()));
+        let parts: Vec<String> = self.path.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+        let from = parts.iter().rposition(|part| part == "pipelines").unwrap_or(parts.len().saturating_sub(1));
+        self.run.insert("file".to_owned(), Value::from(parts[from..].join("/")));
+    }
+
+    /// Notes which record the run is of.
+    pub fn note_record(&mut self, record: &str) {
+        self.run.insert("record".to_owned(), Value::from(record));
+    }
+
+    /// What [`note_record`](Self::note_record) noted.
+    pub fn record(&self) -> Option<&str> {
+        self.run.get("record").and_then(Value::as_str)
     }
 
     /// Notes what was typed for a stage: `what` is `flags`, or `program` for one from elsewhere.

@@ -333,15 +333,31 @@ fn what_was_accepted_is_compared_with_later_runs_of_the_same_name() {
     let first = written();
     assert_eq!((crumple_report::ACCEPT.run)(&call), ExitStatus::Done);
     assert_eq!(written(), first, "nothing changed");
-    assert_eq!(diff(root.path(), &["expected", "runs", "--engineering"]).code, 0);
+    let same = diff(root.path(), &["expected", "runs", "--engineering"]);
+    let said = "same within the limits: 1 number and the recommended model\n";
+    assert_eq!((same.code, same.stdout.as_str()), (0, said));
     made(0.753, 180);
     let output = diff(root.path(), &["expected", "runs", "--engineering", "--markdown", "c.md", "--junit", "c.xml"]);
     assert_eq!(output.code, 1, "{}", output.stderr);
     assert!(output.stdout.starts_with("different because of integrate.cfc 60 -> 180"), "{}", output.stdout);
+    assert!(output.stdout.ends_with("different from what was accepted\n"), "{}", output.stdout);
     assert!(output.stdout.lines().count() <= 25 && output.stdout.contains("+3.0\u{a0}mm"), "{}", output.stdout);
     for (file, words) in [("c.md", "crumple accept runs"), ("c.xml", "failures=\"2\"")] {
         let text = fs::read_to_string(root.path().join(file)).unwrap();
         assert!(text.contains(words), "{text}");
+    }
+    let text = fs::read_to_string(root.path().join("c.md")).unwrap();
+    assert!(text.contains("To compare again: `crumple-diff expected runs --markdown c.md`."), "{text}");
+    // Its own files it writes again, no others.
+    for flag in ["--markdown", "--junit", "--json"] {
+        for code in [1, 1, 2] {
+            if code == 2 {
+                fs::write(root.path().join("file"), "mine").unwrap();
+            }
+            let output = diff(root.path(), &["expected", "runs", &format!("{flag}=file")]);
+            assert_eq!(output.code, code, "{flag}: {}", output.stderr);
+        }
+        fs::remove_file(root.path().join("file")).unwrap();
     }
     fs::remove_dir_all(&run).unwrap();
     let output = diff(root.path(), &["expected", "runs"]);

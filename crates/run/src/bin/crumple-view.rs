@@ -1,0 +1,7 @@
+//! `crumple-view`: what a fleet says of its vehicles, see the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    crumple_run::VIEW.main()
+}
