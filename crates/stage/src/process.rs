@@ -547,7 +547,7 @@ fn generate(mut command: Command, kind: &str) -> ExitStatus {
     match SHELLS.iter().find(|(shell, _)| *shell == kind) {
         Some((_, shell)) => clap_complete::generate(*shell, &mut command, name, &mut text),
         None if kind == OPTIONS => {
-            text.extend(command.get_arguments().filter_map(option_line).collect::<String>().bytes())
+            text.extend(command.get_arguments().filter_map(option_line).collect::<String>().bytes());
         }
         None => {
             if clap_mangen::Man::new(command.name(name.leak() as &str)).render(&mut text).is_err() {

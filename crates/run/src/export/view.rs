@@ -148,13 +148,16 @@ struct ViewedRun<'a> {
     bodies: Vec<(String, Vec<RunWave<'a>>)>,
 }
 
+/// Where a body is from, its name, and the start (ns) and step (bits of s) of its samples.
+type BodyOnGrid = (Source, String, i64, u64);
+
 impl<'a> ViewedRun<'a> {
     fn new(artifacts: &'a [Artifact], summary: &'a Summary, models: Models) -> anyhow::Result<Self> {
         let events = records::<EventsV1>(artifacts, "/events").map_err(Refused::from)?;
         let predictions = records::<PredictionV1>(artifacts, "/prediction/").map_err(Refused::from)?;
         let speeds: BTreeMap<String, f64> =
             predictions.into_iter().map(|(number, made)| (number, 3.6 * made.impact_speed_m_per_s)).collect();
-        let mut grouped: Vec<((Source, String, i64, u64), Vec<RunWave<'a>>)> = Vec::new();
+        let mut grouped: Vec<(BodyOnGrid, Vec<RunWave<'a>>)> = Vec::new();
         let recommended = summary.recommended.as_deref();
         for wave in waves_of(artifacts) {
             let is_recommended = recommended.is_some_and(|id| is_of(&wave.body, id));
