@@ -97,6 +97,9 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let mut notes = std::mem::take(&mut recording.notes);
     let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
     settings::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
+    if let Some(place) = choices.place {
+        pulse::place_on_body(&mut recording.channels, place);
+    }
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, velocity) = if recording.details.no_pulse {
