@@ -93,7 +93,6 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["mm/ms^2", "mm/ms/ms", "mm/(ms^2)", "mm/(ms*ms)"], Signal(Q::Acceleration), 1e3),
     (&["m/ms^2", "m/ms/ms", "m/(ms^2)", "m/(ms*ms)"], Signal(Q::Acceleration), 1e6),
     (&["m/s", "m\\s", "mps", "m/sec", "mm/ms"], Signal(Q::Velocity), 1.0),
-    (&["m/ms"], Signal(Q::Velocity), 1e3),
     (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH"], Signal(Q::Velocity), 1.0 / 3.6),
     (&["mph", "MPH", "mi/h"], Signal(Q::Velocity), MILE_M / 3600.0),
     (&["mm/s"], Signal(Q::Velocity), 1e-3),
