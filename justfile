@@ -252,7 +252,7 @@ fleet-benchmark $records="2000" $folder="target/fleet-benchmark": build
     done
     @du -sh "$folder/fleet/runs"
 
-# The product over a file of reference cases, every number compared, ends with `N of M cases`: `just cases identification|metrics|papers|prediction FILE`.
+# The product over a file of reference cases, every number compared, ends with `N of M cases`: `just cases identification|metrics|papers|prediction|records FILE`.
 [group('development')]
 cases subject file:
     @cargo test --quiet --workspace --test cases -- "$@"

@@ -45,7 +45,7 @@ impl fmt::Display for Place {
 
 /// The formats that are read, in words.
 pub(crate) const WHAT_IS_READ: &str =
-    "a table of numbers, NHTSA EV5, ISO-MME, TDMS, TDM with TDX, LVM, MCAP, a ROS 1 bag, or a zip of one of them";
+    "a table of numbers, Excel, MATLAB, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, a ROS 1 bag, or a zip of one";
 
 /// Which kind of refusal, where a caller answers it in its own way.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -93,7 +93,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let choices = flags.over(&stated_in_sidecar);
-    let (reader, mut recording) = (bundle.reader, bundle.reader.read(bundle, &choices)?);
+    let (reader, mut recording) = (bundle.reader, recording_of(bundle, &choices)?);
     let mut notes = std::mem::take(&mut recording.notes);
     let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
     settings::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
@@ -187,6 +187,15 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
     Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })
+}
+
+/// What the reader makes of the files, the sensors where a person puts them.
+fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording, IngestError> {
+    let mut recording = bundle.reader.read(bundle, choices)?;
+    if let Some(place) = choices.place {
+        pulse::place_on_body(&mut recording.channels, place);
+    }
+    Ok(recording)
 }
 
 /// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.

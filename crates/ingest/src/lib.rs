@@ -44,5 +44,5 @@ pub use ingest::{Ingested, ingest};
 pub use listing::{ListedChannel, list};
 pub use recording::content::{Fitness, LineNumbers, PulseRule, Quality, ReadChannel, Recording, Wave};
 pub use recording::details::{Details, Stated};
-pub use recording::settings::{IngestSettings, Profile, Sign};
+pub use recording::settings::{BodyPlace, IngestSettings, Profile, Sign};
 pub use stage::PROGRAM;

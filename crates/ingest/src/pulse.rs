@@ -15,7 +15,7 @@ use crumple_signal::{
 use crate::IngestError;
 use crate::recording::content::{Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
-use crate::recording::settings::select;
+use crate::recording::settings::{BodyPlace, select};
 use crate::time;
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
@@ -100,7 +100,11 @@ fn is_candidate(read: &ReadChannel) -> bool {
 fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize, IngestError> {
     let hint = "name the channel by --channel";
     match (candidates, recording.pulse_rule) {
-        ([], PulseRule::OnlyOne) => Err(IngestError::channel(file, "no acceleration column with data", "one", hint)),
+        ([], PulseRule::OnlyOne) => {
+            let first = recording.channels.iter().find(|read| read.wave.is_some());
+            let advice = first.map_or_else(|| hint.to_owned(), |read| which(&read.channel.id, 0));
+            Err(IngestError::channel(file, "no acceleration column with data", "one", advice))
+        }
         ([], PulseRule::Fittest) => {
             let others: Vec<&ReadChannel> = recording
                 .channels
@@ -140,8 +144,27 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
                 list(several.iter().map(|k| &recording.channels[*k]))
             ),
             "to be told which is the crash pulse",
-            format!("add --channel {}, for example", recording.channels[several[0]].channel.id),
+            which(&recording.channels[several[0]].channel.id, several.len()),
         )),
+    }
+}
+
+/// The advice where one of `count` channels has to be named; three may be those of a head.
+pub fn which(id: &str, count: usize) -> String {
+    let head = if count == 3 { "; x, y and z of a head or a chest take --place head or --place chest" } else { "" };
+    format!("add --channel {id}, for example{head}")
+}
+
+/// Puts the accelerations into a part of the body: of three without an axis the first is along x, then y and z.
+pub fn place_on_body(channels: &mut [ReadChannel], place: BodyPlace) {
+    let is_acceleration = |read: &&mut ReadChannel| read.channel.quantity == QuantityKind::Acceleration;
+    let mut of_body: Vec<&mut ReadChannel> = channels.iter_mut().filter(is_acceleration).collect();
+    let lack_axes = of_body.len() == 3 && of_body.iter().all(|read| read.channel.axis.is_none());
+    for (read, axis) in
+        of_body.iter_mut().zip([Axis::X, Axis::Y, Axis::Z].into_iter().map(Some).chain(std::iter::repeat(None)))
+    {
+        read.channel.location = place.word().to_owned();
+        read.channel.axis = read.channel.axis.or(axis.filter(|_| lack_axes));
     }
 }
 
@@ -277,32 +300,8 @@ fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked:
 }
 
 /// Words in an id, a location or a remark that speak of a place elsewhere.
-const ELSEWHERE: [&str; 24] = [
-    "barrier",
-    "belt",
-    "brake",
-    "bumper",
-    "caliper",
-    "chest",
-    "dummy",
-    "engine",
-    "femur",
-    "gearbox",
-    "head",
-    "knee",
-    "motor",
-    "neck",
-    "occupant",
-    "pelvis",
-    "radiator",
-    "spine",
-    "steering",
-    "thorax",
-    "tibia",
-    "transmission",
-    "wheel",
-    "wrist",
-];
+const ELSEWHERE: &str = "barrier belt brake bumper caliper chest dummy engine femur gearbox head knee motor neck \
+    occupant pelvis radiator spine steering thorax tibia transmission wheel wrist";
 
 /// Why the channel may not stand for the compartment, in words; `None` if nothing speaks against it.
 fn doubt(read: &ReadChannel, rule: PulseRule) -> Option<String> {
@@ -325,7 +324,7 @@ fn doubt(read: &ReadChannel, rule: PulseRule) -> Option<String> {
 
 fn word_for_another_place(channel: &Channel) -> Option<&'static str> {
     let text = format!("{} {}", channel.id, channel.location).to_lowercase();
-    text.split(|c: char| !c.is_alphabetic()).find_map(|word| ELSEWHERE.iter().copied().find(|other| *other == word))
+    text.split(|c: char| !c.is_alphabetic()).find_map(|word| ELSEWHERE.split(' ').find(|other| *other == word))
 }
 
 /// The rank of an accelerometer along x on vehicle `vehicle` (or on the sled), at a place that moves with the passenger

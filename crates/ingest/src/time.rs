@@ -18,13 +18,13 @@
 //! the step. Frequencies near half the rate are damped; nothing is filtered.
 
 use crumple_signal::unit::{Dimension, choices, factor};
+use crumple_signal::value::Frequency;
 use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, Weight};
 
-use crate::{IngestError, Place};
+use crate::{IngestError, IngestSettings, Place};
 
 /// What to do about a unit that is none of time.
-const HINT: &str =
-    "export the times in s, ms or us; if they are and the unit is wrong, --time-unit ms (or s, us) says so";
+const HINT: &str = "if the unit is wrong, --time-unit ms (or s, us, ns, min, h, d) says so";
 
 /// The factor to s of a unit stated by `from`, of times that stand at `place`.
 pub fn stated_unit(place: Place, symbol: &str, from: &str) -> Result<f64, IngestError> {
@@ -37,9 +37,9 @@ pub fn unit_error(place: Place, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(place, found, format!("one of {}", choices(Dimension::Time)), HINT)
 }
 
-/// The factor to s where nothing states it, with a note: steps of 1e-7 to 0.02 are those of a recorder in s, longer
-/// ones up to 20 those of one in ms. `whose` are the stamps of a column or channel, which needs `expected`. Errors:
-/// other steps.
+/// The factor to s where nothing states it, with a note: days since 1900 (Excel) or the year 0 (MATLAB) by their size,
+/// else steps of 1e-7 to 0.02 are those of a recorder in s, longer ones up to 20 those of one in ms. `whose` are the
+/// stamps of a column or channel, which needs `expected`. Errors: other steps.
 pub fn unit_from_steps(
     file: &str,
     whose: &str,
@@ -48,7 +48,11 @@ pub fn unit_from_steps(
     notes: &mut Notes,
 ) -> Result<f64, IngestError> {
     let step = median_step(times);
+    let first = times.first().copied().unwrap_or(0.0);
+    // As seconds they would be sampled at 4 MHz and more.
+    let is_serial = ((2e4..8e4).contains(&first) || (7e5..8e5).contains(&first)) && (1e-12..2.4e-7).contains(&step);
     let (symbol, factor) = match step {
+        _ if is_serial => ("d", 86_400.0),
         1e-7..0.02 => ("s", 1.0),
         0.02..=20.0 => ("ms", 1e-3),
         _ => {
@@ -56,7 +60,7 @@ pub fn unit_from_steps(
                 file,
                 format!("the unit of time: {whose} has steps of {step}"),
                 expected,
-                "add --time-unit s, ms or us",
+                "add --time-unit ns (or us, ms, s, min, h, d), whichever it is",
             ));
         }
     };
@@ -233,6 +237,97 @@ pub fn resample(times: &[f64], rate_hz: f64) -> Option<LinearInterpolation> {
         parts.push(((t - times[k]) / (times[k + 1] - times[k])).clamp(0.0, 1.0));
     }
     Some(LinearInterpolation { positions, parts })
+}
+
+/// Stamps on a uniform grid.
+#[derive(Debug)]
+pub struct OnGrid {
+    /// The grid.
+    pub grid: Grid,
+    /// How samples are brought to it; `None` where they lie on it.
+    pub interpolation: Option<LinearInterpolation>,
+    /// To which rate they are brought, and how uneven they were.
+    pub words: String,
+    /// It was not asked for: only a list takes such samples.
+    pub lacks_a_rate: bool,
+}
+
+/// The grid of stamps, in s, at least two, that increase: as they are, or at the rate of `--resample`; for a list at the
+/// median of uneven steps. `place` is that of a stamp. Errors: uneven ones, where no rate is asked for.
+pub fn on_grid(
+    times: &[f64],
+    resolution_s: f64,
+    settings: &IngestSettings,
+    place: impl Fn(usize) -> Place,
+) -> Result<OnGrid, IngestError> {
+    let median_s = median_step(times);
+    let jitter_of_steps = || step_jitter(times, median_s);
+    let advised = rate_to_type(median_s);
+    let rate = match (settings.resample, fit(times, resolution_s)) {
+        (Some(rate), _) => rate,
+        (None, Ok(grid)) => {
+            return Ok(OnGrid { grid, interpolation: None, words: String::new(), lacks_a_rate: false });
+        }
+        (None, Err(GridError::Uneven { .. })) if settings.listing => Frequency::from_si(1.0 / median_s),
+        (None, Err(GridError::Uneven { index, step_s, dt_s })) => {
+            return Err(IngestError::content(
+                place(index),
+                format!(
+                    "a step of {step_s:.9} s, where the median is {dt_s:.9} s (jitter, max|dt - median|/median: {:.3})",
+                    jitter_of_steps()
+                ),
+                format!("equal steps within {STEP_TOLERANCE} of the interval"),
+                format!(
+                    "a gap is better exported again; for uneven sampling --resample {advised}Hz brings it to a uniform \
+                     rate by linear interpolation"
+                ),
+            ));
+        }
+        (None, Err(GridError::Repeated { index } | GridError::Backwards { index })) => {
+            return Err(IngestError::content(
+                place(index),
+                "a time that does not increase",
+                "times that do",
+                "sort them",
+            ));
+        }
+    };
+    let interpolation = resample(times, rate.si()).ok_or_else(|| {
+        IngestError::content(
+            place(0),
+            format!("--resample {rate} gives no usable number of samples"),
+            "a rate near that of the samples",
+            format!("give --resample {advised}Hz"),
+        )
+    })?;
+    let words = format!(
+        "to {rate} by linear interpolation, as asked: {} samples (jitter {:.3}, max|dt - median|/median, median \
+         {median_s:.6} s)",
+        interpolation.len(),
+        jitter_of_steps()
+    );
+    let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: jitter(times) };
+    Ok(OnGrid { grid, interpolation: Some(interpolation), words, lacks_a_rate: settings.resample.is_none() })
+}
+
+/// Times of a calendar are larger than this, s (three years); they count from the first one.
+pub const CALENDAR_S: f64 = 1e8;
+
+/// Takes the first one from times of a calendar, in a unit of `unit_s`: their differences keep what the numbers
+/// resolve. Returns what was taken, s; `None` where the times are small.
+pub fn from_first(times: &mut [f64], unit_s: f64, resolution_s: &mut f64) -> Option<f64> {
+    // 3000 years: what is larger is no date.
+    let first = *times.first().filter(|first| (CALENDAR_S..1e11).contains(&(first.abs() * unit_s)))?;
+    // Two units in the last place of the numbers, which a calendar makes coarse.
+    *resolution_s += 2.0 * f64::EPSILON * first.abs() * unit_s;
+    times.iter_mut().for_each(|t| *t -= first);
+    Some(first * unit_s)
+}
+
+/// `x * factor`, by division where that is exact: 20 ms are 0.02 s to the last bit.
+pub fn scale(times: &mut [f64], factor: f64) {
+    let inverse = (1.0 / factor).round();
+    times.iter_mut().for_each(|t| if factor < 1.0 { *t /= inverse } else { *t *= factor });
 }
 
 /// Level of the threshold rule, m/s^2 (0.5 g).

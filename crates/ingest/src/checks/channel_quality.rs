@@ -5,6 +5,7 @@
 //! | check | figure | noted when |
 //! |---|---|---|
 //! | zero level | mean from -50 to -10 ms | less than 10 ms of it is there |
+//! | offset | the same mean | above 0.5 g |
 //! | free fall | level from -50 to -10 ms against that at rest | 1 g apart, or 1 g where no rest shows |
 //! | muted start | exact zeros at the start of the record | more than ten before the end of the window |
 //! | noise before the event | standard deviation of the same window | above 1 g |
@@ -185,6 +186,8 @@ fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
                 level / G
             ),
         );
+    } else if level.abs() > 0.5 * G {
+        notes.info(format!("the level before contact is {:+.2} g: an offset that the filter removes", level / G));
     }
 }
 

@@ -52,6 +52,10 @@ impl Bundle {
         }
         let reader = recognise(&main_name, &start).ok()?;
         let (companions, _) = companions_of(reader, &main_name, &main_path).ok()?;
+        // They may lie in an archive.
+        if reader.spans_folders() && companions.is_empty() {
+            return None;
+        }
         let mut hasher = blake3::Hasher::new();
         let mut piece = vec![0; PIECE];
         if companions.is_empty() {

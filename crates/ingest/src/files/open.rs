@@ -45,7 +45,11 @@ impl Bundle {
         }
         let bytes = read(&main_path, show)?;
         let mut bundle = if zip::is_zip(&bytes) {
-            zip::open(&name, &bytes)?
+            let mut bundle = zip::open(&name, &bytes)?;
+            if zip::is_tdm(&name) {
+                bundle.read_companions(&main_path, show)?;
+            }
+            bundle
         } else {
             let mut bundle = Self::from_bytes(&file_name(&main_path), bytes)?;
             bundle.name = name;
@@ -87,6 +91,13 @@ impl Bundle {
         let contents: Vec<_> = files.par_iter().map(|(_, path)| read(path, show)).collect();
         for ((name, _), bytes) in files.into_iter().zip(contents) {
             self.companions.insert(name, bytes?);
+        }
+        if self.reader.spans_folders() && self.companions.is_empty() {
+            // The channels of a test may lie in an archive beside its description.
+            let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            for path in entries(folder)?.iter().filter(|path| is_channel_archive(path)) {
+                zip::add_from(&file_name(path), &read(path, show)?, self)?;
+            }
         }
         check_total(&self.name, self.companions.values().map(|bytes| bytes.len() as u64).sum())
     }
@@ -249,6 +260,10 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
     Ok(paths)
 }
 
+fn is_channel_archive(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) && path.is_file()
+}
+
 fn channel_folder(folder: &Path) -> Result<Option<PathBuf>, IngestError> {
     Ok(entries(folder)?.into_iter().find(|path| is_channel_folder(&file_name(path)) && path.is_dir()))
 }
@@ -287,6 +302,22 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
         if IsoMme.recognises(&head(path, 8192)?) {
             return Ok(path.clone());
         }
+    }
+    if all.iter().any(|path| file_name(path) == "metadata.yaml") {
+        let is_mcap = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "mcap");
+        if let [only] = all.iter().filter(is_mcap).collect::<Vec<_>>().as_slice() {
+            return Ok((*only).clone());
+        }
+        return Err(IngestError::path(
+            folder.display(),
+            "a folder with a ROS 2 bag (rosbag2), which is not read as it is",
+            WHAT_IS_READ,
+            format!(
+                "convert it to MCAP: write \"output_bags: [{{uri: converted, storage_id: mcap, all: true}}]\" into \
+                 out.yaml, run \"ros2 bag convert -i {} -o out.yaml\", and give converted/converted_0.mcap",
+                folder.display()
+            ),
+        ));
     }
     match all.as_slice() {
         [only] if only.is_dir() => main_file_of(only),
@@ -416,6 +447,7 @@ mod tests {
                 "sample_time" => "\"1 s\"",
                 "resample" => "\"100 Hz\"",
                 "profile" => "\"edr\"",
+                "place" => "\"head\"",
                 "vehicle_number" => "1",
                 "allow_missing" => "true",
                 _ => "\"x\"",

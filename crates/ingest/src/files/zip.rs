@@ -1,4 +1,5 @@
-//! Zip archives: one NHTSA or ISO-MME test, or one table, in any folder of the archive.
+//! Zip archives: one NHTSA or ISO-MME test, or one table, in any folder of the archive; a workbook; the packed header of
+//! a TDM file.
 
 use std::io::{Cursor, Read};
 
@@ -6,6 +7,8 @@ use zip::ZipArchive;
 
 use crate::formats::iso_mme::{IsoMme, is_channel_folder, is_channel_name};
 use crate::formats::reader::{Bundle, FILE_LIMIT, Reader, check_total, stem};
+use crate::formats::workbook;
+use crate::recording::content::MINIMUM_SAMPLES;
 use crate::{IngestError, Place};
 
 /// Most entries that are looked through.
@@ -14,7 +17,7 @@ const ENTRY_LIMIT: usize = 20_000;
 const TABLES: [&str; 6] = ["csv", "tsv", "txt", "dat", "asc", "prn"];
 
 /// Endings of LabVIEW and DIAdem files.
-const MEASUREMENTS: [&str; 3] = ["tdms", "tdm", "lvm"];
+const MEASUREMENTS: [&str; 7] = ["tdms", "tdm", "lvm", "mat", "uff", "unv", "xlsx"];
 
 /// Whether these are the first bytes of a zip archive (an empty one included).
 pub fn is_zip(bytes: &[u8]) -> bool {
@@ -29,6 +32,10 @@ struct Entry {
 }
 
 impl Entry {
+    fn has_extension(&self, endings: &[&str]) -> bool {
+        endings.contains(&self.extension().as_str())
+    }
+
     fn extension(&self) -> String {
         self.name.rsplit_once('.').map_or_else(String::new, |(_, e)| e.to_ascii_lowercase())
     }
@@ -45,38 +52,83 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
         ));
     }
     let entries = list_entries(&zip);
+    if entries.iter().any(|e| e.folder == "xl" && e.name == "workbook.xml") {
+        refuse_beyond_memory(Place::file(file), entries.iter().map(|e| claimed_size(&mut zip, e)).sum())?;
+        return Ok(Bundle::with_reader(file, bytes.to_vec(), &workbook::Workbook));
+    }
     refuse_documents(file, &entries)?;
     let mut total = 0;
     let main = match channel_file(file, &mut zip, &entries)? {
         Some(entry) => entry,
-        None => main_entry(file, &entries)?,
+        None => main_entry(file, &mut zip, &entries)?,
     };
     let main_bytes = inflate(file, &mut zip, main, &mut total)?;
-    let mut bundle = Bundle::from_bytes(&main.name, main_bytes)?;
+    let mut bundle = if is_zip(&main_bytes) && main.has_extension(&["tdm", "xlsx"]) {
+        open(&main.name, &main_bytes)?
+    } else {
+        Bundle::from_bytes(&main.name, main_bytes)?
+    };
+    // DIAdem packs the header of a TDM file, whose samples lie beside it.
+    if is_tdm(file) && main.name == "header.xml" {
+        file.clone_into(&mut bundle.main.name);
+    }
     file.clone_into(&mut bundle.name);
+    add_companions(file, &mut zip, &entries, main, &mut bundle, &mut total)?;
+    Ok(bundle)
+}
+
+/// Whether a file is named as a TDM file.
+pub fn is_tdm(file: &str) -> bool {
+    file.to_ascii_lowercase().ends_with(".tdm")
+}
+
+/// Adds what an archive beside the main file of a record has of it.
+pub fn add_from(file: &str, bytes: &[u8], bundle: &mut Bundle) -> Result<(), IngestError> {
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+    let entries = list_entries(&zip);
+    let Some(first) = entries.iter().find(|entry| bundle.reader.companion(&bundle.main.name, &entry.name)) else {
+        return Ok(());
+    };
+    let main = Entry { index: usize::MAX, folder: first.folder.clone(), name: bundle.main.name.clone() };
+    add_companions(file, &mut zip, &entries, &main, bundle, &mut 0)
+}
+
+/// Adds the files of an archive that belong to its main file.
+fn add_companions(
+    file: &str,
+    zip: &mut ZipArchive<Cursor<&[u8]>>,
+    entries: &[Entry],
+    main: &Entry,
+    bundle: &mut Bundle,
+    total: &mut u64,
+) -> Result<(), IngestError> {
     let is_companion = |entry: &&Entry| {
         let beside = entry.folder == main.folder
             || (bundle.reader.spans_folders() && are_of_one_test(&main.folder, &entry.folder));
         let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
-        beside && !known && bundle.reader.companion(&main.name, &entry.name)
+        beside && !known && bundle.reader.companion(&bundle.main.name, &entry.name)
     };
     let companions: Vec<&Entry> = entries.iter().filter(is_companion).collect();
     // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked
     // there.
-    let mut claimed = total;
+    let mut claimed = *total;
     for entry in &companions {
-        let size = zip.by_index_raw(entry.index).map_or(0, |raw| raw.size());
-        claimed = claimed.saturating_add(size);
+        claimed = claimed.saturating_add(claimed_size(zip, entry));
         check_total(file, claimed)?;
     }
-    refuse_beyond_memory(Place::file(file), claimed - total)?;
+    refuse_beyond_memory(Place::file(file), claimed - *total)?;
     for entry in companions {
         if !bundle.companions.contains_key(&entry.name) {
-            let bytes = inflate(file, &mut zip, entry, &mut total)?;
+            let bytes = inflate(file, zip, entry, total)?;
             bundle.companions.insert(entry.name.clone(), bytes);
         }
     }
-    Ok(bundle)
+    Ok(())
+}
+
+/// The bytes that the archive says an entry has.
+fn claimed_size(zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry) -> u64 {
+    zip.by_index_raw(entry.index).map_or(0, |raw| raw.size())
 }
 
 /// Whether one folder is the folder `Channel` of the other.
@@ -124,7 +176,7 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
     let ends = |extension: &str| entries.iter().any(|e| e.extension() == extension);
     let csv = "save the sheet with the record as CSV (time and acceleration columns with their units in the header)";
     let (what, instead) = if holds("xl", "workbook") {
-        ("an Excel workbook (xlsx)", csv)
+        ("a binary Excel workbook (xlsb)", "save it as .xlsx or CSV")
     } else if holds("word", "document") {
         ("a Word document", csv)
     } else if holds("", "content.xml") && holds("", "mimetype") {
@@ -138,14 +190,31 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
     Err(IngestError::foreign(file, what, instead))
 }
 
+/// Whether a table has rows enough for a record: telephones put tables about themselves beside the data.
+fn may_be_a_record(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry) -> Result<bool, IngestError> {
+    let is_long = claimed_size(zip, entry) > (MINIMUM_SAMPLES << 10) as u64;
+    Ok(is_long || inflate(file, zip, entry, &mut 0)?.iter().filter(|b| **b == b'\n').count() >= MINIMUM_SAMPLES)
+}
+
 /// The EV5 file, else the only table, else the only file.
-fn main_entry<'a>(file: &str, entries: &'a [Entry]) -> Result<&'a Entry, IngestError> {
+fn main_entry<'a>(
+    file: &str,
+    zip: &mut ZipArchive<Cursor<&[u8]>>,
+    entries: &'a [Entry],
+) -> Result<&'a Entry, IngestError> {
     let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
     let ev5 = with(&|e| e.extension() == "ev5");
     let mme = with(&|e| e.extension() == "mme");
     let chn = with(&|e| e.extension() == "chn");
     let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
     let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
+    let mut records = Vec::new();
+    for table in tables.iter().filter(|_| tables.len() > 1 && measurements.is_empty()) {
+        if may_be_a_record(file, zip, table)? {
+            records.push(*table);
+        }
+    }
+    let tables = if records.is_empty() { tables } else { records };
     for candidates in [&ev5, &mme, &chn, &measurements, &tables] {
         match candidates.as_slice() {
             [] => {}

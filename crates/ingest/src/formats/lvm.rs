@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use crumple_signal::Notes;
 
-use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::text::lines;
 use crate::formats::text::lines::{Line, decode, line_at, without_mark};
-use crate::formats::waveform::channel::{Instant, Waveform};
-use crate::formats::waveform::clock::time_of_day;
+use crate::formats::text::stamps::Instant;
+use crate::formats::text::stamps::time_of_day;
+use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
-use crate::recording::content::{ReadChannel, Recording};
+use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
 use crate::{IngestError, IngestSettings, Place, time};
 
@@ -31,7 +31,7 @@ impl Reader for Lvm {
     }
 
     fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
+        conversion::FLAGS
     }
 
     fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
@@ -93,10 +93,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
         let group = if several { format!("segment_{}", k + 1) } else { String::new() };
         waveforms.extend(segment.waveforms(&group, &file_header, time_unit_s, &mut notes));
     }
-    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
-    let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
-    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+    conversion::recording(file, waveforms, details, settings, notes)
 }
 
 impl Segment {

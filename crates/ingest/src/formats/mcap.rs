@@ -251,7 +251,7 @@ impl Collected {
                 self.stamped(json_stamp_ns(&json), message.log_time_ns, values)
             }),
             "protobuf" => self.decoded(message, paths),
-            encoding => messages::imu(message.data, encoding == "cdr"),
+            encoding => messages::imu(message.data, encoding == "cdr", message.log_time_ns.cast_signed()),
         };
         match sample {
             Some(sample) => {
@@ -279,8 +279,9 @@ impl Collected {
 
     fn stamped(&mut self, own: Option<i64>, log_time_ns: u64, values: Vec<f64>) -> Option<StampedSample> {
         self.by_log_time |= own.is_none();
+        let recorded_ns = log_time_ns.cast_signed();
         let stamp_ns = own.or_else(|| i64::try_from(log_time_ns).ok())?;
-        Some(StampedSample { stamp_ns, values })
+        Some(StampedSample { stamp_ns, recorded_ns, values })
     }
 }
 
@@ -320,7 +321,7 @@ fn read_messages(
             "no unit is known for the fields: kept as read, quantity other; --unit m/s^2 or --unit g states it",
         );
     }
-    messages::recording(file, &collected.tracks, settings, notes)
+    messages::recording(file, &mut collected.tracks, settings, notes)
 }
 
 fn no_channel_error(

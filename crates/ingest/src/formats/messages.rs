@@ -1,17 +1,17 @@
 //! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf
 //! messages.
 //!
-//! A logger's messages come at uneven times. The stamp in the message is taken, not the time of recording; stamps that
-//! do not form a uniform grid are refused, unless resampling is asked for (`--resample`, linear interpolation).
+//! A logger's messages come at uneven times. The stamp in the message is taken; the time of recording where stamps
+//! are missing or stand still (0, frozen, doubled). Times that do not form a uniform grid are refused, unless resampling
+//! is asked for (`--resample`, linear interpolation).
 
 use std::collections::BTreeMap;
 
-use crumple_signal::value::Frequency;
-use crumple_signal::{Axis, Channel, Notes, QuantityKind, Sampled};
+use crumple_signal::{About, Axis, Channel, Notes, QuantityKind, Sampled, Weight};
 
 use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Details;
-use crate::time::{Grid, GridError, LinearInterpolation, jitter, resample};
+use crate::time::OnGrid;
 use crate::{IngestError, IngestSettings, Place, time};
 
 /// What a message of one topic gives: its stamp, and the values of its components.
@@ -19,6 +19,8 @@ use crate::{IngestError, IngestSettings, Place, time};
 pub struct StampedSample {
     /// Stamp in ns since the epoch.
     pub stamp_ns: i64,
+    /// When the message was recorded, ns since the epoch.
+    pub recorded_ns: i64,
     /// Values of the first components of the track; the others are not measured.
     pub values: Vec<f64>,
 }
@@ -121,7 +123,7 @@ impl Bytes<'_> {
 /// Decodes `sensor_msgs/Imu` in CDR (`cdr`) or as ROS 1 writes it. Linear acceleration in m/s^2 with gravity, angular
 /// velocity in rad/s; a field whose first covariance is -1 is absent: without acceleration there is no sample, without
 /// angular velocity it has three values.
-pub fn imu(data: &[u8], cdr: bool) -> Option<StampedSample> {
+pub fn imu(data: &[u8], cdr: bool, recorded_ns: i64) -> Option<StampedSample> {
     let data = if cdr {
         // Encapsulation: 0x0001 is CDR little-endian.
         data.strip_prefix(&[0, 1]).and_then(|rest| rest.get(2..))?
@@ -146,6 +148,7 @@ pub fn imu(data: &[u8], cdr: bool) -> Option<StampedSample> {
     let angular = if angular_covariance[0] == -1.0 { Vec::new() } else { angular.to_vec() };
     Some(StampedSample {
         stamp_ns: i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds),
+        recorded_ns,
         values: [linear.to_vec(), angular].concat(),
     })
 }
@@ -195,10 +198,27 @@ pub fn refuse(file: &str, topics: &BTreeMap<String, Topic>, found: &str, hint: &
 /// Channels of all tracks, t = 0 at the earliest stamp.
 pub fn recording(
     file: &str,
-    tracks: &BTreeMap<String, Track>,
+    tracks: &mut BTreeMap<String, Track>,
     settings: &IngestSettings,
     mut notes: Notes,
 ) -> Result<Recording, IngestError> {
+    let stands_still = |track: &Track| {
+        let repeats = track.samples.windows(2).any(|pair| pair[1].stamp_ns == pair[0].stamp_ns);
+        repeats && track.samples.windows(2).all(|pair| pair[1].recorded_ns > pair[0].recorded_ns)
+    };
+    let still: Vec<&str> =
+        tracks.iter().filter(|(_, track)| stands_still(track)).map(|(name, _)| name.as_str()).collect();
+    if !still.is_empty() {
+        let text = format!(
+            "stamps of topic {} stand still: the time of recording is taken for the time of measurement",
+            still.join(", ")
+        );
+        notes.concern(About::Time, Weight::Marked, text);
+        // All topics by one clock.
+        let samples = tracks.values_mut().flat_map(|track| &mut track.samples);
+        samples.for_each(|sample| sample.stamp_ns = sample.recorded_ns);
+    }
+    let tracks = &*tracks;
     let start_ns = tracks.values().filter_map(|t| t.samples.first()).map(|s| s.stamp_ns).min().unwrap_or(0);
     notes.info(format!(
         "t = 0 is the first message, at {}.{:09} s of its clock; --time-zero states first contact",
@@ -221,79 +241,10 @@ pub fn recording(
     })
 }
 
-/// The uniform grid of a track's samples.
-struct TrackGrid {
-    grid: Grid,
-    /// How the samples are brought to it; `None` where they lie on it.
-    interpolation: Option<LinearInterpolation>,
-    /// A remark for its channels.
-    comment: Option<String>,
-}
-
 /// An error about message `index` of a topic.
 fn message_error(file: &str, topic: &str, index: usize, found: String, hint: &str) -> IngestError {
     let place = Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
     IngestError::content(place, found, "stamps at equal steps", hint)
-}
-
-/// The grid of stamps: as they are, or the one of `--resample`. Errors: stamps that do not increase, or are uneven and
-/// no rate is asked for.
-fn track_grid(
-    file: &str,
-    topic: &str,
-    times: &[f64],
-    settings: &IngestSettings,
-    notes: &mut Notes,
-) -> Result<TrackGrid, IngestError> {
-    let error_at = |index, found, hint: &str| Err(message_error(file, topic, index, found, hint));
-    match (time::fit(times, 1e-9), settings.resample) {
-        (Ok(grid), None) => Ok(TrackGrid { grid, interpolation: None, comment: None }),
-        (Err(GridError::Repeated { index }), _) => {
-            error_at(index, "it has the stamp of the one before".to_owned(), "remove the message that is there twice")
-        }
-        (Err(GridError::Backwards { index }), _) => error_at(
-            index,
-            "its stamp is earlier than the one before".to_owned(),
-            "sort the messages by their stamps, or split the recording there if another one begins",
-        ),
-        (Err(GridError::Uneven { dt_s, .. }), None) if settings.listing => {
-            let jitter = jitter(times);
-            Ok(TrackGrid {
-                grid: Grid { t0_s: times[0], dt_s, jitter },
-                interpolation: resample(times, Frequency::from_si(1.0 / dt_s).si()),
-                comment: Some(format!("uneven stamps, up to {jitter:.2} steps off a uniform grid: needs --resample")),
-            })
-        }
-        (Err(GridError::Uneven { index, step_s, dt_s }), None) => {
-            let steps = times.windows(2).map(|p| p[1] - p[0]);
-            let (low, high) = steps.fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(s), h.max(s)));
-            let found = format!(
-                "a step of {:.4} ms, where the median is {:.4} ms (steps from {:.4} to {:.4} ms)",
-                step_s * 1e3,
-                dt_s * 1e3,
-                low * 1e3,
-                high * 1e3
-            );
-            let hint = format!(
-                "resample on a uniform grid by linear interpolation: --resample {}Hz",
-                (1.0 / dt_s).round().max(1.0)
-            );
-            error_at(index, found, &hint)
-        }
-        (_, Some(rate)) => {
-            let Some(interpolation) = resample(times, rate.si()) else {
-                let found = format!("--resample {rate} gives no usable number of samples");
-                return error_at(0, found, "give a rate near that of the messages");
-            };
-            notes.warning(format!(
-                "topic {topic}: {} messages are resampled to {rate} by linear interpolation, as asked: {} samples",
-                times.len(),
-                interpolation.len()
-            ));
-            let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: jitter(times) };
-            Ok(TrackGrid { grid, interpolation: Some(interpolation), comment: None })
-        }
-    }
 }
 
 /// The channels of one topic: one for each component that every message has.
@@ -310,7 +261,23 @@ fn track_channels(
         let found = format!("{} messages with data", times.len());
         return Err(message_error(file, topic, 0, found, "give a longer recording"));
     }
-    let TrackGrid { grid, interpolation, comment } = track_grid(file, topic, &times, settings, notes)?;
+    if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        let (found, hint) = if times[k + 1] == times[k] {
+            ("it has the stamp of the one before", "remove the message that is there twice")
+        } else {
+            let hint = "sort the messages by their stamps, or split the recording there if another one begins";
+            ("its stamp is earlier than the one before", hint)
+        };
+        return Err(message_error(file, topic, k + 1, found.to_owned(), hint));
+    }
+    let place = |index: usize| Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
+    let OnGrid { grid, interpolation, words, lacks_a_rate } = time::on_grid(&times, 1e-9, settings, place)?;
+    let jitter = grid.jitter;
+    let comment =
+        lacks_a_rate.then(|| format!("uneven stamps, up to {jitter:.2} steps off a uniform grid: needs --resample"));
+    if interpolation.is_some() && !lacks_a_rate {
+        notes.warning(format!("topic {topic}: {} messages are resampled {words}", times.len()));
+    }
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     // What one message lacks is no channel.
     let measured = track.samples.iter().map(|s| s.values.len()).min().unwrap_or(0);
@@ -366,13 +333,13 @@ pub mod tests {
     #[test]
     fn imu_messages_are_decoded_whatever_the_length_of_the_frame() {
         for frame in ["", "imu", "imu_link", "a_long_frame_name"] {
-            let sample = imu(&cdr_imu(12_345_678_901, frame, [1.0, -2.0, 9.8]), true).unwrap();
+            let sample = imu(&cdr_imu(12_345_678_901, frame, [1.0, -2.0, 9.8]), true, 0).unwrap();
             assert_eq!(sample.stamp_ns, 12_345_678_901);
             assert_eq!(sample.values, [1.0, -2.0, 9.8, 0.1, 0.2, 0.3]);
         }
-        assert_eq!(imu(&cdr_imu(0, "imu", [0.0; 3])[..200], true), None);
-        assert_eq!(imu(&[], true), None);
-        assert_eq!(imu(&[0xFF; 400], false), None);
+        assert_eq!(imu(&cdr_imu(0, "imu", [0.0; 3])[..200], true, 0), None);
+        assert_eq!(imu(&[], true, 0), None);
+        assert_eq!(imu(&[0xFF; 400], false, 0), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@ pub mod ev5;
 pub mod iso13499;
 pub mod iso_mme;
 pub mod lvm;
+pub mod mat;
 pub mod mcap;
 pub mod messages;
 pub mod protobuf;
@@ -14,11 +15,14 @@ pub mod ros_bag;
 pub mod table;
 pub mod tdm;
 pub mod tdms;
+pub mod universal;
+pub mod workbook;
 pub mod text {
-    //! Lines, numbers and column names of text files.
+    //! Lines, numbers, times and column names of text files.
 
     pub mod column_names;
     pub mod lines;
+    pub mod stamps;
 }
 pub mod waveform {
     //! Named waveforms of TDMS, TDM and LVM files as channels: identity, unit, time; what these formats share.

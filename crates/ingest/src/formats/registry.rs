@@ -4,18 +4,34 @@ use std::collections::BTreeMap;
 
 use crate::error::WHAT_IS_READ;
 use crate::formats::reader::{Bundle, NamedBytes, Reader};
-use crate::formats::{ev5, iso_mme, lvm, mcap, ros_bag, table, tdm, tdms};
+use crate::formats::{ev5, iso_mme, lvm, mat, mcap, ros_bag, table, tdm, tdms, universal, workbook};
 use crate::{IngestError, Place};
 
 /// All readers, the most particular first: the first that recognises a file reads it.
-pub const READERS: &[&dyn Reader] =
-    &[&mcap::Mcap, &ros_bag::RosBag, &tdms::Tdms, &tdm::Tdm, &lvm::Lvm, &ev5::Ev5, &iso_mme::IsoMme, &table::Table];
+pub const READERS: &[&dyn Reader] = &[
+    &mcap::Mcap,
+    &ros_bag::RosBag,
+    &tdms::Tdms,
+    &tdm::Tdm,
+    &lvm::Lvm,
+    &mat::Mat,
+    &workbook::Workbook,
+    &universal::Universal,
+    &ev5::Ev5,
+    &iso_mme::IsoMme,
+    &table::Table,
+];
 
 impl Bundle {
     /// A record that is one file, already in memory.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, IngestError> {
         let reader = recognise(name, &bytes)?;
-        Ok(Self {
+        Ok(Self::with_reader(name, bytes, reader))
+    }
+
+    /// The same, where the reader is known.
+    pub(crate) fn with_reader(name: &str, bytes: Vec<u8>, reader: &'static dyn Reader) -> Self {
+        Self {
             name: name.to_owned(),
             main: NamedBytes { name: name.to_owned(), bytes },
             companions: BTreeMap::new(),
@@ -23,7 +39,7 @@ impl Bundle {
             reader,
             large: None,
             show_progress: |_, _| Box::new(|_| ()),
-        })
+        }
     }
 }
 
@@ -84,7 +100,9 @@ const FORMATS: &[Foreign] = &[
     },
     Foreign {
         what: "an SQLite database (a ROS 2 bag .db3, perhaps)",
-        instead: "convert a ROS 2 bag to MCAP (ros2 bag convert), anything else: export the channels as CSV",
+        instead: "convert a ROS 2 bag to MCAP: write \"output_bags: [{uri: converted, storage_id: mcap, all: true}]\" \
+            into out.yaml and run \"ros2 bag convert -i FOLDER -o out.yaml\"; of anything else export the channels as \
+            CSV",
         matches: |b| b.starts_with(b"SQLite format 3"),
     },
     Foreign {
@@ -100,11 +118,21 @@ const FORMATS: &[Foreign] = &[
         instead: "take the \"EV5 ASCII X-Y\" download of the test",
         matches: |b| json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info")),
     },
+    Foreign {
+        what: "a MATLAB 7.3 file (HDF5)",
+        instead: "save it in MATLAB as version 7: save('record.mat', '-struct', 'S', '-v7') with S = load('FILE')",
+        matches: |b| b.starts_with(b"MATLAB 7.3"),
+    },
     Foreign { what: "an HDF5 file", instead: TABLE, matches: |b| b.starts_with(b"\x89HDF\r\n") },
-    Foreign { what: "a MATLAB file", instead: TABLE, matches: |b| b.starts_with(b"MATLAB ") },
+    Foreign {
+        what: "an LS-DYNA keyword file",
+        instead: "copy the rows below *DEFINE_CURVE into a text file of two columns, time and value",
+        matches: |b| text(b).starts_with(b"*KEYWORD") || has(b, b"*DEFINE_CURVE"),
+    },
     Foreign {
         what: "an MDF measurement file (MDF 3 or MDF4)",
-        instead: TABLE,
+        instead: "export it as CSV with asammdf: \
+            python -c \"import asammdf; asammdf.MDF('FILE').export('csv', 'out.csv')\"",
         matches: |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
     },
     Foreign { what: "a Parquet file", instead: TABLE, matches: |b| b.starts_with(b"PAR1") },
@@ -113,16 +141,11 @@ const FORMATS: &[Foreign] = &[
         instead: TABLE,
         matches: |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"),
     },
-    Foreign {
-        what: "a universal file (UFF 58)",
-        instead: TABLE,
-        matches: |b| text(b).starts_with(b"-1") && universal(b),
-    },
     // A zip archive that is given is opened before this; what comes here was in one.
     Foreign {
         what: "a zip archive inside an archive",
         instead: "unpack the outer one and give the inner one",
-        matches: |b| b.starts_with(b"PK\x03\x04"),
+        matches: |b| b.starts_with(b"PK\x03\x04") && !workbook::Workbook.recognises(b),
     },
     Foreign { what: "a gzip archive", instead: UNPACK, matches: |b| b.starts_with(b"\x1F\x8B") },
     Foreign { what: "a 7z archive", instead: UNPACK, matches: |b| b.starts_with(b"7z\xBC\xAF\x27\x1C") },
@@ -209,13 +232,6 @@ fn html(bytes: &[u8]) -> bool {
 fn json(bytes: &[u8]) -> bool {
     let start = text(bytes);
     start.first() == Some(&b'{') || (start.first() == Some(&b'[') && has(start, b"\""))
-}
-
-/// Second line of a data set is its number.
-fn universal(bytes: &[u8]) -> bool {
-    let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
-    lines.next() == Some(b"-1")
-        && lines.next().is_some_and(|n| matches!(n, b"58" | b"151" | b"58b") || n.starts_with(b"58b"))
 }
 
 #[cfg(test)]

@@ -64,7 +64,7 @@ impl Reader for RosBag {
             let hint = "export the acceleration as CSV: rostopic echo -b FILE -p TOPIC";
             return Err(messages::refuse(file, &topics, "no topic with acceleration", hint));
         }
-        messages::recording(file, &bag.tracks, settings, Notes::new())
+        messages::recording(file, &mut bag.tracks, settings, Notes::new())
     }
 }
 
@@ -235,8 +235,12 @@ impl Bag {
             return Err(refuse(file, start, "a message of a connection that is not described before it", CUT));
         };
         connection.messages += 1;
+        // Seconds and nanoseconds, four bytes each.
+        let time: u64 =
+            header.get(&b"time"[..]).and_then(|v| Some(u64::from_le_bytes((*v).try_into().ok()?))).unwrap_or(0);
+        let recorded_ns = (time & 0xFFFF_FFFF).cast_signed() * 1_000_000_000 + (time >> 32).cast_signed();
         if is_imu(&connection.kind)
-            && let Some(sample) = messages::imu(data, false)
+            && let Some(sample) = messages::imu(data, false, recorded_ns)
         {
             let track = self
                 .tracks

@@ -5,14 +5,14 @@ use std::collections::{BTreeMap, HashMap};
 use crumple_signal::Notes;
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::formats::tdms::metadata::{Strided, Type, numbers, times};
 use crate::formats::text::lines::{decode, without_mark};
-use crate::formats::waveform::channel::{Instant, Waveform};
-use crate::formats::waveform::clock::instant;
+use crate::formats::text::stamps::Instant;
+use crate::formats::text::stamps::instant;
+use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
-use crate::recording::content::{ReadChannel, Recording};
+use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
 use crate::{IngestError, IngestSettings, Place};
 
@@ -42,7 +42,7 @@ impl Reader for Tdm {
     }
 
     fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
+        conversion::FLAGS
     }
 
     fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
@@ -83,11 +83,8 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
-    let channels = conversion::to_channels(file, waveforms, settings, &mut notes)?;
-    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, found)| found).collect();
-    let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
     let details = details(&header.root);
-    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+    conversion::recording(file, waveforms, details, settings, notes)
 }
 
 /// The binary file: that of the header's name in any case, else the one that is named like the header.
@@ -443,6 +440,10 @@ fn block(id: &str, by_id: &NodeIndex) -> Result<Block, String> {
     Ok(Block { offset: number("byteOffset")?, length: number("length")?, kind })
 }
 
+/// Properties that are told as facts, without signs and capitals.
+const FACTS: &str = "testid testdate description impactvelocity impactspeed testspeed testmass vehiclemass \
+    occupantposition dummytype laboratory author";
+
 /// Title, vehicle and facts by the names of properties, case aside. Speeds and masses in properties carry no unit and
 /// are told as facts only.
 pub fn details(properties: &BTreeMap<String, String>) -> Details {
@@ -457,21 +458,7 @@ pub fn details(properties: &BTreeMap<String, String>) -> Details {
     let mut facts = Vec::new();
     for (name, value) in properties {
         let squeezed: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).take(40).collect();
-        let is_fact = matches!(
-            squeezed.as_str(),
-            "testid"
-                | "testdate"
-                | "description"
-                | "impactvelocity"
-                | "impactspeed"
-                | "testspeed"
-                | "testmass"
-                | "vehiclemass"
-                | "occupantposition"
-                | "dummytype"
-                | "laboratory"
-                | "author"
-        );
+        let is_fact = FACTS.split(' ').any(|fact| fact == squeezed);
         if is_fact && !value.trim().is_empty() {
             facts.push(format!("{name}: {}", value.trim()));
         }

@@ -29,6 +29,26 @@ pub enum Profile {
     Edr,
 }
 
+/// Where on an occupant the accelerometers sit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BodyPlace {
+    /// In the head: HIC.
+    Head,
+    /// In the chest.
+    Chest,
+}
+
+impl BodyPlace {
+    /// As a location says it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Head => "head",
+            Self::Chest => "chest",
+        }
+    }
+}
+
 /// Facts about the record and choices of its reader. What is given here beats the sidecar file, which beats the
 /// record itself.
 #[derive(Debug, Clone, Default, PartialEq, clap::Args, Serialize, Deserialize)]
@@ -46,11 +66,11 @@ pub struct IngestSettings {
     /// x.
     #[arg(long, value_name = "CHANNEL")]
     pub channel: Option<String>,
-    /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2.
+    /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2, mm/ms^2.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
-    /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us. Default: from the header,
-    /// else inferred from the sampling interval, with a note.
+    /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us, ns, min, h, d. Default: from
+    /// the header, else inferred from the sampling interval, with a note.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is
@@ -72,6 +92,13 @@ pub struct IngestSettings {
     /// Words of the line above the table that is meant, in a text with several: "Longitudinal Crash Pulse".
     #[arg(long, value_name = "TEXT")]
     pub skip_to: Option<String>,
+    /// Sheet of a workbook (.xlsx) that holds the record. Default: the only one with rows of numbers.
+    #[arg(long, value_name = "NAME")]
+    pub sheet: Option<String>,
+    /// Where the accelerometers sit, if they are those of an occupant and their names do not say so: head, chest. Three
+    /// without an axis are x, y and z.
+    #[arg(long, value_enum, value_name = "PLACE")]
+    pub place: Option<BodyPlace>,
     /// Number to take from the JSON or protobuf messages of an MCAP file, by its path; several by commas; a topic and a
     /// colon may stand in front: imu.acceleration.x. Its unit is that of --unit.
     #[arg(long, value_name = "PATH")]
@@ -118,6 +145,8 @@ impl IngestSettings {
             field: self.field.clone().or_else(|| below.field.clone()),
             resample: self.resample.or(below.resample),
             skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
+            sheet: self.sheet.clone().or_else(|| below.sheet.clone()),
+            place: self.place.or(below.place),
             vehicle_number: self.vehicle_number.or(below.vehicle_number),
             vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
             title: self.title.clone().or_else(|| below.title.clone()),
@@ -138,7 +167,7 @@ impl IngestSettings {
     }
 
     /// The names a sidecar may use.
-    pub const KEYS: [&'static str; 17] = [
+    pub const KEYS: [&'static str; 19] = [
         "mass",
         "impact_speed",
         "channel",
@@ -149,6 +178,8 @@ impl IngestSettings {
         "sample_time",
         "profile",
         "skip_to",
+        "sheet",
+        "place",
         "field",
         "resample",
         "vehicle_number",
@@ -168,6 +199,7 @@ fn given(settings: &IngestSettings) -> Vec<&'static str> {
         ("--sample-time", settings.sample_time.is_some()),
         ("--profile", settings.profile.is_some()),
         ("--skip-to", settings.skip_to.is_some()),
+        ("--sheet", settings.sheet.is_some()),
         ("--field", settings.field.is_some()),
         ("--resample", settings.resample.is_some()),
         ("--vehicle-number", settings.vehicle_number.is_some()),

@@ -58,23 +58,7 @@ fn one_of_several_columns_with_one_title_is_taken_by_its_number_only() {
 }
 
 #[test]
-fn a_column_of_text_is_named_with_its_line() {
-    let rows: String = (0..100).map(|n| format!("{:.4},{n},ok\n", f64::from(n) * 1e-4)).collect();
-    let error = read("a.csv", &format!("# mass: 1 t\ntime_s,accel_g,remark\n{rows}"), &lenient()).unwrap_err();
-    assert_eq!(error.to_string(), "a.csv, line 3, column 3 (remark): text in a row of numbers: \"ok\"");
-    assert!(error.hint().starts_with("leave the column of text out"), "{}", error.hint());
-    let error = read("a.csv", &rows, &lenient()).unwrap_err();
-    assert_eq!(error.to_string(), "a.csv, line 1, column 3: text in a row of numbers: \"ok\"");
-    // German, in latin-1 words and with decimal commas.
-    let rows: String = (0..100).map(|n| format!("0,{n:04};{n},5;g\u{fc}ltig\n")).collect();
-    let error = read("a.csv", &format!("Zeit [s];a [g];Zustand\n{rows}"), &lenient()).unwrap_err();
-    assert_eq!(error.to_string(), "a.csv, line 2, column 3 (Zustand): text in a row of numbers: \"g\u{fc}ltig\"");
-    // A time of day.
-    let rows: String = (0..100).map(|n| format!("12:30:01.{n:04},{n}\n")).collect();
-    let error = read("a.csv", &format!("time,accel_g\n{rows}"), &lenient()).unwrap_err();
-    assert_eq!(error.to_string(), "a.csv, line 2, column 1 (time): text in a row of numbers: \"12:30:01.0000\"");
-    assert!(error.hint().contains("in seconds") && error.hint().contains("--sample-time"), "{}", error.hint());
-    // Text that starts later is met at its own line.
+fn a_word_among_the_numbers_is_named_with_its_line() {
     let late = table("time_s,accel_g").replacen("0.0050,50\n", "0.0050,overload\n", 1);
     let error = read("a.csv", &late, &lenient()).unwrap_err();
     assert_eq!(error.to_string(), "a.csv, line 52, column 2 (accel_g): \"overload\" is not a finite number");

@@ -10,6 +10,7 @@ mod lvm;
 mod messages;
 mod messy_tables;
 mod nhtsa;
+mod other_programs;
 mod protobuf;
 mod refusals;
 mod robustness;

@@ -133,8 +133,8 @@ fn uneven_stamps_are_refused_and_resampled_only_on_request() {
     messages.remove(100);
     let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &messages);
     let error = read(file.clone(), &settings("acceleration_x")).unwrap_err();
-    assert!(error.to_string().starts_with("a.mcap, topic /imu, message 101: a step of 2.0000 ms"), "{error}");
-    assert_eq!(error.hint(), "resample on a uniform grid by linear interpolation: --resample 1000Hz");
+    assert!(error.to_string().starts_with("a.mcap, topic /imu, message 101: a step of 0.002000000 s"), "{error}");
+    assert!(error.hint().contains("--resample 1000Hz"), "{}", error.hint());
     let asked = IngestSettings { resample: Some("1kHz".parse().unwrap()), ..settings("acceleration_x") };
     let ingested = read(file, &asked).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();
@@ -213,7 +213,7 @@ fn the_logged_bag_gives_gravity() {
     let Some(path) = shared("data/ros-imu-bag/tilt_laser.bag") else { return };
     let bundle = Bundle::open(&path).unwrap();
     let error = ingest(&bundle, &settings("acceleration_z")).unwrap_err();
-    assert!(error.to_string().contains("steps from 39.7"), "{error}");
+    assert!(error.to_string().contains("a step of 0.039775"), "{error}");
     let asked = IngestSettings { resample: Some("20Hz".parse().unwrap()), ..settings("acceleration_z") };
     let ingested = ingest(&bundle, &asked).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();

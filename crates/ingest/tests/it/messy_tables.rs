@@ -2,8 +2,8 @@
 //!
 //! All hold one pulse: half a sine of -25 g over 90 ms, 5 kHz from -50 ms to 150 ms, as its program would print it.
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest, list};
-use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
+use crumple_ingest::{BodyPlace, Bundle, IngestError, IngestSettings, Ingested, ingest, list};
+use crumple_signal::{Axis, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 const ROWS: usize = 1000;
 const DT_S: f64 = 2e-4;
@@ -296,11 +296,6 @@ fn refused() -> Vec<Refused> {
     let text = format!("time [us],accel [mg]\n{}", rows(|_, t, a| format!("\"{}\",{:.0}", thousands(t), a * 1e3)));
     let plain_numbers = format!("time [us],accel [mg]\n{}", rows(|_, t, a| format!("{:.0},{:.1}", t * 1e6, a * 1e3)));
     add("thousands or decimals", text, "without thousands separators", (plain_numbers, none()), -0.05);
-    let text = format!("Clock,accel_g\n{}", rows(|_, t, a| format!("12:00:{:07.4},{a:.4}", t + 1.0)));
-    let without_clock = format!("accel_g\n{}", rows(|_, _, a| format!("{a:.4}")));
-    add("a time of day", text, "leave the column out and state --sample-time", (without_clock, interval()), 0.0);
-    let text = format!("{header},place\n{}", plain().replace('\n', ",B-pillar\n"));
-    add("a column of text", text, "leave the column of text out", good(), -0.05);
     let text = format!("{header},time2_ms,b_g\n{}", rows(|k, t, a| format!("{t:.4},{a:.4},{:.4},0.5", k as f64)));
     let text = text.replace("time2_ms", "Time 2 (ms)");
     add("two time columns", text, "into a file of their own", good(), -0.05);
@@ -368,8 +363,6 @@ fn refused_exports() -> Vec<Refused> {
     let shown = rows(|_, t, a| format!("   {:.7}   {:.7}", t / 1e3, a / 1e3));
     let text = format!("% t [s]  a [g]\n   1.0e+03 *\n\n{shown}");
     add("MATLAB's display", text, "multiply all columns and remove that line", &good, none());
-    let text = format!("time [min],accel [g]\n{}", rows(|_, t, a| format!("{:.9},{a:.4}", t / 60.0)));
-    add("minutes", text, "export the times in s, ms or us", &good, none());
     let text = format!("Var1,Var2\n{}", plain());
     add("names of MATLAB's tables", text.clone(), "--time-unit s", &text, both());
     let text = format!("s,g\ntime,accel\n{}", plain());
@@ -379,12 +372,16 @@ fn refused_exports() -> Vec<Refused> {
     let mass = || IngestSettings { mass: Some("1200kg".parse().unwrap()), ..none() };
     add("thousands of kilograms", text.clone(), "correct the comment line", &text.replace("1,2", "12"), none());
     add("a mass without its unit", format!("# mass: 1200\n{good}"), "remove it and use the flag", &good, mass());
-    let late = |k: usize| if k < 500 { "" } else { "1.0" };
-    let text = format!("time_s,b_g,accel_g\n{}", rows(|k, t, a| format!("{t:.4},{},{a:.4}", late(k))));
-    let filled = text.replace(",,", ",0.0,");
-    let first = || IngestSettings { channel: Some("accel_g".to_owned()), ..none() };
-    add("a column that begins late", text.clone(), "leave that column out", &good, none());
-    add("a column that begins late, filled", text, "fill it from the first row on", &filled, first());
+    let text = format!(
+        "time_s,accel_g,b_v\n{}",
+        rows(|k, t, a| {
+            let gap = format!("{t:.4},{a:.4},1");
+            if k == 600 { gap.replace(&format!("{a:.4}"), "") } else { gap }
+        })
+    );
+    add("a gap in the column that is needed", text, "leave that column out", &good, none());
+    let text = format!("{header}\n{}end of the first\nsecond\n{}", plain(), plain());
+    add("two curves", text, "--skip-to \"second\" takes the second one", &good, none());
     tables
 }
 
@@ -407,11 +404,124 @@ fn a_list_shows_no_rate_that_nobody_stated() {
     for text in ["Sample,accel_g\n", "Index,accel_g\n", "time,accel_g\n"] {
         let text = format!("{text}{}", rows(|k, _, a| format!("{k},{a:.4}")));
         let bundle = || Bundle::from_bytes("a.csv", text.clone().into_bytes()).unwrap();
-        let error = list(&bundle(), &none()).unwrap_err();
-        assert!(error.hint().contains("--sample-time"), "{error} {}", error.hint());
+        let listed = list(&bundle(), &none()).unwrap();
+        assert!(listed.iter().any(|line| line.id == "accel_g" && line.rate_hz.is_none()), "{listed:?}");
         let listed = list(&bundle(), &interval()).unwrap();
         assert_eq!((listed.len(), listed[0].rate_hz), (1, Some(5000.0)));
     }
+}
+
+/// Days of a spreadsheet from the 14th of March 2024, 10:02:03 on.
+fn serial_day(t: f64) -> f64 {
+    45_365.0 + (36_123.0 + t + 0.05) / 86_400.0
+}
+
+#[test]
+fn times_and_tables_of_loggers_are_read_right() {
+    let clock = |t: f64| format!("10:02:{:07.4}", 3.0 + t + 0.05);
+    let slow = |k: usize| if k.is_multiple_of(10) { "50.1" } else { "" };
+    let late = |k: usize| if k < 500 { "" } else { "1.0" };
+    let ns = |t: f64| 1_718_030_736_872_695_300 + ((t + 0.05) * 1e9).round() as i64;
+    let tables = [
+        (
+            "ISO 8601",
+            0.0,
+            format!("timestamp,accel_g\n{}", rows(|_, t, a| format!("2024-03-14 {}+00:00,{a:.4}", clock(t)))),
+        ),
+        ("a T and a Z", 0.0, format!("UTC,accel_g\n{}", rows(|_, t, a| format!("2024-03-14T{}Z,{a:.4}", clock(t))))),
+        ("a clock", 0.0, format!("Clock,accel_g\n{}", rows(|_, t, a| format!("{},{a:.4}", clock(t))))),
+        (
+            "thousandths behind a colon",
+            0.0,
+            format!(
+                "t;a [g]\n{}",
+                rows(|k, _, a| { comma(format!("14:22:{:02}:{:04};{a:.4}", 7 + k * 2 / 10_000, k * 2 % 10_000)) })
+            ),
+        ),
+        ("Excel's minutes", 0.0, format!("t,accel_g\n{}", rows(|_, t, a| format!("{},{a:.4}", &clock(t)[3..])))),
+        (
+            "the American way",
+            0.0,
+            format!("Date/Time,accel_g\n{}", rows(|_, t, a| format!("3/14/2024 {} PM,{a:.4}", clock(t)))),
+        ),
+        (
+            "over midnight",
+            0.0,
+            format!(
+                "time,accel_g\n{}",
+                rows(|k, _, a| {
+                    let tenth_ms = (863_999_500 + 2 * k as i64) % 864_000_000;
+                    let (s, rest) = (tenth_ms / 10_000, tenth_ms % 10_000);
+                    format!("{:02}:{:02}:{:02}.{rest:04},{a:.4}", s / 3600, s / 60 % 60, s % 60)
+                })
+            ),
+        ),
+        ("days", 0.0, format!("Time,accel_g\n{}", rows(|_, t, a| format!("{:.11},{a:.4}", serial_day(t))))),
+        ("minutes", -0.05, format!("time [min],accel [g]\n{}", rows(|_, t, a| format!("{:.15},{a:.4}", t / 60.0)))),
+        ("19 digits", 0.0, format!("time_ns,accel_g\n{}", rows(|_, t, a| format!("{},{a:.4}", ns(t))))),
+        (
+            "seconds beside them",
+            0.0,
+            format!(
+                "time,seconds_elapsed,accel_g\n{}",
+                rows(|_, t, a| { format!("{},{:.4},{a:.4}", ns(t), t + 0.05) })
+            ),
+        ),
+        (
+            "a slower channel",
+            -0.05,
+            format!("time_s,accel_g,speed\n{}", rows(|k, t, a| format!("{t:.4},{a:.4},{}", slow(k)))),
+        ),
+        (
+            "a faster time",
+            -0.05,
+            format!("time_s,accel_g,b\n{}", rows(|_, t, a| { format!("{t:.4},{a:.4},1\n{:.4},,2", t + 1e-4) })),
+        ),
+        (
+            "a column that begins late",
+            -0.05,
+            format!("time_s,b_g,accel_g\n{}", rows(|k, t, a| format!("{t:.4},{},{a:.4}", late(k)))),
+        ),
+        ("a column of words", -0.05, format!("time_s,accel_g,place\n{}", plain().replace('\n', ",B-pillar\n"))),
+        ("a mark below the names", -0.05, format!("time_s,accel_g\n[DATA]\n{}", plain())),
+        ("dashes below names and units", -0.05, format!("time accel\ns g\n---- -----\n{}", plain().replace(',', " "))),
+        ("the end of a header", -0.05, format!("t (s)\ta (g)\n***End_of_Header***\n{}", plain().replace(',', "\t"))),
+        (
+            "units of simulations",
+            -0.05,
+            format!("Time [ms],a [mm/ms^2]\n{}", rows(|_, t, a| format!("{:.1},{:.9}", t * 1e3, a * G / 1e3))),
+        ),
+    ];
+    for (name, t0_s, text) in tables {
+        let text = format!("{FACTS}{text}");
+        let zero = IngestSettings { time_zero: Some("0s".parse().unwrap()), ..none() };
+        let ingested = read(text, &zero).unwrap_or_else(|error| panic!("{name}: {error} (hint: {})", error.hint()));
+        check_pulse(name, &ingested, t0_s);
+    }
+    // A time zero on the calendar.
+    let text = format!("{FACTS}time_ns,accel_g\n{}", rows(|_, t, a| format!("{},{a:.4}", ns(t))));
+    let zero = IngestSettings { time_zero: Some("1718030736.9226953s".parse().unwrap()), ..none() };
+    let wave = &read(text, &zero).unwrap();
+    // Seconds since 1970 are kept to 0.24 us.
+    assert!((wave.pulse().unwrap().samples.t0_s() + 0.05).abs() < 5e-7);
+}
+
+#[test]
+fn advice_leads_from_the_unit_to_the_column_and_to_the_head() {
+    let rows = rows(|_, t, a| format!("{t:.4},{a:.4},0,1"));
+    let text = format!("time_s,x,y,z\n{rows}");
+    let error = read(text.clone(), &none()).unwrap_err();
+    assert!(error.hint().contains("add --unit g"), "{}", error.hint());
+    let unit = IngestSettings { unit: Some("g".to_owned()), ..none() };
+    let error = read(text.clone(), &unit).unwrap_err();
+    assert!(error.hint().starts_with("add --channel x, for example"), "{error}: {}", error.hint());
+    check_pulse("x", &read(text, &IngestSettings { channel: Some("x".to_owned()), ..unit.clone() }).unwrap(), -0.05);
+    let error = read(rows.clone(), &unit).unwrap_err();
+    assert!(error.hint().contains("--place head"), "{}", error.hint());
+    let head = read(rows, &IngestSettings { place: Some(BodyPlace::Head), ..unit }).unwrap();
+    let channels: Vec<_> = head.test.channels.iter().map(|c| (c.location.as_str(), c.axis)).collect();
+    let along = |axis| ("head", Some(axis));
+    assert_eq!(channels, [along(Axis::X), along(Axis::Y), along(Axis::Z)]);
 }
 
 #[test]

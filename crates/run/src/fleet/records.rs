@@ -19,7 +19,8 @@ use crate::fleet::command::Batch;
 const HEAD: u64 = 8192;
 
 /// Endings of files that are meant as records whatever is in them: one that is empty or damaged is a row of the fleet.
-const RECORDS: [&str; 10] = ["csv", "tsv", "ev5", "mme", "tdms", "tdm", "lvm", "mcap", "bag", "zip"];
+const RECORDS: [&str; 14] =
+    ["csv", "tsv", "ev5", "mme", "tdms", "tdm", "lvm", "mcap", "bag", "zip", "xlsx", "mat", "uff", "unv"];
 
 /// Endings of text files that are records if they hold rows of numbers.
 const TABLES: [&str; 5] = ["txt", "dat", "asc", "prn", ""];

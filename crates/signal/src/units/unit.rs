@@ -75,35 +75,24 @@ use Dimension::{Area, Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
 use QuantityKind as Q;
 
 /// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
-/// Spellings are compared without blanks; letters keep their case where two units differ by it.
+/// Spellings are compared without blanks and marks of powers; letters keep their case where two units differ by it.
 const UNITS: &[(&[&str], Dimension, f64)] = &[
     (
-        &[
-            "m/s^2",
-            "m/s2",
-            "m/s²",
-            "m/s/s",
-            "m/(s*s)",
-            "m/(s^2)",
-            "m/sec^2",
-            "meters/sec^2",
-            "m.s-2",
-            "m·s-2",
-            "m·s⁻²",
-            "ms-2",
-            "m/s**2",
-        ],
+        &["m/s^2", "m/s/s", "m/(s*s)", "m/(s^2)", "m/sec^2", "meters/sec^2", "m.s-2", "m·s-2", "m·s⁻²", "ms-2"],
         Signal(Q::Acceleration),
         1.0,
     ),
     (&["g", "G", "g's", "G'S", "gs", "Gs", "g0", "gn", "grav"], Signal(Q::Acceleration), STANDARD_GRAVITY_M_PER_S2),
     (&["mg"], Signal(Q::Acceleration), 1e-3 * STANDARD_GRAVITY_M_PER_S2),
     (&["kilo-g", "kG", "kilog"], Signal(Q::Acceleration), 1e3 * STANDARD_GRAVITY_M_PER_S2),
-    (&["mm/s^2", "mm/s2", "mm/s²"], Signal(Q::Acceleration), 1e-3),
-    (&["cm/s^2", "cm/s2", "cm/s²", "Gal", "gal"], Signal(Q::Acceleration), 1e-2),
-    (&["ft/s^2", "ft/s2", "ft/s²"], Signal(Q::Acceleration), FOOT_M),
-    (&["in/s^2", "in/s2", "in/s²"], Signal(Q::Acceleration), INCH_M),
-    (&["m/s", "m\\s", "mps", "m/sec"], Signal(Q::Velocity), 1.0),
+    (&["mm/s^2"], Signal(Q::Acceleration), 1e-3),
+    (&["cm/s^2", "Gal", "gal"], Signal(Q::Acceleration), 1e-2),
+    (&["ft/s^2"], Signal(Q::Acceleration), FOOT_M),
+    (&["in/s^2"], Signal(Q::Acceleration), INCH_M),
+    // Sets of units of simulations: ms, mm, kg; and ms, m, kg.
+    (&["mm/ms^2", "mm/ms/ms", "mm/(ms^2)", "mm/(ms*ms)"], Signal(Q::Acceleration), 1e3),
+    (&["m/ms^2", "m/ms/ms", "m/(ms^2)", "m/(ms*ms)"], Signal(Q::Acceleration), 1e6),
+    (&["m/s", "m\\s", "mps", "m/sec", "mm/ms"], Signal(Q::Velocity), 1.0),
     (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH"], Signal(Q::Velocity), 1.0 / 3.6),
     (&["mph", "MPH", "mi/h"], Signal(Q::Velocity), MILE_M / 3600.0),
     (&["mm/s"], Signal(Q::Velocity), 1e-3),
@@ -123,12 +112,12 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["deg", "DEG", "°", "degree", "degrees"], Signal(Q::Angle), DEGREE_RAD),
     (&["rad/s"], Signal(Q::AngularVelocity), 1.0),
     (&["deg/s", "DPS", "dps", "°/s"], Signal(Q::AngularVelocity), DEGREE_RAD),
-    (&["rad/s^2", "rad/s2", "RP2"], Signal(Q::AngularAcceleration), 1.0),
-    (&["deg/s^2", "deg/s2", "DP2"], Signal(Q::AngularAcceleration), DEGREE_RAD),
+    (&["rad/s^2", "RP2"], Signal(Q::AngularAcceleration), 1.0),
+    (&["deg/s^2", "DP2"], Signal(Q::AngularAcceleration), DEGREE_RAD),
     (&["Pa", "PAS"], Signal(Q::Pressure), 1.0),
     (&["kPa", "KPA"], Signal(Q::Pressure), 1e3),
     (&["bar"], Signal(Q::Pressure), 1e5),
-    (&["MPa", "N/mm2", "N/mm^2", "N/mm²"], Signal(Q::Pressure), 1e6),
+    (&["MPa", "N/mm^2"], Signal(Q::Pressure), 1e6),
     (&["psi"], Signal(Q::Pressure), POUND_KG * STANDARD_GRAVITY_M_PER_S2 / (INCH_M * INCH_M)),
     (&["V", "VOL", "volt", "volts"], Signal(Q::Voltage), 1.0),
     (&["mV"], Signal(Q::Voltage), 1e-3),
@@ -138,6 +127,10 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["s", "sec", "SEC", "seconds", "second"], Time, 1.0),
     (&["ms", "MS", "msec", "milliseconds"], Time, 1e-3),
     (&["us", "µs", "μs", "usec", "microseconds", "microsecond"], Time, 1e-6),
+    (&["ns", "nsec", "nanoseconds", "nanosecond"], Time, 1e-9),
+    (&["min", "minutes", "minute"], Time, 60.0),
+    (&["h", "hours", "hour"], Time, 3600.0),
+    (&["d", "days", "day"], Time, 86_400.0),
     (&["Hz", "hz", "1/s"], Frequency, 1.0),
     (&["kHz"], Frequency, 1e3),
     (&["%", "percent"], Share, 1e-2),
@@ -151,13 +144,19 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["N*s/m", "N·s/m", "Ns/m", "N.s/m", "N/(m/s)"], Damping, 1.0),
     (&["N*s/mm", "N·s/mm", "Ns/mm", "N.s/mm"], Damping, 1e3),
     (&["lbf*s/in"], Damping, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
-    (&["m2", "m^2", "m²"], Area, 1.0),
-    (&["cm2", "cm^2", "cm²"], Area, 1e-4),
-    (&["mm2", "mm^2", "mm²"], Area, 1e-6),
+    (&["m2"], Area, 1.0),
+    (&["cm2"], Area, 1e-4),
+    (&["mm2"], Area, 1e-6),
 ];
 
+/// Without blanks, and powers in one spelling: `m/s²`, `m/s^2` and `m/s**2` are `m/s2`.
 fn squeeze(text: &str) -> String {
-    text.chars().filter(|c| !c.is_whitespace()).collect()
+    let plain = text.replace("**", "").replace('²', "2");
+    plain.chars().filter(|c| !c.is_whitespace() && *c != '^').collect()
+}
+
+fn is_among(spellings: &[&str], squeezed: &str) -> bool {
+    spellings.iter().any(|spelling| squeeze(spelling) == squeezed)
 }
 
 /// The factor that takes a value in `symbol` to SI, if `symbol` is a unit of `dimension`.
@@ -169,10 +168,7 @@ fn squeeze(text: &str) -> String {
 /// ```
 pub fn factor(symbol: &str, dimension: Dimension) -> Option<f64> {
     let symbol = squeeze(symbol);
-    UNITS
-        .iter()
-        .find(|(spellings, d, _)| *d == dimension && spellings.contains(&symbol.as_str()))
-        .map(|(_, _, factor)| *factor)
+    UNITS.iter().find(|(spellings, d, _)| *d == dimension && is_among(spellings, &symbol)).map(|(_, _, factor)| *factor)
 }
 
 /// A symbol without the brackets around it: `[g]` is `g`, `(m/s^2` is `m/s^2`; `m/(s*s)` stays, its bracket belongs to
@@ -235,7 +231,7 @@ pub fn opening_bracket(text: &str) -> Option<usize> {
 pub fn signal_unit(symbol: &str) -> Option<(QuantityKind, f64)> {
     let symbol = squeeze(symbol);
     UNITS.iter().find_map(|(spellings, dimension, factor)| match dimension {
-        Signal(kind) if spellings.contains(&symbol.as_str()) => Some((*kind, *factor)),
+        Signal(kind) if is_among(spellings, &symbol) => Some((*kind, *factor)),
         _ => None,
     })
 }
@@ -349,6 +345,19 @@ mod tests {
         assert_eq!(parse_value("20 kN s/m", Damping), Ok(20e3));
         assert_eq!(parse_value("8 N*s/mm", Damping), Ok(8e3));
         assert!(matches!(parse_value("20 kN/m", Damping), Err(UnitError::Unit { .. })));
+    }
+
+    #[test]
+    fn units_of_simulations_loggers_and_spreadsheets_are_known() {
+        let acceleration = |symbol| factor(symbol, Signal(Q::Acceleration));
+        for symbol in ["mm/ms^2", "mm/ms²", "mm/ms2", "mm/ms**2", "mm / ms^2"] {
+            assert_eq!(acceleration(symbol), Some(1e3), "{symbol}");
+        }
+        assert_eq!(
+            (acceleration("m/ms^2"), acceleration("m/s**2"), acceleration("cm/s²")),
+            (Some(1e6), Some(1.0), Some(1e-2))
+        );
+        assert_eq!(["ns", "min", "h", "days"].map(|s| factor(s, Time)), [1e-9, 60.0, 3600.0, 86_400.0].map(Some));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Reference cases: the product is fed with the inputs of a case file and every expected number is compared; nothing is
-//! computed here. `just cases identification|metrics|papers|prediction [FILE]`; as a test, every kind over its shared
-//! file.
+//! computed here. `just cases identification|metrics|papers|prediction|records [FILE]`; as a test, every kind over its
+//! shared file.
 //!
 //! Prints a count for each kind of case, what failed, and last `N of M cases`. A kind of case that is not known here
 //! fails by its name.
@@ -11,6 +11,7 @@ mod identification;
 mod metrics;
 mod papers;
 mod prediction;
+mod records;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,11 +26,12 @@ type Check = Box<dyn Fn(&Value) -> Vec<String>>;
 /// A subject: its name, its shared file, and what checks a case of such a file.
 type Subject = (&'static str, &'static str, fn(Value) -> Check);
 
-const SUBJECTS: [Subject; 4] = [
+const SUBJECTS: [Subject; 5] = [
     ("identification", "reference/identification-cases.json", identification::check),
     ("metrics", "reference/metrics.json", metrics::check),
     ("papers", "reference/papers.json", papers::check),
     ("prediction", "reference/prediction.json", prediction::check),
+    ("records", "reference/cases/cases.json", records::check),
 ];
 
 fn main() -> ExitCode {
@@ -52,7 +54,13 @@ fn main() -> ExitCode {
 
 fn read(path: &Path) -> Value {
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    let mut file: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    // Records lie beside the file of their cases.
+    if let Some(file) = file.as_object_mut() {
+        let folder = path.canonicalize().ok().and_then(|path| path.parent().map(Path::to_owned)).unwrap_or_default();
+        file.insert("folder".to_owned(), Value::from(folder.to_string_lossy()));
+    }
+    file
 }
 
 /// The cases of a file: its list `cases` or `items`, or the file itself.

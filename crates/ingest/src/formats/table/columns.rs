@@ -12,11 +12,12 @@ use crate::formats::table::header::{Column, TableHeader};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::time_axis::TimeAxis;
 use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
+use crate::formats::waveform::channel;
 use crate::recording::content::{Fitness, ReadChannel};
 use crate::recording::details::Stated;
 use crate::recording::settings;
 use crate::recording::settings::is_pattern;
-use crate::{IngestError, IngestSettings, Place, Profile};
+use crate::{IngestError, IngestSettings, Place, Profile, pulse};
 
 const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
 
@@ -30,7 +31,8 @@ pub fn channels(
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
 ) -> Result<Vec<ReadChannel>, IngestError> {
-    let data: Vec<usize> = (0..header.columns.len()).filter(|k| !time.columns.contains(k)).collect();
+    let is_data = |k: &usize| !time.columns.contains(k) && !rows.is_left_out(*k);
+    let data: Vec<usize> = (0..header.columns.len()).filter(is_data).collect();
     let ids = ids(header, &data);
     same_titles(header, &data, &ids, notes);
     let edr = settings.profile == Some(Profile::Edr);
@@ -61,7 +63,7 @@ pub fn channels(
     } else if edr {
         check_for_velocity(file, header, &data, &kinds)?;
     } else if !others_are_welcome {
-        check_for_acceleration(file, header, &data, &kinds, selected)?;
+        check_for_acceleration(file, header, &data, &kinds, selected, settings.unit.is_some())?;
     }
 
     let lines = Arc::new(rows.lines);
@@ -98,6 +100,19 @@ pub fn channels(
         });
     }
     Ok(channels)
+}
+
+/// The columns of a table whose times cannot be read, for a list: without samples, the reason as their comment.
+pub fn without_time(header: &TableHeader, rows: &Rows, error: &IngestError) -> Vec<ReadChannel> {
+    let data: Vec<usize> = (0..header.columns.len()).filter(|k| !rows.is_left_out(*k)).collect();
+    let channel = |(k, id): (&usize, String)| {
+        let quantity = match header.columns[*k].unit {
+            Unit::Signal(quantity, _) => quantity,
+            _ => QuantityKind::Other,
+        };
+        ReadChannel::without_readable_file(Channel::new(id, quantity), error.to_string())
+    };
+    data.iter().zip(ids(header, &data)).map(channel).collect()
 }
 
 /// Quantity and factor to SI of every data column; [`QuantityKind::Other`] and 1 where no unit is known.
@@ -154,6 +169,7 @@ fn check_for_acceleration(
     data: &[usize],
     kinds: &[(QuantityKind, f64)],
     selected: Option<usize>,
+    is_unit_stated: bool,
 ) -> Result<(), IngestError> {
     let no_unit = |k: usize| {
         let Column { title, unit, .. } = &header.columns[k];
@@ -170,11 +186,10 @@ fn check_for_acceleration(
             && data.len() > 1
             && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
         {
-            "if it is a crash, add --unit g or --unit m/s^2, whichever it is; inputs and outputs that are no crash \
-             need none: \
-             --allow-missing, and then the stage identify with methods n4sid, inputs COLUMN and outputs COLUMN"
+            "if it is a crash, add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is; inputs and outputs that are \
+             no crash need none: --allow-missing, and then the stage identify"
         } else {
-            "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers"
+            "add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is: a unit is never guessed from the numbers"
         };
         IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
     };
@@ -196,6 +211,15 @@ fn check_for_acceleration(
     }
     let unknown: Vec<usize> =
         data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Other).map(|(k, _)| *k).collect();
+    // The unit that is stated serves the column that is named.
+    if let Some(first) = unknown.first().filter(|_| is_unit_stated) {
+        return Err(IngestError::channel(
+            file,
+            format!("no column is named as an acceleration: {}", titles(header, data)),
+            "to be told which is the crash pulse",
+            pulse::which(&ids(header, &[*first])[0], unknown.len()),
+        ));
+    }
     match unknown.iter().find(|k| names_acceleration(&header.columns[**k].title)).or(unknown.first()) {
         Some(k) => Err(no_unit(*k)),
         None => Err(IngestError::channel(
@@ -242,7 +266,7 @@ fn stated_unit(file: &str, symbol: &str, from: &str, edr: bool) -> Result<f64, I
 }
 
 /// The column a person means by its id, its name with or without unit, or its number from 1.
-fn select(
+pub fn select(
     file: &str,
     wanted: &str,
     header: &TableHeader,
@@ -300,10 +324,8 @@ fn select(
     })
 }
 
-fn titles(header: &TableHeader, data: &[usize]) -> String {
-    let titles: Vec<&str> = data.iter().take(20).map(|k| header.columns[*k].title.as_str()).collect();
-    let more = data.len() - titles.len();
-    if more == 0 { titles.join(", ") } else { format!("{} and {more} more", titles.join(", ")) }
+pub fn titles(header: &TableHeader, data: &[usize]) -> String {
+    channel::list(&data.iter().map(|k| header.columns[*k].title.as_str()).collect::<Vec<_>>())
 }
 
 /// Notes which ids columns of the same title get.
@@ -318,30 +340,19 @@ fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut
     }
 }
 
-/// Names fit for topics and file names, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`.
-fn ids(header: &TableHeader, data: &[usize]) -> Vec<String> {
+/// Names fit for topics and file names, each once.
+pub fn ids(header: &TableHeader, data: &[usize]) -> Vec<String> {
     let mut taken = BTreeSet::new();
-    data.iter()
-        .map(|k| {
-            let mut base = String::new();
-            for c in header.columns[*k].name.chars().take(80) {
-                if c.is_alphanumeric() || matches!(c, '_' | '-' | '.') {
-                    base.push(c);
-                } else if !base.is_empty() && !base.ends_with('_') {
-                    base.push('_');
-                }
-            }
-            let base = match base.trim_end_matches(['_', '.']).trim_start_matches('.') {
-                "" => format!("column_{}", k + 1),
-                base => base.to_owned(),
-            };
-            let mut id = base.clone();
-            let mut copy = 2;
-            while !taken.insert(id.clone()) {
-                id = format!("{base}-{copy}");
-                copy += 1;
-            }
-            id
-        })
-        .collect()
+    let id = |k: &usize| {
+        let clean = channel::clean(&header.columns[*k].name);
+        let base = if clean.is_empty() { format!("column_{}", k + 1) } else { clean };
+        let mut id = base.clone();
+        let mut copy = 2;
+        while !taken.insert(id.clone()) {
+            id = format!("{base}-{copy}");
+            copy += 1;
+        }
+        id
+    };
+    data.iter().map(id).collect()
 }

@@ -5,6 +5,7 @@ use crumple_signal::unit;
 use crate::formats::table::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
 use crate::formats::text::lines::{Line, decode, field, line_at, unquoted};
+use crate::formats::text::stamps::stamp;
 use crate::{IngestError, Place};
 
 /// Name and stated unit of a column.
@@ -62,12 +63,23 @@ pub fn read(layout: &Layout) -> TableHeader {
             lines.push((comment.number, names));
         }
     }
+    of_lines(lines, count)
+}
+
+/// Reads names and units of so many columns from the cells of the lines before the rows, with their numbers.
+pub fn of_lines(mut lines: Vec<(usize, Vec<String>)>, count: usize) -> TableHeader {
+    // A line that names no column, such as `[DATA]`, `***End_of_Header***` or dashes, stands below the names.
+    let mut below = Vec::new();
+    while let [.., above, last] = lines.as_slice()
+        && names_nothing(&last.1, &above.1, count)
+    {
+        below.extend(lines.pop());
+    }
     let units = units_line(&lines, count).map(|k| {
-        let below = lines.split_off(k + 1);
-        let units = lines.pop();
-        (units, below)
+        below.extend(lines.split_off(k + 1));
+        lines.pop()
     });
-    let (units, below) = units.map_or((None, Vec::new()), |(units, below)| (units, below));
+    let units = units.flatten();
     let names = lines.pop();
     let named = names.is_some();
     let (names_line, names) = names.unwrap_or_default();
@@ -111,6 +123,17 @@ pub fn read(layout: &Layout) -> TableHeader {
     }
 }
 
+/// Whether a line of one cell, below names or in brackets or marks, or one without letters and digits names no column.
+fn names_nothing(cells: &[String], above: &[String], count: usize) -> bool {
+    let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+    let has_sign = |cell: &str| cell.chars().any(char::is_alphanumeric);
+    let above = above.iter().filter(|cell| has_sign(cell)).count();
+    match filled.as_slice() {
+        [one] => above > 0 && (above >= count && count > 1 || !one.starts_with(char::is_alphanumeric)),
+        several => above > 0 && !several.iter().any(|cell| has_sign(cell)),
+    }
+}
+
 /// The line of units among those before the rows: the last one, or the one before it with names above (a line of
 /// remarks may stand below the units).
 fn units_line(lines: &[(usize, Vec<String>)], count: usize) -> Option<usize> {
@@ -133,7 +156,16 @@ fn units_line(lines: &[(usize, Vec<String>)], count: usize) -> Option<usize> {
 fn cells(line: &Line, layout: &Layout) -> Vec<String> {
     let count = layout.columns;
     // A cell broken into lines is one.
-    let text_of = |field: &[u8]| decode(unquoted(field)).split_whitespace().collect::<Vec<_>>().join(" ");
+    let text_of = |field: &[u8]| {
+        let text = decode(unquoted(field));
+        // `"AccelX"|"G"|-3.0|3.0|100`: name, unit, range, rate.
+        let mut parts = text.split('|').map(|part| part.trim_matches('"'));
+        let text = match (parts.next(), parts.next(), parts.next()) {
+            (Some(name), Some(unit), Some(_)) => format!("{name} [{unit}]"),
+            _ => text,
+        };
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
     let clean = |fields: Vec<&[u8]>| -> Vec<String> { fields.into_iter().map(text_of).collect() };
     let cells_by_delimiter = clean(layout.without_blanks(layout.delimiter.split(line.bytes)));
     if cells_by_delimiter.len() >= 2 && layout.delimiter != Delimiter::Blanks {
@@ -258,7 +290,8 @@ pub fn cut(text: &[u8], title: &str, file: &str) -> Result<Vec<u8>, IngestError>
 }
 
 fn starts_with_a_number(line: &[u8]) -> bool {
-    let numeric = |bytes: &[u8]| field(bytes, b'.').is_some() || field(bytes, b',').is_some();
+    let numeric =
+        |bytes: &[u8]| field(bytes, b'.').is_some() || field(bytes, b',').is_some() || stamp(&decode(bytes)).is_some();
     [Delimiter::Byte(b'\t'), Delimiter::Byte(b';'), Delimiter::Byte(b','), Delimiter::Blanks].into_iter().any(|way| {
         let fields = way.split(line);
         fields.len() >= 2 && numeric(unquoted(fields[0]))

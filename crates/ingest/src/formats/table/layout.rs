@@ -1,6 +1,7 @@
 //! How a table is written: delimiter, decimal mark, header lines, number of columns.
 
 use crate::formats::text::lines::{Line, NumberStyle, comment, decode, is_gap, line_at, unquoted};
+use crate::formats::text::stamps::{Instant, stamp};
 use crate::{IngestError, Place};
 
 /// Lines looked at, comments and blank lines aside.
@@ -10,7 +11,7 @@ const LINES_LOOKED_AT: usize = 10_000;
 /// Rows after the first that must agree with it.
 const AGREEING_ROWS: usize = 3;
 /// More columns than this are taken for a mistake.
-const COLUMN_LIMIT: usize = 4096;
+pub const COLUMN_LIMIT: usize = 4096;
 
 /// What stands between fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,39 @@ impl Delimiter {
     }
 }
 
+/// What the cells of a column are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cells {
+    /// Numbers.
+    Numbers,
+    /// Whole numbers with more digits than a number keeps, counted from this one.
+    Whole(i64),
+    /// Times of the day or of a calendar, in s from this one.
+    Stamps(Instant),
+    /// Words, which are not read.
+    Words,
+}
+
+impl Cells {
+    /// What a cell, which is no gap, makes of its column.
+    fn of(text: &[u8], style: NumberStyle) -> Self {
+        /// All whole numbers up to this one are kept.
+        const KEPT: u64 = 1 << 53;
+        let bare = decode(unquoted(text));
+        if let Some(whole) = bare.parse::<i64>().ok().filter(|n| n.unsigned_abs() > KEPT) {
+            return Self::Whole(whole);
+        }
+        if style.field(text).is_some() {
+            return Self::Numbers;
+        }
+        stamp(&bare).map_or(Self::Words, Self::Stamps)
+    }
+
+    fn is_alike(self, other: Self) -> bool {
+        std::mem::discriminant(&self) == std::mem::discriminant(&other)
+    }
+}
+
 /// How a table is written, and the lines before its rows.
 #[derive(Debug, Clone)]
 pub struct Layout<'a> {
@@ -55,8 +89,10 @@ pub struct Layout<'a> {
     pub delimiter: Delimiter,
     /// How numbers are written.
     pub style: NumberStyle,
-    /// Fields of a row that hold numbers.
+    /// Fields of a row that some row fills.
     pub columns: usize,
+    /// What they hold.
+    pub cells: Vec<Cells>,
     /// Fields before the last of these that every row leaves blank, by their index among all fields.
     pub blank: Vec<usize>,
     /// Blank fields at the end of every row.
@@ -72,6 +108,18 @@ pub struct Layout<'a> {
 }
 
 impl Layout<'_> {
+    /// What the columns hold: what the first row that fills each says.
+    fn cells_of(&self, rows: &[Line]) -> Vec<Cells> {
+        let mut cells = vec![None; self.columns];
+        for row in rows {
+            let fields = self.without_blanks(self.delimiter.split(row.bytes));
+            for (cell, text) in cells.iter_mut().zip(fields).filter(|(cell, text)| cell.is_none() && !is_gap(text)) {
+                *cell = Some(Cells::of(text, self.style));
+            }
+        }
+        cells.into_iter().map(|cell| cell.unwrap_or(Cells::Numbers)).collect()
+    }
+
     /// The fields of a line without those that every row leaves blank; a line of fewer fields keeps all of its own.
     pub fn without_blanks<T>(&self, mut fields: Vec<T>) -> Vec<T> {
         if fields.len() >= self.columns + self.blank.len() {
@@ -180,7 +228,7 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         .find(|(k, _)| fields_by_way.iter().any(|fields: &Vec<Option<usize>>| fields[*k].is_some()))
         .map(|(_, line)| line.number);
     // The way that sees the earliest row, so that no row is taken for text; of several the one whose rows agree.
-    let best = WAYS
+    let plain = WAYS
         .iter()
         .zip(&fields_by_way)
         .flat_map(|(way, fields)| {
@@ -188,8 +236,13 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         })
         .filter_map(|(way, agree, row)| row.map(|row| (way, agree, row)))
         .filter(|(way, _, row)| !way.style.lone_groups || decimal_mark(&lines[row.line..], **way) == Some(b'.'))
-        .min_by_key(|(_, agree, row)| (row.line, !agree));
-    if let Some((way, _, FirstRow { line: first, columns, blank, trailing })) = best {
+        .min_by_key(|(_, agree, row)| (row.line, !agree))
+        .map(|(way, _, row)| (*way, row));
+    let best = match plain {
+        None => mixed_rows(&lines, file, least)?,
+        plain => plain,
+    };
+    if let Some((way, FirstRow { line: first, columns, blank, trailing })) = best {
         if columns > COLUMN_LIMIT {
             return Err(IngestError::too_large(
                 Place::line(file, lines[first].number),
@@ -197,11 +250,12 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
                 format!("at most {COLUMN_LIMIT} columns, one sample a row"),
             ));
         }
-        refuse_doubtful_commas(*way, &lines[first..], file)?;
-        let layout = Layout {
+        refuse_doubtful_commas(way, &lines[first..], file)?;
+        let mut layout = Layout {
             delimiter: way.delimiter,
             style: way.style,
             columns,
+            cells: Vec::new(),
             blank,
             trailing,
             first_row: lines[first].offset,
@@ -210,6 +264,7 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
             // A row of gaps is no header.
             header: lines[..first].iter().filter(|line| !is_row_of_gaps(line.bytes, way.delimiter)).copied().collect(),
         };
+        layout.cells = layout.cells_of(&lines[first..]);
         refuse_broken_decimal_commas(&layout, &lines[first..], file)?;
         return Ok(layout);
     }
@@ -301,6 +356,7 @@ fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> R
         rows.iter().all(|row| !row.bytes.contains(&b'.') && !row.bytes.contains(&b'e') && !row.bytes.contains(&b'E'))
     };
     if (layout.delimiter, layout.style.decimal) != (Delimiter::Byte(b','), b'.')
+        || layout.cells.iter().any(|cells| *cells != Cells::Numbers)
         || layout.columns < 3
         || !whole_numbers()
     {
@@ -342,9 +398,6 @@ fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestEr
              .EV5 file",
         );
     }
-    if let Some(error) = text_column(lines, file) {
-        return error;
-    }
     let Some(first) = lines.first() else {
         return IngestError::content(
             Place::file(file),
@@ -369,49 +422,61 @@ fn number_with_unit(text: &str) -> Option<&str> {
     is_number.filter(|_| !unit.contains(|c: char| c.is_ascii_digit()) || unit.starts_with("m/s")).map(|_| unit)
 }
 
-/// Rows that would be rows of numbers but for words in some column: which one, where, and what to do.
-fn text_column(lines: &[Line], file: &str) -> Option<IngestError> {
-    /// Rows that must look alike: as many fields, numbers and words in the same columns.
+/// The rows of a table with times of the day or words in some column: five lines alike, by the way of writing that sees
+/// the most numbers in them. Refused: numbers with their unit behind them.
+fn mixed_rows(lines: &[Line], file: &str, least: usize) -> Result<Option<(Way, FirstRow)>, IngestError> {
+    /// Rows that must look alike: as many fields, numbers, times and words in the same columns.
     const ALIKE: usize = 5;
-    let shape = |line: &Line, way: Way| -> Vec<bool> {
-        way.delimiter.split(line.bytes).iter().map(|f| way.style.field(f).is_some() || is_gap(f)).collect()
+    let with_units = |line: &Line, way: Way| {
+        let fields = way.delimiter.split(line.bytes);
+        let units: Vec<_> = fields.iter().map(|f| number_with_unit(&decode(unquoted(f))).is_some()).collect();
+        units.contains(&true).then_some(units)
     };
-    WAYS.into_iter().find_map(|way| {
-        let shapes: Vec<Vec<bool>> = lines.iter().map(|line| shape(line, way)).collect();
-        // One number at least, or it is prose.
-        let is_row = |shape: &[bool]| shape.contains(&true) && shape.contains(&false);
-        let has_units = |line: &Line| {
-            let fields = way.delimiter.split(line.bytes);
-            fields.len() > 1 && fields.iter().all(|field| number_with_unit(&decode(unquoted(field))).is_some())
-        };
-        let first = lines
+    let mut best: Option<(usize, Way, FirstRow)> = None;
+    for way in WAYS {
+        let kinds: Vec<Vec<Option<Cells>>> = lines
             .iter()
-            .zip(shapes.windows(ALIKE))
-            .position(|(line, rows)| (is_row(&rows[0]) || has_units(line)) && rows.iter().all(|row| *row == rows[0]))?;
-        let column = shapes[first].iter().position(|number| !number)?;
-        let text = decode(unquoted(way.delimiter.split(lines[first].bytes)[column]));
-        let names = first
-            .checked_sub(1)
-            .map(|k| way.delimiter.split(lines[k].bytes))
-            .filter(|n| n.len() == shapes[first].len());
-        let number = column + 1;
-        let title = names.map_or_else(|| number.to_string(), |n| format!("{number} ({})", decode(unquoted(n[column]))));
-        let is_clock = text.contains(':') && text.bytes().any(|b| b.is_ascii_digit());
-        let has_unit = number_with_unit(&text).is_some();
-        Some(IngestError::content(
-            Place::line(file, lines[first].number).in_column(title),
-            format!("text in a row of numbers: {:?}", text.chars().take(40).collect::<String>()),
-            "numbers in every column",
-            if is_clock {
-                "export the time in seconds from the start, not as a time of day, or leave the column out and state \
-                 --sample-time"
-            } else if has_unit {
-                "export the numbers without the unit behind them, and put it into the name of the column: accel_g"
-            } else {
-                "leave the column of text out of the export, or move what it says into comment lines (# ...)"
-            },
-        ))
-    })
+            .map(|line| way.delimiter.split(line.bytes))
+            .map(|fields| fields.iter().map(|f| (!is_gap(f)).then(|| Cells::of(f, way.style))).collect())
+            .collect();
+        let are_alike = |a: &[Option<Cells>], b: &[Option<Cells>]| {
+            a.len() == b.len() && a.iter().zip(b).all(|pair| !matches!(pair, (Some(a), Some(b)) if !a.is_alike(*b)))
+        };
+        let counted = |row: &[Option<Cells>]| row.iter().flatten().filter(|c| **c != Cells::Words).count();
+        let first = kinds.windows(ALIKE).zip(lines).position(|(rows, line)| {
+            let is_row = counted(&rows[0]) > 0 && rows[0].iter().flatten().count() > 1;
+            (is_row || rows[0].len() > 1 && with_units(line, way).is_some_and(|units| !units.contains(&false)))
+                && rows.iter().all(|row| are_alike(&rows[0], row))
+        });
+        let Some(first) = first else { continue };
+        if let Some(column) = with_units(&lines[first], way).and_then(|units| units.iter().position(|unit| *unit)) {
+            return Err(unit_behind_a_number(lines, first, column, way, file));
+        }
+        let fields_of: Vec<Option<usize>> = (0..lines.len())
+            .map(|k| (k >= first && are_alike(&kinds[first], &kinds[k])).then_some(kinds[k].len()))
+            .collect();
+        let numbers = counted(&kinds[first]);
+        if let Some(row) = first_row(lines, &fields_of, way, false, least)
+            && best.as_ref().is_none_or(|(most, ..)| numbers > *most)
+        {
+            best = Some((numbers, way, row));
+        }
+    }
+    Ok(best.map(|(_, way, row)| (way, row)))
+}
+
+fn unit_behind_a_number(lines: &[Line], row: usize, column: usize, way: Way, file: &str) -> IngestError {
+    let fields = way.delimiter.split(lines[row].bytes);
+    let text = decode(unquoted(fields[column]));
+    let names = row.checked_sub(1).map(|k| way.delimiter.split(lines[k].bytes)).filter(|n| n.len() == fields.len());
+    let number = column + 1;
+    let title = names.map_or_else(|| number.to_string(), |n| format!("{number} ({})", decode(unquoted(n[column]))));
+    IngestError::content(
+        Place::line(file, lines[row].number).in_column(title),
+        format!("text in a row of numbers: {:?}", text.chars().take(40).collect::<String>()),
+        "numbers in every column",
+        "export the numbers without the unit behind them, and put it into the name of the column: accel_g",
+    )
 }
 
 #[cfg(test)]

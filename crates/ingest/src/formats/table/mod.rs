@@ -9,15 +9,16 @@ use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::numbers::{LeftOut, Remnant};
 use crate::formats::text::lines::{Line, NumberStyle, decode, is_text, without_mark};
 use crate::recording::content::{MINIMUM_SAMPLES, ReadChannel, Recording};
-use crate::recording::details::{Details, from_comments};
+use crate::recording::details::{Details, Stated, from_comments};
 use crate::recording::settings;
 use crate::{IngestError, IngestSettings, Place, Profile};
 
 mod columns;
 mod event_data_recorder;
-mod header;
-mod layout;
-mod numbers;
+mod gaps;
+pub mod header;
+pub mod layout;
+pub mod numbers;
 mod time_axis;
 
 /// Reader of tables: whatever is text and nothing else.
@@ -70,7 +71,7 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
         }
         text = Cow::Owned(header::cut(&text, title, file)?);
     }
-    let OneTable { mut channels, mut details, mut notes } =
+    let OneTable { channels, mut details, mut notes } =
         match one_table(file, bytes, &text, bundle, settings, TextAbove::Unused) {
             Err(error) if !edr && bundle.large.is_none() => {
                 return Err(event_data_recorder::with_profile_hint(file, &text, error));
@@ -80,11 +81,21 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     if edr {
         event_data_recorder::edr_notes(&channels, &mut details, &mut notes);
     }
+    Ok(recording(channels, details, settings, notes))
+}
+
+/// A recording of the columns of a table.
+pub fn recording(
+    mut channels: Vec<ReadChannel>,
+    mut details: Details,
+    settings: &IngestSettings,
+    mut notes: Notes,
+) -> Recording {
     // A table of velocities has no acceleration to take as the pulse.
     let has = |quantity| channels.iter().any(|read| read.channel.quantity == quantity);
     details.no_pulse |= has(QuantityKind::Velocity) && !has(QuantityKind::Acceleration) && !has(QuantityKind::Other);
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
-    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
+    Recording { details, channels, pulse_rule, contact_at_zero: false, notes }
 }
 
 /// Bytes read at a time of a long table.
@@ -131,7 +142,7 @@ pub fn one_table(
     }
     refuse_scale_factor(file, &layout)?;
     let name = |k: usize| header.columns[k].title.clone();
-    let mut rows = match &bundle.large {
+    let rows = match &bundle.large {
         None => numbers::read(text, &layout, file, name)?,
         Some(large) => {
             let skipped = bytes.len() - text.len() + layout.first_row;
@@ -181,17 +192,42 @@ pub fn one_table(
     header_notes(file, &header, text_above, &mut notes);
     left_out_notes(file, &rows, &mut notes);
     notes.extend(facts.notes);
+    let channels =
+        channels_of(file, &header, rows, settings, (facts.unit.as_ref(), facts.time_unit.as_ref()), &mut notes)?;
+    Ok(OneTable { channels, details: facts.details, notes })
+}
+
+/// The channels of a table from its names and its rows; `comments`: what they state of the units of accelerations and
+/// times.
+pub fn channels_of(
+    file: &str,
+    header: &header::TableHeader,
+    mut rows: numbers::Rows,
+    settings: &IngestSettings,
+    comments: (Option<&Stated<String>>, Option<&Stated<String>>),
+    notes: &mut Notes,
+) -> Result<Vec<ReadChannel>, IngestError> {
+    gaps::settle(file, header, &mut rows, settings, notes)?;
     let time = match settings.sample_time {
         Some(interval) => {
             if settings.time_unit.is_some() {
-                settings::warn("--time-unit", "--sample-time states the interval with its unit", &mut notes);
+                settings::warn("--time-unit", "--sample-time states the interval with its unit", notes);
             }
-            time_axis::stated(file, &header, &rows, interval.si(), &mut notes)?
+            time_axis::stated(file, header, &rows, interval.si(), notes)
         }
-        None => time_axis::find(file, &header, &mut rows, settings, facts.time_unit.as_ref(), &mut notes)?,
+        None => time_axis::find(file, header, &mut rows, settings, comments.1, notes),
     };
-    let channels = columns::channels(file, &header, rows, &time, settings, facts.unit.as_ref(), &mut notes)?;
-    Ok(OneTable { channels, details: facts.details, notes })
+    let time = match time {
+        Err(error) if settings.listing => return Ok(columns::without_time(header, &rows, &error)),
+        time => time?,
+    };
+    // Whole numbers that are no times are what they were.
+    for (k, column) in rows.columns.iter_mut().enumerate() {
+        if let layout::Cells::Whole(first) = rows.cells[k] {
+            column.iter_mut().for_each(|x| *x += first as f64);
+        }
+    }
+    columns::channels(file, header, rows, &time, settings, comments.0, notes)
 }
 
 /// Refuses rows below `1.0e+03 *`, which MATLAB prints above numbers that it has divided by that.

@@ -4,22 +4,27 @@ use std::io::Read;
 
 use rayon::prelude::*;
 
-use crate::formats::table::layout::{Delimiter, Layout, decimal_comma, is_blank_row};
+use crate::formats::table::layout::{Cells, Delimiter, Layout, decimal_comma, is_blank_row};
 use crate::formats::text::lines::{LINE_LIMIT, ParsedNumber, comment, decode, is_gap, line_at, scan, unquoted};
-use crate::recording::content::LineNumbers;
+use crate::formats::text::stamps::stamp;
+use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES};
 use crate::{IngestError, Place};
 
 /// The numbers of a table.
 #[derive(Debug, Clone, Default)]
 pub struct Rows {
-    /// One vector a column, all of one length.
+    /// One vector a column: of one length, NaN in a gap; empty, where the column is left out.
     pub columns: Vec<Vec<f64>>,
+    /// What the cells are.
+    pub cells: Vec<Cells>,
     /// Most significant digits printed in each column.
     pub digits: Vec<u32>,
     /// Line number of each row.
     pub lines: LineNumbers,
     /// Lines before the first row and after the last that are left out.
     pub left_out: Vec<LeftOut>,
+    /// A column that the first rows leave blank, and that is left out, is filled later.
+    pub begins_late: bool,
 }
 
 /// A line that is left out, as no other row lies beyond it.
@@ -39,6 +44,10 @@ pub enum Remnant {
     /// Text, the start of it.
     Footer(String),
 }
+
+/// What to do about a gap.
+pub const GAPS: &str = "leave that column out of the export, cut the record before the gap, or fill it in the program \
+     that made it: gaps are not filled here";
 
 /// Reads all rows of a text in memory. `name(k)` names column `k` in messages.
 ///
@@ -177,9 +186,11 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         let columns = layout.columns;
         let rows = Rows {
             columns: (0..columns).map(|_| Vec::with_capacity(expected_rows)).collect(),
+            cells: layout.cells.clone(),
             digits: vec![0; columns],
             lines: LineNumbers::default(),
             left_out: Vec::new(),
+            begins_late: false,
         };
         let row = vec![ParsedNumber { value: 0.0, digits: 0 }; columns];
         Self { layout, file, name, rows, row, line: layout.first_line, remnants: Vec::new(), error: None }
@@ -187,7 +198,6 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
 
     /// The rows; what stands behind the last of them is left out.
     fn finish(mut self) -> Result<Rows, IngestError> {
-        // Nothing but remnants: they are what is wrong.
         match self.error.filter(|_| self.rows.lines.len() == 0) {
             Some(error) => Err(error),
             None => {
@@ -211,12 +221,40 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
     fn settle_remnants(&mut self) -> Result<(), IngestError> {
         let is_start = self.rows.lines.len() == 0 && self.remnants.iter().all(|left_out| left_out.what == Remnant::Gap);
         match self.error.take() {
-            Some(error) if !is_start => Err(error),
+            Some(error) if !is_start => Err(self.another_table().unwrap_or(error)),
             _ => {
                 self.rows.left_out.append(&mut self.remnants);
                 Ok(())
             }
         }
+    }
+
+    /// Another table below a whole one and lines of text that are not the names again.
+    fn another_table(&self) -> Option<IngestError> {
+        let text = |left_out: &LeftOut| match &left_out.what {
+            Remnant::Footer(text) => Some(text.clone()),
+            Remnant::Gap => None,
+        };
+        let texts: Vec<String> = self.remnants.iter().filter_map(text).collect();
+        let above: Vec<String> = self.layout.header.iter().map(|line| decode(line.bytes.trim_ascii())).collect();
+        let is_whole = self.rows.lines.len() >= MINIMUM_SAMPLES && texts.iter().any(|text| !above.contains(text));
+        // The names of the columns are no title: what is below them lacks them.
+        let title = |own: &[String], others: &[String]| {
+            let is_names = |text: &String| self.layout.delimiter.split(text.as_bytes()).len() == self.layout.columns;
+            let last = own.len() - usize::from(own.last().is_some_and(is_names));
+            own[..last].iter().rfind(|text| !others.contains(text)).map(|text| format!("--skip-to {text:?}"))
+        };
+        let hint = match (title(&above, &texts), title(&texts, &above)) {
+            (Some(first), Some(second)) => format!("{first} takes the first one, {second} the next"),
+            (None, Some(second)) => format!("{second} takes the second one; the first one needs a file of its own"),
+            _ => "split the file there, or put a remark into a comment line (# ...)".to_owned(),
+        };
+        Some(IngestError::content(
+            Place::line(self.file, self.remnants.first().filter(|_| is_whole)?.line),
+            format!("text below a table ({:?}), then a second table or curve", texts.first()?),
+            "one table, or to be told which",
+            hint,
+        ))
     }
 
     /// Reads a line that is not in the plain form of a row.
@@ -225,12 +263,23 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         if is_nothing || comment(line).is_some() {
             return Ok(());
         }
+        let Layout { blank, trailing, columns, .. } = self.layout;
+        if !blank.is_empty() || *trailing > 0 {
+            let fields = self.layout.delimiter.split(line);
+            let last = columns + blank.len()..columns + blank.len() + trailing;
+            let is_filled = |k: usize| fields.get(k).is_some_and(|text| !unquoted(text).is_empty());
+            self.rows.begins_late |= fields.len() == last.end && blank.iter().copied().chain(last).any(is_filled);
+        }
         let place = Place::line(self.file, self.line);
         let Err(error) = careful_row(line, self.layout, &mut self.row, &place, &self.name) else {
             return self.push_row();
         };
-        let what = remnant(line, self.layout).filter(|_| self.remnants.len() < REMNANTS);
-        let Some(what) = what else { return Err(self.error.take().unwrap_or(error)) };
+        let text = || Remnant::Footer(decode(line.trim_ascii()).chars().take(40).collect());
+        let is_in_text = self.remnants.last().is_some_and(|last| last.what != Remnant::Gap);
+        let what = remnant(line, self.layout).or_else(|| is_in_text.then(text));
+        let Some(what) = what.filter(|_| self.remnants.len() < REMNANTS) else {
+            return Err(self.error.take().unwrap_or(error));
+        };
         self.remnants.push(LeftOut { line: self.line, what });
         self.error.get_or_insert(error);
         Ok(())
@@ -273,6 +322,7 @@ impl Rows {
             *digits = (*digits).max(*of_part);
         }
         self.lines.append(&part.lines, line);
+        self.begins_late |= part.begins_late;
     }
 }
 
@@ -282,21 +332,28 @@ const REMNANTS: usize = 1000;
 /// What a line is that is no row, if the record may begin after it or end before it: a row of gaps, with its time at
 /// most, or text. A row that is cut short is neither.
 fn remnant(line: &[u8], layout: &Layout) -> Option<Remnant> {
-    let fields = layout.delimiter.split(line);
-    let is_number = |text: &&&[u8]| layout.style.field(text).is_some();
-    let numbers = fields.iter().filter(is_number).count();
-    let gaps = fields.iter().filter(|text| is_gap(text)).count();
+    let fields = layout.without_blanks(layout.delimiter.split(line));
+    let is_number = |(k, text): (usize, &&[u8])| match layout.cells.get(k) {
+        Some(Cells::Stamps(_)) => stamp(&decode(unquoted(text))).is_some(),
+        _ => layout.style.field(text).is_some(),
+    };
+    let numbers = fields.iter().enumerate().filter(|cell| is_number(*cell)).count();
+    let is_words = |k: usize| layout.cells.get(k) == Some(&Cells::Words) && numbers > 0;
+    let gaps = fields.iter().enumerate().filter(|(k, text)| is_gap(text) || is_words(*k)).count();
     if numbers + gaps == fields.len() {
-        let is_whole = fields.len() >= layout.columns + layout.blank.len();
+        let is_whole = fields.len() >= layout.columns;
         return (is_whole && numbers <= usize::from(layout.columns > 1)).then_some(Remnant::Gap);
     }
-    let starts_with_text = fields.first().is_some_and(|first| !is_gap(first) && layout.style.field(first).is_none());
+    let starts_with_text = fields.first().is_some_and(|first| !is_gap(first) && !is_number((0, first)));
     starts_with_text.then(|| Remnant::Footer(decode(line.trim_ascii()).chars().take(40).collect()))
 }
 
 /// A row in the plain form, and where the next line starts.
 #[inline]
 fn plain_row(text: &[u8], offset: usize, layout: &Layout, row: &mut [ParsedNumber]) -> Option<usize> {
+    if layout.cells.iter().any(|cells| *cells != Cells::Numbers) {
+        return None;
+    }
     let Delimiter::Byte(delimiter) = layout.delimiter else { return plain_row_of_blanks(text, offset, layout, row) };
     if !layout.blank.is_empty() {
         return None;
@@ -361,18 +418,10 @@ fn careful_row(
     place: &Place,
     name: impl Fn(usize) -> String,
 ) -> Result<(), IngestError> {
-    let fields = layout.delimiter.split(line);
-    let blank_here = |k: usize| fields.get(k).is_none_or(|text| unquoted(text).is_empty());
-    if let Some(k) = layout.blank.iter().copied().find(|k| fields.len() > *k && !blank_here(*k)) {
-        let text = decode(unquoted(fields[k]));
-        return Err(IngestError::content(
-            place.clone().in_column((k + 1).to_string()),
-            format!("{:?} in a column that holds nothing in the rows above", text.chars().take(40).collect::<String>()),
-            "a column that is blank throughout, or filled in every row",
-            "leave that column out of the export, or fill it from the first row on",
-        ));
+    let mut fields = layout.without_blanks(layout.delimiter.split(line));
+    if fields.len() == row.len() + layout.trailing {
+        fields.truncate(row.len());
     }
-    let mut fields = layout.without_blanks(fields);
     while fields.len() > row.len() && fields.last().is_some_and(|f| unquoted(f).is_empty()) {
         fields.pop();
     }
@@ -396,35 +445,64 @@ fn careful_row(
             },
         ));
     }
+    let (mut numbers, mut gap) = (0, None);
     for (k, (cell, text)) in row.iter_mut().zip(&fields).enumerate() {
         let bare = unquoted(text);
-        match scan(bare, layout.style.decimal) {
-            Some((number, length)) if length == bare.len() => *cell = number,
-            _ if let Some(number) = layout.style.field(bare) => *cell = number,
-            _ => {
-                let place = place.clone().in_column(format!("{} ({})", k + 1, name(k)));
-                let found = if bare.is_empty() {
-                    "an empty field".to_owned()
-                } else {
-                    format!("{:?} is not a finite number", decode(&bare[..bare.len().min(40)]))
-                };
-                let hint = if is_gap(text) {
-                    "leave that column out of the export, cut the record before the gap, or fill it in the program \
-                     that \
-                     made it: gaps are not filled here"
-                } else if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
-                    REPEATED_HEADER
-                } else if is_negative_of_accounts(bare) {
-                    "export negative numbers with their sign in front: -12.5"
-                } else {
-                    "export it again, or write the number that belongs there: without its line the steps of time would \
-                     not be equal"
-                };
-                return Err(IngestError::content(place, found, "a finite number in every field", hint));
+        let number = match layout.cells[k] {
+            Cells::Words => Some(GAP),
+            Cells::Stamps(first) => {
+                stamp(&decode(bare)).map(|time| ParsedNumber { value: time.since(first), digits: 1 })
             }
-        }
+            Cells::Whole(first) => decode(bare)
+                .parse::<i64>()
+                .ok()
+                .map(|whole| ParsedNumber { value: whole.wrapping_sub(first) as f64, digits: 19 }),
+            Cells::Numbers => match scan(bare, layout.style.decimal) {
+                Some((number, length)) if length == bare.len() => Some(number),
+                _ => layout.style.field(bare),
+            },
+        };
+        *cell = match number {
+            Some(number) => number,
+            None if is_gap(text) => {
+                gap.get_or_insert(k);
+                GAP
+            }
+            None => {
+                return Err(no_number(line, layout, bare, place.clone().in_column(format!("{} ({})", k + 1, name(k)))));
+            }
+        };
+        numbers += usize::from(!cell.value.is_nan());
     }
-    Ok(())
+    match gap.filter(|_| numbers <= usize::from(columns > 1)) {
+        Some(k) => {
+            let place = place.clone().in_column(format!("{} ({})", k + 1, name(k)));
+            Err(no_number(line, layout, unquoted(fields[k]), place))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Where no number is.
+const GAP: ParsedNumber = ParsedNumber { value: f64::NAN, digits: 0 };
+
+/// The refusal of a cell that is no number.
+fn no_number(line: &[u8], layout: &Layout, bare: &[u8], place: Place) -> IngestError {
+    let found = if bare.is_empty() {
+        "an empty field".to_owned()
+    } else {
+        format!("{:?} is not a finite number", decode(&bare[..bare.len().min(40)]))
+    };
+    let hint = if is_gap(bare) {
+        GAPS
+    } else if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
+        REPEATED_HEADER
+    } else if is_negative_of_accounts(bare) {
+        "export negative numbers with their sign in front: -12.5"
+    } else {
+        "export it again, or write the number that belongs there: without its line the steps of time would not be equal"
+    };
+    IngestError::content(place, found, "a finite number in every field", hint)
 }
 
 #[cfg(test)]

@@ -1,13 +1,15 @@
 //! The time column of a table.
 
-use crumple_signal::value::Frequency;
 use crumple_signal::{About, Notes, Weight};
 
 use crate::formats::table::header::TableHeader;
+use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
+use crate::formats::text::stamps::{over_midnight, resolution_of_stamps};
 use crate::recording::details::Stated;
-use crate::time::{Grid, GridError};
+use crate::recording::settings;
+use crate::time::{Grid, OnGrid};
 use crate::{IngestError, IngestSettings, Place, time};
 
 /// The time column and its grid.
@@ -39,21 +41,22 @@ pub fn stated(
     }
     let is_time = |k: &usize| {
         let column = &header.columns[*k];
-        is_time_column(header, *k) && !(matches!(column.unit, Unit::Unstated) && counts(&rows.columns[*k]))
+        is_time_column(header, rows, *k) && !(matches!(column.unit, Unit::Unstated) && counts(&rows.columns[*k]))
     };
     if let Some(k) = (0..header.columns.len()).find(is_time) {
         let title = &header.columns[k].title;
         return refuse(format!("column {title} is named as time"), "leave --sample-time away");
     }
     // Without names the first column may count the rows as well.
-    let counters = counters(header, rows, |k| is_time_column(header, k) || (!header.named && k == 0), notes);
+    let counters = counters(header, rows, |k| is_time_column(header, rows, k) || (!header.named && k == 0), notes);
     Ok(TimeAxis { columns: counters, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
 }
 
-/// Whether the header says that a column is the time.
-fn is_time_column(header: &TableHeader, k: usize) -> bool {
+/// Whether a column is the time by its name, its unit or its cells.
+pub fn is_time_column(header: &TableHeader, rows: &Rows, k: usize) -> bool {
     let column = &header.columns[k];
-    matches!(column.unit, Unit::Time(_)) || (header.named && is_time_name(&column.title))
+    let is_stated = matches!(column.unit, Unit::Time(_)) || (header.named && is_time_name(&column.title));
+    !rows.is_left_out(k) && (is_stated || matches!(rows.cells[k], Cells::Stamps(_)))
 }
 
 /// Whether numbers are whole and grow by one from row to row.
@@ -74,12 +77,20 @@ fn counters(header: &TableHeader, rows: &Rows, may_count: impl Fn(usize) -> bool
     counters
 }
 
-/// The column of the time: the one named for it, else the one with a unit of time. Where no name says so, the first is
-/// it if a person states its unit, or if the table has no names and its numbers grow by other steps than one.
+/// The column of the time: the one named for it, rather with its unit, else the one with a unit of time. Where no name
+/// says so, the first is it if a person states its unit, or if the table has no names and its numbers grow by other
+/// steps than one.
 fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bool) -> Result<usize, IngestError> {
-    let named = header.columns.iter().position(|c| header.named && is_time_name(&c.title));
-    let with_unit = header.columns.iter().position(|c| matches!(c.unit, Unit::Time(_)));
-    let found = named.or(with_unit);
+    let times: Vec<usize> = (0..header.columns.len()).filter(|k| is_time_column(header, rows, *k)).collect();
+    let is_named = |k: &usize| header.named && is_time_name(&header.columns[*k].title);
+    let says_its_unit =
+        |k: &usize| matches!(header.columns[*k].unit, Unit::Time(_)) || matches!(rows.cells[*k], Cells::Stamps(_));
+    let found = times
+        .iter()
+        .find(|k| is_named(k) && says_its_unit(k))
+        .or_else(|| times.iter().find(|k| is_named(k)))
+        .or_else(|| times.first())
+        .copied();
     let column = found.unwrap_or(0);
     let title = &header.columns[column].title;
     let numbers = &rows.columns[column];
@@ -92,7 +103,7 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
             hint,
         ))
     };
-    let has_unit = is_unit_stated || matches!(header.columns[column].unit, Unit::Time(_));
+    let has_unit = is_unit_stated || says_its_unit(&column);
     if found.is_some() {
         if !has_unit && counts(numbers) {
             return refuse(
@@ -153,80 +164,56 @@ pub fn find(
     columns.extend(same_times(file, header, rows, column, notes)?);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
     let mut times = std::mem::take(&mut rows.columns[column]);
+    let cells = rows.cells[column];
+    if times.len() < 2 {
+        let place = Place::file(file).in_column(title);
+        return Err(IngestError::content(place, "no times", "a time in every row", STATE_THE_INTERVAL));
+    }
+    if let Cells::Stamps(_) = cells {
+        over_midnight(&mut times);
+        if settings.time_unit.is_some() {
+            settings::warn("--time-unit", "the times are those of a clock", notes);
+        }
+    }
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
-
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(order(place(k + 1), &times, k, rows.lines.of_row(k)));
     }
-    let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
-    // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
-    let largest = times[0].abs().max(times[times.len() - 1].abs());
-    let resolution = 10_f64.powf(largest.log10().floor() - f64::from(rows.digits[column].max(1)) + 1.0) * unit;
-    scale(&mut times, unit);
-    if let Some(rate) = settings.resample {
-        let grid = resampled(&place(0), &times, rate, rows, column, notes)?;
-        return Ok(TimeAxis { columns, grid });
-    }
-    let grid = time::fit(&times, resolution).map_err(|error| match error {
-        GridError::Repeated { index } | GridError::Backwards { index } => {
-            order(place(index), &times, index - 1, rows.lines.of_row(index - 1))
+    let mut origin_s = None;
+    let (unit, mut resolution_s) = match cells {
+        Cells::Stamps(_) => (1.0, resolution_of_stamps(&times)),
+        Cells::Whole(first) => {
+            let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
+            origin_s = Some(first as f64 * unit);
+            (unit, unit)
         }
-        GridError::Uneven { index, step_s, dt_s } => IngestError::content(
-            place(index),
-            format!(
-                "a step of {step_s:.9} s, where the median is {dt_s:.9} s (jitter, max|dt - median|/median: {:.3})",
-                time::step_jitter(&times, dt_s)
-            ),
-            format!("equal steps within {} of the interval", time::STEP_TOLERANCE),
-            format!(
-                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
-                 linear interpolation",
-                time::rate_to_type(dt_s)
-            ),
-        ),
-    })?;
+        Cells::Numbers | Cells::Words => {
+            let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
+            // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
+            let largest = times[0].abs().max(times[times.len() - 1].abs());
+            let last = largest.log10().floor() - f64::from(rows.digits[column].max(1)) + 1.0;
+            (unit, 10_f64.powf(last) * unit)
+        }
+    };
+    origin_s = origin_s.or_else(|| time::from_first(&mut times, unit, &mut resolution_s));
+    time::scale(&mut times, unit);
+    let OnGrid { mut grid, interpolation, words, .. } = time::on_grid(&times, resolution_s, settings, place)?;
+    if let Some(interpolation) = interpolation {
+        notes.warning(format!("{} rows are resampled {words}", times.len()));
+        for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {
+            *samples = interpolation.apply(samples.len(), |k| samples[k]);
+        }
+    }
+    // A time zero by the calendar counts on the calendar.
+    let is_absolute = settings.time_zero.is_some_and(|zero| zero.si().abs() > time::CALENDAR_S);
+    match origin_s.filter(|_| is_absolute) {
+        Some(origin_s) => grid.t0_s += origin_s,
+        None if origin_s.is_some() || matches!(cells, Cells::Stamps(_)) => notes.info(format!(
+            "the times of column {title} count from the first one; --time-zero states first contact on that axis"
+        )),
+        None => {}
+    }
     Ok(TimeAxis { columns, grid })
-}
-
-/// The data columns on a uniform grid from the first time on, by linear interpolation.
-fn resampled(
-    place: &Place,
-    times: &[f64],
-    rate: Frequency,
-    rows: &mut Rows,
-    column: usize,
-    notes: &mut Notes,
-) -> Result<Grid, IngestError> {
-    let interpolation = time::resample(times, rate.si()).ok_or_else(|| {
-        IngestError::content(
-            place.clone(),
-            format!("--resample {rate} gives no usable number of samples"),
-            "a rate near that of the rows",
-            format!("give --resample {}Hz", time::rate_to_type(time::median_step(times))),
-        )
-    })?;
-    let median_s = time::median_step(times);
-    for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {
-        *samples = interpolation.apply(samples.len(), |k| samples[k]);
-    }
-    notes.warning(format!(
-        "{} rows with a jitter of {:.3} (max|dt - median|/median, median {:.6} s) are resampled to {rate} by linear \
-         interpolation, \
-         as asked: {} samples",
-        times.len(),
-        time::step_jitter(times, median_s),
-        median_s,
-        interpolation.len()
-    ));
-    Ok(Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: time::jitter(times) })
-}
-
-/// `x * factor`, by division where that is exact: 20 ms are 0.02 s to the last bit.
-fn scale(times: &mut [f64], factor: f64) {
-    let inverse = (1.0 / factor).round();
-    for time in times {
-        if factor < 1.0 { *time /= inverse } else { *time *= factor }
-    }
 }
 
 /// The refusal of times that do not increase from row `k` to the next.
@@ -255,7 +242,8 @@ fn order(place: Place, times: &[f64], k: usize, line_before: usize) -> IngestErr
     IngestError::content(place, found, "times that increase from row to row", hint)
 }
 
-/// Further columns of time, which repeat the first; others are refused, as their channels have times of their own.
+/// Further columns of time, which repeat the first but for where they start, to half a step; others are refused, as
+/// their channels have times of their own.
 fn same_times(
     file: &str,
     header: &TableHeader,
@@ -263,24 +251,29 @@ fn same_times(
     column: usize,
     notes: &mut Notes,
 ) -> Result<Vec<usize>, IngestError> {
-    let others: Vec<usize> = (0..header.columns.len()).filter(|k| *k != column && is_time_column(header, *k)).collect();
+    let is_other = |k: &usize| *k != column && is_time_column(header, rows, *k);
+    let others: Vec<usize> = (0..header.columns.len()).filter(is_other).collect();
+    let first = &rows.columns[column];
+    let span = |times: &[f64]| times[times.len() - 1] - times[0];
     for &k in &others {
-        let (title, first) = (&header.columns[k].title, &header.columns[column].title);
-        let factor = |k: usize| if let Unit::Time(factor) = header.columns[k].unit { factor } else { 1.0 };
-        let pairs = rows.columns[column].iter().zip(&rows.columns[k]);
-        let apart = |(a, b): (&f64, &f64)| {
-            let (a, b) = (a * factor(column), b * factor(k));
-            (a - b).abs() > 1e-9 * a.abs().max(b.abs()).max(1e-6)
+        let (title, of_first, times) = (&header.columns[k].title, &header.columns[column].title, &rows.columns[k]);
+        let ratio = match (&header.columns[column].unit, &header.columns[k].unit) {
+            (Unit::Time(of_first), Unit::Time(factor)) => factor / of_first,
+            _ if span(times) != 0.0 => span(first) / span(times),
+            _ => 0.0,
         };
-        if let Some(row) = pairs.into_iter().position(apart) {
+        let is_still = span(times) == 0.0;
+        let slack = 0.5 * time::median_step(first).abs();
+        let is_apart = |row: &usize| ((times[*row] - times[0]) * ratio - (first[*row] - first[0])).abs() > slack;
+        if let Some(row) = (0..times.len()).find(is_apart).filter(|_| !is_still) {
             return Err(IngestError::content(
                 Place::line(file, rows.lines.of_row(row)).in_column(format!("{} ({title})", k + 1)),
-                format!("another time than in column {first}: which channel has which?"),
+                format!("another time than in column {of_first}: which channel has which?"),
                 "one column of time for all channels",
                 format!("export the channels of {title} into a file of their own, or leave that column out"),
             ));
         }
-        notes.info(format!("column {} ({title}) repeats the times of column {first}: left out", k + 1));
+        notes.info(format!("column {} ({title}) repeats the times of column {of_first}: left out", k + 1));
     }
     Ok(others)
 }

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use crate::formats::tdms::segments::{Broken, Cursor};
-use crate::formats::waveform::channel::Instant;
+use crate::formats::text::stamps::Instant;
 
 /// A property's value.
 #[derive(Debug, Clone, PartialEq)]

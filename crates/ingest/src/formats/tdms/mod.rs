@@ -18,8 +18,9 @@ use crate::formats::ev5::specification::{Barrier, Curve, Test, Vehicle, details,
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::tdms::metadata::{Properties, Property, names};
 use crate::formats::tdms::segments::{Content, Object, SegmentError};
-use crate::formats::waveform::channel::{Instant, Waveform};
-use crate::formats::waveform::clock::instant;
+use crate::formats::text::stamps::Instant;
+use crate::formats::text::stamps::instant;
+use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::formats::{iso13499, tdm};
 use crate::recording::content::{PulseRule, ReadChannel, Recording};
@@ -42,7 +43,7 @@ impl Reader for Tdms {
     }
 
     fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"]
+        conversion::FLAGS
     }
 
     fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::formats::tdms::metadata;
 use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
-use crate::formats::waveform::channel::Instant;
+use crate::formats::text::stamps::Instant;
 
 /// Most objects in a file.
 const OBJECT_LIMIT: usize = 100_000;

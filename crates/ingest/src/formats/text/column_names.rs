@@ -70,7 +70,12 @@ fn unbracketed(title: &str) -> (String, Unit) {
             return (name.trim().to_owned(), unit);
         }
     }
-    (title.to_owned(), Unit::Unstated)
+    // `seconds_elapsed`
+    let of_word = |word: &str| unit::factor(word, Dimension::Time).filter(|_| word.len() > 1);
+    match title.split(['_', ' ']).find_map(of_word).filter(|_| is_time_name(title)) {
+        Some(factor) => (title.to_owned(), Unit::Time(factor)),
+        None => (title.to_owned(), Unit::Unstated),
+    }
 }
 
 /// A unit by its symbol. In a column named for time, `m` and `s` are not lengths.
@@ -79,7 +84,8 @@ pub fn symbol(text: &str, title: &str) -> Unit {
     if text.is_empty() {
         return Unit::Unstated;
     }
-    if let Some(factor) = unit::factor(text, Dimension::Time) {
+    // `min` is the least one, too, and `h` and `d` are letters: they are units in a column that is named for time.
+    if let Some(factor) = unit::factor(text, Dimension::Time).filter(|f| *f < 2.0 || is_time_name(title)) {
         return Unit::Time(factor);
     }
     if is_kg(text) && names_acceleration(title) {
@@ -113,10 +119,15 @@ pub fn names_acceleration(text: &str) -> bool {
         || iso13499::is_acceleration(text)
 }
 
-/// Whether a header cell names time: `time_s`, `Zeit`, `temps`, `t`, `t [ms]`, `t(s)`.
+/// Whether a header cell names time: `time_s`, `Zeit`, `temps`, `t`, `t [ms]`, `t(s)`, `seconds_elapsed`, `UTC`.
 pub fn is_time_name(text: &str) -> bool {
+    const STARTS: [&str; 12] = [
+        "time", "zeit", "temps", "tempo", "tiempo", "uhrzeit", "elapsed", "seconds", "millis", "utc", "datetime",
+        "date/",
+    ];
     let lower = text.trim().to_lowercase();
-    ["time", "zeit", "temps", "tempo", "tiempo"].iter().any(|word| lower.starts_with(word))
+    STARTS.iter().any(|word| lower.starts_with(word))
+        || lower.ends_with("elapsed")
         || lower == "t"
         || lower
             .strip_prefix('t')
@@ -125,37 +136,15 @@ pub fn is_time_name(text: &str) -> bool {
 
 /// Whether a header cell names a count of the rows: `Sample`, `Index`, `#`, `No.`, `Sample number`, `lfd. Nr.`
 pub fn is_counter_name(text: &str) -> bool {
-    const COUNTED: [&str; 22] = [
-        "",
-        "sample",
-        "samples",
-        "data",
-        "datapoint",
-        "point",
-        "points",
-        "row",
-        "line",
-        "frame",
-        "record",
-        "scan",
-        "step",
-        "item",
-        "messpunkt",
-        "messwert",
-        "punkt",
-        "zeile",
-        "lfd",
-        "laufende",
-        "count",
-        "counter",
-    ];
+    const COUNTED: &str = "sample samples data datapoint point points row line frame record scan step item \
+        messpunkt messwert punkt zeile lfd laufende count counter";
     const NUMBER: [&str; 11] = ["", "no", "nr", "num", "number", "nummer", "index", "idx", "id", "count", "#"];
     let (name, unit) = split_unit(text);
     let folded: String =
         name.to_lowercase().chars().filter(|c| c.is_alphanumeric() || matches!(c, '#' | '№')).collect();
     let folded = folded.replace('№', "no");
     let is_named = matches!(folded.as_str(), "i" | "n" | "k")
-        || COUNTED.iter().any(|of| folded.strip_prefix(of).is_some_and(|rest| NUMBER.contains(&rest)));
+        || COUNTED.split(' ').chain([""]).any(|of| folded.strip_prefix(of).is_some_and(|rest| NUMBER.contains(&rest)));
     is_named && !folded.is_empty() && !matches!(unit, Unit::Time(_) | Unit::Signal(..))
 }
 

@@ -6,30 +6,9 @@ use crumple_signal::Notes;
 use crumple_signal::unit::{self, Dimension};
 
 use crate::formats::text::column_names::{Unit, is_time_name, split_unit};
+use crate::formats::text::stamps::Instant;
 use crate::recording::content::ReadChannel;
 use crate::{IngestError, Place, time};
-
-/// An instant by the clock of a recorder, in two parts: one number of seconds since 1904 resolves half a microsecond.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instant {
-    /// Whole seconds since the epoch of the file.
-    pub seconds: i64,
-    /// What is added to them, s.
-    pub fraction_s: f64,
-}
-
-impl Instant {
-    /// Seconds from `earlier` to this instant.
-    pub fn since(self, earlier: Self) -> f64 {
-        self.seconds.wrapping_sub(earlier.seconds) as f64 + (self.fraction_s - earlier.fraction_s)
-    }
-
-    /// The instant `s` seconds later.
-    #[must_use]
-    pub fn plus(self, s: f64) -> Self {
-        Self { fraction_s: self.fraction_s + s, ..self }
-    }
-}
 
 /// A channel as its file has it.
 #[derive(Debug, Clone)]
@@ -134,7 +113,8 @@ pub fn ids(waveforms: &[Waveform], labels: &[Label]) -> Vec<String> {
     ids
 }
 
-fn clean(name: &str) -> String {
+/// Letters, digits, `_`, `-` and `.`; anything else becomes `_`.
+pub fn clean(name: &str) -> String {
     let mut clean = String::new();
     for c in name.chars().take(80) {
         if c.is_alphanumeric() || matches!(c, '_' | '-' | '.') {

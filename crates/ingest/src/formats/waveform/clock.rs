@@ -6,8 +6,9 @@ use crumple_signal::Notes;
 use crumple_signal::value::Time;
 
 use crate::formats::text::column_names::Unit;
-use crate::formats::waveform::channel::{Instant, Label, Waveform, is_named_time, list};
-use crate::time::{Grid, GridError, LinearInterpolation};
+use crate::formats::text::stamps::{Instant, resolution_of_stamps};
+use crate::formats::waveform::channel::{Label, Waveform, is_named_time, list};
+use crate::time::{Grid, LinearInterpolation, OnGrid};
 use crate::{IngestError, IngestSettings, Place, time};
 
 /// Longest sampling interval of a crash record, s: 50 samples a second show two or three of a pulse. A longer one is a
@@ -307,9 +308,6 @@ impl Clock {
     }
 }
 
-/// Times of a calendar are larger than this, s (three years); they count from the first one.
-const CALENDAR_S: f64 = 1e8;
-
 /// The grid of a channel of times.
 struct Fitted {
     grid: Grid,
@@ -334,70 +332,18 @@ fn grid_of(
         (None, Unit::Time(factor)) => *factor,
         (None, _) => time::unit_from_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
     };
-    let inverse = (1.0 / unit).round();
-    let mut times: Vec<f64> = values.iter().map(|t| if unit < 1.0 { t / inverse } else { t * unit }).collect();
+    let mut times = values.to_vec();
+    let mut resolution_s = if are_stamps { resolution_of_stamps(values) } else { single_precision(values) * unit };
+    let first_s = time::from_first(&mut times, unit, &mut resolution_s);
+    time::scale(&mut times, unit);
     if times.iter().any(|t| !t.is_finite()) {
         return Err(IngestError::content(place(), "a time that is not finite", "finite times", "export it again"));
     }
-    let mut resolution_s = if are_stamps { resolution_of_stamps(values) } else { single_precision(values) * unit };
-    // Two units in the last place of the printed numbers, which a calendar makes coarse.
-    let first_s = times[0];
-    let first = (first_s.abs() > CALENDAR_S)
-        .then(|| Instant { seconds: first_s.floor() as i64, fraction_s: first_s - first_s.floor() });
-    if first.is_some() {
-        resolution_s = resolution_s.max(2.0 * f64::EPSILON * first_s.abs());
-        times.iter_mut().for_each(|t| *t -= first_s);
-    }
-    if let Some(rate) = settings.resample {
-        let interpolation = time::resample(&times, rate.si()).ok_or_else(|| {
-            IngestError::content(
-                place(),
-                format!("--resample {rate} gives no usable number of samples"),
-                "a rate near that of the samples",
-                format!("give --resample {}Hz", time::rate_to_type(time::median_step(&times))),
-            )
-        })?;
-        let jitter = time::step_jitter(&times, time::median_step(&times));
-        let words =
-            format!("to {rate} by linear interpolation, as asked (jitter {jitter:.3}, max|dt - median|/median)");
-        let grid = Grid { t0_s: times[0], dt_s: 1.0 / rate.si(), jitter: time::jitter(&times) };
-        return Ok(Fitted { grid, first, resampling: Some(Resampling { interpolation, words, used: false }) });
-    }
-    let grid = time::fit(&times, resolution_s).map_err(|error| {
-        let found = match error {
-            GridError::Repeated { index } => format!("sample {index} repeats a time"),
-            GridError::Backwards { index } => format!("time runs backwards at sample {index}"),
-            GridError::Uneven { index, step_s, dt_s } => {
-                format!(
-                    "a step of {step_s:.9} s before sample {index}, where the median is {dt_s:.9} s (jitter, \
-                     max|dt - median|/median: {:.3})",
-                    time::step_jitter(&times, dt_s)
-                )
-            }
-        };
-        IngestError::content(
-            place(),
-            found,
-            format!("equal steps within {} of the interval", time::STEP_TOLERANCE),
-            format!(
-                "a gap is better exported again; for uneven sampling --resample {}Hz brings it to a uniform rate by \
-                 linear interpolation",
-                time::rate_to_type(time::median_step(&times))
-            ),
-        )
-    })?;
-    Ok(Fitted { grid, first, resampling: None })
-}
-
-/// Resolution of stamps, s: the coarsest step, decimal or a power of two, of which all are multiples, down to 0.1 us; 0
-/// if they have a finer one. A clock ticks in decimals; stamps that were numbers of seconds since the year 0 are
-/// multiples of 2^-17 s.
-fn resolution_of_stamps(stamps: &[f64]) -> f64 {
-    let decimals = (3..=7).map(|digits| 10_f64.powi(-digits));
-    let binary = (10..=23).map(|digits| 2_f64.powi(-digits));
-    let are_multiples =
-        |step: &f64| stamps.iter().all(|t| ((t / step).round() * step - t).abs() <= 1e-12 + 1e-6 * step);
-    decimals.chain(binary).filter(are_multiples).fold(0.0, f64::max)
+    let of_sample = |k: usize| Place::file(&format!("{}, sample {k}", place()));
+    let OnGrid { grid, interpolation, words, .. } = time::on_grid(&times, resolution_s, settings, of_sample)?;
+    let resampling = interpolation.map(|interpolation| Resampling { interpolation, words, used: false });
+    let whole = |s: f64| Instant { seconds: s.floor() as i64, fraction_s: s - s.floor() };
+    Ok(Fitted { grid, first: first_s.map(whole), resampling })
 }
 
 /// Resolution of times that were stored in single precision; 0 if they were not.
@@ -405,67 +351,4 @@ fn single_precision(values: &[f64]) -> f64 {
     let single = values.iter().all(|x| f64::from(*x as f32) == *x);
     let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     if single { largest * f64::from(f32::EPSILON) } else { 0.0 }
-}
-
-/// Dates before this year stand for none: DIAdem writes the year 0 or 1.
-const FIRST_YEAR: i64 = 1910;
-
-/// The instant of `2023-05-05T13:40:37.7466657`, with a blank in place of the T, a `Z` or an offset behind it or not;
-/// in seconds since the start of the year 1 of the Gregorian calendar. The offset is not looked at: the channels of a
-/// file have one. `None`: another text, or a year before 1910.
-pub fn instant(text: &str) -> Option<Instant> {
-    let (date, time) = text.trim().split_once(['T', ' '])?;
-    let mut date = date.splitn(3, '-').map(|part| part.parse::<i64>().ok());
-    let (year, month, day) = (date.next()??, date.next()??, date.next()??);
-    if !((FIRST_YEAR..10_000).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day)) {
-        return None;
-    }
-    let of_day = time_of_day(time.split(['Z', '+', '-']).next()?)?;
-    Some(Instant { seconds: days(year, month, day) * 86_400 + of_day.seconds, ..of_day })
-}
-
-/// The instant of `13:40:37.7466657`, `09:54:07,483999` or `13:40`, in seconds since the day began.
-pub fn time_of_day(text: &str) -> Option<Instant> {
-    let text = text.replace(',', ".");
-    let mut parts = text.trim().splitn(3, ':');
-    let (hours, minutes) = (parts.next()?.parse::<u8>().ok()?, parts.next()?.parse::<u8>().ok()?);
-    let seconds = parts.next().unwrap_or("0");
-    let (whole, fraction) = seconds.split_once('.').unwrap_or((seconds, "0"));
-    let fraction_s = format!("0.{fraction}").parse::<f64>().ok()?;
-    let seconds = i64::from(hours) * 3600 + i64::from(minutes) * 60 + i64::from(whole.parse::<u8>().ok()?);
-    Some(Instant { seconds, fraction_s })
-}
-
-/// Days from 0001-01-01 to a date of the Gregorian calendar.
-fn days(year: i64, month: i64, day: i64) -> i64 {
-    const BEFORE_MONTH: [i64; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
-    let leap_years = |year: i64| year / 4 - year / 100 + year / 400;
-    let is_leap = leap_years(year) > leap_years(year - 1);
-    let leap_day = i64::from(is_leap && month > 2);
-    (year - 1) * 365 + leap_years(year - 1) + BEFORE_MONTH[month as usize - 1] + leap_day + day - 1
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn instants_differ_by_what_lies_between() {
-        let between = |a: &str, b: &str| instant(b).unwrap().since(instant(a).unwrap());
-        // 2024 has a 29th of February, 2100 has none.
-        assert_eq!(between("2024-02-28T12:00:00Z", "2024-03-01T12:00:00Z"), 2.0 * 86_400.0);
-        assert_eq!(between("2100-02-28T12:00:00", "2100-03-01T12:00:00"), 86_400.0);
-        assert_eq!(between("2023-12-31T23:59:59.75", "2024-01-01 00:00"), 0.25);
-        // The fractions are exact to 1e-16.
-        assert!((between("2023-05-05T13:40:37.7466657", "2023-05-05T13:40:37.7467907+02:00") - 1.25e-4).abs() < 1e-15);
-        for text in ["0000-01-01T00:00:00Z", "1904-01-01T00:00:00", "2023-13-01T00:00:00", "today", "2023-05-05T1:x"] {
-            assert_eq!(instant(text), None, "{text}");
-        }
-        let of_day = |seconds, fraction_s| Some(Instant { seconds, fraction_s });
-        assert_eq!(time_of_day("09:54:07,5"), of_day(35_647, 0.5));
-        assert_eq!(time_of_day("13:40:37.7466657312496152783"), of_day(49_237, 0.746_665_731_249_615_3));
-        for text in ["", "12", "a:b:c", "1:2:3:4", "-1:0:0"] {
-            assert_eq!(time_of_day(text), None, "{text}");
-        }
-    }
 }

@@ -8,7 +8,8 @@ use crate::formats::text::column_names::{self, Unit, names_acceleration};
 use crate::formats::waveform::channel;
 use crate::formats::waveform::channel::{Label, Waveform, list};
 use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
-use crate::recording::content::{Fitness, ReadChannel};
+use crate::recording::content::{Fitness, ReadChannel, Recording};
+use crate::recording::details::Details;
 use crate::recording::settings;
 use crate::{IngestError, IngestSettings, Place, time};
 
@@ -23,6 +24,23 @@ struct Remarks {
     no_unit: Vec<String>,
     /// Channels that cannot be read.
     left_out: Vec<IngestError>,
+}
+
+/// Flags about the form of a file that waveforms heed.
+pub const FLAGS: &[&str] = &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"];
+
+/// The recording of a file of waveforms.
+pub fn recording(
+    file: &str,
+    waveforms: Vec<Waveform>,
+    details: Details,
+    settings: &IngestSettings,
+    mut notes: Notes,
+) -> Result<Recording, IngestError> {
+    let channels = to_channels(file, waveforms, settings, &mut notes)?;
+    let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, read)| read).collect();
+    let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: false, notes })
 }
 
 /// Makes channels in SI of waveforms; each comes with the index of its waveform.
@@ -76,6 +94,13 @@ pub fn to_channels(
         let (wave, time, comment) = match samples(file, id, waveform, (quantity, factor), &mut clocks) {
             Ok(read) => read,
             Err(error) if is_wanted => return Err(error),
+            // A list has it, without a rate.
+            Err(error) if settings.listing => {
+                let channel = Channel::new(id.clone(), quantity);
+                channels.push((k, ReadChannel::without_readable_file(channel, error.to_string())));
+                origins.push(None);
+                continue;
+            }
             Err(error) => {
                 remarks.left_out.push(error);
                 continue;

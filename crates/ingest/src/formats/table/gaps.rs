@@ -1,0 +1,102 @@
+//! Columns with gaps: several rates in one table, where a slower channel is blank between its samples.
+
+use crumple_signal::{Notes, QuantityKind};
+
+use crate::formats::table::header::TableHeader;
+use crate::formats::table::numbers::{GAPS, Rows};
+use crate::formats::table::time_axis::is_time_column;
+use crate::formats::table::{columns, layout::Cells};
+use crate::formats::text::column_names::{Unit, names_acceleration};
+use crate::recording::content::LineNumbers;
+use crate::{IngestError, IngestSettings, Place};
+
+/// Leaves out columns of words, and those with gaps that are not needed. The column asked for must be whole, without
+/// one the accelerations and velocities, and the times: where one has no number in a tenth of the rows and more, it is
+/// a slower channel, and the rows without it go; an uneven step of time that this leaves is refused as any other.
+pub fn settle(
+    file: &str,
+    header: &TableHeader,
+    rows: &mut Rows,
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<(), IngestError> {
+    let count = header.columns.len();
+    let words: Vec<usize> = (0..count).filter(|k| rows.cells[*k] == Cells::Words).collect();
+    words.iter().for_each(|k| rows.columns[*k] = Vec::new());
+    if !words.is_empty() {
+        notes.info(format!("columns of words are left out: {}", columns::titles(header, &words)));
+    }
+    if rows.begins_late {
+        notes.warning("columns that are blank in the first rows and filled later are left out");
+    }
+    let with_gaps = |rows: &Rows| (0..count).filter(|k| rows.gap(*k).is_some()).collect::<Vec<_>>();
+    let gaps = with_gaps(rows);
+    if gaps.is_empty() {
+        return Ok(());
+    }
+    let data: Vec<usize> = (0..count).filter(|k| !rows.is_left_out(*k)).collect();
+    let ids = columns::ids(header, &data);
+    let asked = settings.channel.as_deref().and_then(|wanted| columns::select(file, wanted, header, &data, &ids).ok());
+    let is_motion = |k: usize| {
+        let column = &header.columns[k];
+        names_acceleration(&column.title)
+            || matches!(column.unit, Unit::Signal(QuantityKind::Acceleration | QuantityKind::Velocity, _))
+    };
+    let is_time = |k: usize| is_time_column(header, rows, k) || (!header.named && k == 0);
+    let needed: Vec<usize> =
+        gaps.iter().copied().filter(|k| is_time(*k) || asked.map_or(is_motion(*k), |asked| asked == *k)).collect();
+    for &k in &needed {
+        let missing = rows.columns[k].iter().filter(|x| x.is_nan()).count();
+        let is_slower =
+            missing * 10 >= rows.lines.len() && settings.sample_time.is_none() && settings.resample.is_none();
+        if let Some(row) = rows.gap(k).filter(|_| !settings.listing && (is_time(k) || !is_slower)) {
+            return Err(rows.refuse_gap(file, k, &header.columns[k].title, row));
+        }
+    }
+    if !needed.is_empty() && !settings.listing {
+        let before = rows.lines.len();
+        rows.keep_filled(&needed);
+        notes.warning(format!(
+            "{} of {before} rows have no number in {}, and are left out",
+            before - rows.lines.len(),
+            columns::titles(header, &needed)
+        ));
+    }
+    let gaps = with_gaps(rows);
+    if !gaps.is_empty() {
+        notes.warning(format!("columns with gaps are left out: {}", columns::titles(header, &gaps)));
+    }
+    gaps.into_iter().for_each(|k| rows.columns[k] = Vec::new());
+    Ok(())
+}
+
+impl Rows {
+    /// Whether a column is left out.
+    pub fn is_left_out(&self, k: usize) -> bool {
+        self.columns[k].is_empty()
+    }
+
+    /// The first row of a column without a number.
+    fn gap(&self, k: usize) -> Option<usize> {
+        self.columns[k].iter().position(|x| x.is_nan())
+    }
+
+    /// The refusal of a gap in a column that is needed.
+    fn refuse_gap(&self, file: &str, k: usize, title: &str, row: usize) -> IngestError {
+        let place = Place::line(file, self.lines.of_row(row)).in_column(format!("{} ({title})", k + 1));
+        IngestError::content(place, "no number in a column that is needed", "a finite number in every row", GAPS)
+    }
+
+    /// Keeps the rows in which all of these columns have a number.
+    fn keep_filled(&mut self, columns: &[usize]) {
+        let is_kept: Vec<bool> =
+            (0..self.lines.len()).map(|row| columns.iter().all(|k| !self.columns[*k][row].is_nan())).collect();
+        let mut lines = LineNumbers::default();
+        (0..is_kept.len()).filter(|row| is_kept[*row]).for_each(|row| lines.push(self.lines.of_row(row)));
+        for column in self.columns.iter_mut().filter(|column| !column.is_empty()) {
+            let mut kept = is_kept.iter();
+            column.retain(|_| kept.next() == Some(&true));
+        }
+        self.lines = lines;
+    }
+}

@@ -1,0 +1,175 @@
+//! Excel workbooks (.xlsx): a sheet is a table as any other.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use calamine::{Data, DataRef, Reader as _, Xlsx, XlsxError};
+use crumple_signal::Notes;
+
+use crate::formats::reader::{Bundle, Reader};
+use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
+use crate::formats::table::numbers::Rows;
+use crate::formats::table::{channels_of, header, recording};
+use crate::formats::text::column_names::Unit;
+use crate::formats::text::stamps::stamp;
+use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, Recording};
+use crate::recording::details::Details;
+use crate::{IngestError, IngestSettings, Place};
+
+/// Reader of workbooks.
+pub struct Workbook;
+
+impl Reader for Workbook {
+    fn format(&self) -> &'static str {
+        "xlsx"
+    }
+
+    /// Other archives do not come here with such an entry at their start.
+    fn recognises(&self, head: &[u8]) -> bool {
+        let has = |name: &[u8]| head.windows(name.len()).any(|window| window == name);
+        head.starts_with(b"PK\x03\x04") && (has(b"xl/") || has(b"[Content_Types].xml")) && !has(b"word/")
+    }
+
+    fn relevant_flags(&self) -> &'static [&'static str] {
+        &["--unit", "--time-unit", "--sample-time", "--sheet", "--vehicle-number", "--resample"]
+    }
+
+    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+        read(&bundle.main.name, &bundle.main.bytes, settings)
+    }
+}
+
+/// The filled cells of a sheet, by row and column from 0.
+type Sheet = BTreeMap<u32, BTreeMap<u32, Data>>;
+
+fn refuse(file: &str, found: impl std::fmt::Display, hint: &str) -> IngestError {
+    IngestError::content(
+        Place::file(file),
+        found,
+        "a sheet with rows of numbers below the names of their columns",
+        hint,
+    )
+}
+
+fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
+    let damaged = |error: XlsxError| refuse(file, format!("the workbook cannot be read: {error}"), "save it again");
+    let mut workbook: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(damaged)?;
+    let names = workbook.sheet_names();
+    let is_meant = |name: &String| settings.sheet.as_ref().is_none_or(|sheet| sheet.eq_ignore_ascii_case(name.trim()));
+    let mut tables = Vec::new();
+    for name in names.iter().filter(|name| is_meant(name)) {
+        let sheet = cells_of(file, &mut workbook, name)?;
+        if let Some(first) = first_row(&sheet, settings).filter(|first| sheet.range(first..).count() >= MINIMUM_SAMPLES)
+        {
+            tables.push((name, sheet, first));
+        }
+    }
+    let several: Vec<String> = tables.iter().map(|(name, ..)| format!("{name:?}")).collect();
+    match tables.as_slice() {
+        [(_, sheet, first)] => table(file, sheet, *first, settings),
+        [] => {
+            let found = format!("no sheet has {MINIMUM_SAMPLES} rows of numbers; its sheets: {}", names.join(", "));
+            Err(refuse(file, found, "name another sheet by --sheet, or save the sheet with the record as CSV"))
+        }
+        _ => Err(refuse(
+            file,
+            format!("{} sheets hold rows of numbers: {}", several.len(), several.join(", ")),
+            &format!("add --sheet {}, for example", several[0]),
+        )),
+    }
+}
+
+/// The cells of a sheet one by one: what a sheet states of its size reserves nothing.
+fn cells_of(file: &str, workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<Sheet, IngestError> {
+    let mut sheet = Sheet::new();
+    // A sheet of a chart has no cells.
+    let Ok(mut cells) = workbook.worksheet_cells_reader(name) else { return Ok(sheet) };
+    loop {
+        let cell =
+            cells.next_cell().map_err(|error| refuse(file, format!("sheet {name}: {error}"), "save it again"))?;
+        let Some(cell) = cell else { return Ok(sheet) };
+        let (row, column) = cell.get_position();
+        if column as usize >= COLUMN_LIMIT {
+            let place = Place::line(file, row as usize + 1);
+            return Err(IngestError::too_large(place, "too many columns", format!("at most {COLUMN_LIMIT} columns")));
+        }
+        if !matches!(cell.get_value(), DataRef::Empty | DataRef::Error(_)) {
+            sheet.entry(row).or_default().insert(column, Data::from(cell.get_value().clone()));
+        }
+    }
+}
+
+/// What a cell is as one of a row of numbers.
+fn kind(cell: &Data) -> Cells {
+    match cell {
+        Data::Int(_) | Data::Float(_) | Data::DateTime(_) => Cells::Numbers,
+        Data::String(text) | Data::DateTimeIso(text) => stamp(text).map_or(Cells::Words, Cells::Stamps),
+        _ => Cells::Words,
+    }
+}
+
+/// The columns of a row that hold numbers or times.
+fn counted(row: &BTreeMap<u32, Data>) -> Vec<u32> {
+    row.iter().filter(|(_, cell)| kind(cell) != Cells::Words).map(|(column, _)| *column).collect()
+}
+
+/// The first of three rows of numbers in the same columns, of which the later may lack some.
+fn first_row(sheet: &Sheet, settings: &IngestSettings) -> Option<u32> {
+    let least = if settings.sample_time.is_some() { 1 } else { 2 };
+    let rows: Vec<(u32, Vec<u32>)> = sheet.iter().map(|(row, cells)| (*row, counted(cells))).collect();
+    let is_first = |rows: &[(u32, Vec<u32>)]| {
+        let columns = &rows[0].1;
+        columns.len() >= least
+            && rows
+                .iter()
+                .all(|(_, other)| other.first() == columns.first() && other.iter().all(|c| columns.contains(c)))
+    };
+    rows.windows(3).find(|rows| is_first(rows)).map(|rows| rows[0].0)
+}
+
+/// The table whose rows start at `first`: the lines above are names and units, words below end it.
+fn table(file: &str, sheet: &Sheet, first: u32, settings: &IngestSettings) -> Result<Recording, IngestError> {
+    let columns = counted(&sheet[&first]);
+    let line = |row: u32| row as usize + 1;
+    let text = |cell: Option<&Data>| cell.map_or_else(String::new, Data::to_string);
+    let above = sheet
+        .range(..first)
+        .map(|(row, cells)| (line(*row), columns.iter().map(|c| text(cells.get(c))).collect::<Vec<String>>()));
+    let mut header =
+        header::of_lines(above.filter(|(_, cells)| cells.iter().any(|c| !c.is_empty())).collect(), columns.len());
+    let mut rows = Rows {
+        columns: vec![Vec::new(); columns.len()],
+        cells: columns.iter().map(|column| kind(&sheet[&first][column])).collect(),
+        // All that a number has.
+        digits: vec![17; columns.len()],
+        lines: LineNumbers::default(),
+        left_out: Vec::new(),
+        begins_late: false,
+    };
+    for (row, cells) in sheet.range(first..) {
+        let value = |(column, cells_of): (&u32, &Cells)| match (cells.get(column), cells_of) {
+            (Some(Data::String(text) | Data::DateTimeIso(text)), Cells::Stamps(first)) => {
+                stamp(text).map_or(f64::NAN, |time| time.since(*first))
+            }
+            (Some(Data::Int(x)), Cells::Numbers) => *x as f64,
+            (Some(Data::Float(x)), Cells::Numbers) => *x,
+            (Some(Data::DateTime(days)), Cells::Numbers) => days.as_f64(),
+            _ => f64::NAN,
+        };
+        let values: Vec<f64> = columns.iter().zip(&rows.cells).map(value).collect();
+        // A row with its time alone says nothing.
+        if values.iter().filter(|x| !x.is_nan()).count() <= usize::from(columns.len() > 1) {
+            continue;
+        }
+        rows.columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        rows.lines.push(line(*row));
+    }
+    for (column, title) in columns.iter().zip(&mut header.columns) {
+        if matches!((&sheet[&first][column], &title.unit), (Data::DateTime(_), Unit::Unstated)) {
+            title.unit = Unit::Time(86_400.0);
+        }
+    }
+    let mut notes = Notes::new();
+    let channels = channels_of(file, &header, rows, settings, (None, None), &mut notes)?;
+    Ok(recording(channels, Details::default(), settings, notes))
+}

@@ -1,0 +1,228 @@
+//! Workbooks, MATLAB and universal files, containers of parts of a record: made here as their programs write them.
+
+use std::fs;
+use std::io::{Cursor, Write};
+
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+const ROWS: usize = 300;
+
+fn time_s(k: usize) -> f64 {
+    -0.05 + k as f64 * 5e-4
+}
+
+fn accel(k: usize) -> f64 {
+    if time_s(k) < 0.0 { 0.0 } else { -(k as f64) }
+}
+
+fn zipped(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+/// Reads bytes from the disk under a name.
+fn read_as(name: &str, bytes: &[u8], flags: &IngestSettings) -> Result<Ingested, IngestError> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    ingest(&Bundle::open(&path)?, flags)
+}
+
+fn unit(unit: &str) -> IngestSettings {
+    IngestSettings { unit: Some(unit.to_owned()), ..IngestSettings::default() }
+}
+
+#[track_caller]
+fn check(ingested: &Ingested) {
+    let wave = &ingested.pulse().unwrap().samples;
+    assert_eq!((wave.len(), wave.t0_s(), wave.dt_s()), (ROWS, -0.05, 5e-4));
+    assert!((0..ROWS).all(|k| wave.samples()[k] == accel(k)));
+}
+
+/// A workbook of sheets, each of rows of cells: numbers, or words.
+fn workbook(sheets: &[(&str, Vec<Vec<String>>)]) -> Vec<u8> {
+    let cell = |row: usize, k: usize, text: &str| {
+        let place = format!("{}{}", char::from(b'A' + k as u8), row + 1);
+        match text.parse::<f64>() {
+            Ok(x) => format!("<c r=\"{place}\"><v>{x}</v></c>"),
+            Err(_) => format!("<c r=\"{place}\" t=\"inlineStr\"><is><t>{text}</t></is></c>"),
+        }
+    };
+    let line = |(row, cells): (usize, &Vec<String>)| {
+        let cells: String =
+            cells.iter().enumerate().filter(|(_, t)| !t.is_empty()).map(|(k, t)| cell(row, k, t)).collect();
+        format!("<row r=\"{}\">{cells}</row>", row + 1)
+    };
+    let main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
+    let of_office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    let of_package = "http://schemas.openxmlformats.org/package/2006/relationships";
+    let (mut list, mut relations, mut files) = (String::new(), String::new(), Vec::new());
+    for (k, (name, rows)) in sheets.iter().enumerate() {
+        list += &format!("<sheet name=\"{name}\" sheetId=\"{0}\" r:id=\"rId{0}\"/>", k + 1);
+        relations += &format!(
+            "<Relationship Id=\"rId{0}\" Type=\"{of_office}/worksheet\" Target=\"worksheets/sheet{0}.xml\"/>",
+            k + 1
+        );
+        let rows: String = rows.iter().enumerate().map(line).collect();
+        let text = format!("<worksheet xmlns=\"{main}\"><sheetData>{rows}</sheetData></worksheet>");
+        files.push((format!("xl/worksheets/sheet{}.xml", k + 1), text));
+    }
+    files.push((
+        "xl/workbook.xml".to_owned(),
+        format!("<workbook xmlns=\"{main}\" xmlns:r=\"{of_office}\"><sheets>{list}</sheets></workbook>"),
+    ));
+    files.push((
+        "xl/_rels/workbook.xml.rels".to_owned(),
+        format!("<Relationships xmlns=\"{of_package}\">{relations}</Relationships>"),
+    ));
+    let root = format!("<Relationship Id=\"rId1\" Type=\"{of_office}/officeDocument\" Target=\"xl/workbook.xml\"/>");
+    files.push(("_rels/.rels".to_owned(), format!("<Relationships xmlns=\"{of_package}\">{root}</Relationships>")));
+    let files: Vec<(&str, Vec<u8>)> =
+        files.iter().map(|(name, text)| (name.as_str(), text.clone().into_bytes())).collect();
+    zipped(&files)
+}
+
+fn sheet(above: &[&[&str]], time: impl Fn(usize) -> String) -> Vec<Vec<String>> {
+    let words = above.iter().map(|line| line.iter().map(|text| (*text).to_owned()).collect());
+    words.chain((0..ROWS).map(|k| vec![time(k), accel(k).to_string()])).collect()
+}
+
+#[test]
+fn a_sheet_is_a_table_and_several_are_asked_about() {
+    let plain = |k: usize| time_s(k).to_string();
+    let named = || sheet(&[&["Time (s)", "Accel (m/s^2)"]], plain);
+    check(&read_as("a.xlsx", &workbook(&[("Sheet1", named())]), &IngestSettings::default()).unwrap());
+    let titled = sheet(&[&["Sled 12"], &[], &["Time", "Sill X"], &["s", "m/s^2"]], plain);
+    let info = vec![vec!["Speed".to_owned(), "50".to_owned()]];
+    check(&read_as("a.xlsx", &workbook(&[("Info", info), ("Data", titled)]), &IngestSettings::default()).unwrap());
+    let two = workbook(&[("One", named()), ("Two", named())]);
+    let error = read_as("a.xlsx", &two, &IngestSettings::default()).unwrap_err();
+    assert_eq!(error.hint(), "add --sheet \"One\", for example");
+    check(
+        &read_as("a.xlsx", &two, &IngestSettings { sheet: Some("two".to_owned()), ..IngestSettings::default() })
+            .unwrap(),
+    );
+    // In an archive, too; stamps as words.
+    check(
+        &read_as("a.zip", &zipped(&[("b/a.xlsx", workbook(&[("One", named())]))]), &IngestSettings::default()).unwrap(),
+    );
+    let stamps = sheet(&[&["Time", "Accel (m/s^2)"]], |k| format!("10:02:03.{:04}", k * 5));
+    let ingested = read_as("a.xlsx", &workbook(&[("One", stamps)]), &IngestSettings::default()).unwrap();
+    let wave = &ingested.pulse().unwrap().samples;
+    assert_eq!((wave.t0_s(), wave.dt_s()), (0.0, 5e-4));
+}
+
+/// An element of a MATLAB file.
+fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+    let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+    bytes.extend(data);
+    bytes.resize(bytes.len().next_multiple_of(8), 0);
+    bytes
+}
+
+fn variable(class: u32, [rows, columns]: [usize; 2], name: &str, content: &[u8]) -> Vec<u8> {
+    let sizes = [rows as i32, columns as i32].map(i32::to_le_bytes).concat();
+    let flags = [class.to_le_bytes(), [0; 4]].concat();
+    element(14, &[element(6, &flags), element(5, &sizes), element(1, name.as_bytes()), content.to_vec()].concat())
+}
+
+fn numbers(name: &str, sizes: [usize; 2], numbers: impl Iterator<Item = f64>) -> Vec<u8> {
+    variable(6, sizes, name, &element(9, &numbers.flat_map(f64::to_le_bytes).collect::<Vec<u8>>()))
+}
+
+fn matlab(variables: &[Vec<u8>]) -> Vec<u8> {
+    let mut bytes = format!("{:<124}", "MATLAB 5.0 MAT-file").into_bytes();
+    bytes.extend([0, 1, b'I', b'M']);
+    bytes.extend(variables.concat());
+    bytes
+}
+
+#[test]
+fn variables_matrices_and_structs_of_matlab_are_channels() {
+    let t = |name: &str| numbers(name, [ROWS, 1], (0..ROWS).map(time_s));
+    let acc = |name: &str| numbers(name, [1, ROWS], (0..ROWS).map(accel));
+    let mass = numbers("mass", [1, 1], std::iter::once(1200.0));
+    let vectors = matlab(&[t("t"), acc("acc"), mass]);
+    let error = read_as("a.mat", &vectors, &IngestSettings::default()).unwrap_err();
+    assert!(error.hint().contains("--unit g"), "{}", error.hint());
+    check(&read_as("a.mat", &vectors, &unit("m/s^2")).unwrap());
+    let matrix = numbers("data", [ROWS, 2], (0..ROWS).map(time_s).chain((0..ROWS).map(accel)));
+    check(&read_as("a.mat", &matlab(&[matrix]), &unit("m/s^2")).unwrap());
+    let names = [&b"time\0\0\0\0"[..], b"acc\0\0\0\0\0"].concat();
+    let fields = [element(5, &8_i32.to_le_bytes()), element(1, &names), t(""), acc("")].concat();
+    let record = variable(2, [1, 1], "rec", &fields);
+    let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(&record).unwrap();
+    let packed = packer.finish().unwrap();
+    let packed = [15_u32.to_le_bytes().to_vec(), (packed.len() as u32).to_le_bytes().to_vec(), packed].concat();
+    for record in [record, packed] {
+        let ingested = read_as("a.mat", &matlab(&[record]), &unit("m/s^2")).unwrap();
+        check(&ingested);
+        assert_eq!(ingested.test.pulse.as_deref(), Some("rec.acc"));
+    }
+    let cut = &vectors[..vectors.len() - 100];
+    assert!(read_as("a.mat", cut, &unit("g")).unwrap_err().to_string().contains("longer than the file"));
+}
+
+#[test]
+fn a_data_set_58_is_a_channel() {
+    let about = |even: bool| {
+        format!(
+            "    -1\n    58\n1x\nsled\n30-Apr-20\nNONE\nNONE\n    1         0    0         0 NONE\n\
+             {:>10}{ROWS:>10}{:>10} \
+             -5.00000E-02  5.00000E-04  0.00000E+00\n{:>10}    0    0    0 {:<20} {:<20}\n{:>10}    0    0    0 {:<20} \
+             {:<20}\n         0    0    0    0 NONE\n         0    0    0    0 NONE\n",
+            2,
+            u8::from(even),
+            17,
+            "Time",
+            "s",
+            12,
+            "sill acc",
+            "m/s^2"
+        )
+    };
+    let lines = |numbers: Vec<f64>| -> String {
+        numbers.chunks(6).map(|line| line.iter().map(|x| format!("{x:>13.5E}")).collect::<String>() + "\n").collect()
+    };
+    let even = lines((0..ROWS).map(accel).collect());
+    let pairs = lines((0..ROWS).flat_map(|k| [time_s(k), accel(k)]).collect());
+    for text in [about(true) + &even, about(false) + &pairs] {
+        let text = text + "    -1\n    -1\n   164\n         1\n    -1\n";
+        check(&read_as("a.uff", text.as_bytes(), &IngestSettings::default()).unwrap());
+    }
+    let short = about(true) + "  0.00000E+00\n    -1\n";
+    let error = read_as("a.uff", short.as_bytes(), &IngestSettings::default()).unwrap_err();
+    assert!(error.to_string().contains("300 numbers are announced, 1 are there"), "{error}");
+}
+
+#[test]
+fn tables_of_a_telephone_about_itself_are_no_records() {
+    let rows: String = (0..ROWS).map(|k| format!("{:.4},{}\n", time_s(k), accel(k))).collect();
+    let data = format!("time_s,acc (m/s^2)\n{rows}").into_bytes();
+    let device = b"property,value\nmodel,phone\n".to_vec();
+    let export = zipped(&[("Raw Data.csv", data), ("meta/device.csv", device.clone()), ("meta/time.csv", device)]);
+    check(&read_as("export.zip", &export, &IngestSettings::default()).unwrap());
+}
+
+#[test]
+fn channels_of_a_test_may_lie_in_an_archive_beside_its_description() {
+    let folder = tempfile::tempdir().unwrap();
+    let samples: String = (0..ROWS).map(|k| format!("{}\n", accel(k))).collect();
+    let channel = format!(
+        "Channel code :10VEHCCG0000ACXP\nUnit :m/(s*s)\nSampling interval :5e-4\nTime of first sample :-0.05\n{samples}"
+    );
+    fs::write(
+        folder.path().join("T1.mme"),
+        "Data format edition number :1.6\nTitle :sled\nName of test object 1 :car\n",
+    )
+    .unwrap();
+    fs::write(folder.path().join("Channel.zip"), zipped(&[("Channel/T1.001", channel.into_bytes())])).unwrap();
+    check(&ingest(&Bundle::open(folder.path()).unwrap(), &IngestSettings::default()).unwrap());
+}
