@@ -293,26 +293,24 @@ python-test $wheel="":
         (cd python/tests; python -m pytest -q -p no:cacheprovider); \
     fi
 
-# What a release holds, into dist/: program, wheel, page, checksums.
+# What a release holds, into dist/: a static program, the wheel with it, the page, checksums.
 [group('development')]
-dist: (python-tools "ziglang>=0.13,<1" "cargo-zigbuild>=0.20,<1")
+dist: python-tools
     rm -rf dist
     mkdir -p dist
-    RUSTFLAGS="-C target-feature=+crt-static -C strip=symbols" cargo build --quiet --locked --release \
-        --package crumple-cli --target x86_64-unknown-linux-gnu --target-dir target/static
+    RUSTFLAGS="-C target-feature=+crt-static -C strip=symbols" target/python/bin/maturin build --quiet --locked --release \
+        --target x86_64-unknown-linux-gnu --target-dir target/static --compatibility manylinux_2_17 --out dist
     tar -czf dist/crumple-x86_64-linux.tar.gz --owner=0 --group=0 README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT \
         -C target/static/x86_64-unknown-linux-gnu/release crumple
-    PATH="$PWD/target/python/bin:$PATH" maturin build --quiet --locked --release --zig \
-        --compatibility manylinux_2_28 --out dist
     just page
     cp target/page/crumple.html dist/
     cd dist && sha256sum * > SHA256SUMS
 
 # Tools from the Python registry, into target/python.
 [private]
-python-tools *packages:
+python-tools:
     @[ -x target/python/bin/python ] || python3 -m venv target/python
-    @target/python/bin/pip install --quiet --disable-pip-version-check "maturin>=1.16,<2" "$@"
+    @target/python/bin/pip install --quiet --disable-pip-version-check "maturin>=1.16,<2"
 
 # What every change must pass, and what is too slow for that: before an issue is called resolved.
 [group('development')]
