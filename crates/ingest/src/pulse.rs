@@ -16,7 +16,6 @@ use crate::IngestError;
 use crate::recording::content::{Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
 use crate::recording::settings::{BodyPlace, select};
-use crate::time;
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
 /// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
@@ -35,10 +34,10 @@ pub fn choose_pulse(
     let index = match wanted {
         Some(wanted) => requested_channel(file, recording, wanted, &candidates)?,
         None => match best_candidate(file, recording, &candidates) {
-            Ok(index) if allow_missing && !is_of_a_crash && is_an_output(recording, index) => {
+            Ok(index) if allow_missing && !is_of_a_crash && is_an_output(recording) => {
                 notes.info(format!(
-                    "a record of inputs and outputs, as no pulse is named (--channel names one): channel {} vibrates, \
-                     or stands beside quantities that no vehicle has",
+                    "a record of inputs and outputs, as no pulse is named (--channel names one): channel {} \
+                     stands beside quantities that are no motion",
                     describe(&recording.channels[index].channel)
                 ));
                 return Ok(None);
@@ -72,23 +71,12 @@ pub fn choose_pulse(
     Ok(Some(index))
 }
 
-/// Part of what an acceleration adds up to in magnitude that is left of it in sum: of a pulse nearly all, of an
-/// oscillation little.
-const LEFT_OF_A_PULSE: f64 = 0.2;
-
-/// Whether the sole acceleration of a table answers an input, instead of being an impact: it is no impact by its level
-/// or its sum, or it stands beside torques, voltages and the like.
-fn is_an_output(recording: &Recording, index: usize) -> bool {
-    use QuantityKind::{Acceleration, AngularVelocity, Displacement, Velocity, VelocityChange};
-    let of_a_vehicle = [Acceleration, Velocity, VelocityChange, Displacement, AngularVelocity];
-    let is_other = |read: &ReadChannel| read.wave.is_some() && !of_a_vehicle.contains(&read.channel.quantity);
-    let is_impact = |wave: &Sampled| {
-        let sum: f64 = wave.samples().iter().sum();
-        let magnitudes: f64 = wave.samples().iter().map(|a| a.abs()).sum();
-        sum.abs() > LEFT_OF_A_PULSE * magnitudes && time::has_contact(wave)
-    };
+/// Whether the sole acceleration of a table answers an input, instead of being an impact: it stands beside a force, a
+/// torque, a voltage and the like.
+fn is_an_output(recording: &Recording) -> bool {
+    let with_data = recording.channels.iter().filter(|read| read.wave.is_some());
     recording.pulse_rule == PulseRule::OnlyOne
-        && (recording.channels.iter().any(is_other) || !recording.channels[index].wave.as_ref().is_some_and(is_impact))
+        && !with_data.map(|read| read.channel.quantity).all(QuantityKind::is_motion)
 }
 
 fn is_candidate(read: &ReadChannel) -> bool {

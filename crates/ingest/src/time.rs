@@ -402,11 +402,6 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     }
 }
 
-/// Whether the smoothed samples exceed 0.5 g for 3 ms anywhere.
-pub fn has_contact(wave: &Sampled) -> bool {
-    smoothed_crossing(wave, 0.0).is_some()
-}
-
 /// [`threshold_crossing`] of the moving mean, block by block: a long record is not copied.
 fn smoothed_crossing(pulse: &Sampled, zero_level: f64) -> Option<f64> {
     // An interval of next to nothing makes them longer than any record.

@@ -149,6 +149,9 @@ pub enum PulseError {
     /// There is no acceleration.
     #[error("the test has no acceleration channel with data")]
     None,
+    /// Its only one answers an input, for all that is known.
+    #[error("the test names no pulse, and its acceleration stands beside quantities that are no motion")]
+    Beside,
     /// There are several, and the test does not say which.
     #[error("the test has {0} acceleration channels and does not say which is the pulse")]
     Several(usize),
@@ -169,6 +172,10 @@ impl TestDescription {
             self.channels.iter().filter(|c| c.quantity == QuantityKind::Acceleration && c.status.has_data());
         match (candidates.next(), candidates.count()) {
             (None, _) => Err(PulseError::None),
+            // Beside a torque or a voltage an acceleration answers an input.
+            (Some(_), 0) if self.channels.iter().any(|c| c.status.has_data() && !c.quantity.is_motion()) => {
+                Err(PulseError::Beside)
+            }
             (Some(only), 0) => Ok(only),
             (Some(_), more) => Err(PulseError::Several(more + 1)),
         }

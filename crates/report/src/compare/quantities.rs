@@ -86,6 +86,15 @@ impl Quantity {
         self.beyond(run) > 1.0
     }
 
+    /// The change over the limit, both as they are shown.
+    pub fn times(&self, run: usize) -> f64 {
+        let (Some(first), Some(own)) = (&self.values[0], &self.values[run]) else { return self.beyond(run) };
+        match own.limit.filter(|_| self.is_share(run) && first.value != 0.0) {
+            Some(limit) => ((own.value - first.value) / first.value).abs() / limit.tolerance.rel,
+            None => self.beyond(run),
+        }
+    }
+
     /// Whether a run's number lies in the interval of the first run; `None`: there is no such interval or number.
     pub fn is_within_interval(&self, run: usize) -> Option<bool> {
         let [low, high] = self.values[0].as_ref()?.interval?;

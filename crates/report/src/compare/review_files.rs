@@ -15,7 +15,7 @@ use super::table::plain;
 const MOST_OF_ONE: usize = 8_000;
 /// Most of all records: GitHub refuses a comment of more than 65,536.
 const MOST: usize = 60_000;
-/// Blocks of the longest bar.
+/// Blocks of the longest bar, each a limit.
 const LONGEST_BAR: f64 = 12.0;
 /// Most bytes of the JSON, but for `--all`.
 const MOST_OF_JSON: usize = 100_000;
@@ -45,9 +45,10 @@ pub fn to_markdown(reviews: &[&Review], again: &str, accept: &str) -> String {
         text.push_str(&format!("The same within the limits: {}{more}.\n\n", markdown(&names.join(", "))));
     }
     if same.len() < reviews.len() {
-        text.push_str(&format!("To take these results: `{}` and commit.\n", accept.replace('`', "'")));
+        let accept = accept.replace('`', "'");
+        text.push_str(&format!("To take the results of all records: `{accept}`, and commit what it writes.\n"));
     }
-    text.push_str(&format!("To compare again: `{}`.\n", again.replace('`', "'")));
+    text.push_str(&format!("To compare again, after new runs: `{}`.\n", again.replace('`', "'")));
     text
 }
 
@@ -58,14 +59,21 @@ fn comment(text: &str) -> String {
 
 /// What differs in one record; without its details where they are too long.
 fn section(review: &Review, with_details: bool) -> String {
-    let title = match review.causes.first() {
+    let cause = match review.causes.first() {
         Some(cause) => {
-            format!("`{}` {} → {}", cause.name.replace('`', "'"), markdown(&cause.from), markdown(&cause.to))
+            format!("Cause: `{}` {} → {}", cause.name.replace('`', "'"), markdown(&cause.from), markdown(&cause.to))
         }
-        None => "no option, record or program differs".to_owned(),
+        None => "No option, record or program differs".to_owned(),
     };
-    let more = if review.causes.len() > 1 { format!(" and {} more", review.causes.len() - 1) } else { String::new() };
-    let mut text = format!("### {}: results changed, {title}{more}\n\n", markdown(&review.name));
+    let more = match (review.causes.len(), review.unexplained.is_empty()) {
+        (0, _) => "",
+        (1, true) => "; no other option, record or program differs",
+        (1, false) => "; it does not explain all that differs",
+        _ => " and more, listed below",
+    };
+    let [before, after] = &review.models;
+    let verdict = if before == after { "results changed" } else { "results and recommended model changed" };
+    let mut text = format!("### Record {}: {verdict}\n\n{cause}{more}.\n\n", markdown(&review.name));
     let (loud, quiet): (Vec<&Quantity>, Vec<&Quantity>) = review.rows.iter().partition(|row| row.differs(1));
     let said: Vec<String> = loud.iter().take(6).map(|row| format!("**{}** {}", name(row), change(row))).collect();
     let others: Vec<String> = quiet.iter().map(|row| name(row)).collect();
@@ -76,11 +84,12 @@ fn section(review: &Review, with_details: bool) -> String {
         text.push_str(&format!(" Within the limits: {}.", others.join(", ")));
     }
     let counted = review.counted().replacen('b', "B", 1);
-    text.push_str(&format!("\n{}.\nRecommended model: {}.\n\n", markdown(&counted), arrows(&review.model())));
-    text.push_str("| | before | after | change | limit | change over limit |\n|---|--:|--:|--:|--:|:--|\n");
-    let most = loud.iter().map(|row| row.beyond(1)).filter(|x| x.is_finite()).fold(1.0, f64::max);
+    let bold = if before == after { "" } else { "**" };
+    let model = arrows(&review.model());
+    text.push_str(&format!("\n{}.\n{bold}Recommended model: {model}.{bold}\n\n", markdown(&counted)));
+    text.push_str("| | before | after | change | limit | change ÷ limit |\n|---|--:|--:|--:|--:|:--|\n");
     let (shown, rest) = review.rows.split_at(review.rows.len().min(loud.len().clamp(8, 16)));
-    shown.iter().for_each(|row| text.push_str(&table_row(row, most)));
+    shown.iter().for_each(|row| text.push_str(&table_row(row)));
     if with_details && (!rest.is_empty() || review.causes.len() > 1) {
         text.push_str("\n<details><summary>All that differs</summary>\n\n");
         for cause in &review.causes {
@@ -88,7 +97,7 @@ fn section(review: &Review, with_details: bool) -> String {
         }
         if !rest.is_empty() {
             text.push_str("\n| | before | after | change | limit | |\n|---|--:|--:|--:|--:|:--|\n");
-            rest.iter().for_each(|row| text.push_str(&table_row(row, most)));
+            rest.iter().for_each(|row| text.push_str(&table_row(row)));
         }
         text.push_str("\n</details>\n");
     }
@@ -109,12 +118,12 @@ fn change(row: &Quantity) -> String {
     row.change(1).unwrap_or_else(|| ABSENT.to_owned())
 }
 
-/// A row of the table; the bar is the change as a multiple of the limit, the longest change as long as it gets.
-fn table_row(row: &Quantity, most: f64) -> String {
-    let (beyond, mark) = (row.beyond(1), if row.differs(1) { "**" } else { "" });
-    let bar = "█".repeat((LONGEST_BAR * (beyond / most).min(1.0)).ceil() as usize);
-    let times = if beyond.is_finite() {
-        format!("{bar} {beyond:.1}").trim_start().to_owned()
+/// A row of the table; a block of the bar is a limit.
+fn table_row(row: &Quantity) -> String {
+    let (times, mark) = (row.times(1), if row.differs(1) { "**" } else { "" });
+    let bar = "█".repeat(times.min(LONGEST_BAR) as usize);
+    let times = if times.is_finite() {
+        format!("{bar} {times:.1}").trim_start().to_owned()
     } else {
         "on one side only".to_owned()
     };
@@ -262,21 +271,23 @@ mod tests {
             to_markdown(&[&changed, &same], "crumple diff expected runs", "crumple accept runs").replace('\u{a0}', " ");
         insta::assert_snapshot!(text, @"
         <!-- crumple: rigid, kelvin -->
-        ### rigid: results changed, `filter.cfc` 60 → 180
+        ### Record rigid: results changed
+
+        Cause: `filter.cfc` 60 → 180; no other option, record or program differs.
 
         **Peak** +2.9 %. Within the limits: Dynamic crush C.
         Beyond the limit: 1 of 2 key numbers, 0 of 1 parameter.
         Recommended model: the same, Kelvin, direct fit 1.
 
-        | | before | after | change | limit | change over limit |
+        | | before | after | change | limit | change ÷ limit |
         |---|--:|--:|--:|--:|:--|
-        | **Peak** | 17.8 g | **18.4 g** | +2.9 % | 0.5 % | ████████████ 5.6 |
+        | **Peak** | 17.8 g | **18.4 g** | +2.9 % | 0.5 % | █████ 5.7 |
         | Dynamic crush C | 450 mm | 450 mm | 0.0 mm | 1 mm | 0.0 |
 
         The same within the limits: kelvin.
 
-        To take these results: `crumple accept runs` and commit.
-        To compare again: `crumple diff expected runs`.
+        To take the results of all records: `crumple accept runs`, and commit what it writes.
+        To compare again, after new runs: `crumple diff expected runs`.
         ");
     }
 

@@ -33,6 +33,14 @@ pub enum QuantityKind {
 }
 
 impl QuantityKind {
+    /// Whether it is a quantity of motion: what the sensors of a vehicle measure beside its pulse.
+    pub fn is_motion(self) -> bool {
+        use QuantityKind::{
+            Acceleration, AngularAcceleration, AngularVelocity, Displacement, Velocity, VelocityChange,
+        };
+        matches!(self, Acceleration | Velocity | VelocityChange | Displacement | AngularVelocity | AngularAcceleration)
+    }
+
     /// All kinds, in the order of the enumeration.
     pub const ALL: [Self; 12] = [
         Self::Acceleration,
