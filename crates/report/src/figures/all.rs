@@ -26,11 +26,12 @@ pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
     figures.into_iter().flatten().collect()
 }
 
-/// Those of the identified models.
+/// Those of the identified models; without a simulation where nobody knows what drove the record.
 pub fn identification_figures(run: &Run) -> Vec<Figure> {
+    let is_driven = |_: &Figure| run.ambient().is_none();
     let figures = [
-        simulated::compare(run),
-        simulated::errors(run),
+        simulated::compare(run).filter(is_driven),
+        simulated::errors(run).filter(is_driven),
         poles::figure(run),
         singular_values::figure(run),
         stabilisation::figure(run),

@@ -4,7 +4,7 @@ use crumple_signal::QuantityKind;
 use serde_json::{Value, json};
 
 /// What Rerun needs: a blueprint is written with its own package.
-pub(crate) const RERUN: &str = include_str!("rerun.py");
+pub(crate) const RERUN: &str = include_str!("in_rerun.py");
 
 /// Colours of curves, in turns.
 const COLOURS: [&str; 4] = ["#1f77b4", "#7f7f7f", "#d62728", "#2ca02c"];

@@ -84,7 +84,8 @@ pub(crate) fn view(options: ViewOptions) -> anyhow::Result<ExitStatus> {
     let folder = options.output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if folder.join("1-ingest.mcap").is_file() {
         let problem = format!("{} would lie among the artifacts of a run", options.output.display());
-        return Err(Usage::new(problem).hint("write it elsewhere: -o view.mcap").into());
+        let elsewhere = folder.join("..").join("view.mcap");
+        return Err(Usage::new(problem).hint(format!("write it elsewhere, such as -o {}", elsewhere.display())).into());
     }
     let layouts = [(Layout::Foxglove, "foxglove.json"), (Layout::Plotjuggler, "plotjuggler.xml")]
         .map(|(layout, ending)| (layout, options.output.with_extension(ending)));
