@@ -35,8 +35,8 @@ pub struct StaticCurve {
 /// The curves of a candidate of an artifact of `crumple-parameter-solve`: of all elements that have one.
 ///
 /// `candidate`: its id; without one the recommended. `to_m`: deflection up to which curves are written, m; without one
-/// those without a last knot end at `crush_m`, the dynamic crush of the test. Errors: no candidates at all, no such candidate, none recommended, parameters without meaning, no
-/// element with a static force.
+/// those without a last knot end at `crush_m`, the dynamic crush of the test. Errors: no candidates at all, no such
+/// candidate, none recommended, parameters without meaning, no element with a static force.
 pub fn static_curves(
     artifact: &Artifact,
     candidate: Option<&str>,

@@ -64,8 +64,8 @@ enum Command {
         /// How it is written.
         #[arg(long, value_enum, default_value = "csv")]
         format: CurveFormat,
-        /// Deflection up to which it is written, e.g. 900mm [default: that of the last knot; without knots the crush of the
-        /// test].
+        /// Deflection up to which it is written, e.g. 900mm [default: that of the last knot; without knots the crush
+        /// of the test].
         #[arg(long, value_name = "LENGTH")]
         to: Option<Length>,
     },

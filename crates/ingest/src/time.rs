@@ -252,8 +252,8 @@ pub struct OnGrid {
     pub lacks_a_rate: bool,
 }
 
-/// The grid of stamps, in s, at least two, that increase: as they are, or at the rate of `--resample`; for a list at the
-/// median of uneven steps. `place` is that of a stamp. Errors: uneven ones, where no rate is asked for.
+/// The grid of stamps, in s, at least two, that increase: as they are, or at the rate of `--resample`; for a list at
+/// the median of uneven steps. `place` is that of a stamp. Errors: uneven ones, where no rate is asked for.
 pub fn on_grid(
     times: &[f64],
     resolution_s: f64,

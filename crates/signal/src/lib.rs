@@ -32,10 +32,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Filters are linear and keep the grid: sample `k` before and after belong to the same instant `t0 + k·dt`. A recursive
-//! filter has the coefficients `a0, a1, a2, b1, b2` in this order, with `+b1` and `+b2` as SAE J211-1 prints them; many
-//! programs write the denominator as `1 + a1·z⁻¹ + a2·z⁻²`, their a1 and a2 are -b1 and -b2 here. Definitions, and what
-//! an error of an input does to the crush: `docs/methods/cfc-filter.md`, `docs/methods/integration.md`.
+//! Filters are linear and keep the grid: sample `k` before and after belong to the same instant `t0 + k·dt`. A
+//! recursive filter has the coefficients `a0, a1, a2, b1, b2` in this order, with `+b1` and `+b2` as SAE J211-1 prints
+//! them; many programs write the denominator as `1 + a1·z⁻¹ + a2·z⁻²`, their a1 and a2 are -b1 and -b2 here.
+//! Definitions, and what an error of an input does to the crush: `docs/methods/cfc-filter.md`,
+//! `docs/methods/integration.md`.
 
 mod butterworth;
 mod cfc;

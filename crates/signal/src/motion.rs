@@ -97,8 +97,8 @@ pub struct Motion {
 /// The samples stay where they are: a time zero other than 0 s is an offset, not a new grid.
 ///
 /// How wrong it is: by the rule, O(T²) and below 0.01 mm of crush for the trapezoid at 10 kHz; by the inputs as in
-/// `docs/methods/integration.md`. On four channels of a real barrier test the start with the record costs 0.5 to 0.7 mm of crush
-/// by what zero level and noise do before the event.
+/// `docs/methods/integration.md`. On four channels of a real barrier test the start with the record costs 0.5 to 0.7
+/// mm of crush by what zero level and noise do before the event.
 ///
 /// # Errors
 /// An impact speed that is negative or no number; fewer than two samples at or after time zero; a record that starts

@@ -1,5 +1,5 @@
-//! Zip archives: one NHTSA or ISO-MME test, or one table, in any folder of the archive; a workbook; the packed header of
-//! a TDM file.
+//! Zip archives: one NHTSA or ISO-MME test, or one table, in any folder of the archive; a workbook; the packed header
+//! of a TDM file.
 
 use std::io::{Cursor, Read};
 

@@ -1,8 +1,8 @@
 //! Channels from stamped messages: `sensor_msgs/Imu` of ROS 1 and ROS 2, and numbers named in JSON and protobuf
 //! messages.
 //!
-//! A logger's messages come at uneven times. The stamp in the message is taken; the time of recording where stamps
-//! are missing or stand still (0, frozen, doubled). Times that do not form a uniform grid are refused, unless resampling
+//! A logger's messages come at uneven times. The stamp in the message is taken; the time of recording where stamps are
+//! missing or stand still (0, frozen, doubled). Times that do not form a uniform grid are refused, unless resampling
 //! is asked for (`--resample`, linear interpolation).
 
 use std::collections::BTreeMap;

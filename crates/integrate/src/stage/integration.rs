@@ -279,7 +279,7 @@ impl ChannelIntegration<'_> {
 fn hint(error: &IntegrateError) -> String {
     match error {
         IntegrateError::ImpactSpeed(_) => {
-            format!("{} is right for a motion from rest", option("ingest", "impact-speed", "0m/s"))
+            format!("{} is right for a motion from rest", option("integrate", "impact-speed", "0m/s"))
         }
         _ => format!("{} says where on the record's time axis first contact is", flag("integrate", "time-zero")),
     }

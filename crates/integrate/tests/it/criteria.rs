@@ -283,7 +283,10 @@ fn a_motion_from_rest_has_velocity_and_displacement_and_no_events() {
     let output = PROGRAM.run(&input, &["--impact-speed=-5m/s"]);
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");
-    assert!(stderr.contains("--impact-speed is a speed") && !stderr.contains("--time-zero"), "{stderr}");
+    assert!(
+        stderr.contains("--impact-speed 0m/s is right for a motion from rest") && !stderr.contains("--time-zero"),
+        "{stderr}"
+    );
 }
 
 #[test]

@@ -72,6 +72,9 @@ impl Page {
         top::write_before_use(&mut body, run, ranking, said, concerns);
         model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");
+        if run.joint.is_none() {
+            key_numbers::write_caption(&mut body, key_numbers);
+        }
         predictions::write_left_out(&mut body, run);
         figures::write(&mut body, &crash, "h2");
         if run.is_generic() {

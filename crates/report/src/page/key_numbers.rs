@@ -25,9 +25,7 @@ pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
     for number in numbers {
         out.push_str(&card(run, number));
     }
-    out.push_str("</dl>\n");
-    caption(out, numbers);
-    out.push_str("</section>\n");
+    out.push_str("</dl>\n</section>\n");
 }
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
@@ -117,7 +115,8 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
     }
 }
 
-fn caption(out: &mut String, numbers: &[KeyNumber]) {
+/// What the intervals of the cards are, below the first screen.
+pub(super) fn write_caption(out: &mut String, numbers: &[KeyNumber]) {
     let texts = &PHRASES.numbers;
     let mut sentences: Vec<String> = Vec::new();
     for (source, template) in

@@ -100,9 +100,7 @@ texts! { ConclusionTexts
         "No identified model holds: the best, {model}, has a fit of {fit}{unseen}.";
     ambient:
         "Nobody measured what drove this record. Modes that stay over model orders and in both halves: {modes}.";
-    ambient_modes: "{frequencies}{more}";
     no_mode: "none";
-    more_modes: " and {count} more";
     identified_none:
         "No identified model has a fit.";
     identified_no_use:

@@ -43,7 +43,7 @@ fn the_console_is_silent_and_nothing_is_loaded() {
                  drawn: [...document.querySelectorAll('svg.plot path.l')].filter((p) => p.getTotalLength()).length}";
     let answer = page.ask(count);
     assert_eq!((page.console(), page.requests()), (vec![], vec![]));
-    assert_eq!(answer["plots"], 14, "{answer}");
+    assert_eq!(answer["plots"], 16, "{answer}");
     assert!(answer["drawn"].as_u64().unwrap() > 40, "{answer}");
 }
 

@@ -116,8 +116,8 @@ pub fn put_subspace_diagram(
     Ok(())
 }
 
-/// Whether all inputs rest, each at one value, in half of the samples or more: what follows a blow is a free motion, and
-/// its poles stand in the record without the input.
+/// Whether all inputs rest, each at one value, in half of the samples or more: what follows a blow is a free motion,
+/// and its poles stand in the record without the input.
 fn rests_for_half(inputs: &[Vec<f64>]) -> bool {
     let samples = inputs.first().map_or(0, Vec::len);
     let rests = |k: usize| k > 0 && inputs.iter().all(|u| u[k] == u[k - 1]);

@@ -37,9 +37,9 @@ pub fn resolution_of_stamps(stamps: &[f64]) -> f64 {
 const FIRST_YEAR: i64 = 1910;
 
 /// The instant of `2023-05-05T13:40:37.7466657`, with a blank in place of the T, a `Z` or an offset behind it or not;
-/// of `5.5.2023 13:40:37` and `5/13/2023 1:40:37 PM` (month first, unless it is above 12); in seconds since the start of
-/// the year 1 of the Gregorian calendar. The offset is not looked at: the channels of a file have one. `None`: another
-/// text, or a year before 1910.
+/// of `5.5.2023 13:40:37` and `5/13/2023 1:40:37 PM` (month first, unless it is above 12); in seconds since the start
+/// of the year 1 of the Gregorian calendar. The offset is not looked at: the channels of a file have one. `None`:
+/// another text, or a year before 1910.
 pub fn instant(text: &str) -> Option<Instant> {
     let (date, time) = text.trim().split_once(['T', ' '])?;
     let mut parts = [0; 3];

@@ -32,11 +32,21 @@ pub fn first(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let force = figure.panels.iter().position(|panel| panel.follows.is_some())?;
     figure.panels = [pulse, force].map(|place| figure.panels[place].clone()).to_vec();
     figure.caption.clear();
-    // What waits in the legend is in the figure below.
+    // What waits in the legend, the other sensors, cursor and zoom are in the figure below.
     let waits: Vec<bool> = figure.legend.iter().map(|entry| !entry.shown).collect();
-    figure.panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| !waits[curve.entry]));
+    for panel in &mut figure.panels {
+        panel.curves.retain(|curve| !waits[curve.entry]);
+        panel.bands.clear();
+        (panel.time, panel.follows, panel.height) = (false, None, HEIGHT_OF_FIRST);
+        if let Some([from, to]) = panel.x.view {
+            panel.curves.iter_mut().for_each(|curve| curve.points.retain(|p| (from..=to).contains(&p[0])));
+        }
+    }
     Some(figure.tidy())
 }
+
+/// Height of a panel of the first screen, as wide as 560.
+const HEIGHT_OF_FIRST: f64 = 170.0;
 
 fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> Option<Figure> {
     let measured = &run.measured;

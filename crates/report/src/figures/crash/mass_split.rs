@@ -121,7 +121,7 @@ mod tests {
         // c1 has no hollow points, for they are negative.
         assert_eq!(figure.legend.len(), 7);
         assert!(
-            figure.caption.contains("up to 2.00. The division used, m2/m1 = 4.00, is not among them"),
+            figure.caption.contains("up to 2.00. The assumed split, m2/m1 = 4.00, is not one of them"),
             "{}",
             figure.caption
         );
@@ -133,6 +133,6 @@ mod tests {
         assert!(
             figure.caption.starts_with("Parameter sets with the same poles as Double spring-mass-damper, direct fit 1")
         );
-        assert!(figure.caption.ends_with("m2/m1 = 3.00, is among them."), "{}", figure.caption);
+        assert!(figure.caption.ends_with("m2/m1 = 3.00, is one of them."), "{}", figure.caption);
     }
 }

@@ -24,9 +24,6 @@ use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
 use crate::findings::text::{as_sentence, candidate_name, model_name};
 use crate::findings::{CandidateResult, Ranking, Run};
 
-/// Modes of an ambient record that are named.
-const MOST_MODES: usize = 8;
-
 /// Whether what was asked for is there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -426,15 +423,8 @@ impl<'a> Text<'a> {
         let mut all: Vec<f64> = diagram.clusters.iter().map(|c| c.natural_frequency_rad_per_s).collect();
         all.sort_by(f64::total_cmp);
         let in_hz = |rad_per_s: &f64| words::quantity(rad_per_s / std::f64::consts::TAU, 2, "Hz");
-        let shown: Vec<String> = all.iter().take(MOST_MODES).map(in_hz).collect();
-        let more = match all.len() - shown.len() {
-            0 => String::new(),
-            count => fill(phrases.more_modes, &[("count", count.to_string())]),
-        };
-        let modes = match all.len() {
-            0 => phrases.no_mode.to_owned(),
-            _ => fill(phrases.ambient_modes, &[("frequencies", shown.join(", ")), ("more", more)]),
-        };
+        let shown: Vec<String> = all.iter().map(in_hz).collect();
+        let modes = if shown.is_empty() { phrases.no_mode.to_owned() } else { shown.join(", ") };
         fill(phrases.ambient, &[("modes", modes)])
     }
 

@@ -347,7 +347,7 @@ fn what_was_accepted_is_compared_with_later_runs_of_the_same_name() {
         assert!(text.contains(words), "{text}");
     }
     let text = fs::read_to_string(root.path().join("c.md")).unwrap();
-    assert!(text.contains("To compare again: `crumple-diff expected runs --markdown c.md`."), "{text}");
+    assert!(text.contains("To compare again, after new runs: `crumple-diff expected runs --markdown c.md`."), "{text}");
     // Its own files it writes again, no others.
     for flag in ["--markdown", "--junit", "--json"] {
         for code in [1, 1, 2] {
