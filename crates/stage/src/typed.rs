@@ -22,8 +22,12 @@ static WAY: AtomicU8 = AtomicU8::new(0);
 pub const IN_RUN: &str = "CRUMPLE_IN_RUN";
 
 pub(crate) fn begin(way: Way) {
-    let is_in_run = way == Way::Alone && std::env::var_os(IN_RUN).is_some();
-    WAY.store(if is_in_run { Way::InRun } else { way } as u8, Relaxed);
+    WAY.store(way as u8, Relaxed);
+}
+
+/// Whether options are typed behind a run: of `crumple`, or of `just`, which starts the programs.
+fn is_in_run() -> bool {
+    way() == Way::InRun || (way() == Way::Alone && std::env::var_os(IN_RUN).is_some())
 }
 
 fn way() -> Way {
@@ -52,9 +56,9 @@ pub fn program(words: &str) -> String {
 pub fn option(stage: &str, name: &str, value: &str) -> String {
     let flag = format!("--{name} {value}");
     let flag = flag.trim_end();
-    match (way(), stage) {
-        (Way::InRun, "ingest") => flag.to_owned(),
-        (Way::InRun, _) => {
+    match (is_in_run(), stage) {
+        (true, "ingest") => flag.to_owned(),
+        (true, _) => {
             let value = if value.is_empty() { "true" } else { value };
             format!("--set {stage}.{}={value}", name.replace('-', "_"))
         }
@@ -64,9 +68,9 @@ pub fn option(stage: &str, name: &str, value: &str) -> String {
 
 /// An option of a stage in a sentence that says what it is for: `--from`, `--set identify.from=...` behind a run.
 pub fn flag(stage: &str, name: &str) -> String {
-    match (way(), stage) {
-        (Way::InRun, "ingest") => format!("--{name}"),
-        (Way::InRun, _) => format!("--set {stage}.{}=...", name.replace('-', "_")),
+    match (is_in_run(), stage) {
+        (true, "ingest") => format!("--{name}"),
+        (true, _) => format!("--set {stage}.{}=...", name.replace('-', "_")),
         _ => format!("--{name}"),
     }
 }

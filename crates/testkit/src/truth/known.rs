@@ -244,6 +244,7 @@ pub const ELSEWHERE: &[(&str, &str)] = &[
 
 /// Texts that name what stands beside them and claim nothing.
 pub const LABELS: &[&str] = &[
+    "conclusion.no_mode",
     "page.brand",
     "page.brand_generic",
     "page.untitled",

@@ -207,7 +207,7 @@ pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
     fitted.max_by(|(a, x, x_fit), (b, y, y_fit)| {
         let unseen = |model: &Model, fit: f64| model.unseen_fit_percent().unwrap_or(fit);
         let by_fit = unseen(x, *x_fit).total_cmp(&unseen(y, *y_fit));
-        let is_recommended = |model: &Model| run.is_recommended(&model.id);
+        let is_recommended = |model: &Model| model.holds() && run.is_recommended(&model.id);
         x.holds().cmp(&y.holds()).then(is_recommended(x).cmp(&is_recommended(y))).then(by_fit).then(b.cmp(a))
     })
 }

@@ -446,7 +446,10 @@ fn identified(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let decides = |model: &Value| model["unseen_fit_percent"].as_f64().or(model["fit_percent"].as_f64());
     let best = models.iter().filter_map(decides).fold(f64::NEG_INFINITY, f64::max);
     let own = model.and_then(decides).unwrap_or_default();
-    holds(own >= best && own <= 100.0 + 1e-9, || format!("the highest fit is {best} %"))
+    let recommends = |record: &Value| record["recommended"].as_str() == Some(said.text("model"));
+    let is_of_selection = |(topic, record): &(String, Value)| topic.starts_with("/selection/") && recommends(record);
+    let is_chosen = own >= best || spot.made.records.iter().any(|record| is_of_selection(record));
+    holds(is_chosen && own <= 100.0 + 1e-9, || format!("the highest fit is {best} %"))
 }
 
 /// The slowest oscillation among the poles of the models.
