@@ -37,7 +37,10 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
         out.push_str(&format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"));
     };
     let with_unit = |number: String, unit: &str| format!("{number}{NBSP}{unit}");
-    fact(texts.vehicle, test.vehicle.clone());
+    // A title may say it already.
+    if test.vehicle.as_ref().is_none_or(|vehicle| !test.title.contains(vehicle.as_str())) {
+        fact(texts.vehicle, test.vehicle.clone());
+    }
     fact(texts.test_mass, test.mass_kg.map(|mass| with_unit(words::at_most(mass, 1), "kg")));
     let speed = |v: f64| {
         let km_per_h = words::quantity(KM_PER_H_PER_M_PER_S * v, 2, "km/h");

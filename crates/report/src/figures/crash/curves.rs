@@ -5,7 +5,7 @@ use super::drawn_models::DrawnModels;
 use super::force;
 use super::same_place::Envelope;
 use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
+use crate::drawing::{Axis, Colour, Dash, Entry, Figure, Look, Panel, Width, over_time, span};
 use crate::figures::time_view::{over_time_axis, time_view_ms};
 use crate::findings::{CandidateResult, Ranking, Run};
 use crate::phrases::PHRASES;
@@ -32,10 +32,12 @@ pub fn first(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let force = figure.panels.iter().position(|panel| panel.follows.is_some())?;
     figure.panels = [pulse, force].map(|place| figure.panels[place].clone()).to_vec();
     figure.caption.clear();
-    // What waits in the legend, the other sensors, cursor and zoom are in the figure below.
-    let waits: Vec<bool> = figure.legend.iter().map(|entry| !entry.shown).collect();
+    // Other curves, other sensors, cursor and zoom are in the figure below.
+    let is_first = |entry: &Entry| entry.shown && matches!(entry.look.colour, Colour::Test | Colour::Series(_));
+    let kept: Vec<bool> = figure.legend.iter().map(is_first).collect();
     for panel in &mut figure.panels {
-        panel.curves.retain(|curve| !waits[curve.entry]);
+        panel.curves.retain(|curve| kept[curve.entry]);
+        panel.marks.retain(|mark| mark.colour == Colour::Event);
         panel.bands.clear();
         (panel.time, panel.follows, panel.height) = (false, None, HEIGHT_OF_FIRST);
         if let Some([from, to]) = panel.x.view {
