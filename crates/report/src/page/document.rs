@@ -66,10 +66,12 @@ impl Page {
             key_numbers::write(&mut body, run, key_numbers);
         }
         let first: Vec<Figure> = curves::first(run, ranking).filter(|_| run.joint.is_none()).into_iter().collect();
+        body.push_str("<div class=\"first\">\n<div>\n");
         figures::write(&mut body, &first, "h2");
         body.push_str("<div class=\"answer\">\n");
         predictions::write_first(&mut body, run, ranking, said.status);
         top::write_before_use(&mut body, run, ranking, said, concerns);
+        body.push_str("</div>\n</div>\n");
         model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");
         if run.joint.is_none() {

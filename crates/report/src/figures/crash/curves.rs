@@ -48,7 +48,7 @@ pub fn first(run: &Run, ranking: &Ranking) -> Option<Figure> {
 }
 
 /// Height of a panel of the first screen, as wide as 560.
-const HEIGHT_OF_FIRST: f64 = 170.0;
+const HEIGHT_OF_FIRST: f64 = 230.0;
 
 fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> Option<Figure> {
     let measured = &run.measured;
