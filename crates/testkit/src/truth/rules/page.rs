@@ -448,7 +448,7 @@ fn identified(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let own = model.and_then(decides).unwrap_or_default();
     let recommends = |record: &Value| record["recommended"].as_str() == Some(said.text("model"));
     let is_of_selection = |(topic, record): &(String, Value)| topic.starts_with("/selection/") && recommends(record);
-    let is_chosen = own >= best || spot.made.records.iter().any(|record| is_of_selection(record));
+    let is_chosen = own >= best || spot.made.records.iter().any(is_of_selection);
     holds(is_chosen && own <= 100.0 + 1e-9, || format!("the highest fit is {best} %"))
 }
 
