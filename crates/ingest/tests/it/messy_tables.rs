@@ -450,7 +450,7 @@ fn times_and_tables_of_loggers_are_read_right() {
             format!(
                 "time,accel_g\n{}",
                 rows(|k, _, a| {
-                    let tenth_ms = (863_999_500 + 2 * k as i64) % 864_000_000;
+                    let tenth_ms = (863_999_500 + 2 * i64::try_from(k).unwrap()) % 864_000_000;
                     let (s, rest) = (tenth_ms / 10_000, tenth_ms % 10_000);
                     format!("{:02}:{:02}:{:02}.{rest:04},{a:.4}", s / 3600, s / 60 % 60, s % 60)
                 })

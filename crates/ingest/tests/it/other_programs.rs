@@ -127,7 +127,7 @@ fn element(kind: u32, data: &[u8]) -> Vec<u8> {
 }
 
 fn variable(class: u32, [rows, columns]: [usize; 2], name: &str, content: &[u8]) -> Vec<u8> {
-    let sizes = [rows as i32, columns as i32].map(i32::to_le_bytes).concat();
+    let sizes = [rows, columns].map(|size| i32::try_from(size).unwrap().to_le_bytes()).concat();
     let flags = [class.to_le_bytes(), [0; 4]].concat();
     element(14, &[element(6, &flags), element(5, &sizes), element(1, name.as_bytes()), content.to_vec()].concat())
 }
