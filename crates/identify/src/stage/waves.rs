@@ -480,12 +480,12 @@ pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
             record.t0_s(),
             record.end_s()
         ))
-        .hint(format!("set {} and {} to times inside the record", flag("from"), flag("to")))
+        .hint(format!("{} and {} take times inside the record", flag("from"), flag("to")))
         .into());
     }
     if keeps_some && (kept.is_empty() || end < used) {
         return Err(Refused::new("no sample is left for the validation, or --samples ends before it begins")
-            .hint(format!("set {} to a time inside the window, without {}", flag("validate-from"), flag("samples")))
+            .hint(format!("{} takes a time inside the window, without {}", flag("validate-from"), flag("samples")))
             .into());
     }
     let kept = if keeps_some { kept } else { Vec::new() };
