@@ -330,7 +330,7 @@ fn set_time_zero(
             if let Some(wave) = pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
                 let before = wave.index_at_or_after(0.0);
                 if before > 0 || recording.contact_at_zero {
-                    notes.info(format!("time zero is the file's t = 0, {before} samples after its start"));
+                    notes.info(format!("time zero is t = 0 of the file, {before} samples after its start"));
                 } else {
                     notes.info("the record starts at t = 0, taken as time zero; --time-zero states another");
                 }

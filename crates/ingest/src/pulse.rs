@@ -113,8 +113,7 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             Err(IngestError::channel(
                 file,
                 format!(
-                    "no valid accelerometer along x at a usual place of the compartment has its file here; \
-                     accelerations here: {}",
+                    "no signal file of a valid x accelerometer in the compartment is here; accelerations here: {}",
                     if others.is_empty() { "none".to_owned() } else { list(others.into_iter()) }
                 ),
                 "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
@@ -131,7 +130,7 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
                 several.len(),
                 list(several.iter().map(|k| &recording.channels[*k]))
             ),
-            "to be told which is the crash pulse",
+            "the name of the channel with the crash pulse",
             which(&recording.channels[several[0]].channel.id, several.len()),
         )),
     }
@@ -251,7 +250,7 @@ fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked:
     let why = match (asked, pulse.fitness) {
         (true, _) => "as asked for".to_owned(),
         (false, Some(fitness)) if recording.pulse_rule == PulseRule::Fittest => {
-            format!("valid accelerometer along x at the best place here: {}", fitness.why)
+            format!("valid accelerometer along x at the best available place: {}", fitness.why)
         }
         (false, Some(fitness)) => fitness.why.to_owned(),
         (false, None) => String::new(),
@@ -272,11 +271,15 @@ fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked:
     }
     if let Some(doubt) = doubt(pulse, recording.pulse_rule) {
         let taken = if asked { "taken as asked for" } else { "nothing else is here" };
-        notes.concern(About::Pulse, Weight::Decisive, format!(
-            "the pulse, channel {}, does not stand for the passenger compartment: {doubt}; {taken}, but crush, force \
-             and models are then not those of the vehicle",
-            describe(&pulse.channel)
-        ));
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            format!(
+                "channel {} does not show the motion of the compartment: {doubt}; {taken}. Its crush, force and models \
+             are not those of the vehicle",
+                describe(&pulse.channel)
+            ),
+        );
     }
     if !asked && pulse.channel.redundant {
         notes.concern(
@@ -440,11 +443,15 @@ pub fn check(
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };
-    notes.concern(About::Pulse, Weight::Decisive, format!(
-        "the pulse is positive (it gains {change:.2} m/s in the first {:.0} ms), a frontal impact is negative by SAE \
-         J211: {way_out}",
-        (pulse.end_s().min(WINDOW_S)) * 1e3
-    ));
+    notes.concern(
+        About::Pulse,
+        Weight::Decisive,
+        format!(
+            "the pulse is positive (+{change:.2} m/s in the first {:.0} ms); a frontal impact is negative (SAE J211). \
+         {way_out}",
+            (pulse.end_s().min(WINDOW_S)) * 1e3
+        ),
+    );
 }
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.

@@ -65,7 +65,8 @@ pub fn unit_from_steps(
         }
     };
     notes.info(format!(
-        "no unit of time is stated for {whose}: taken as {symbol}, since the steps are {step:.6}; --time-unit overrides"
+        "no unit of time is stated for {whose}: {symbol} is assumed, because the steps are {step:.6}. --time-unit \
+         overrides"
     ));
     Ok(factor)
 }
@@ -396,7 +397,7 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     };
     if crossing.abs() > WORTH_A_NOTE_S {
         notes.info(format!(
-            "the pulse first exceeds 0.5 g for 3 ms at {:.1} ms: check time zero (--time-zero shifts the axis)",
+            "check time zero: the pulse first exceeds 0.5 g for 3 ms at {:.1} ms. --time-zero shifts the axis",
             crossing * 1e3
         ));
     }

@@ -147,8 +147,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
     }
     if motion.start == UsedStart::RecordStart {
         notes.info(format!(
-            "integrated from the start of the record ({:.1} ms) with the impact speed, \
-             because a low-pass filter spreads the contact to both sides of time zero",
+            "integration starts with the record ({:.1} ms): the low-pass filter spreads the contact to both sides of \
+             time zero",
             1e3 * motion.velocity.t0_s()
         ));
     }
@@ -164,8 +164,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
             About::Pulse,
             Weight::Decisive,
             format!(
-                "the record ends at v = {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s: \
-             a frontal pulse is negative (SAE J211-1), check the polarity of the channel",
+                "the record ends at {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s. Check the \
+                 sign: a frontal pulse is negative (SAE J211-1)",
                 events.end_velocity_m_per_s
             ),
         );
@@ -206,7 +206,7 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
     if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, time_zero_s, crush.time_s) {
         let gap = (by_moment - from_crush) / from_crush;
         let text = format!(
-            "centroid time {:.3} ms from C/v0 and {:.3} ms from the pulse itself, {:+.3} % apart",
+            "centroid time: {:.3} ms from C/v0, {:.3} ms from the pulse, {:+.3} % apart",
             1e3 * from_crush,
             1e3 * by_moment,
             1e2 * gap

@@ -318,9 +318,9 @@ pub struct Uncertainty {
 pub fn bounds_remark(model: &Model, active_bounds: &[impl AsRef<str>]) -> Option<String> {
     let names = active_bounds.iter().map(AsRef::as_ref);
     let (zero, other): (Vec<&str>, Vec<&str>) = names.partition(|name| model.value(name) == Some(0.0));
-    let zero = (!zero.is_empty()).then(|| format!("zero, the smallest value possible: {}", all_in_words(model, zero)));
+    let zero = (!zero.is_empty()).then(|| format!("zero, the lowest possible value: {}", all_in_words(model, zero)));
     let other = (!other.is_empty())
-        .then(|| format!("on a bound, not determined by the record: {}", all_in_words(model, other)));
+        .then(|| format!("reached its search limit; not identifiable: {}", all_in_words(model, other)));
     match (zero, other) {
         (Some(zero), Some(other)) => Some(format!("{zero}; {other}")),
         (zero, other) => zero.or(other),

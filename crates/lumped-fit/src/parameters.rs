@@ -228,7 +228,8 @@ pub fn masses(mass_kg: f64, split: MassSplit, evidence: MassEvidence) -> Result<
     let below = "positive and below the test mass";
     let (m1, m2, source) = match split {
         MassSplit::FrontFraction(f) if f > 0.0 && f < 1.0 => {
-            (f * mass_kg, (1.0 - f) * mass_kg, format!("front mass fraction {f} assumed: {}", evidence.in_words()))
+            let words = format!("front mass fraction {f} is an assumption: {}", evidence.in_words());
+            (f * mass_kg, (1.0 - f) * mass_kg, words)
         }
         MassSplit::FrontFraction(f) => return Err(value("front_mass_fraction", f, "between 0 and 1")),
         MassSplit::Front(m1) if m1 > 0.0 && m1 < mass_kg => (m1, mass_kg - m1, "m1 given, m2 is the rest".to_owned()),
@@ -273,7 +274,7 @@ pub fn triple_masses(
     let (front, rear, _) = masses(mass_kg, split, evidence)?;
     let half = 0.5 * front;
     let text = format!(
-        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: the front mass halved between engine and chassis is assumed: {}",
+        "m1 = m2 = {half:.2} kg, m3 = {rear:.2} kg: engine and chassis share the front mass equally, an assumption: {}",
         evidence.in_words()
     );
     Ok(([half, half, rear], text))

@@ -10,7 +10,7 @@ pub enum FilterError {
     /// The sampling rate is below ten times the class, which SAE J211-1 asks for (six times the -3 dB frequency). The
     /// bilinear transform has then moved the -3 dB point by more than 5 %, from 1.667·CFC to above 1.751·CFC.
     #[error(
-        "sampling rate {} Hz is too low for cfc {cfc}: at least {needed_hz} Hz (10 times the class) is needed",
+        "a sampling rate of {} Hz is too low for CFC {cfc}, which needs at least {needed_hz} Hz (10 times the class)",
         short(*rate_hz)
     )]
     Rate {

@@ -260,8 +260,8 @@ fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes
     let ratio = samples.rate_hz() / cfc.frequency_hz();
     if ratio < 20.0 * (1.0 - 1e-9) {
         notes.info(format!(
-            "sampling rate {:.0} Hz is only {ratio:.1} times cfc {cfc}: \
-             the -3 dB point lies at {:.1} Hz instead of {:.1} Hz",
+            "the sampling rate {:.0} Hz is only {ratio:.1} times CFC {cfc}: the -3 dB point is at {:.1} Hz instead of \
+             {:.1} Hz",
             samples.rate_hz(),
             coefficients.half_power_frequency_hz(),
             cfc.frequency_hz() / 0.6,

@@ -74,7 +74,7 @@ pub fn channels_to_filter<'a>(
             } else if channel.cfc.is_none() {
                 remarks.info(
                     &channel.id,
-                    format!("of a dummy, filtered to cfc {class} (SAE J211-1); another class by --occupant-cfc"),
+                    format!("of a dummy, filtered to CFC {class} (SAE J211-1); --occupant-cfc changes the class"),
                 );
             }
         }
@@ -143,8 +143,8 @@ fn note_occupants_left(
     let places: Vec<String> = places.into_iter().map(|(place, n)| format!("{place} ({n})")).collect();
     let class = settings.filter.class;
     remarks.of_test(format!(
-        "{} channels of occupants are not filtered, no criterion is made of them: {}; --set \
-         filter.channels='{pulse}{}' takes one beside the pulse, to cfc {class}",
+        "{} occupant channels are left out, because no criterion uses them: {}. --set filter.channels='{pulse}{}' \
+         adds one, at CFC {class}",
         left.len(),
         first_of(&places),
         example.id

@@ -126,8 +126,7 @@ fn keep_what_is_needed(channels: &mut [FilteredChannel], rate: KeptRate, remarks
         let at_rate = Coefficients::new(*cfc, coefficients.mode(), samples.dt_s());
         channel.extra.as_kept = Some((at_rate, samples_added(samples.len(), &at_rate)));
         let to_hz = samples.rate_hz();
-        let note =
-            format!("sampled at {from_hz:.0} Hz; of the filtered samples every {every}th is kept, {to_hz:.0} Hz");
+        let note = format!("sampled at {from_hz:.0} Hz; after filtering every {every}th sample is kept, {to_hz:.0} Hz");
         channel.filtered.notes.info(&note);
         remarks.info(&channel.id, note);
         channel.filtered.samples = samples;

@@ -93,8 +93,7 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
         notes.concern(
             About::Pulse,
             Weight::Marked,
-            "the pulse has less than 10 ms of data between -50 ms and -10 ms: its zero level and noise floor are not \
-             known",
+            "zero level and noise of the pulse are unknown: it has less than 10 ms of data between -50 ms and -10 ms",
         );
     }
     if let Some(muted) = muted_samples(pulse) {
@@ -110,8 +109,8 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
             About::Pulse,
             Weight::Decisive,
             format!(
-                "the pulse has {:.1} samples a second: CFC 60 needs {CFC60_RATE_HZ} at least, a crash pulse is not \
-             resolved",
+                "the pulse has {:.1} samples a second; CFC 60 needs at least {CFC60_RATE_HZ}. A crash pulse is not \
+                 resolved",
                 quality.record.sample_rate_hz
             ),
         );
@@ -151,7 +150,8 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
             About::Pulse,
             Weight::Slight,
             format!(
-                "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or the vehicle still moves",
+                "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or the vehicle is still \
+                 decelerating",
                 level / G
             ),
         );
@@ -172,7 +172,7 @@ fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
             About::Pulse,
             Weight::Slight,
             format!(
-                "free fall before contact: the level there is {:+.2} g off the level at rest",
+                "free fall before contact: its level is {:+.2} g off the level at rest",
                 (fall.fall_level - fall.rest_level) / G
             ),
         );

@@ -263,7 +263,7 @@ fn track_channels(
     }
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
         let (found, hint) = if times[k + 1] == times[k] {
-            ("it has the stamp of the one before", "remove the message that is there twice")
+            ("it has the same time stamp as the message before", "remove the duplicate message")
         } else {
             let hint = "sort the messages by their stamps, or split the recording there if another one begins";
             ("its stamp is earlier than the one before", hint)

@@ -216,18 +216,15 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
         let found = details.speed_not_taken.as_ref().map_or_else(String::new, |found| format!(" ({found})"));
         if from_rest {
             notes.info(format!(
-                "no impact speed is stated{found}, and the pulse pushes the vehicle forward, as on a sled or from \
-                 behind: \
-                 its velocity is taken as the change from time zero"
+                "no impact speed is stated{found}. The pulse pushes the vehicle forward, as on a sled or from behind: \
+                 velocity is the change from time zero"
             ));
         } else {
             notes.concern(
                 About::ImpactSpeed,
                 Weight::Decisive,
                 format!(
-                    "no impact speed is stated{found}: peak, change of velocity and shape of the pulse need none; for \
-                 crush, \
-                 restitution and models add --impact-speed 50km/h{}",
+                    "no impact speed is stated{found}. For crush, restitution and models add --impact-speed 50km/h{}",
                     lines("impact speed: 50 km/h")
                 ),
             );
@@ -238,7 +235,7 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
             About::Mass,
             Weight::Decisive,
             format!(
-                "no mass is stated: for force, energy, stiffness and models add --mass 1500kg{}",
+                "no mass is stated. For force, energy, stiffness and models add --mass 1500kg{}",
                 lines("mass: 1500 kg")
             ),
         );

@@ -52,8 +52,8 @@ pub fn other_channels<'a>(
         if !left.is_empty() {
             let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
             notes.info(format!(
-                "not integrated, because failed or not of the compartment: channels {} (--set \
-                 integrate.channels=all,ID names one)",
+                "not integrated, because failed or not in the compartment: channels {} (--set \
+                 integrate.channels=all,ID adds one)",
                 ids.join(", ")
             ));
         }
@@ -210,7 +210,8 @@ impl<'a> ChannelAgreement<'a> {
                 1e2 * (high.1 - low.1) / high.1.abs()
             );
             out.summary(text.clone());
-            out.notes().info(text + "; the spread of every metric is its interval under the channels' ids together");
+            out.notes()
+                .info(text + "; the spread of every metric is the interval of the joint entry of these channels");
         }
         let spread = |(k, metric): (usize, &Metric)| {
             let of_others: Vec<&Metric> = others.iter().filter_map(|(_, metrics)| metrics.get(k)).collect();

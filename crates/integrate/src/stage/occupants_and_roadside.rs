@@ -59,10 +59,7 @@ impl Criteria<'_> {
             notes.concern(
                 About::Occupants,
                 Weight::Marked,
-                format!(
-                    "criteria are lower bounds where the resultant is of one or two axes alone: {}",
-                    bounds.join("; ")
-                ),
+                format!("criteria are lower bounds, because only one or two axes were measured: {}", bounds.join("; ")),
             );
         }
         if self.takes(MetricGroup::RideDown) {

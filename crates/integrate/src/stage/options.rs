@@ -383,12 +383,11 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
     let moved = match (time_zero_s, start) {
         (None, _) => "",
         (Some(_), UsedStart::RecordStart) => {
-            "; an error of time zero moves the crush by v0 times it and every time by it, not the velocity, which is \
-             integrated from the start of the record"
+            ". An error of time zero moves the crush by v0 times the error and every time by the error. It does not \
+             move the velocity"
         }
         (Some(_), UsedStart::TimeZero) => {
-            "; an error of time zero cuts the record there: it moves the crush by v0 times it, and the velocity by \
-             what the pulse does in it"
+            ". An error of time zero moves the crush by v0 times the error, and the velocity by the pulse in between"
         }
     };
     let stated: Vec<String> = stated.collect();

@@ -243,9 +243,9 @@ impl ComparedCandidates<'_> {
         );
         let noise = if self.is_noise_known { ", known noise" } else { "" };
         if let Some(missed) = self.rated[best].why_inadequate() {
-            because.push_str(&format!("; use its crush, not its rebound, time or other masses: it {missed}"));
+            because.push_str(&format!("; use only its crush: it {missed}"));
         }
-        because.push_str(&format!(" (evidence as measured with priors, {samples:.0} independent samples{noise})"));
+        because.push_str(&format!(" (criterion as measured, with priors; {samples:.0} independent samples{noise})"));
         let passed_over = self
             .compared()
             .filter(|k| self.total(*k) < self.total(best))
@@ -296,8 +296,8 @@ impl ComparedCandidates<'_> {
         let percent = |k: usize| 100.0 * self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
         let id = &self.candidates[by_evidence].id;
         format!(
-            "within {:.1} % of the crush at lower speeds that the energy over crush of the record shows, which {id}, \
-             lower by its criterion, misses by {:.1} %",
+            "its crush at lower speeds is within {:.1} % of the record's own; {id} has a lower criterion but misses \
+             it by {:.1} %",
             percent(best),
             percent(by_evidence)
         )
@@ -325,10 +325,10 @@ impl ComparedCandidates<'_> {
         if gap.abs() < EQUAL {
             format!("equal to {id} within {EQUAL} and with no more numbers")
         } else if gap < 0.0 {
-            format!("fewer numbers than {id}, whose criterion is {:.1} lower, which is weak", -gap)
+            format!("fewer parameters than {id}, whose criterion is only {:.1} lower: weak evidence", -gap)
         } else {
             let weight = if gap > DECISIVE { "decisive" } else { "weak" };
-            format!("its criterion {gap:.1} below that of {id}, which is {weight}")
+            format!("its criterion is {gap:.1} lower than for {id}: {weight} evidence")
         }
     }
 
@@ -361,7 +361,7 @@ impl ComparedCandidates<'_> {
         let fit = candidate.fit_percent.unwrap_or(0.0);
         let (open, of) = (candidate.unidentified.len() + candidate.on_bound.len(), candidate.parameters);
         let open = if open == 0 { String::new() } else { format!("; {open} of its {of} numbers not determined") };
-        let because = format!("displacement fit as measured {fit:.2} %, the best of a physical candidate{open}");
+        let because = format!("best displacement fit of the physical candidates, {fit:.2} % as measured{open}");
         Choice { candidate: Some(closest), because }
     }
 

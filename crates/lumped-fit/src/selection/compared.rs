@@ -129,7 +129,7 @@ impl ComparedCandidate {
         if !self.is_assessed {
             return format!("{} numbers, not known how well", self.parameters);
         }
-        let mut text = format!("{} of {} numbers determined", self.determined(), self.parameters);
+        let mut text = format!("{} of {} parameters determined", self.determined(), self.parameters);
         for (count, what) in [(self.order_of_magnitude, "with a wide interval"), (self.unidentified.len(), "open")] {
             if count > 0 {
                 text.push_str(&format!(", {count} {what}"));

@@ -60,8 +60,8 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
         ),
         KelvinBranch::UndampedReduction { model_time_of_dynamic_crush_s } => {
             let text = format!(
-                "t_c/t_m = {ratio:.4} is not below 2/pi = 0.6366: no Kelvin damping ratio exists; reduced to the \
-                 undamped model, which keeps crush and speed and stops at {:.2} ms instead of {:.2} ms",
+                "t_c/t_m = {ratio:.4} is not below 2/pi = 0.6366: no damping ratio fits. The undamped model is used: \
+                 same crush and speed, but it stops at {:.2} ms instead of {:.2} ms",
                 1e3 * model_time_of_dynamic_crush_s,
                 1e3 * t_m
             );
@@ -106,7 +106,8 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
         Ok((model, false)) => {
             let model_t_m = std::f64::consts::FRAC_PI_2 * crush / test.impact_speed_m_per_s;
             let remark = format!(
-                "keeps crush, speed and restitution {restitution:.4}; stops at {:.2} ms, the record at {:.2} ms",
+                "crush, speed and restitution {restitution:.4} are those of the test; it stops at {:.2} ms, the test \
+                 at {:.2} ms",
                 1e3 * model_t_m,
                 1e3 * t_m
             );
@@ -143,8 +144,8 @@ fn loading_part(task: &Task<'_>, extent: &Extent, notes: &mut Notes) -> Result<V
     if let Model::Elastoplastic(model) = &mut minimum.model {
         model.unloading_stiffness_n_per_m = model.loading_stiffness_n_per_m;
     }
-    let remark = "the loading part only, fitted to the displacement: the record shows no unloading, so the unloading \
-        stiffness is not determined and set to the loading stiffness, the least it can be";
+    let remark = "only the loading is fitted: the record shows no unloading. The unloading stiffness is set to the \
+    loading stiffness, its lowest possible value";
     Ok(vec![fitting.candidate(&start, minimum, 1, &[remark.to_owned()])])
 }
 
@@ -313,11 +314,11 @@ fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
         format!("{USUAL_RESTITUTION}, the usual one of a full frontal test: the record shows none")
     };
     vec![
-        format!("{knots} knots beside that at zero; the record carries one every 9 ms"),
+        format!("{knots} knots and the one at zero; the record supports one every 9 ms"),
         format!("unloading stiffness from the restitution {unloading}"),
         format!(
-            "rate factor {} s/m is a prior, +- 0.005: {RATE_PRIOR_S_PER_M} s/m of a steel structure, of which masses \
-             in front of the compartment take off about 0.004; one test does not tell it, two tests at other speeds do",
+            "rate factor {} s/m is a prior, +- 0.005: {RATE_PRIOR_S_PER_M} s/m for a steel structure, less 0.004 for \
+             the masses in front of the compartment. One test cannot identify it; tests at two speeds can",
             task.settings.rate_factor_s_per_m
         ),
     ]

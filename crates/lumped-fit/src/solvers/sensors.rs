@@ -236,8 +236,7 @@ pub(super) fn explanations(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mu
     let mut starts: Vec<FitStart> = ends.as_good(0.0).into_iter().cloned().collect();
     if starts.len() > 1 {
         notes.warning(format!(
-            "{kind}: {} parameter sets fit within 1 % as well as the best; the record does not determine the \
-             parameters",
+            "{kind}: the parameters are not identifiable from this record: {} sets fit within 1 % of the best",
             starts.len()
         ));
         starts.truncate(REPORTED);
@@ -288,7 +287,7 @@ pub(super) fn explanations(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mu
 pub(super) fn pairs(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mut Notes) -> Vec<Candidate> {
     let kind = fitting.task.model;
     notes.info(format!(
-        "{kind}: one compartment accelerometer cannot tell its two dual solutions apart, a second one on the front can"
+        "{kind}: two dual solutions move the compartment alike. A second sensor on the front decides between them"
     ));
     let of_displacement = fitting.observed.waves[0].quantity == FitQuantity::Displacement;
     let starts = ends.as_good(if of_displacement { DISPLACEMENT_RESOLUTION_M } else { 0.0 });
@@ -313,8 +312,8 @@ pub(super) fn pairs(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mut Notes
     }
     if kept.len() > 1 {
         notes.warning(format!(
-            "{kind}: {} pairs of parameter sets fit equally well within the accuracy of the record; it does not \
-             determine the parameters",
+            "{kind}: the parameters are not identifiable: {} pairs of sets fit equally well within the accuracy of \
+             the record",
             kept.len()
         ));
     }

@@ -43,7 +43,7 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     let mut missed = None;
     let candidates = fitted(task, &extent, notes, |x, options, remarks| {
         remarks.push(if extent.stops {
-            "constrained to the dynamic crush and its time; k1 <= k2, c1 >= c2 >= c3".to_owned()
+            "constraints: dynamic crush and its time, k1 <= k2, c1 >= c2 >= c3".to_owned()
         } else {
             "k1 <= k2, c1 >= c2 >= c3; the conditions at dynamic crush are left out, since the record has none"
                 .to_owned()
@@ -218,8 +218,8 @@ pub(super) fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: 
     let share = |give: f64| format!("{:.2} mm of {:.1} mm", 1e3 * give, 1e3 * crush_m);
     if damper < RIGID * crush_m {
         return Some(format!(
-            "the damper is nearly rigid, it gives {}: the record does not determine its damping, only that it is \
-             large, and the model is a spring alone",
+            "the damper is nearly rigid, it gives {}: the record shows only that its damping is large. The model is a \
+             spring",
             share(damper)
         ));
     }

@@ -149,8 +149,7 @@ pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)>
     let events = task.test.time_of_dynamic_crush_s.zip(task.test.dynamic_crush_m);
     if events.is_none() {
         notes.warning(format!(
-            "{}: not solved, since the velocity of the record never reaches zero: it has no dynamic crush, which {} \
-             starts from; direct-fit does without",
+            "{}: not solved: the velocity never reaches zero, so there is no dynamic crush for {}. Use direct-fit",
             task.model, task.method
         ));
     }

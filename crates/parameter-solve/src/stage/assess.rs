@@ -42,8 +42,8 @@ pub fn assess_all(
     };
     if events.dynamic_crush_m.is_none() {
         out.notes().info(
-            "the vehicle does not stop within the record: its models are assessed over the window of their fit and not \
-             up to a dynamic crush; the record does not determine how they unload",
+            "the vehicle does not stop within the record: models are assessed over the fit window, and their \
+             unloading is not identifiable",
         );
     }
     settings.assessment.check(Some(record.mass_kg), record.impact_speed_m_per_s)?;

@@ -161,9 +161,7 @@ fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mu
         out.notes().concern(about(), Weight::Marked, format!("chain {}: {text}", chain.name));
     };
     if sets > 1 {
-        warn(format!(
-            "{sets} parameter sets fit within 1 % as well as the best; the record does not determine the parameters"
-        ));
+        warn(format!("the parameters are not identifiable from this record: {sets} sets fit within 1 % of the best"));
     }
     let Some(best) = fitted.first() else { return };
     [unidentified(best), on_bound(best), dual(best)].into_iter().flatten().for_each(&mut warn);
@@ -174,7 +172,7 @@ fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mu
 
 fn on_bound(candidate: &Candidate) -> Option<String> {
     let bounds = &candidate.fit.as_ref()?.active_bounds;
-    let text = || format!("on a bound of the search, not determined by the record: {}", bounds.join(", "));
+    let text = || format!("reached its search limit; not identifiable from this record: {}", bounds.join(", "));
     (!bounds.is_empty()).then(text)
 }
 
@@ -286,7 +284,7 @@ fn notes(
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());
     }
     if !fit.active_bounds.is_empty() {
-        notes.push(format!("on a bound, not determined by the record: {}", fit.active_bounds.join(", ")));
+        notes.push(format!("reached its search limit; not identifiable: {}", fit.active_bounds.join(", ")));
     }
     notes.extend(unidentified(candidate));
     notes.extend(dual(candidate));

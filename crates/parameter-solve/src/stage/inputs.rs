@@ -226,8 +226,8 @@ pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option
     match part {
         _ if events.dynamic_crush_m.is_some() => None,
         SPEEDS_UP.. => Some((
-            "the vehicle moves further than its impact speed alone would carry it, which no spring or damper can do",
-            "check the sign of the pulse (--sign flip at ingest turns it) and its unit",
+            "the vehicle moves further than its impact speed would carry it: no spring or damper does that",
+            "check the unit and the sign of the pulse (--sign flip turns it)",
         )),
         part if (part - 1.0).abs() < KEEPS_ITS_SPEED => Some((
             "the pulse does not slow the vehicle down, so that there is no force to model",
@@ -247,7 +247,7 @@ pub fn up_to_the_end_of_the_event(
     let open = settings.solve.fit_to_s.is_none() && events.time_of_dynamic_crush_s.is_none();
     let end_s = events.end_of_event_s.filter(|end_s| open && *end_s > settings.solve.fit_from_s)?;
     out.notes().info(format!(
-        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({}); --fit-to states another",
+        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({}). --fit-to changes it",
         1e3 * end_s,
         events.end_of_event_rule.as_deref().unwrap_or("rule not stated")
     ));

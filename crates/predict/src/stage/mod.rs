@@ -71,8 +71,10 @@ impl Stage for Predict {
         }
         if named.is_empty() {
             let because = choice.map_or_else(String::new, |choice| format!(": {}", choice.recommended_because));
-            let reason =
-                format!("none of the candidates is for predictions{because}; --candidate shows what one of them says");
+            let reason = format!(
+                "no candidate is recommended for predictions{because}. --candidate ID predicts with one of \
+                them"
+            );
             return Ok(Outcome::NoAcceptableResult(reason));
         }
         let scenarios = scenarios(settings, tested.speed_m_per_s, other.as_ref())?;

@@ -124,9 +124,9 @@ fn notes(candidate: &Candidate, prediction: &Prediction, partner: &ReadPartner) 
     }
     let outcome = &prediction.outcome;
     if outcome.get(Quantity::DynamicCrush).is_none() {
-        notes.push("the velocity of the model never reaches zero: it has no dynamic crush".to_owned());
+        notes.push("the model never stops: it has no dynamic crush".to_owned());
     } else if outcome.get(Quantity::Restitution).is_none() {
-        notes.push("the model does not come back from the wall: no restitution, no change of velocity".to_owned());
+        notes.push("the model does not rebound: no restitution, no delta-v".to_owned());
     }
     if prediction.occupant.is_some() && outcome.get(Quantity::RideDown).is_none() {
         notes.push("the occupant does not stop with the vehicle: no share of ride-down".to_owned());
@@ -141,12 +141,12 @@ fn of_test(candidate: &Candidate, support: &Support, whose: &str) -> Vec<String>
     if let Some((element, factor)) = support.beyond {
         let percent = 100.0 * (factor - 1.0);
         notes.push(format!(
-            "{whose}extrapolates: element {element} is compressed {percent:.1} % further than in the test; there the \
-             model goes on with {rule}"
+            "{whose}extrapolates: element {element} is compressed {percent:.1} % further than in the test. Beyond it \
+             the model uses {rule}"
         ));
     }
     if support.faster {
-        notes.push(format!("{whose}extrapolates: its dampers are faster than in the test"));
+        notes.push(format!("{whose}extrapolates: its dampers move faster than in the test"));
     }
     if support.limited > 0 {
         let many = if support.limited == 1 { "direction" } else { "directions" };

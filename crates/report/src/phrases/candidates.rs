@@ -49,8 +49,8 @@ texts! { CandidateTexts
     interval: "95&nbsp;%";
     scale_value: "value";
     order_of_magnitude: "wide interval";
-    limit_of_physical: "limit of what is physical";
-    the_limit_of_physical: " (the limit of what is physical)";
+    limit_of_physical: "physical limit";
+    the_limit_of_physical: " (physical limit)";
     given: "given";
     open: "open";
     energy_goes_into: "Energy goes into";
@@ -98,12 +98,12 @@ texts! { CandidateTexts
     ranked_best:
         "Ranked by the fit of the displacement, the model measured as the record was; AICc stands beside it, over the \
          same window, for information. Highlighted is the best that is physical, has no parameter left on a bound of \
-         its search other than zero, the limit of what is physical, and a fit within 0.1 points of the best such \
+         its search other than zero, the physical limit, and a fit within 0.1 points of the best such \
          candidate; of those the one with the fewest parameters left open by the record, then the one with the fewest \
          parameters. A dual gives exactly the same record on this sensor and so the same figures.";
     ranked_none:
         "No candidate is called the best: that takes a physical candidate without a parameter on a bound that \
-         explains at least half of the displacement; zero is no such bound, but the limit of what is physical.";
+         explains at least half of the displacement; zero is no such bound, but the physical limit.";
     intervals_caption:
         "± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that \
          holds the value in 95 of 100 such records if the model is true and mass, speed, gain and the division of the \

@@ -135,7 +135,7 @@ texts! { ConclusionTexts
     predicts: ": {scenario} it gives {crush}{interval}";
     predicts_beyond:
         ": {scenario}, beyond the test, it gives {crush}{interval}";
-    determined: "{determined} of {parameters} numbers determined";
+    determined: "{determined} of {parameters} parameters determined";
     order_of_magnitude: ", {count} with a wide interval";
     open: ", {count} open";
     none_recommended: "No model is recommended: {because}.";

@@ -36,7 +36,7 @@ texts! { ModelTexts
         "No sensor on its front mass: nothing in this record tests how the mass is divided.";
     no_sensor_in_front:
         "No sensor on the masses in front: nothing in this record tests how the mass is divided.";
-    limit_of_physical: "limit of what is physical";
+    limit_of_physical: "physical limit";
     above: "above {end}";
     below: "below {end}";
     open: "open";

@@ -32,11 +32,11 @@ texts! { RemarkTexts
     without_parameters:
         "the parameters of {count} simulated candidates (parameter-solve writes them)";
     by_fit_alone:
-        "by the displacement fit alone: the artifacts hold no /recommendation (parameter-solve writes it)";
+        "ranked by displacement fit only: parameter-solve did not run, so there is no recommendation";
     other_axis:
         "channel {channel} is along {axis}, and the models are of a crush along x";
     no_end_of_crush:
-        "the record shows no crush that comes to an end: its velocity never reaches zero";
+        "the record has no dynamic crush: its velocity never reaches zero";
     notes_title: "Warnings and notes";
     one_warning: "1 warning";
     of_other_candidates:

@@ -98,18 +98,18 @@ fn notes_on(
         && t > end_s + grid.dt_s()
     {
         notes.warning(format!(
-            "the model stops only {:.0} ms after time zero with a crush of {:.0} mm; the record ends at {:.0} ms, so \
-             this is no dynamic crush of the test",
+            "the model stops {:.0} ms after time zero at {:.0} mm, but the record ends at {:.0} ms: this is not the \
+             crush of the test",
             1e3 * t,
             1e3 * crush,
             1e3 * end_s
         ));
         (events.time_of_dynamic_crush_s, events.dynamic_crush_m) = (None, None);
     } else if events.dynamic_crush_m.is_none() {
-        notes.info("the velocity of the model never reaches zero: it has no dynamic crush");
+        notes.info("the model never stops: it has no dynamic crush");
     }
     if !candidate.physical {
-        notes.warning("not a passive structure, a spring or damper is negative");
+        notes.warning("not physical: a spring or damper is negative");
     }
     if dynamics.is_some_and(Dynamics::diverges) {
         notes.warning("diverges, the motion grows without end: a pole is unstable");

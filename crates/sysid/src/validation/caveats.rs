@@ -144,8 +144,8 @@ fn mode_caveats(model: &str, mode: &Mode, dt_s: f64, edges: &[FilterEdge], notes
         let ratio = mode.natural_frequency_hz() / edge;
         if (1.0 / EDGE_FACTOR..=EDGE_FACTOR).contains(&ratio) {
             notes.warning(format!(
-                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the {filter}; it may belong to the \
-                 filter, not to what was measured"
+                "{model}: the mode {name} lies near the {edge:.0} Hz edge of the {filter}; it may be a mode of the \
+                 filter"
             ));
         }
     }

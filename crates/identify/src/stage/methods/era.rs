@@ -37,7 +37,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     if !free {
         let pulse = source.is_of_a_crash() && waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
         results.out.notes().info(format!(
-            "era: the record of {names} is taken for an impulse response{}",
+            "era: {names} is treated as an impulse response{}",
             if pulse {
                 "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
             } else {

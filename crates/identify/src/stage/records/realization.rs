@@ -75,8 +75,8 @@ pub fn put_realization(
             .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
             .count();
         notes.info(format!(
-            "{id}: the {} leading singular values are listed after {steps} Lanczos steps: {converged} converged, the \
-             others within 3 %",
+            "{id}: {} singular values were computed in {steps} Lanczos steps: {converged} converged, the others are \
+             known to 3 %",
             model.singular_values.len()
         ));
     }

@@ -158,7 +158,7 @@ fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
     let absent: Vec<u32> = absent.into_iter().filter(|id| !unread(id)).collect();
     if !absent.is_empty() {
         notes.info(format!(
-            "{} of {} listed channels have no file here: {}",
+            "{} of {} listed channels have no signal file here: {}",
             absent.len(),
             channels.len(),
             ranges(&absent)

@@ -454,7 +454,7 @@ fn facts(test: &Test, vehicle: &Vehicle) -> Vec<String> {
         } else {
             String::new()
         };
-        facts.push(format!("static crush {crush} mm at most (measured after the test){profile}"));
+        facts.push(format!("largest static crush {crush} mm (measured after the test){profile}"));
     }
     if let Some(laboratory) = &test.laboratory {
         let date = test.date.as_deref().map_or_else(String::new, |d| format!(", {d}"));

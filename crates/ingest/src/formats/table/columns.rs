@@ -216,7 +216,7 @@ fn check_for_acceleration(
         return Err(IngestError::channel(
             file,
             format!("no column is named as an acceleration: {}", titles(header, data)),
-            "to be told which is the crash pulse",
+            "the name of the channel with the crash pulse",
             pulse::which(&ids(header, &[*first])[0], unknown.len()),
         ));
     }

@@ -46,8 +46,8 @@ pub enum Remnant {
 }
 
 /// What to do about a gap.
-pub const GAPS: &str = "leave that column out of the export, cut the record before the gap, or fill it in the program \
-     that made it: gaps are not filled here";
+pub const GAPS: &str = "export without that column, cut the record before the gap, or fill the gap in the program \
+that made the file";
 
 /// Reads all rows of a text in memory. `name(k)` names column `k` in messages.
 ///

@@ -127,7 +127,7 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
         ));
     }
     if (header.named && is_counter_name(title)) || (!is_unit_stated && counts(numbers)) {
-        return refuse("it counts the rows, and no column is named as time".to_owned(), STATE_THE_INTERVAL.to_owned());
+        return refuse("it counts rows, and no column is named as time".to_owned(), STATE_THE_INTERVAL.to_owned());
     }
     if is_unit_stated || (!header.named && numbers.windows(2).all(|pair| pair[1] > pair[0])) {
         return Ok(column);
@@ -309,7 +309,7 @@ fn unit(
         }
         Unit::Unstated => {}
         Unit::Unknown(_) | Unit::Signal(..) => {
-            return Err(time::unit_error(place(), "the unit in the header of the time column is no unit of time"));
+            return Err(time::unit_error(place(), "the header of the time column states a unit that is not a time"));
         }
     }
     if let Some(stated) = comment {

@@ -254,7 +254,7 @@ pub fn align(
     }
     if !shifted.is_empty() {
         notes.info(format!(
-            "channels start at different instants: all have the axis of {name}, which starts first ({}); --time-zero \
+            "channels start at different times: all use the axis of {name}, which starts first ({}). --time-zero \
              counts on that axis",
             list(&shifted)
         ));

@@ -280,7 +280,7 @@ impl Clocks {
         names.sort_unstable();
         if !names.is_empty() {
             let names: Vec<&str> = names.into_iter().map(|(_, name)| name).collect();
-            notes.info(format!("{} holds the times of the others and is not a channel", list(&names)));
+            notes.info(format!("{} is the time axis of the other channels", list(&names)));
         }
     }
 }

@@ -200,7 +200,7 @@ impl Remarks {
         self.trimmed.sort_by_key(|(count, _)| *count);
         for same in self.trimmed.chunk_by(|a, b| a.0 == b.0) {
             let ids: Vec<&str> = same.iter().map(|(_, id)| id.as_str()).collect();
-            notes.warning(format!("{} missing samples (NaN) cut off at the end of {}", same[0].0, list(&ids)));
+            notes.warning(format!("{} missing samples (NaN) were cut off at the end of {}", same[0].0, list(&ids)));
         }
         if !self.empty.is_empty() {
             notes.info(format!("no samples in {}: left out", list(&self.empty)));
@@ -290,7 +290,7 @@ fn no_unit(file: &str, label: &Label) -> IngestError {
         Place::file(file).in_column(label.title.clone()),
         found,
         format!("a unit of acceleration: {}", choices(ACCELERATION)),
-        "add --unit g or --unit m/s^2, whichever it is: a unit is never guessed from the numbers",
+        "add --unit g or --unit m/s^2; units are not guessed",
     )
 }
 

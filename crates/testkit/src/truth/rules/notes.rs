@@ -55,7 +55,7 @@ pub const RULES: &[Rule] = &[
     ),
     says(
         "note.centroid",
-        "{channel}centroid time {one} from C/v0 and {two} from the pulse itself, {apart} apart{more}",
+        "{channel}centroid time: {one} from C/v0, {two} from the pulse, {apart} apart{more}",
         &[],
         centroid,
     ),
@@ -69,12 +69,9 @@ pub const RULES: &[Rule] = &[
     ),
     // Identify.
     says("note.few-directions", "{id}: the input excites {count} of {all} directions only: {more}", &[], is_identified),
-    says(
-        "note.impulse-response",
-        "{method}: the record of {channel} is taken for an impulse response; {more}",
-        &[],
-        |_, spot| holds(spot.made.known.subject != Subject::InputOutput, || "it has an input".to_owned()),
-    ),
+    says("note.impulse-response", "{method}: {channel} is treated as an impulse response; {more}", &[], |_, spot| {
+        holds(spot.made.known.subject != Subject::InputOutput, || "it has an input".to_owned())
+    }),
     // Parameter-solve.
     says(
         "note.no-kelvin",
@@ -90,13 +87,13 @@ pub const RULES: &[Rule] = &[
     ),
     says(
         "note.mass-split-one",
-        "{masses}assumed: one sensor cannot identify it, and the parameters depend on it",
+        "{masses}an assumption: one sensor cannot identify it, and the parameters depend on it",
         &[],
         one_accelerometer,
     ),
     says(
         "note.mass-split-several",
-        "{masses}assumed: the parameters depend on it; the sensors on several masses can identify it, {more}",
+        "{masses}an assumption: the parameters depend on it; the sensors on several masses can identify it, {more}",
         &[],
         |_, spot| holds(spot.made.known.sensors > 1, || "there is one sensor".to_owned()),
     ),
@@ -107,13 +104,8 @@ pub const RULES: &[Rule] = &[
         &[],
         one_accelerometer,
     ),
-    says(
-        "note.duals",
-        "{model}: one compartment accelerometer cannot tell its two dual solutions apart, {more}",
-        &[],
-        one_accelerometer,
-    ),
-    says("note.on-bound", "{id}: on a bound of the search, not determined by the record: {names}", &[], on_bound),
+    says("note.duals", "{model}: two dual solutions move the compartment alike. {more}", &[], one_accelerometer),
+    says("note.on-bound", "{id}: reached its search limit; not identifiable from this record: {names}", &[], on_bound),
     says(
         "note.near-filter",
         "{id}: the mode at {frequency} (damping ratio {ratio}) lies near the {edge} edge of the {class} filter; {more}",
@@ -177,7 +169,7 @@ pub const RULES: &[Rule] = &[
         &[],
         is_identified,
     ),
-    says("note.lanczos", "{id}: the {count} leading singular values are listed after {more}", &[], is_identified),
+    says("note.lanczos", "{id}: {count} singular values were computed in {more}", &[], is_identified),
     says("note.no-deviations", "{id}: no standard deviations: {why}", &[], is_identified),
     says(
         "note.of-predictions",

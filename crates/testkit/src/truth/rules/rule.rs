@@ -354,7 +354,7 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.not-in-spread", "channel {channel} is not in the spread: {why}"),
     ("note.not-integrated", "not integrated, because {why}: channels {channels} {more}"),
     ("note.against", "channel {one} against {two}: largest |da| {more}"),
-    ("note.bounds-of-axes", "criteria are lower bounds where the resultant is of one or two axes alone: {channels}"),
+    ("note.bounds-of-axes", "criteria are lower bounds, because only one or two axes were measured: {channels}"),
     ("note.crash3", "crush stiffness (CRASH3): {why}"),
     ("note.spread", "dynamic crush of {count} channels: {range}; the spread of every metric is {more}"),
     (
@@ -364,22 +364,19 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.momentum", "momentum: the changes of both vehicles leave {share} of that of vehicle {which} over; {more}"),
     ("note.heads", "vehicle {which} heads towards it, as the changes of velocity say: closing speed {speed}; {more}"),
     ("note.to-the-end", "{model}: the velocity of the record never reaches zero: fitted up to {time}, {more}"),
-    ("note.not-solved-no-crush", "{model}: not solved, since the velocity of the record never reaches zero: {more}"),
+    ("note.not-solved-no-crush", "{model}: not solved: the velocity never reaches zero, {more}"),
     ("note.to-the-event", "the velocity never reaches zero: fitted up to the end of the event at {more}"),
-    ("note.does-not-stop", "the vehicle does not stop within the record: its models are assessed over {more}"),
+    ("note.does-not-stop", "the vehicle does not stop within the record: models are assessed over {more}"),
     ("note.no-force", "the pulse does not slow the vehicle down, so that there is no force to model"),
     (
         "note.elastoplastic",
         "elastoplastic: not solved, coefficient_of_restitution is {value}, expected at most 1 {more}",
     ),
-    (
-        "note.pairs",
-        "{model}: {count} pairs of parameter sets fit equally well within the accuracy of the record; {more}",
-    ),
-    ("note.too-far", "the vehicle moves further than its impact speed alone would carry it, {more}"),
+    ("note.pairs", "{model}: the parameters are not identifiable: {count} pairs of sets {more}"),
+    ("note.too-far", "the vehicle moves further than its impact speed would carry it: {more}"),
     ("note.no-mass-no-models", "the test has no mass, which turns frequencies into N/m"),
     (
         "note.none-for-predictions",
-        "none of the candidates is for predictions: {why}; --candidate shows what one of them says",
+        "no candidate is recommended for predictions: {why}. --candidate ID predicts with one of them",
     ),
 ];
