@@ -411,10 +411,7 @@ mod tests {
     fn a_record_cut_during_rebound_is_still_separating() {
         let notes = notes_of(vec![-2.0; 7]);
         assert!(notes[0].starts_with("warning: still separating"), "{notes:?}");
-        assert_eq!(
-            notes[1],
-            "centroid time 1000.000 ms from C/v0 and 1000.000 ms from the pulse itself, +0.000 % apart"
-        );
+        assert_eq!(notes[1], "centroid time: 1000.000 ms from C/v0, 1000.000 ms from the pulse, +0.000 % apart");
     }
 
     /// A half-sine of 90 ms that takes `change` off the speed.

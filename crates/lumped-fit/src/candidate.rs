@@ -525,9 +525,9 @@ mod tests {
         let model = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 2.0, damping_n_s_per_m: 0.0 });
         let said = |names: &[&'static str]| bounds_remark(&model, names);
         assert_eq!(said(&[]), None);
-        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the smallest value possible: damping"));
+        assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the lowest possible value: damping"));
         let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
-        let text = "zero, the smallest value possible: damping; on a bound, not determined by the record: stiffness";
+        let text = "zero, the lowest possible value: damping; reached its search limit; not identifiable: stiffness";
         assert_eq!(both.as_deref(), Some(text));
     }
 

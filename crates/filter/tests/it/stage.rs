@@ -220,7 +220,7 @@ fn a_channel_nobody_asked_for_is_left_out_and_one_asked_for_is_refused() {
     let artifact = result(&input, &[]);
     assert_eq!(artifact.waves().keys().collect::<Vec<_>>(), ["fast"]);
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
-    assert!(notes.notes[0].starts_with("warning: channel slow: left out: sampling rate 400 Hz"), "{notes:?}");
+    assert!(notes.notes[0].starts_with("warning: channel slow: left out: a sampling rate of 400 Hz"), "{notes:?}");
     assert_eq!(run(&input, &["--channels", "fast,slow"]).status.code(), Some(3));
     assert_eq!(run(&input, &["--channels", "nope"]).status.code(), Some(3));
 }
@@ -367,7 +367,7 @@ fn heads_and_chests_come_to_their_class_and_other_sensors_of_occupants_are_named
         }
         let notes = artifact.record::<NotesV1>("/notes").unwrap().unwrap().notes;
         assert!(
-            notes.iter().any(|note| note.starts_with("warning: channel 017: left out: sampling rate 5000")),
+            notes.iter().any(|note| note.starts_with("warning: channel 017: left out: a sampling rate of 5000")),
             "{notes:?}"
         );
         let line = "2 occupant channels are left out, because no criterion uses them: driver, neck (1), driver, \

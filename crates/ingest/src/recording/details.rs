@@ -308,7 +308,7 @@ mod tests {
             frontal[0].contains("--impact-speed 50km/h, or a header line \"# impact speed: 50 km/h\""),
             "{frontal:?}"
         );
-        assert!(frontal[1].contains("no mass is stated: for force, energy"), "{frontal:?}");
+        assert!(frontal[1].contains("no mass is stated. For force, energy"), "{frontal:?}");
         let sled = texts(&Details::default(), true);
         assert!(sled[0].contains("as on a sled") && !sled[0].contains("--impact-speed"), "{sled:?}");
         assert!(texts(&facts(&["mass: 873 kg", "impact speed: 0 km/h"]).unwrap().details, false).is_empty());

@@ -68,7 +68,7 @@ fn a_word_among_the_numbers_is_named_with_its_line() {
 fn a_pulse_that_is_not_on_the_compartment_is_warned_about() {
     let warning = |ingested: &Ingested| {
         let found: Vec<String> =
-            ingested.notes.to_texts().into_iter().filter(|n| n.contains("does not stand for")).collect();
+            ingested.notes.to_texts().into_iter().filter(|n| n.contains("does not show the motion")).collect();
         assert!(found.len() <= 1, "{found:?}");
         found.into_iter().next().unwrap_or_default()
     };

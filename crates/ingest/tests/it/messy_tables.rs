@@ -379,7 +379,7 @@ fn refused_exports() -> Vec<Refused> {
             if k == 600 { gap.replace(&format!("{a:.4}"), "") } else { gap }
         })
     );
-    add("a gap in the column that is needed", text, "leave that column out", &good, none());
+    add("a gap in the column that is needed", text, "export without that column", &good, none());
     let text = format!("{header}\n{}end of the first\nsecond\n{}", plain(), plain());
     add("two curves", text, "--skip-to \"second\" takes the second one", &good, none());
     tables

@@ -62,7 +62,7 @@ fn the_test_and_its_pulse() {
     assert_eq!(test.vehicle.as_deref(), Some("2018 TOYOTA CAMRY LE 4-DOOR SEDAN"));
     assert_eq!(test.barrier.as_deref(), Some("rigid load cell barrier (advanced research load cell barrier)"));
     assert_eq!((test.source.format.as_str(), test.source.name.as_str()), ("nhtsa-ev5", "v10146.EV5"));
-    assert!(test.notes[0].starts_with("static crush 518 mm"), "{:?}", test.notes);
+    assert!(test.notes[0].starts_with("largest static crush 518 mm"), "{:?}", test.notes);
     let damage = ingested.damage.as_ref().unwrap();
     assert_eq!(damage.residual_crush_m, [0.38, 0.466, 0.511, 0.518, 0.489, 0.37]);
     assert_eq!(damage.classification.as_deref(), Some("12FDEW2"));

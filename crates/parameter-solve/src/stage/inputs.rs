@@ -219,7 +219,7 @@ pub fn see(names: &[&str]) -> String {
 
 /// Why no force slows the vehicle down, if so, and what to do: it never stops, and is in the end as far as its impact
 /// speed alone would have taken it, or beyond.
-pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option<(&'static str, &'static str)> {
+pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option<(&'static str, String)> {
     let (displacement, _) = displacement?;
     let (speed, end_m) = (events.impact_speed_m_per_s?, displacement.samples().last()?);
     let part = end_m / (speed * (displacement.end_s() - events.time_zero_s));
@@ -227,11 +227,11 @@ pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option
         _ if events.dynamic_crush_m.is_some() => None,
         SPEEDS_UP.. => Some((
             "the vehicle moves further than its impact speed would carry it: no spring or damper does that",
-            "check the unit and the sign of the pulse (--sign flip turns it)",
+            format!("check the unit and the sign of the pulse ({} turns it)", option("ingest", "sign", "flip")),
         )),
         part if (part - 1.0).abs() < KEEPS_ITS_SPEED => Some((
             "the pulse does not slow the vehicle down, so that there is no force to model",
-            "check which channel is the pulse (--channel at ingest), its unit and time zero",
+            format!("check the unit, time zero and the channel of the pulse ({})", option("ingest", "channel", "ID")),
         )),
         _ => None,
     }

@@ -111,7 +111,7 @@ fn unsolvable(
             "state it: --mass 873kg at ingest, or '# mass: 873 kg' in the header of the record".to_owned(),
         ));
     }
-    not_slowed(displacement, events).map(|(reason, remedy)| (reason.to_owned(), remedy.to_owned()))
+    not_slowed(displacement, events).map(|(reason, remedy)| (reason.to_owned(), remedy))
 }
 
 /// Candidates that need no motion: by coefficient matching, from the paper's printed polynomial, from sums of

@@ -330,5 +330,5 @@ fn a_vehicle_that_speeds_up_has_no_model() {
     let output = run(folder.path(), &[]);
     let error = said(&output);
     assert_eq!(output.status.code(), Some(4), "{error}");
-    assert!(error.contains("--sign flip at ingest"), "{error}");
+    assert!(error.contains("--sign flip"), "{error}");
 }

@@ -93,7 +93,7 @@ fn weak_evidence_prefers_the_simpler_of_models_that_are_not_plastic() {
     let rules = SelectionRules::default();
     let selection = choose(&[two.clone(), four.clone()], &record(), &rules);
     assert_eq!((selection.recommended.candidate, selection.strength), (Some(0), Some((Strength::Weak, 1))));
-    assert!(selection.recommended.because.contains("fewer numbers than four, whose criterion is"));
+    assert!(selection.recommended.because.contains("fewer parameters than four, whose criterion is"));
     let decisive = candidate("four", EnergyClass::Damped, 4, 0.5);
     assert_eq!(ids(&[two, decisive], &rules)[0].as_deref(), Some("four"));
     let plastic = [("two", 2, 1.0), ("four", 4, 0.72)].map(|(id, n, e)| candidate(id, EnergyClass::Plastic, n, e));
@@ -143,7 +143,7 @@ fn a_decisive_record_is_for_a_model_with_open_numbers_unless_most_of_them_are() 
     let half = [open(&["c2", "c3"]), determined.clone()];
     assert_eq!(ids(&half, &rules), some(["open", "determined", "open"]));
     let because = choose(&half, &record(), &rules).recommended.because;
-    assert!(because.starts_with("damped, 2 of 4 numbers determined, 2 open (2 felt at other speeds)"), "{because}");
+    assert!(because.starts_with("damped, 2 of 4 parameters determined, 2 open (2 felt at other speeds)"), "{because}");
     let most = [open(&["c1", "c2", "c3"]), determined.clone()];
     assert_eq!(ids(&most, &rules), some(["determined", "determined", "open"]));
     // 20 ln(1.25^2) = 8.9: not decisive.
@@ -312,9 +312,7 @@ fn of_plastic_models_the_record_has_the_last_word_on_lower_speeds() {
     let all = [line.clone(), coarse.clone(), curve, fine.clone()];
     assert_eq!(ids(&all, &rules)[0].as_deref(), Some("curve"));
     let because = choose(&all, &record(), &rules).recommended.because;
-    assert!(
-        because.contains("within 0.8 %") && because.contains("which line, lower by its criterion, misses by 6.0 %")
-    );
+    assert!(because.contains("within 0.8 %") && because.contains("line has a lower criterion but misses it by 6.0 %"));
     // 20 ln 9 = 44: the line follows the pulse closer.
     let rough = ComparedCandidate { misfit: candidate("", EnergyClass::Plastic, 5, 3.0).misfit, ..all[2].clone() };
     assert_eq!(choose(&[line.clone(), rough], &record(), &rules).strength, Some((Strength::Contrary, 0)));
