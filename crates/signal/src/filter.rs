@@ -174,7 +174,7 @@ pub fn filter_reporting(
 
     let cfc = match (settings.class, already_cfc) {
         (Class::Cfc(cfc), Some(already)) if already <= cfc.number() => {
-            notes.info(format!("already cfc {already}, passed through unfiltered"));
+            notes.info(format!("already CFC {already}, passed through unfiltered"));
             None
         }
         (Class::Cfc(cfc), _) => Some(cfc),
@@ -193,7 +193,7 @@ pub fn filter_reporting(
     note_low_rate(samples, cfc, &coefficients, &mut notes);
     for point in corridor(cfc, &coefficients).iter().filter(|point| !point.is_inside()) {
         notes.warning(format!(
-            "response {:.2} dB at {:.1} Hz is outside the limits of cfc {cfc} ({} to {:+.1} dB)",
+            "response {:.2} dB at {:.1} Hz is outside the limits of CFC {cfc} ({} to {:+.1} dB)",
             point.gain_db,
             point.frequency_hz,
             point.lower_db.map_or_else(|| "none".to_owned(), |lower| format!("{lower:+.1}")),
@@ -291,7 +291,7 @@ mod tests {
         let error = filter(&record(400.0, 200), None, &FilterSettings::default()).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "sampling rate 400 Hz is too low for cfc 60: at least 600 Hz (10 times the class) is needed"
+            "a sampling rate of 400 Hz is too low for CFC 60, which needs at least 600 Hz (10 times the class)"
         );
     }
 
@@ -300,7 +300,7 @@ mod tests {
         let notes = filter(&record(600.0, 200), None, &FilterSettings::default()).unwrap().notes.to_texts();
         assert_eq!(
             notes,
-            ["sampling rate 600 Hz is only 10.0 times cfc 60: the -3 dB point lies at 105.4 Hz instead of 100.0 Hz"]
+            ["the sampling rate 600 Hz is only 10.0 times CFC 60: the -3 dB point is at 105.4 Hz instead of 100.0 Hz"]
         );
         assert!(filter(&record(1200.0, 200), None, &FilterSettings::default()).unwrap().notes.is_empty());
     }
@@ -312,7 +312,7 @@ mod tests {
         for already in [30, 60] {
             let result = filter(&raw, Some(already), &untouched).unwrap();
             assert_eq!(result.samples, raw);
-            assert_eq!(result.notes.to_texts(), [format!("already cfc {already}, passed through unfiltered")]);
+            assert_eq!(result.notes.to_texts(), [format!("already CFC {already}, passed through unfiltered")]);
         }
         let result = filter(&raw, Some(180), &untouched).unwrap();
         assert_eq!(result.applied.and_then(|applied| applied.cfc()), Some(Cfc::Cfc60));

@@ -67,7 +67,7 @@ pub fn channels_to_filter<'a>(
                 remarks.warning(
                     &channel.id,
                     format!(
-                        "of a dummy, filtered to cfc {asked} as asked for: its criteria ask for cfc {class} (SAE \
+                        "of a dummy, filtered to CFC {asked} as asked for: its criteria ask for CFC {class} (SAE \
                         J211-1)"
                     ),
                 );

@@ -155,7 +155,7 @@ pub fn derived(
 
 /// The line of the summary about the pulse.
 pub fn pulse_line(id: &str, cfc: Option<u16>, filtered: &Filtered) -> String {
-    let class = cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
+    let class = cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("CFC {cfc}"));
     let how = filtered.applied.as_ref().map_or("passed through", Applied::name);
     format!("pulse {id}: {class} ({how}), zero level {:+.4} m/s^2 removed", filtered.zero_level_removed)
 }

@@ -80,9 +80,9 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
     assert_eq!(
         notes.notes,
         [
-            "channel 097: already cfc 60, passed through unfiltered",
-            "channel 001: of a dummy, filtered to cfc 1000 (SAE J211-1); another class by --occupant-cfc",
-            "channel 001: sampling rate 10000 Hz is only 10.0 times cfc 1000: the -3 dB point lies at 1756.4 Hz \
+            "channel 097: already CFC 60, passed through unfiltered",
+            "channel 001: of a dummy, filtered to CFC 1000 (SAE J211-1); --occupant-cfc changes the class",
+            "channel 001: the sampling rate 10000 Hz is only 10.0 times CFC 1000: the -3 dB point is at 1756.4 Hz \
              instead of 1666.7 Hz"
         ]
     );
@@ -203,7 +203,8 @@ fn refuses_400_hz_and_says_what_cfc_60_needs() {
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(3), "{stderr}");
     assert!(
-        stderr.contains("channel accel_g: sampling rate 400 Hz is too low for cfc 60: at least 600 Hz"),
+        stderr
+            .contains("channel accel_g: a sampling rate of 400 Hz is too low for CFC 60, which needs at least 600 Hz"),
         "{stderr}"
     );
     assert!(!input.with_file_name("2-filter.mcap").exists());
@@ -322,7 +323,7 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
     for (flags, class) in [(vec![], 60), (vec!["--pipeline", &structure], 180), (vec!["--cfc", "180"], 180)] {
         let artifact = result(&input, &flags);
         assert_eq!(classes(&artifact), [Some(1000), Some(1000), Some(180), Some(class)]);
-        assert!(said(&artifact).contains("channels 001, 002: of a dummy, filtered to cfc 1000"), "{}", said(&artifact));
+        assert!(said(&artifact).contains("channels 001, 002: of a dummy, filtered to CFC 1000"), "{}", said(&artifact));
     }
     // Structure, head and chest in one run, each to its class.
     let artifact = result(&input, &["--channels", "001,013,093"]);
@@ -333,7 +334,7 @@ fn a_dummy_is_filtered_to_its_own_class_unless_one_is_typed() {
         let artifact = result(&input, &flags);
         assert_eq!(classes(&artifact), [Some(60); 4]);
         let warning =
-            "warning: channels 001, 002: of a dummy, filtered to cfc 60 as asked for: its criteria ask for cfc 1000";
+            "warning: channels 001, 002: of a dummy, filtered to CFC 60 as asked for: its criteria ask for CFC 1000";
         assert!(said(&artifact).contains(warning), "{}", said(&artifact));
     }
     let artifact = result(&input, &["--cfc", "60", "--occupant-cfc", "180", "--channels", "001"]);
@@ -369,8 +370,8 @@ fn heads_and_chests_come_to_their_class_and_other_sensors_of_occupants_are_named
             notes.iter().any(|note| note.starts_with("warning: channel 017: left out: sampling rate 5000")),
             "{notes:?}"
         );
-        let line = "2 channels of occupants are not filtered, no criterion is made of them: driver, neck (1), driver, \
-            pelvis (1); --set filter.channels='093,007' takes one beside the pulse";
+        let line = "2 occupant channels are left out, because no criterion uses them: driver, neck (1), driver, \
+            pelvis (1). --set filter.channels='093,007' adds one";
         assert!(notes.iter().any(|note| note.starts_with(line)), "{notes:?}");
     }
     // As the note has it.

@@ -150,7 +150,7 @@ fn a_fall_before_contact_is_named_and_an_offset_is_not() {
     let notes_of = |text: &str| read(text, &[]).notes.iter().cloned().collect::<Vec<_>>();
     for fall in [-1.0, 1.0] {
         let notes = notes_of(&text(fall));
-        let words = format!("free fall before contact: the level there is {fall:+.2} g off the level at rest");
+        let words = format!("free fall before contact: its level is {fall:+.2} g off the level at rest");
         let note = notes.iter().find(|note| note.text.contains(&words)).unwrap_or_else(|| panic!("{notes:#?}"));
         assert_eq!(note.bearing.as_ref().map(|bearing| &bearing.about), Some(&About::Pulse));
     }

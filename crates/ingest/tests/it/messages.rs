@@ -152,7 +152,7 @@ fn stamps_out_of_order_are_refused_with_advice_that_works() {
     let (a, b) = (exchanged[50].1.clone(), exchanged[51].1.clone());
     (exchanged[50].1, exchanged[51].1) = (b, a);
     for (messages, found, hint) in [
-        (twice, "message 101: it has the stamp of the one before", "remove the message that is there twice"),
+        (twice, "message 101: it has the same time stamp as the message before", "remove the duplicate message"),
         (exchanged, "message 52: its stamp is earlier", "sort the messages by their stamps"),
     ] {
         let error = read(file(&messages), &settings("acceleration_x")).unwrap_err();

@@ -325,7 +325,7 @@ fn refused_exports() -> Vec<Refused> {
     };
     add("a word", with(",-25.0000", ",abc"), "write the number that belongs there", &good, none());
     add("a remark behind a number", with("-25.0000", "-25.0000 # peak"), "write the number that", &good, none());
-    add("an error of Excel inside", with("-25.0000", "#DIV/0!"), "fill it in the program", &good, none());
+    add("an error of Excel inside", with("-25.0000", "#DIV/0!"), "fill the gap in the program", &good, none());
     add("a field too many", with("-25.0000", "-25.0000,peak"), "mend the line", &good, none());
     add("a row without its value", with("\n0.0450,-25.0000", "\n0.0450"), "mend the line", &good, none());
     add(

@@ -91,7 +91,7 @@ fn notes_say_what_was_taken_what_is_doubted_and_what_is_missing() {
     has("94 (right rear seat crossmember)");
     has("100 (right rear seat crossmember, redundant)");
     has("warning: channel 96 is questionable by its laboratory: BOTTOM OF ENGINE X: No valid data after 67ms");
-    has("617 of 634 listed channels have no file here: 2-12, 14, 15");
+    has("617 of 634 listed channels have no signal file here: 2-12, 14, 15");
     has("4 listed channels were not installed: 45, 46, 91, 92");
     assert!(notes.len() < 12, "{notes:#?}");
 }

@@ -31,7 +31,7 @@ fn milliseconds_without_a_unit_are_told_by_their_step_and_said() {
     let text = format!("t,a [g]\n{}", rows(|t, a| format!("{t:.1},{a:.2}")));
     let ingested = read(text.clone()).unwrap();
     check(&ingested);
-    assert!(notes(&ingested).contains("taken as ms, since the steps are 0.100000; --time-unit overrides"));
+    assert!(notes(&ingested).contains("ms is assumed, because the steps are 0.100000. --time-unit overrides"));
     let seconds =
         IngestSettings { allow_missing: Some(true), time_unit: Some("s".to_owned()), ..IngestSettings::default() };
     assert_eq!(read_with(text, &seconds).unwrap().pulse().unwrap().samples.dt_s(), 0.1);
@@ -120,7 +120,7 @@ fn a_gap_in_time_and_uneven_steps_come_with_their_figures() {
 fn a_slow_pulse_is_said_to_be_too_slow_for_cfc_60() {
     let rows: String = (0..200).map(|k| format!("{},{}\n", 2 * k, k % 7)).collect();
     let ingested = read(format!("t [ms],a [g]\n{rows}")).unwrap();
-    assert!(notes(&ingested).contains("warning: the pulse has 500.0 samples a second: CFC 60 needs 600 at least"));
+    assert!(notes(&ingested).contains("warning: the pulse has 500.0 samples a second; CFC 60 needs at least 600"));
 }
 
 #[test]

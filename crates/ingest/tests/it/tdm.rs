@@ -28,7 +28,7 @@ fn corridors_are_eight_sequences_of_500() {
         let wave = found.wave.as_ref().unwrap();
         assert_eq!((wave.len(), wave.t0_s(), wave.dt_s()), (500, 0.0, 1e-4));
     }
-    has_note(&recording, "Time holds the times of the others and is not a channel");
+    has_note(&recording, "Time is the time axis of the other channels");
     let femur = &recording.channels[0];
     assert_eq!((femur.channel.id.as_str(), femur.channel.quantity), ("Corridors.Femur_Good", QuantityKind::Other));
     // Extremes as the header states them.

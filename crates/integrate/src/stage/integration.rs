@@ -103,11 +103,11 @@ pub fn time_zero(
             .into());
     };
     if *rule == ZeroRule::Threshold && channel.cfc != Some(60) {
-        let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
+        let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("CFC {cfc}"));
         notes.concern(
             About::Time,
             Weight::Slight,
-            format!("the threshold rule is meant for cfc 60, channel {} is of {class}", channel.id),
+            format!("the threshold rule is meant for CFC 60, channel {} is of {class}", channel.id),
         );
     }
     notes.info(uncertainty(rule, zero, impact_speed_m_per_s));

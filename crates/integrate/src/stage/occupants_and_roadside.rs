@@ -376,8 +376,8 @@ fn ids(channels: &[&Channel]) -> String {
 /// What is to be said where the class of the input is not the one the definition asks for; a warning too.
 fn class_remark(channels: &[&Channel], asked: u16, notes: &mut Notes) -> Option<String> {
     let other = channels.iter().find(|channel| channel.cfc != Some(asked))?;
-    let class = other.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("cfc {cfc}"));
-    let remark = format!("channel {} is of {class}, the definition asks for cfc {asked}", other.id);
+    let class = other.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("CFC {cfc}"));
+    let remark = format!("channel {} is of {class}, the definition asks for CFC {asked}", other.id);
     let way_out = match other.cfc {
         Some(cfc) if cfc < asked => {
             "what the lower class took away cannot be had back: the criterion reads low".to_owned()

@@ -94,7 +94,7 @@ fn heads_and_chests_get_their_criteria_with_id_unit_and_window() {
     // One axis at another class: a lower bound, and the class is said.
     let alone = find(&metrics, "fx", "hic15");
     assert!(alone.definition.contains("lower bound: resultant of x alone"), "{}", alone.definition);
-    assert!(alone.definition.contains("is of cfc 60, the definition asks for cfc 1000"), "{}", alone.definition);
+    assert!(alone.definition.contains("is of CFC 60, the definition asks for CFC 1000"), "{}", alone.definition);
     let notes = notes(&artifact);
     assert!(notes.iter().any(|note| note.starts_with("warning: front passenger, head: channel fx")), "{notes:?}");
     // A chest that moves with the vehicle: everything is ridden down, nothing is left to the restraint.
@@ -168,7 +168,7 @@ fn x_y_and_yaw_at_the_centre_of_gravity_get_the_roadside_metrics() {
     assert!(!metrics(&result(&input, &[])).iter().any(|metric| metric.name == "asi"));
     let asked = result(&input, &["--metrics", "roadside"]);
     let asi = find(&metrics(&asked), "p", "asi").definition.clone();
-    assert!(asi.contains("taken as 0") && asi.contains("asks for cfc 180"), "{asi}");
+    assert!(asi.contains("taken as 0") && asi.contains("asks for CFC 180"), "{asi}");
     for name in ["oiv_y", "ora_y"] {
         let found = metrics(&asked);
         let across = find(&found, "p", name);

@@ -84,7 +84,7 @@ fn all_means_the_compartment_and_the_events_stay_those_of_the_pulse() {
     assert!(!artifact.waves().contains_key("4/displacement"));
     assert_eq!(events(&artifact).channel, "1");
     let notes = notes(&artifact);
-    assert!(notes.iter().any(|note| note.contains("not of the compartment: channels 4")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("not in the compartment: channels 4")), "{notes:?}");
     assert!(notes.iter().any(|note| note.starts_with("dynamic crush of 3 channels: 0.9")), "{notes:?}");
 
     assert!(notes.iter().any(|note| note.starts_with("channel 2 against 1: largest |da| 0.20 g")), "{notes:?}");

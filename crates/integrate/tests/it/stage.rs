@@ -152,7 +152,7 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     assert!(
         notes.notes.iter().any(|note| note.starts_with(
             "intervals are 5-95 % of 400 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
-             (standard deviation, normal), time zero 0.5 ms (standard deviation, normal); an error of time zero moves"
+             (standard deviation, normal), time zero 0.5 ms (standard deviation, normal). An error of time zero moves"
         )),
         "{:?}",
         notes.notes

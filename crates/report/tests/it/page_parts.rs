@@ -141,9 +141,9 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     );
     let page = page(&run);
     // Zero on a bound is an answer, a mass that is stated was not asked of the record.
-    assert!(page.contains("2 of 3 numbers determined, 1 open."), "{page}");
-    assert!(page.contains("(the limit of what is physical)") && !page.contains(">on a bound<"));
-    assert!(page.contains("other than zero, the limit of what is physical"));
+    assert!(page.contains("2 of 3 parameters determined, 1 open."), "{page}");
+    assert!(page.contains("(physical limit)") && !page.contains(">on a bound<"));
+    assert!(page.contains("other than zero, the physical limit"));
     assert!(page.contains("± is one standard deviation"));
 }
 
@@ -358,10 +358,13 @@ fn an_interval_over_more_than_a_decade_is_wide_in_every_place_alike() {
     assert_eq!((certainties.open.len(), best.left_open()), (0, 0));
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
-    assert_eq!(also_open.certainties().words().unwrap(), "0 of 2 numbers determined, 1 with a wide interval, 1 open");
+    assert_eq!(
+        also_open.certainties().words().unwrap(),
+        "0 of 2 parameters determined, 1 with a wide interval, 1 open"
+    );
     run.candidates.push(best);
     let page = page(&run);
-    let words = "1 of 2 numbers determined, 1 with a wide interval";
+    let words = "1 of 2 parameters determined, 1 with a wide interval";
     assert!(page.contains(&format!("<figcaption>{words};")), "the picture: {page}");
     assert!(
         page.contains(&format!("<span title=\"{words}\">1 of 2</span>").replace("<span ", "<span tabindex=\"0\" "))

@@ -91,7 +91,7 @@ fn check_models(page: &Page, summary: &Value) {
         assert!(fit.is_null() || found.iter().any(|shown| shown.decimals > 0 && shown.is(fit)), "{caption}: {fit}");
         let (parameters, determined) =
             (&candidate["certainties"]["parameters"], &candidate["certainties"]["determined"]);
-        let words = format!("{determined} of {parameters} numbers determined");
+        let words = format!("{determined} of {parameters} parameters determined");
         // Behind the one stiffness of a curve, where there is one.
         let is_said = caption.starts_with(&words) || caption.contains(&format!(". {words}"));
         assert!(*parameters == 0 || is_said, "{caption}: {words}");

@@ -290,7 +290,7 @@ fn a_sibling_channel_of_times_gives_the_grid() {
         let recording = read(with_times(n, m, 1e-4)).unwrap();
         let wave = recording.channels[0].wave.as_ref().unwrap();
         assert_eq!((recording.channels.len(), wave.len(), wave.t0_s(), wave.dt_s()), (1, length, -0.01, 1e-4));
-        has_note(&recording, "no unit of time is stated for Time: taken as s");
+        has_note(&recording, "no unit of time is stated for Time: s is assumed");
         if n != m {
             has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter length is used"));
         }
@@ -351,7 +351,7 @@ fn inner_gaps_are_refused_and_gaps_at_the_end_cut() {
     };
     let recording = file(70..80).unwrap();
     assert_eq!(samples(&recording.channels[0]).len(), 70);
-    has_note(&recording, "10 missing samples (NaN) cut off at the end of g.a");
+    has_note(&recording, "10 missing samples (NaN) were cut off at the end of g.a");
     let error = file(40..42).unwrap_err();
     assert_eq!(error.to_string(), "t.tdms, column g.a: sample 40 of 80 is missing (NaN)");
     assert!(file(0..80).unwrap_err().to_string().contains("no channel has samples"));
@@ -382,7 +382,7 @@ fn starts(recording: &Recording) -> Vec<f64> {
 fn channels_that_start_later_stand_later_on_the_axis_of_the_first() {
     let recording = apart(0.25, -0.01);
     assert_eq!(starts(&recording), [-0.01, 0.24]);
-    has_note(&recording, "all have the axis of g.a, which starts first (g.b +250.000 ms)");
+    has_note(&recording, "all use the axis of g.a, which starts first (g.b +250.000 ms)");
     // The second starts first: its axis counts, whatever the offset of the other.
     assert_eq!(starts(&apart(-0.125, 0.0)), [0.115, 0.0]);
     // Start time and offset together are the start.

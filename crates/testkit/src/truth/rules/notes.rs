@@ -245,7 +245,7 @@ pub const RULES: &[Rule] = &[
     ),
     says(
         "note.low-rate",
-        "{channels}: sampling rate {rate} is only {ratio} times cfc {class}: {more}",
+        "{channels}: the sampling rate {rate} is only {ratio} times CFC {class}: {more}",
         &[("rate", Number), ("ratio", Number), ("class", Number)],
         |said, _| {
             let [rate, class] = said.values(["rate", "class"]);
