@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ._artifact import Record, Wave, read
-from ._program import CrumpleError, NoResult, Usage, call, flags, quantity, text
+from ._program import CrumpleError, NoResult, Usage, call, flags, program, quantity, text
 
 if TYPE_CHECKING:
     import pandas
@@ -68,6 +68,7 @@ class Run:
     def _waves(self) -> dict[str, Wave]:
         from concurrent.futures import ThreadPoolExecutor
 
+        program()  # found before the threads start: the first call of sysconfig is not safe in several
         with ThreadPoolExecutor() as pool:
             found = pool.map(read, sorted(self.folder.glob("[0-9]-*.mcap")))
             return functools.reduce(operator.or_, (artifact.waves for artifact in found), {})

@@ -15,7 +15,8 @@ use rayon::prelude::*;
 use tempfile::TempDir;
 
 /// Pages whose commands run, beside those in `how-to/`.
-const PAGES: [&str; 6] = ["first-crash", "fleet", "pipelines", "prediction", "together", "write-a-stage"];
+const PAGES: [&str; 9] =
+    ["../README", "ci", "export", "first-crash", "fleet", "pipelines", "prediction", "together", "write-a-stage"];
 
 #[test]
 fn the_commands_of_the_book_run_and_print_what_it_shows() {
