@@ -1,6 +1,6 @@
 //! What holds for every signal.
 
-use crumple_metrics::definitions::{CATALOGUE, Mark};
+use crumple_metrics::definitions::{CATALOGUE, Definition, Mark};
 use crumple_metrics::{
     CoraOptions, Iso18571Options, OlcOptions, VpiOptions, clip_contiguous, clip_cumulative, cora, crash_events, hic,
     hic_all_pairs, hic_d, iso18571, olc, residuals, ride_down, sliding_mean, thiv_phd, vpi,
@@ -194,24 +194,17 @@ const BEGIN: &str = "<!-- catalogue: generated, see crates/metrics/tests/it/prop
 
 const END: &str = "<!-- end of catalogue -->\n";
 
-fn table() -> String {
-    let mut table =
-        String::from("| name | definition id | unit | what is computed | source | mark |\n|---|---|---|---|---|---|\n");
-    for d in CATALOGUE {
-        let text = d.text.replace('|', "\\|");
-        table += &format!(
-            "| `{}` | `{}` | {} | {text} | {} | {} |\n",
-            d.name,
-            d.id,
-            d.unit,
-            d.source.replace('|', "\\|"),
-            d.mark.letter()
-        );
-    }
-    table
+/// An item a definition, in lines of at most 160 characters.
+fn list() -> String {
+    let item = |d: &Definition| {
+        let text = d.text.replace('*', "\\*");
+        let item = format!("`{}`, {} (`{}`): {text}. *{}*, **{}**", d.name, d.unit, d.id, d.source, d.mark.letter());
+        format!("- {}\n", crumple_stage::wrapped(&item, 158).join("\n  "))
+    };
+    CATALOGUE.iter().map(item).collect()
 }
 
-/// `CRUMPLE_WRITE_DOCS=1 cargo test -p crumple-metrics --test it catalogue` writes the table.
+/// `CRUMPLE_WRITE_DOCS=1 cargo test -p crumple-metrics --test it the_page_lists` writes the list.
 #[test]
 fn the_page_lists_every_definition() {
     let path = crumple_testkit::workspace().join("docs/metrics.md");
@@ -219,10 +212,10 @@ fn the_page_lists_every_definition() {
     let (before, rest) = page.split_once(BEGIN).unwrap();
     let (found, after) = rest.split_once(END).unwrap();
     if std::env::var_os("CRUMPLE_WRITE_DOCS").is_some() {
-        std::fs::write(&path, format!("{before}{BEGIN}{}{END}{after}", table())).unwrap();
+        std::fs::write(&path, format!("{before}{BEGIN}{}{END}{after}", list())).unwrap();
         return;
     }
-    assert_eq!(found, table(), "docs/metrics.md and the catalogue differ: run with CRUMPLE_WRITE_DOCS=1");
+    assert_eq!(found, list(), "docs/metrics.md and the catalogue differ: run with CRUMPLE_WRITE_DOCS=1");
 }
 
 /// Rows of the table of marks beyond the catalogue, and the mark of each.
