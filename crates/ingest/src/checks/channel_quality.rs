@@ -150,8 +150,8 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
             About::Pulse,
             Weight::Slight,
             format!(
-                "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or the vehicle is still \
-                 decelerating",
+                "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or a force still acts on \
+                 the vehicle",
                 level / G
             ),
         );
