@@ -174,7 +174,7 @@ pub fn one_table(
     if samples < least {
         return Err(IngestError::content(
             Place::file(file),
-            format!("samples: {samples}"),
+            format!("too few samples: {samples}"),
             format!("at least {least} samples, one in a row"),
             "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
         ));
