@@ -358,6 +358,15 @@ windows: (target "x86_64-pc-windows-gnu") (target "wasm32-wasip1")
 fuzz *args: build
     @cargo run --quiet --release --package crumple-testkit -- fuzz --bin "$bin" "$@"
 
+# Coverage-guided fuzzing of the readers, so many seconds a target (cargo-fuzz, nightly Rust); corpus in fuzz/corpus.
+[group('development')]
+fuzz-readers seconds="60":
+    mkdir -p target/fuzz/record target/fuzz/artifact
+    cd fuzz && for target in record artifact; do \
+        cargo +nightly fuzz run "$target" "../target/fuzz/$target" corpus/record corpus/artifact -- \
+            -max_total_time="$1" -rss_limit_mb=3072 -timeout=10 || exit 1; \
+    done
+
 # Shell completions and man pages of all programs, into target/shell.
 [group('development')]
 shell-files: build

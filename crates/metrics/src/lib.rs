@@ -6,7 +6,7 @@
 //! [`Metric`] without a value whose definition says why; it is never a number in disguise.
 //!
 //! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a recorder
-//!   [`maximum_delta_v`]
+//!   [`maximum_delta_v`], [`RecordedImpact`]
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
@@ -42,6 +42,7 @@ mod metric {
 mod occupant;
 mod plausibility;
 mod pulse;
+mod recorder;
 mod restrained_occupant;
 mod roadside;
 mod sums;
@@ -69,8 +70,9 @@ pub use occupant::{CLIP_3MS_S, RideDown, clip_contiguous, clip_cumulative, resul
 pub use plausibility::{EXCHANGES, Exchange, Impact, Plausibility, largest_restitution, number_typed, plausibility};
 pub use pulse::{
     Peak, Pulse, average_square_wave, centroid_time_by_moment, centroid_time_from_crush, equivalent_square_wave,
-    maximum_delta_v, mean_deceleration, peak, pulse_metrics,
+    mean_deceleration, peak, pulse_metrics,
 };
+pub use recorder::{RecordedImpact, maximum_delta_v};
 pub use restrained_occupant::{OlcOptions, VpiOptions, olc, vpi};
 pub use roadside::{AsiLimits, AsiMethod, FlailSpace, asi, oiv_ora, thiv_phd};
 pub use sums::sliding_mean;

@@ -8,6 +8,7 @@ mod exchanges;
 mod iso_mme;
 mod lvm;
 mod messages;
+mod messy_loggers;
 mod messy_tables;
 mod nhtsa;
 mod other_programs;

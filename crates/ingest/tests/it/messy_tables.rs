@@ -5,29 +5,29 @@
 use crumple_ingest::{BodyPlace, Bundle, IngestError, IngestSettings, Ingested, ingest, list};
 use crumple_signal::{Axis, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
-const ROWS: usize = 1000;
+pub const ROWS: usize = 1000;
 const DT_S: f64 = 2e-4;
-const FACTS: &str = "# mass: 1200 kg\n# impact speed: 50 km/h\n";
+pub const FACTS: &str = "# mass: 1200 kg\n# impact speed: 50 km/h\n";
 
-fn time_s(k: usize) -> f64 {
+pub fn time_s(k: usize) -> f64 {
     -0.05 + k as f64 * DT_S
 }
 
-fn accel_g(k: usize) -> f64 {
+pub fn accel_g(k: usize) -> f64 {
     let t = time_s(k);
     if (0.0..0.09).contains(&t) { -25.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
 }
 
 /// Rows as `line` writes them from time in s and acceleration in g.
-fn rows(line: impl Fn(usize, f64, f64) -> String) -> String {
+pub fn rows(line: impl Fn(usize, f64, f64) -> String) -> String {
     (0..ROWS).map(|k| line(k, time_s(k), accel_g(k)) + "\n").collect()
 }
 
-fn plain() -> String {
+pub fn plain() -> String {
     rows(|_, t, a| format!("{t:.4},{a:.4}"))
 }
 
-fn comma(number: String) -> String {
+pub fn comma(number: String) -> String {
     number.replace('.', ",")
 }
 
@@ -38,16 +38,16 @@ fn thousands(t_s: f64) -> String {
     if us < 1000 { format!("{sign}{us}") } else { format!("{sign}{},{:03}", us / 1000, us % 1000) }
 }
 
-fn read(text: impl Into<Vec<u8>>, flags: &IngestSettings) -> Result<Ingested, IngestError> {
+pub fn read(text: impl Into<Vec<u8>>, flags: &IngestSettings) -> Result<Ingested, IngestError> {
     ingest(&Bundle::from_bytes("a.csv", text.into())?, flags)
 }
 
-fn none() -> IngestSettings {
+pub fn none() -> IngestSettings {
     IngestSettings::default()
 }
 
 #[track_caller]
-fn check_pulse(name: &str, ingested: &Ingested, t0_s: f64) {
+pub fn check_pulse(name: &str, ingested: &Ingested, t0_s: f64) {
     let Some(pulse) = ingested.pulse() else { panic!("{name}: no pulse") };
     let wave = &pulse.samples;
     assert_eq!(wave.len(), ROWS, "{name}");
@@ -279,7 +279,7 @@ fn refused() -> Vec<Refused> {
     let text = good().0.replace("\n0.0450,-25.0000\n", "\n0.0450,-17358168352340407\n");
     add("a lost decimal point of many digits", text, "correct that sample", good(), -0.05);
     let text = format!("{header}\n{}", plain()).replace("\n0.0100,", "\n,\n0.0100,").replace("\n,\n", "\n0.0099,\n");
-    add("a gap inside", text.clone(), "leave that column out", good(), -0.05);
+    add("a gap inside", text.clone(), "export without that column", good(), -0.05);
     let text = format!("{header}\n{}", rows(|_, t, a| format!("{t:.4},{a:.4} g")));
     add("a unit behind every number", text, "without the unit behind them", good(), -0.05);
     let text = format!(

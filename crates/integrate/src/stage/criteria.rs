@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 
 use crate::{CellSum, impulse_n_s, sum_of_cells};
 use crumple_metrics::definitions::{
-    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MOMENTUM_RATIO,
-    WALL_INITIAL_STIFFNESS,
+    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MAXIMUM_LATERAL_DELTA_V,
+    MOMENTUM_RATIO, WALL_INITIAL_STIFFNESS,
 };
-use crumple_metrics::{CrushStiffness, DamageProfile, KW400_TO_M, Metric, maximum_delta_v, wall_stiffness};
+use crumple_metrics::{
+    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, maximum_delta_v, wall_stiffness,
+};
 use crumple_signal::{
     About, Axis, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription, Weight,
     part_of,
@@ -313,7 +315,8 @@ impl Criteria<'_> {
 }
 
 /// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels,
-/// first that which the pulse was derived from. Each has a line of the summary.
+/// first that which the pulse was derived from. Each has a line of the summary. Last what those along x and y say of
+/// energy and crush.
 pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64, out: &mut Output) -> Vec<MetricV1> {
     let mut records = Vec::new();
     let mut changes: Vec<&Channel> =
@@ -325,6 +328,17 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64
     };
     // Stable: the others stay in the order of the file.
     changes.sort_by_key(|channel| !derived_from(&channel.id));
+    let along = |axis: Axis| changes.iter().find(|channel| channel.axis == Some(axis)).copied();
+    let [x, y] = [Axis::X, Axis::Y].map(|axis| along(axis).and_then(|c| Some((c, &input.wave_if(&c.id)?.sampled))));
+    let impact = x.filter(|(channel, _)| derived_from(&channel.id)).map(|(channel, along)| {
+        let across = y.map(|(_, across)| across);
+        let impact = RecordedImpact { along, across, time_zero_s, impact_speed_m_per_s: test.impact_speed_m_per_s };
+        let of = |metric: &Metric| match y {
+            Some((across, _)) if metric.id == MAXIMUM_LATERAL_DELTA_V.id => across.id.as_str(),
+            _ => channel.id.as_str(),
+        };
+        impact.metrics().iter().map(|metric| metric_record(&[of(metric)], metric)).collect::<Vec<_>>()
+    });
     for channel in changes {
         let Some(wave) = input.wave_if(&channel.id) else { continue };
         let metrics = maximum_delta_v(&wave.sampled, time_zero_s);
@@ -338,6 +352,7 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64
         records
             .extend(metrics.into_iter().map(|metric| metric_record(&[&channel.id], &metric.counted_from(time_zero_s))));
     }
+    records.extend(impact.into_iter().flatten());
     records
 }
 

@@ -26,7 +26,7 @@ pub fn events_record(
             low: interval.low,
             high: interval.high,
             interval_by: interval.by.to_string(),
-            interval_source: Some(interval_source(interval.by)),
+            interval_source: interval_source(interval.by),
         })
     });
     let without = named().filter_map(|name| {
@@ -179,11 +179,12 @@ pub fn summary(channel: &str, pulse: &Integrated, time_zero_s: f64, impact_speed
 }
 
 /// What an interval is made from, as records say it.
-fn interval_source(by: IntervalBy) -> IntervalSourceV1 {
+fn interval_source(by: IntervalBy) -> Option<IntervalSourceV1> {
     match by {
-        IntervalBy::Channels(_) => IntervalSourceV1::Channels,
-        IntervalBy::Replicates(_) => IntervalSourceV1::Replicates,
-        IntervalBy::Resolution => IntervalSourceV1::Resolution,
+        IntervalBy::Channels(_) => Some(IntervalSourceV1::Channels),
+        IntervalBy::Replicates(_) => Some(IntervalSourceV1::Replicates),
+        IntervalBy::Resolution => Some(IntervalSourceV1::Resolution),
+        IntervalBy::Restitution => None,
     }
 }
 
@@ -201,7 +202,7 @@ pub fn metric_record(channels: &[&str], metric: &Metric) -> MetricV1 {
         low: metric.interval.map(|interval| interval.low),
         high: metric.interval.map(|interval| interval.high),
         interval_by: metric.interval.map(|interval| interval.by.to_string()),
-        interval_source: metric.interval.map(|interval| interval_source(interval.by)),
+        interval_source: metric.interval.and_then(|interval| interval_source(interval.by)),
         channels: if channels.len() > 1 { channels.iter().map(|id| (*id).to_owned()).collect() } else { Vec::new() },
         is_lower_bound: metric.is_lower_bound,
     }

@@ -80,6 +80,15 @@ catalogue! {
          CFR 563.5";
     TIME_OF_MAXIMUM_DELTA_V = "edr-maximum-delta-v-time" "time_of_maximum_delta_v" "s" FromMemory
         "time of the sample of maximum_delta_v, the first of equals" "49 CFR 563.5";
+    MAXIMUM_LATERAL_DELTA_V = "edr-maximum-delta-v-lateral" "maximum_lateral_delta_v" "m/s" FromMemory
+        "as maximum_delta_v, along y" "49 CFR 563.5";
+    RECORDED_EES = "edr-ees" "recorded_ees" "m/s" Checked
+        "sqrt(v0^2 - v^2), v what is left along x and gained along y at maximum_delta_v; without v0 the middle of what \
+         restitutions from 0 to the largest believed make of the change" "definition";
+    ABSORBED_SHARE = "edr-absorbed-share" "absorbed_energy_share" "1" Checked
+        "recorded_ees^2/v0^2, share of the kinetic energy that went into deformation" "definition";
+    RECORDED_CRUSH = "edr-crush" "recorded_crush" "m" Checked
+        "integral of v0 plus the recorded change up to the first zero of the velocity, by trapezoid" "definition";
     RESTITUTION = "restitution-barrier" "coefficient_of_restitution" "1" Checked
         "e = -v_s/v0 against a rigid barrier" "definition";
     RESTITUTION_TWO = "restitution-two-bodies" "coefficient_of_restitution" "1" Checked

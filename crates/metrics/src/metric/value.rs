@@ -37,6 +37,8 @@ pub enum IntervalBy {
     Replicates(usize),
     /// Half of the step in which a recorder keeps a value, or of its sampling interval.
     Resolution,
+    /// What restitutions from 0 to the largest believed make of a change of velocity.
+    Restitution,
 }
 
 /// The words used in artifacts.
@@ -45,6 +47,7 @@ impl fmt::Display for IntervalBy {
         match self {
             Self::Channels(n) => write!(f, "range over {n} channels"),
             Self::Replicates(n) => write!(f, "5-95 % of {n} replicates"),
+            Self::Restitution => f.write_str("restitution from 0 to the largest that is believed"),
             Self::Resolution => f.write_str("resolution of the recorder: half of its step to either side"),
         }
     }

@@ -3,7 +3,7 @@
 use crate::drawing::Figure;
 use crate::findings::{Ranking, Run};
 
-use super::crash::{crush_over_speed, curves, elements, mass_split, residual, sensors};
+use super::crash::{crush_over_speed, curves, elements, mass_split, recorded, residual, sensors};
 use super::identification::{bode, poles, responses, simulated, singular_values, stabilisation};
 
 /// All figures that the run has records for, in the order of the page.
@@ -16,6 +16,7 @@ pub fn all_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
 /// Those of the crash.
 pub fn crash_figures(run: &Run, ranking: &Ranking) -> Vec<Figure> {
     let figures = [
+        recorded::figure(run),
         crush_over_speed::figure(run, ranking),
         curves::figure(run, ranking),
         residual::figure(run, ranking),

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::findings::{Ranking, Run, Summary, summary};
+use crate::findings::{Kind, MeasuredWaves, Ranking, ResultStatus, Run, Summary, summary};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crumple_artifact::{OutputKind, write_atomically};
@@ -16,7 +16,7 @@ use super::{
 };
 use crate::drawing::Figure;
 use crate::figures::all::{crash_figures, identification_figures};
-use crate::figures::crash::curves;
+use crate::figures::crash::{curves, recorded};
 use crate::frame::{FIGURES, framed_with, words_of_figures};
 use crate::frame::{PageFiles, Script, script_file};
 
@@ -57,15 +57,25 @@ impl Page {
     pub fn of(run: &Run, ranking: &Ranking, summary: &Summary, folder: Option<&str>) -> Self {
         let style = style();
         let files = PageFiles { style: &style, folder };
-        let (crash, identification) = (crash_figures(run, ranking), identification_figures(run));
         let Summary { verdict: said, concerns, key_numbers, .. } = summary;
+        let whole = run;
+        let bare = (said.kind == Kind::Recorder && said.standing != ResultStatus::Model).then(|| measured_alone(run));
+        let run = bare.as_ref().unwrap_or(run);
+        let (crash, identification) = match bare {
+            Some(_) => (Vec::new(), Vec::new()),
+            None => (crash_figures(run, ranking), identification_figures(run)),
+        };
         let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, run, said);
+        header::write(&mut body, whole, said);
         body.push_str("<main>\n");
         if run.joint.is_none() {
             key_numbers::write(&mut body, run, key_numbers);
         }
-        let first: Vec<Figure> = curves::first(run, ranking).filter(|_| run.joint.is_none()).into_iter().collect();
+        let first = match bare {
+            Some(_) => recorded::figure(run),
+            None => curves::first(run, ranking).filter(|_| run.joint.is_none()),
+        };
+        let first: Vec<Figure> = first.into_iter().collect();
         body.push_str("<div class=\"first\">\n<div>\n");
         figures::write(&mut body, &first, "h2");
         body.push_str("<div class=\"answer\">\n");
@@ -93,13 +103,13 @@ impl Page {
         }
         // Of several tests each has its own report with them.
         if run.joint.is_none() {
-            numbers::write(&mut body, run);
+            numbers::write(&mut body, whole);
             channels::write(&mut body, run);
         }
-        remarks::write_missing(&mut body, run);
-        remarks::write_notes(&mut body, run, ranking, concerns);
-        remarks::write_limits(&mut body, run, ranking);
-        remarks::write_provenance(&mut body, run);
+        remarks::write_missing(&mut body, whole);
+        remarks::write_notes(&mut body, whole, ranking, concerns);
+        remarks::write_limits(&mut body, whole, ranking);
+        remarks::write_provenance(&mut body, whole);
         // The summary of several tests is another one: it lies beside the page.
         if let (None, Ok(packed)) = (&run.joint, packed(summary)) {
             body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
@@ -114,6 +124,21 @@ impl Page {
     /// Writes it.
     pub fn write_to(&self, mut writer: impl Write) -> io::Result<()> {
         writer.write_all(self.0.as_bytes())
+    }
+}
+
+/// A run without what was fitted to the derivative of a recorder's table, whose steps are too long for a model.
+fn measured_alone(run: &Run) -> Run {
+    let measured = MeasuredWaves { displacement: run.measured.displacement.clone(), ..MeasuredWaves::default() };
+    Run {
+        measured,
+        models: Vec::new(),
+        selections: Vec::new(),
+        stabilizations: Vec::new(),
+        candidates: Vec::new(),
+        recommendation: None,
+        predictions: Vec::new(),
+        ..run.clone()
     }
 }
 

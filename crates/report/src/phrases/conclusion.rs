@@ -91,6 +91,9 @@ texts! { ConclusionTexts
         "The recorder kept a delta-v of {change}{time}.";
     recorder_use:
         "Its table is too coarse for peak and force{crush}{none}.";
+    recorder_energy:
+        "If what it hit did not give way, the EES is {ees}{interval}{share}.";
+    of_energy: ": {share} of the kinetic energy went into deformation";
     recorder_without_model: "; no model is recommended";
     rough_crush: "; its crush of {crush}{interval} is rough";
     identified:

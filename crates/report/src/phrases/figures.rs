@@ -10,6 +10,8 @@ texts! { FigureTexts
     force: "force, kN";
     deceleration: "deceleration, g (mass not known)";
     title: "Test and models";
+    title_of_recorded: "What the recorder kept";
+    velocity_change: "change of velocity, km/h";
     title_of_test: "The test: curves";
     title_of_first: "The pulse, and the force over crush";
     test_cfc: "test, CFC\u{a0}{cfc}";

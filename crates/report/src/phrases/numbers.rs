@@ -25,8 +25,6 @@ texts! { NumberTexts
         "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; \
          take both together.";
     velocity_never_zero: "the velocity does not reach zero";
-    peak_of_a_table:
-        "derived from a recorder's table of velocity changes, whose steps are too long for a peak";
     peak_not_filtered:
         "not filtered: the peak of a raw acceleration is mostly ringing";
     events_and_metrics: "Events and metrics";

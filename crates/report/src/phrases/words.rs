@@ -6,8 +6,11 @@ pub use crate::drawing::numbers::{at_most, decimals, signed, significant};
 use crate::phrases::PHRASES;
 
 /// Name in a record, name where that is not the name of the record with blanks.
-const NAMES: [(&str, &str); 2] =
-    [("clip_3ms_contiguous", "3 ms clip, contiguous"), ("clip_3ms_cumulative", "3 ms clip, cumulative")];
+const NAMES: [(&str, &str); 3] = [
+    ("clip_3ms_contiguous", "3 ms clip, contiguous"),
+    ("clip_3ms_cumulative", "3 ms clip, cumulative"),
+    ("recorded_ees", "EES"),
+];
 
 /// Name in a record, trade name, for instance "HIC15".
 const TRADE_NAMES: [(&str, &str); 17] = [

@@ -13,7 +13,7 @@ use crumple_artifact::records::{
     NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1,
     TestsV1, TransferFunctionV1,
 };
-use crumple_signal::{About, Note, Sampled, TestDescription, Weight};
+use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused, program};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
@@ -36,6 +36,9 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
         run.measured = measured(inputs, &id, time_zero_s);
         run.other_sensors = other_sensors(inputs, &run.test, &id, time_zero_s);
     }
+    let changes = run.test.channels.iter().filter(|channel| channel.quantity == QuantityKind::VelocityChange);
+    let change = |c: &Channel| Some((c.id.clone(), after(&inputs.wave_if(&c.id)?.sampled, time_zero_s)));
+    run.recorded_changes = changes.filter_map(change).collect();
     run.models = models(inputs, time_zero_s)?;
     run.selections = inputs.records("/selection/")?.into_iter().map(|(_, record)| record).collect();
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;

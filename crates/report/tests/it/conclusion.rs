@@ -394,13 +394,13 @@ fn criteria_of_a_sensor_that_may_be_clipped_are_lower_bounds() {
 #[test]
 fn a_recorders_table_has_its_change_of_velocity_and_no_peak() {
     let mut run = car();
-    run.metrics = vec![metric("maximum_delta_v", 6.9444, "93"), metric("peak_acceleration", 90.0, "93")];
+    let of_table = [("maximum_delta_v", 6.9444), ("recorded_ees", 6.8), ("absorbed_energy_share", 0.97)];
+    run.metrics = of_table.map(|(name, value)| metric(name, value, "93")).into();
+    run.metrics.extend([metric("recorded_crush", 0.4, "93"), metric("peak_acceleration", 90.0, "93")]);
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert!(said[0].contains("a delta-v of 25.0\u{a0}km/h, reached at 110\u{a0}ms"), "{said:?}");
-    assert!(
-        said[1].starts_with("Its table is too coarse for peak and force") && said[1].contains("is rough"),
-        "{said:?}"
-    );
+    assert!(said[1].contains("the EES is 24.5\u{a0}km/h: 0.97 of the kinetic energy"), "{said:?}");
+    assert!(said[2].starts_with("Its table is too coarse for peak and force; its crush of 400\u{a0}mm"), "{said:?}");
 }
 
 fn identified() -> Vec<Model> {

@@ -64,6 +64,20 @@ pub const MAXIMUM_DELTA_V: KeyQuantity =
 pub const TIME_OF_MAXIMUM_DELTA_V: KeyQuantity =
     quantity(["time_of_maximum_delta_v", "time of the maximum change of velocity", "t"], (MILLI, 0, "ms"))
         .called("Time of maximum Δv", "");
+/// The largest change of velocity along y that a recorder kept.
+pub const MAXIMUM_LATERAL_DELTA_V: KeyQuantity = quantity(
+    ["maximum_lateral_delta_v", "maximum lateral change of velocity", "lateral Δv"],
+    (KM_PER_H_PER_M_PER_S, 1, "km/h"),
+)
+.called("Maximum lateral Δv as recorded", "lateral delta-v");
+/// The speed whose kinetic energy went into deformation, by what a recorder kept.
+pub const RECORDED_EES: KeyQuantity =
+    quantity(["recorded_ees", "energy-equivalent speed", "EES"], (KM_PER_H_PER_M_PER_S, 1, "km/h"))
+        .called("Energy-equivalent speed EES", "EES");
+/// Crush by what a recorder kept.
+pub const RECORDED_CRUSH: KeyQuantity =
+    quantity(["recorded_crush", "crush from the recorder's table", "C"], (MILLI, 0, "mm"))
+        .called("Crush from the table", "crush");
 /// Largest magnitude of the filtered acceleration.
 pub const PEAK: KeyQuantity =
     quantity(["peak_acceleration", "peak deceleration", "peak"], (G_PER_M_PER_S2, 1, "g")).called("Peak", "peak");
@@ -90,12 +104,15 @@ pub const STIFFNESS: KeyQuantity = quantity(["stiffness", "Kelvin stiffness", "k
 pub const UNKNOWN: KeyQuantity = quantity(["", "", ""], (1.0, 1, ""));
 
 /// Those that a report has among its key numbers.
-const OF_REPORTS: [KeyQuantity; 11] = [
+const OF_REPORTS: [KeyQuantity; 14] = [
     CRUSH,
     TIME_OF_CRUSH,
     DELTA_V,
     MAXIMUM_DELTA_V,
     TIME_OF_MAXIMUM_DELTA_V,
+    MAXIMUM_LATERAL_DELTA_V,
+    RECORDED_EES,
+    RECORDED_CRUSH,
     PEAK,
     OLC,
     RESTITUTION,

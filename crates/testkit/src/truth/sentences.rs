@@ -23,7 +23,7 @@ pub struct Sentence {
 }
 
 /// Labels of lines of the console, and the key number that each is.
-const LINES: [(&str, &str); 8] = [
+const LINES: [(&str, &str); 11] = [
     ("dynamic crush", "dynamic_crush"),
     ("motion over ground", "dynamic_crush"),
     ("time of crush", "time_of_dynamic_crush"),
@@ -32,6 +32,9 @@ const LINES: [(&str, &str); 8] = [
     ("peak", "peak_acceleration"),
     ("OLC", "olc"),
     ("maximum delta-v", "maximum_delta_v"),
+    ("lateral delta-v", "maximum_lateral_delta_v"),
+    ("EES", "recorded_ees"),
+    ("crush", "recorded_crush"),
 ];
 
 /// All of them.

@@ -1,4 +1,6 @@
-//! Records as users bring them: each is read right, or refused with advice that is followed here as it is printed.
+//! Records as users bring them: each is read right, or refused with advice that is followed here as it is printed, by
+//! `crumple run` and by the program that reads. No advice leads in a circle, to an error of usage or further than three
+//! steps.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,8 +12,8 @@ use serde_json::{Map, Value};
 
 use crate::Check;
 
-/// Advice followed one after the other; the longest chain is that of a telephone's record.
-const STEPS: usize = 5;
+/// Advice followed one after the other.
+const STEPS: usize = 3;
 
 /// What of a case is not met; the records lie beside the file of the cases.
 pub fn check(file: Value) -> Check {
@@ -26,6 +28,9 @@ pub fn check(file: Value) -> Check {
                 if all.iter().any(Vec::is_empty) { Vec::new() } else { all.concat() }
             }
         }
+        .into_iter()
+        .chain(of_case.programs().iter().filter_map(|program| of_case.follow(program).err()))
+        .collect()
     })
 }
 
@@ -43,24 +48,20 @@ struct Answer {
 
 impl Case<'_> {
     fn not_met(&self, expected: &Value) -> Vec<String> {
-        let mut arguments: Vec<String> = texts(&self.case["args"]);
+        let arguments: Vec<String> = texts(&self.case["args"]);
+        let program = self.case["program"].as_str().unwrap();
         let mut faults = Vec::new();
-        let mut answer = self.run(&arguments);
+        let mut answer = self.run(program, &arguments);
         if expected["hint_works"] == true {
-            let knows = expected["knows"].as_object().cloned().unwrap_or_default();
-            let mut refusals = BTreeSet::new();
-            while !matches!(answer.code, 0 | 4) && refusals.len() < STEPS {
-                let advice = advised(&answer.said, &arguments, &knows);
-                if answer.code == 2 || !refusals.insert(answer.said.clone()) || advice.is_empty() {
-                    return vec![format!("the advice leads nowhere after {arguments:?}: {}", answer.said)];
-                }
-                arguments.extend(advice);
-                answer = self.run(&arguments);
+            match self.follow(program) {
+                Ok(last) => answer = last,
+                Err(fault) => return vec![fault],
             }
         } else if let Some(then) = expected["then"].as_array() {
             let met = |answer: &Answer| said(expected, &answer.said);
             faults.extend(met(&answer));
-            let then = self.run(&[arguments, then.iter().map(|v| v.as_str().unwrap().to_owned()).collect()].concat());
+            let then =
+                self.run(program, &[arguments, then.iter().map(|v| v.as_str().unwrap().to_owned()).collect()].concat());
             answer = Answer { said: answer.said + &then.said, ..then };
         }
         let followed = expected["hint_works"] == true;
@@ -75,8 +76,42 @@ impl Case<'_> {
         faults
     }
 
-    /// Runs the program of the case on its record, in the folder of the record as a user does.
-    fn run(&self, arguments: &[String]) -> Answer {
+    /// The programs that read its record.
+    fn programs(&self) -> &'static [&'static str] {
+        match self.case["program"].as_str() {
+            Some("run") => &["run", "ingest"],
+            Some("ingest") => &["ingest"],
+            _ => &[],
+        }
+    }
+
+    /// Follows what a refusal advises, and what the next one does, to a result or to advice that is no flag.
+    fn follow(&self, program: &str) -> Result<Answer, String> {
+        let expected = &self.case["expect"];
+        let ways = expected["any_of"].as_array().into_iter().flatten().chain([expected]);
+        let knows: Map<String, Value> = ways.filter_map(|way| way["knows"].as_object().cloned()).flatten().collect();
+        let mut arguments = texts(&self.case["args"]);
+        if let Some(k) = arguments.iter().position(|word| word == "--set").filter(|_| program == "ingest") {
+            arguments.drain(k..k + 2);
+        }
+        let (mut answer, mut refusals) = (self.run(program, &arguments), BTreeSet::new());
+        while !matches!(answer.code, 0 | 4) {
+            let advice = advised(&answer.said, &arguments, &knows);
+            if advice.is_empty() && answer.code == 3 && !hint(&answer.said).contains("--") {
+                break;
+            }
+            if answer.code != 3 || advice.is_empty() || refusals.len() == STEPS || !refusals.insert(answer.said.clone())
+            {
+                return Err(format!("the advice leads nowhere after {arguments:?} of {program}: {}", answer.said));
+            }
+            arguments.extend(advice);
+            answer = self.run(program, &arguments);
+        }
+        Ok(answer)
+    }
+
+    /// Runs a program on the record of the case, in its folder as a user does.
+    fn run(&self, program: &str, arguments: &[String]) -> Answer {
         let out = tempfile::tempdir().unwrap();
         let (folder, name) = (self.record.parent().unwrap(), self.record.file_name().unwrap());
         let crumple = |words: &[&str], input: &Path| {
@@ -96,9 +131,12 @@ impl Case<'_> {
                 summary: summary.unwrap_or_default(),
             }
         };
-        match self.case["program"].as_str().unwrap() {
+        match program {
             "run" => answer(crumple(&["run"], Path::new(name)).args(arguments).arg("-o").arg(out.path())),
-            "ingest" => answer(crumple(&["ingest"], Path::new(name)).args(arguments)),
+            "ingest" if arguments.iter().any(|word| word == "--list") => {
+                answer(crumple(&["ingest"], Path::new(name)).args(arguments))
+            }
+            "ingest" => answer(crumple(&["ingest"], Path::new(name)).args(arguments).arg("-o").arg(path("1.mcap"))),
             "identify" => {
                 let read =
                     answer(crumple(&["ingest", "--allow-missing"], Path::new(name)).arg("-o").arg(path("1.mcap")));
@@ -119,7 +157,7 @@ fn texts(list: &Value) -> Vec<String> {
 /// What the last hint advises: an option of another stage as it is; a flag that is not given yet, with what the user
 /// knows of it, else with the value of the hint.
 fn advised(said: &str, given: &[String], knows: &Map<String, Value>) -> Vec<String> {
-    let Some(hint) = said.lines().rev().find_map(|line| line.trim().strip_prefix("hint: ")) else { return Vec::new() };
+    let hint = hint(said);
     let trim = |word: &str| word.trim_end_matches([',', ';', ':', ')', '.']).trim_matches('"').to_owned();
     let words: Vec<&str> = hint.split_whitespace().collect();
     if let Some(k) = words.iter().position(|word| *word == "--set") {
@@ -129,6 +167,11 @@ fn advised(said: &str, given: &[String], knows: &Map<String, Value>) -> Vec<Stri
     let known = flags().find_map(|(_, flag)| Some((trim(flag), texts(knows.get(&trim(flag)[2..])?).first()?.clone())));
     let stated = || flags().find_map(|(k, flag)| Some((trim(flag), trim(words.get(k + 1)?))));
     known.or_else(stated).map(|(flag, value)| vec![flag, value]).unwrap_or_default()
+}
+
+/// The last hint; empty where there is none.
+fn hint(said: &str) -> &str {
+    said.lines().rev().find_map(|line| line.trim().strip_prefix("hint: ")).unwrap_or_default()
 }
 
 fn remarks(summary: &Value) -> String {

@@ -43,13 +43,16 @@ pub fn settle(
             || matches!(column.unit, Unit::Signal(QuantityKind::Acceleration | QuantityKind::Velocity, _))
     };
     let is_time = |k: usize| is_time_column(header, rows, k) || (!header.named && k == 0);
-    let needed: Vec<usize> =
-        gaps.iter().copied().filter(|k| is_time(*k) || asked.map_or(is_motion(*k), |asked| asked == *k)).collect();
-    for &k in &needed {
+    let is_slower = |k: usize| {
         let missing = rows.columns[k].iter().filter(|x| x.is_nan()).count();
-        let is_slower =
-            missing * 10 >= rows.lines.len() && settings.sample_time.is_none() && settings.resample.is_none();
-        if let Some(row) = rows.gap(k).filter(|_| !settings.listing && (is_time(k) || !is_slower)) {
+        missing * 10 >= rows.lines.len() && settings.sample_time.is_none() && settings.resample.is_none()
+    };
+    // One that has a number in every row is the pulse rather than a slower one.
+    let is_one_whole = data.iter().any(|k| is_motion(*k) && !gaps.contains(k));
+    let is_needed = |k: usize| asked.map_or(is_motion(k) && !(is_one_whole && is_slower(k)), |asked| asked == k);
+    let needed: Vec<usize> = gaps.iter().copied().filter(|k| is_time(*k) || is_needed(*k)).collect();
+    for &k in &needed {
+        if let Some(row) = rows.gap(k).filter(|_| !settings.listing && (is_time(k) || !is_slower(k))) {
             return Err(rows.refuse_gap(file, k, &header.columns[k].title, row));
         }
     }
@@ -64,7 +67,8 @@ pub fn settle(
     }
     let gaps = with_gaps(rows);
     if !gaps.is_empty() {
-        notes.warning(format!("columns with gaps are left out: {}", columns::titles(header, &gaps)));
+        let titles = columns::titles(header, &gaps);
+        notes.warning(format!("columns with gaps are left out: {titles}; --channel takes the one it names"));
     }
     gaps.into_iter().for_each(|k| rows.columns[k] = Vec::new());
     Ok(())

@@ -200,6 +200,31 @@ fn first_row(lines: &[Line], fields_of: &[Option<usize>], way: Way, agree: bool,
     (columns >= least).then_some(FirstRow { line: first, columns, blank, trailing })
 }
 
+/// Of the columns that the first rows leave blank, those that one of the lines below fills are none: a slower channel,
+/// or one that begins late. These lines join the others.
+fn fill_late<'a>(
+    row: &mut FirstRow,
+    lines: &mut Vec<Line<'a>>,
+    delimiter: Delimiter,
+    mut below: impl Iterator<Item = Line<'a>>,
+) {
+    let fields = row.columns + row.blank.len() + row.trailing;
+    let mut blank: Vec<usize> = row.blank.iter().copied().chain(fields - row.trailing..fields).collect();
+    while !blank.is_empty()
+        && let Some(line) = below.next()
+    {
+        let (cells, before) = (delimiter.split(line.bytes), blank.len());
+        blank.retain(|k| cells.len() != fields || unquoted(cells[*k]).is_empty());
+        if blank.len() < before {
+            lines.push(line);
+        }
+    }
+    row.trailing = (0..fields).rev().take_while(|k| blank.contains(k)).count();
+    row.columns = fields - blank.len();
+    blank.retain(|k| *k < fields - row.trailing);
+    row.blank = blank;
+}
+
 /// Looks at the first lines of a table and says how it is written. Rows have `least` columns and more.
 pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>, IngestError> {
     let mut comments: Vec<(usize, Line<'a>)> = Vec::new();
@@ -242,7 +267,14 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         None => mixed_rows(&lines, file, least)?,
         plain => plain,
     };
-    if let Some((way, FirstRow { line: first, columns, blank, trailing })) = best {
+    if let Some((way, mut row)) = best {
+        let below = std::iter::from_fn(|| {
+            let (line, next) = line_at(text, offset, number, file).ok().filter(|_| offset < text.len())?;
+            (offset, number) = (next, number + 1);
+            Some(line)
+        });
+        fill_late(&mut row, &mut lines, way.delimiter, below.filter(|line| comment(line.bytes).is_none()));
+        let FirstRow { line: first, columns, blank, trailing } = row;
         if columns > COLUMN_LIMIT {
             return Err(IngestError::too_large(
                 Place::line(file, lines[first].number),

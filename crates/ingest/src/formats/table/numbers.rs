@@ -229,6 +229,18 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         }
     }
 
+    /// Whether the row just read goes on where the last one ended, as the times or counts of a damaged table do: in some
+    /// column it is a step or a few further, the lines between counted.
+    fn goes_on(&self) -> bool {
+        let lines = self.remnants.len() as f64;
+        self.rows.columns.iter().zip(&self.row).any(|(column, next)| {
+            let [first, .., before, last] = column[..] else { return false };
+            let step = (last - first) / (column.len() - 1) as f64;
+            let steps = (next.value - last) / step;
+            ((last - before) / step - 1.0).abs() < 0.5 && (0.5..lines + 1.5).contains(&steps)
+        })
+    }
+
     /// Another table below a whole one and lines of text that are not the names again.
     fn another_table(&self) -> Option<IngestError> {
         let text = |left_out: &LeftOut| match &left_out.what {
@@ -238,6 +250,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         let texts: Vec<String> = self.remnants.iter().filter_map(text).collect();
         let above: Vec<String> = self.layout.header.iter().map(|line| decode(line.bytes.trim_ascii())).collect();
         let is_whole = self.rows.lines.len() >= MINIMUM_SAMPLES && texts.iter().any(|text| !above.contains(text));
+        let is_whole = is_whole && !self.goes_on();
         // The names of the columns are no title: what is below them lacks them.
         let title = |own: &[String], others: &[String]| {
             let is_names = |text: &String| self.layout.delimiter.split(text.as_bytes()).len() == self.layout.columns;
@@ -428,7 +441,9 @@ fn careful_row(
     let columns = row.len();
     if fields.len() != columns {
         let found = format!("{} fields, the first row has {columns}", fields.len());
-        if layout.delimiter == Delimiter::Byte(b',') && fields.len() > columns && !line.contains(&b'.') {
+        let are_numbers = || fields.iter().all(|text| layout.style.field(text).is_some());
+        if layout.delimiter == Delimiter::Byte(b',') && fields.len() > columns && !line.contains(&b'.') && are_numbers()
+        {
             return Err(decimal_comma(
                 place.clone(),
                 format!("{found}: decimal commas between comma-separated fields, perhaps"),

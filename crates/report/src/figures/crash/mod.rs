@@ -6,6 +6,7 @@ mod drawn_models;
 pub mod elements;
 mod force;
 pub mod mass_split;
+pub mod recorded;
 pub mod residual;
 mod same_place;
 pub mod sensors;

@@ -4,9 +4,7 @@ use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_artifact::records::{
-    ConcernV1, EventIntervalV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1,
-};
+use crumple_artifact::records::{ConcernV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, PEAK, STIFFNESS};
 use schemars::JsonSchema;
@@ -275,7 +273,10 @@ impl<'a> Text<'a> {
                 std::iter::once(self.identified()).chain(no_use).collect()
             }
             Kind::Occupant => vec![self.occupant(), self.occupant_use(concerns)],
-            Kind::Recorder => vec![self.recorded(), self.recorder_use()],
+            Kind::Recorder => {
+                let energy = self.recorder_energy();
+                [Some(self.recorded()), energy, Some(self.recorder_use())].into_iter().flatten().collect()
+            }
             _ => {
                 let happened = match kind {
                     // The way of a pulse along another axis is no crush.
@@ -296,16 +297,14 @@ impl<'a> Text<'a> {
         self.run.candidate(self.ranking.best.as_deref()?)
     }
 
-    /// ` (739.8 to 759.1)` of an event; nothing without an interval.
-    pub(super) fn interval_of_event(&mut self, name: &str, shown: (f64, usize, &str)) -> String {
-        let mut intervals = self.run.events.iter().flat_map(|events| events.intervals.iter()).enumerate();
-        let Some((index, found)) = intervals.find(|(_, interval)| interval.name == name) else { return String::new() };
-        let EventIntervalV1 { low, high, .. } = found;
-        self.interval(&format!("/events/intervals/{index}"), *low, *high, shown)
-    }
-
     /// ` (739.8 to 759.1)`.
-    fn interval(&mut self, at: &str, low: f64, high: f64, (factor, places, _): (f64, usize, &str)) -> String {
+    pub(super) fn interval(
+        &mut self,
+        at: &str,
+        low: f64,
+        high: f64,
+        (factor, places, _): (f64, usize, &str),
+    ) -> String {
         let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
         let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
         fill(PHRASES.conclusion.interval, &[("low", low), ("high", high)])

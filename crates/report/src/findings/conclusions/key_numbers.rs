@@ -7,8 +7,8 @@ use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
 use crumple_signal::key_quantities::{
-    CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, OLC, PEAK, RESTITUTION, TIME_OF_CRUSH,
-    TIME_OF_MAXIMUM_DELTA_V, UNKNOWN,
+    CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, OLC, PEAK,
+    RECORDED_CRUSH, RECORDED_EES, RESTITUTION, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V, UNKNOWN,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -128,13 +128,13 @@ pub fn key_numbers(run: &Run) -> Vec<KeyNumber> {
     }
     let recorded = of_recorder(run);
     match &run.events {
-        Some(events) => of_vehicle(run, events, recorded.first()),
-        None if recorded.is_empty() => of_pulse(run),
-        None => recorded,
+        _ if !recorded.is_empty() => recorded,
+        Some(events) => of_vehicle(run, events),
+        None => of_pulse(run),
     }
 }
 
-fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec<KeyNumber> {
+fn of_vehicle(run: &Run, events: &EventsV1) -> Vec<KeyNumber> {
     let number = |quantity: &KeyQuantity, (field, unit): (&str, &'static str), value: Option<f64>| {
         let interval = events.intervals.iter().find(|interval| interval.name == field);
         let without = events.without_interval.iter().find(|without| without.name == field);
@@ -165,11 +165,7 @@ fn of_vehicle(run: &Run, events: &EventsV1, recorded: Option<&KeyNumber>) -> Vec
     let change = of_rebound(at(events.time_of_delta_v_s.or(events.time_of_rebound_s), change));
     let restitution =
         of_rebound(number(&RESTITUTION, ("coefficient_of_restitution", "1"), events.coefficient_of_restitution));
-    // Of what follows from a recorder's steps no interval knows their length.
-    let olc = run.metric(OLC.key).filter(|_| recorded.is_none());
-    // The maximum that a recorder kept goes before the change derived from its table.
-    let change = recorded.cloned().unwrap_or(change);
-    let olc = olc.map(|metric| of_metric(run, &OLC, metric));
+    let olc = run.metric(OLC.key).map(|metric| of_metric(run, &OLC, metric));
     [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)].into_iter().flatten().collect()
 }
 
@@ -213,11 +209,19 @@ pub(crate) fn sign_of(run: &Run, metric: &MetricV1) -> &'static str {
     if may_be_clipped(run, metric) { AT_LEAST } else { "" }
 }
 
-/// What a recorder kept: the maximum change of velocity and its time. A table of a sample every 10 ms has no peak.
+/// What a recorder kept: the largest changes of velocity, and what follows of energy and crush. A table of a sample
+/// every 10 ms has no peak.
 fn of_recorder(run: &Run) -> Vec<KeyNumber> {
-    let kept = [MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V];
-    let mut numbers: Vec<KeyNumber> =
-        kept.iter().filter_map(|quantity| Some(of_metric(run, quantity, run.metric(quantity.key)?))).collect();
+    let kept = [MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, RECORDED_EES, RECORDED_CRUSH];
+    let number = |quantity: &KeyQuantity| {
+        let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
+        Some(of_metric(run, quantity, metric))
+    };
+    let mut numbers: Vec<KeyNumber> = kept.iter().filter_map(number).collect();
+    // Earlier artifacts have the crush among the events alone.
+    if let Some(events) = run.events.as_ref().filter(|_| matches!(&numbers[..], [_, _])) {
+        numbers.extend(of_vehicle(run, events).into_iter().find(|number| number.value.is_some()));
+    }
     if let [change, time, ..] = &mut numbers[..] {
         change.at_s = time.value;
     }
@@ -262,10 +266,7 @@ fn peak(run: &Run) -> Option<KeyNumber> {
     let mut number =
         KeyNumber { name: PEAK.key.into(), unit: "m/s^2".into(), channel, channels, ..KeyNumber::default() };
     let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");
-    let recorded = run.metrics.iter().any(|metric| metric.name == MAXIMUM_DELTA_V.key);
-    if recorded {
-        number.absent_because = Some(texts.peak_of_a_table.to_owned());
-    } else if unfiltered {
+    if unfiltered {
         number.absent_because = Some(texts.peak_not_filtered.to_owned());
     } else if let Some(metric) = run.metric(PEAK.key).filter(|metric| metric.channel == number.channel) {
         let at_s = run.metric("time_of_peak_acceleration").and_then(|metric| metric.value);

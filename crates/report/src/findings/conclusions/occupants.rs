@@ -1,7 +1,9 @@
 //! What the verdict says of occupants and of event data recorders.
 
 use crumple_artifact::records::ConcernV1;
-use crumple_signal::key_quantities::{CLIP_3MS, CRUSH, HIC15, HIC36, MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V};
+use crumple_signal::key_quantities::{
+    CLIP_3MS, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, RECORDED_CRUSH, RECORDED_EES, TIME_OF_MAXIMUM_DELTA_V,
+};
 
 use crate::findings::conclusions::conclusion::Text;
 use crate::findings::conclusions::key_numbers::sign_of;
@@ -41,13 +43,32 @@ impl Text<'_> {
         fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
     }
 
+    /// A metric of a recorder's table and its interval in words.
+    fn of_table(&mut self, quantity: &KeyQuantity) -> Option<[String; 2]> {
+        let metric = self.run.metric(quantity.key)?;
+        let (at, ends) = (format!("/metrics/{}", quantity.key), metric.low.zip(metric.high));
+        let shown = self.number(&format!("{at}/value"), metric.value?, quantity.shown());
+        let interval = ends.map(|(low, high)| self.interval(&at, low, high, quantity.shown()));
+        Some([shown, interval.unwrap_or_default()])
+    }
+
+    /// The speed that went into deformation.
+    pub(super) fn recorder_energy(&mut self) -> Option<String> {
+        let phrases = &PHRASES.conclusion;
+        let [ees, interval] = self.of_table(&RECORDED_EES)?;
+        let share = self.run.metric("absorbed_energy_share").and_then(|metric| metric.value).map(|share| {
+            let share = self.number("/metrics/absorbed_energy_share/value", share, (1.0, 2, ""));
+            fill(phrases.of_energy, &[("share", share)])
+        });
+        let texts = [("ees", ees), ("interval", interval), ("share", share.unwrap_or_default())];
+        Some(fill(phrases.recorder_energy, &texts))
+    }
+
     pub(super) fn recorder_use(&mut self) -> String {
         let phrases = &PHRASES.conclusion;
-        let crush = self.run.events.as_ref().and_then(|events| events.dynamic_crush_m).map(|crush_m| {
-            let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
-            let interval = self.interval_of_event("dynamic_crush_m", CRUSH.shown());
-            fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)])
-        });
+        let crush = self
+            .of_table(&RECORDED_CRUSH)
+            .map(|[crush, interval]| fill(phrases.rough_crush, &[("crush", &crush), ("interval", &interval)]));
         let none = if self.best().is_none() { phrases.recorder_without_model } else { "" };
         fill(phrases.recorder_use, &[("crush", crush.as_deref().unwrap_or_default()), ("none", none)])
     }

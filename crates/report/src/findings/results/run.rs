@@ -29,6 +29,8 @@ pub struct Run {
     pub measured: MeasuredWaves,
     /// Other sensors whose motion is at hand, in the order of their ids.
     pub other_sensors: Vec<SensorMotion>,
+    /// The changes of velocity that a recorder kept, by channel.
+    pub recorded_changes: Vec<(String, Sampled)>,
     /// How that channel was filtered.
     pub filter: Option<ChannelFilterV1>,
     /// The events of the crash.

@@ -56,10 +56,6 @@ pub const RULES: &[Rule] = &[
         let filtered = spot.made.records.iter().any(|(topic, record)| topic == "/filter" && record["cfc"].is_number());
         holds(!filtered, || "the record was filtered".to_owned())
     }),
-    rule("numbers.peak_of_a_table", &[], |_, spot| {
-        let subject = spot.made.known.subject;
-        holds(subject == Subject::Recorder, || format!("it is of {subject:?}"))
-    }),
     rule("numbers.no_interval", &[], |_, spot| {
         holds(key_number(spot).is_some_and(|number| number["low"].is_null()), || "there is an interval".to_owned())
     }),
@@ -287,9 +283,19 @@ pub const VEHICLE_RULES: &[Rule] = &[
     }),
     rule(
         "conclusion.rough_crush",
-        &[("crush", At("/events/dynamic_crush_m")), ("interval", Inner(&["conclusion.interval"]))],
+        &[("crush", At("/metrics/recorded_crush/value")), ("interval", Inner(&["conclusion.interval"]))],
         recorder,
     ),
+    rule(
+        "conclusion.recorder_energy",
+        &[
+            ("ees", At("/metrics/recorded_ees/value")),
+            ("interval", Inner(&["conclusion.interval"])),
+            ("share", Inner(&["conclusion.of_energy"])),
+        ],
+        energy_of_a_recorder,
+    ),
+    rule("conclusion.of_energy", &[("share", At("/metrics/absorbed_energy_share/value"))], energy_of_a_recorder),
     rule(
         "conclusion.changed",
         &[
@@ -410,6 +416,18 @@ fn level(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
 
 fn two_vehicles(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(spot.made.known.subject == Subject::TwoVehicles, || "there is one vehicle".to_owned())
+}
+
+/// What went into deformation is what the speed before and that after leave, by the table that was made and the speed
+/// that was stated.
+fn energy_of_a_recorder(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    recorder(said, spot)?;
+    let known = (spot.made.known.speed_m_per_s, spot.made.number("/metrics/maximum_delta_v/value"));
+    let (Some(v0), Some(change)) = known else { return Ok(()) };
+    let ees = (v0 * v0 - (v0 + change) * (v0 + change)).sqrt();
+    let shows_as = |place: &str, value: f64| said.number(place).is_none_or(|shown| shown.is_of(value));
+    let is_true = shows_as("ees", ees) && shows_as("share", ees * ees / (v0 * v0));
+    holds(is_true, || format!("the speed is {ees:.3} m/s, its share {:.3}", ees * ees / (v0 * v0)))
 }
 
 fn recorder(said: &Said, spot: &Spot<'_>) -> Result<(), String> {

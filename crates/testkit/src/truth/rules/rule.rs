@@ -336,7 +336,7 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.level-before", "the level before contact is {level}: an offset, or a free fall. {more}"),
     ("note.axis", "channels start {more}"),
     ("note.words", "columns of words are left out: {channels}"),
-    ("note.gaps", "columns with gaps are left out: {channels}"),
+    ("note.gaps", "columns with gaps are left out: {channels}; --channel takes the one it names"),
     ("note.late-columns", "columns that are blank in the first rows and filled later are left out"),
     ("note.slower-rows", "{count} of {all} rows have no number in {channels}, and are left out"),
     ("note.from-the-first", "the times of column {channel} count from the first one; {more}"),

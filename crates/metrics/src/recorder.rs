@@ -1,0 +1,289 @@
+//! What an event data recorder kept of an impact: the largest changes of velocity, the energy that went into
+//! deformation, the crush. Intervals are those of the steps in which the recorder keeps value and time.
+
+use crumple_signal::Sampled;
+
+use crate::metric::definitions::{
+    ABSORBED_SHARE, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, RECORDED_CRUSH, RECORDED_EES, TIME_OF_MAXIMUM_DELTA_V,
+};
+use crate::{Definition, Interval, IntervalBy, Metric, largest_restitution};
+
+/// Last moment that counts, s from time zero.
+const LAST_S: f64 = 0.3;
+
+/// Steps in which recorders keep a change of velocity, m/s: mph and km/h, whole, tenths and hundredths, the longest
+/// first.
+const STEPS_M_PER_S: [f64; 6] = [0.447_04, 1.0 / 3.6, 0.044_704, 0.1 / 3.6, 0.004_470_4, 0.01 / 3.6];
+
+/// Maximum delta-V and the time to it, of a cumulative change of velocity along one axis (49 CFR 563.5).
+///
+/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero where the table
+/// begins before it (one that begins at time zero or later counts from there, whatever its first row), and its time;
+/// the first of equals. The value keeps its sign: a frontal impact is negative. Its interval is half of the step in
+/// which the recorder prints, twice that where a row before it is subtracted; that of the time is half a sampling
+/// interval. A lower bound has none, nor has a value whose step is not known. The trapezoid of an acceleration derived
+/// from the table would lose what the smoothing takes off the peak. Absent without a sample at or after time zero.
+pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
+    let v = change.samples();
+    // 1e-6 of a sample: the slack of decimal time stamps.
+    let slack_s = 1e-6 * change.dt_s();
+    let first = change.index_at_or_after(time_zero_s - slack_s);
+    let Some(row) = v.get(first) else {
+        return [&MAXIMUM_DELTA_V, &TIME_OF_MAXIMUM_DELTA_V]
+            .map(|definition| Metric::absent(definition, "no sample at or after time zero"));
+    };
+    let start = if first > 0 { *row } else { 0.0 };
+    let counting = (first..v.len()).take_while(|k| change.time_s(*k) - time_zero_s <= LAST_S + slack_s);
+    let largest =
+        counting.fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
+    let time_s = change.time_s(largest) - time_zero_s;
+    let at = |metric: Metric| {
+        let metric = metric.over(time_s, time_s);
+        if largest + 1 == v.len() {
+            metric.as_lower_bound("at the last sample of the table: a lower bound")
+        } else {
+            metric
+        }
+    };
+    let within = |metric: Metric, half_width: Option<f64>| {
+        let interval = metric.value.zip(half_width.filter(|_| largest + 1 < v.len())).map(|(value, half_width)| {
+            Interval { low: value - half_width, high: value + half_width, by: IntervalBy::Resolution }
+        });
+        Metric { interval, ..metric }
+    };
+    let rounded_values = if start == 0.0 { 1.0 } else { 2.0 };
+    let step = printed_step(v).map(|step| 0.5 * step * rounded_values);
+    [
+        within(at(Metric::with_value(&MAXIMUM_DELTA_V, v[largest] - start)), step),
+        within(at(Metric::with_value(&TIME_OF_MAXIMUM_DELTA_V, time_s)), Some(0.5 * change.dt_s())),
+    ]
+}
+
+/// A change of velocity along x, and where there is one along y, kept while a vehicle hit an object that does not give
+/// way.
+#[derive(Debug, Clone, Copy)]
+pub struct RecordedImpact<'a> {
+    /// Along x; a frontal impact is negative.
+    pub along: &'a Sampled,
+    /// Along y.
+    pub across: Option<&'a Sampled>,
+    /// Time zero on the axis of the samples, s.
+    pub time_zero_s: f64,
+    /// Speed at time zero, m/s, taken as exact; `None`: not known.
+    pub impact_speed_m_per_s: Option<f64>,
+}
+
+impl RecordedImpact<'_> {
+    /// The largest change along y, the energy-equivalent speed, and with the impact speed the share of the kinetic
+    /// energy and the crush; nothing where the recorder kept no loss of speed along x.
+    ///
+    /// With the speed `v0`, the loss `D` and the change `y` across at the same time the energy-equivalent speed is
+    /// `sqrt(v0² - (v0 - D)² - y²)`: rotation is left out. Without it `v0 = D/(1 + e)` makes `D·sqrt((1 - e)/(1 + e))`
+    /// of it for a restitution `e`: the interval goes from the largest that is believed to none, the value is its
+    /// middle.
+    pub fn metrics(&self) -> Vec<Metric> {
+        let mut metrics: Vec<Metric> = self.across.map(|y| self.lateral(y)).into_iter().collect();
+        let [change, time] = maximum_delta_v(self.along, self.time_zero_s);
+        let Some((loss, time_s)) = change.value.map(|v| -v).zip(time.value).filter(|(loss, _)| *loss > 0.0) else {
+            return metrics;
+        };
+        let loss_range = change.interval.map(|i| [-i.high, -i.low]);
+        match self.impact_speed_m_per_s {
+            Some(v0) if v0 > 0.0 => {
+                metrics.extend(self.energy(v0, loss, loss_range, time_s));
+                metrics.push(self.crush(v0));
+            }
+            _ => {
+                let most = largest_restitution(loss / (1.0 + largest_restitution(loss)));
+                let [low, high] = loss_range.unwrap_or([loss; 2]);
+                let low = low * ((1.0 - most) / (1.0 + most)).sqrt();
+                let interval = Some(Interval { low, high, by: IntervalBy::Restitution });
+                let ees = Metric::with_value(&RECORDED_EES, (low + high) / 2.0).over(0.0, time_s);
+                metrics.push(Metric { interval, ..ees });
+            }
+        }
+        metrics
+    }
+
+    fn lateral(&self, across: &Sampled) -> Metric {
+        let [Metric { value, window, interval, is_lower_bound, .. }, _] = maximum_delta_v(across, self.time_zero_s);
+        let metric = Metric::of(&MAXIMUM_LATERAL_DELTA_V, value, "no sample at or after time zero");
+        Metric { window, interval, is_lower_bound, ..metric }
+    }
+
+    /// What went into deformation up to the largest change, and its share of the kinetic energy.
+    fn energy(&self, v0: f64, loss: f64, loss_range: Option<[f64; 2]>, time_s: f64) -> [Metric; 2] {
+        let across = self.across.and_then(|y| Some((y, y.at(self.time_zero_s + time_s)?)));
+        let y = across.map_or(0.0, |(_, y)| y.abs());
+        let half_step = across.map_or(Some(0.0), |(across, _)| printed_step(across.samples()).map(|step| 0.5 * step));
+        let speed2 = |loss: f64, y: f64| v0 * v0 - (v0 - loss) * (v0 - loss) - y * y;
+        // The square rises with the loss up to v0, and falls beyond.
+        let range = loss_range.zip(half_step).map(|([low, high], half)| {
+            let least = speed2(low, y + half).min(speed2(high, y + half)).max(0.0);
+            [least, speed2(v0.clamp(low, high), (y - half).max(0.0)).max(0.0)]
+        });
+        let speed2 = Some(speed2(loss, y)).filter(|square| *square > 0.0);
+        let metric = |definition: &Definition, of: &dyn Fn(f64) -> f64| {
+            let reason = "more speed is left than there was: the impact speed does not belong to this table";
+            let metric = Metric::of(definition, speed2.map(of), reason).over(0.0, time_s);
+            let ends = metric.value.and(range).map(|ends| ends.map(of));
+            let interval = ends.map(|[low, high]| Interval { low, high, by: IntervalBy::Resolution });
+            Metric { interval, ..metric }
+        };
+        [metric(&RECORDED_EES, &f64::sqrt), metric(&ABSORBED_SHARE, &|square| square / (v0 * v0))]
+    }
+
+    /// The way from time zero to the first zero of the velocity. Values that are half a step off all along move it by
+    /// that times the duration, a contact half a sampling interval off by that times the speed.
+    fn crush(&self, v0: f64) -> Metric {
+        let dt = self.along.dt_s();
+        let first = self.along.index_at_or_after(self.time_zero_s - 1e-6 * dt);
+        let samples = self.along.samples().get(first..).unwrap_or_default();
+        let start = if first > 0 { samples.first().copied().unwrap_or(0.0) } else { 0.0 };
+        let velocity: Vec<f64> = samples.iter().map(|change| v0 + change - start).collect();
+        let is_moving = velocity.first().is_some_and(|v| *v > 0.0);
+        // A table that begins after time zero: its vehicle went on at its speed until then.
+        let before_s = (self.along.t0_s() - self.time_zero_s).max(0.0);
+        let mut crush = v0 * before_s;
+        for (k, pair) in velocity.windows(2).enumerate().take_while(|_| is_moving) {
+            if pair[1] > 0.0 {
+                crush += 0.5 * (pair[0] + pair[1]) * dt;
+                continue;
+            }
+            let part = pair[0] / (pair[0] - pair[1]);
+            crush += 0.5 * pair[0] * part * dt;
+            let time_s = before_s + (k as f64 + part) * dt;
+            let metric = Metric::with_value(&RECORDED_CRUSH, crush).over(0.0, time_s);
+            let half = printed_step(samples).map(|step| 0.5 * step * time_s + 0.5 * dt * v0);
+            let ends = half.map(|half| Interval {
+                low: (crush - half).max(0.0),
+                high: crush + half,
+                by: IntervalBy::Resolution,
+            });
+            return Metric { interval: ends, ..metric };
+        }
+        Metric::absent(&RECORDED_CRUSH, "the velocity does not reach zero: the vehicle went on")
+    }
+}
+
+/// The longest of the usual steps of which all values are whole multiples.
+fn printed_step(values: &[f64]) -> Option<f64> {
+    // A unit's factor is rounded once, and so is its multiple.
+    let is_whole = |value: f64, step: f64| (value / step - (value / step).round()).abs() < 1e-6;
+    let moves = values.iter().any(|value| *value != 0.0);
+    STEPS_M_PER_S.into_iter().find(|step| moves && values.iter().all(|value| is_whole(*value, *step)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(v: &[f64]) -> (Option<f64>, Option<f64>) {
+        let [dv, time] = maximum_delta_v(&Sampled::new(-0.01, 0.01, v.to_vec()).unwrap(), 0.0);
+        // Time stamps are sums of decimal fractions.
+        (dv.value, time.value.map(|t| (1e9 * t).round() / 1e9))
+    }
+
+    #[test]
+    fn the_interval_is_half_of_the_step_of_the_table() {
+        let table = |km_per_h: &[f64]| -> Vec<f64> { km_per_h.iter().map(|v| v / 3.6).collect() };
+        let interval = |km_per_h: &[f64]| {
+            let wave = Sampled::new(-0.01, 0.01, table(km_per_h)).unwrap();
+            maximum_delta_v(&wave, 0.0).map(|metric| metric.interval.map(|i| (i.low, i.high)))
+        };
+        let near = |found: Option<(f64, f64)>, low: f64, high: f64| {
+            let (a, b) = found.unwrap();
+            assert!((a - low).abs() < 1e-9 && (b - high).abs() < 1e-9, "{a} to {b}");
+        };
+        let [change, time] = interval(&[0.0, 0.0, -3.0, -41.0, -40.0]);
+        near(change, -41.5 / 3.6, -40.5 / 3.6);
+        near(time, 0.015, 0.025);
+        // Two rounded values.
+        near(interval(&[0.0, -1.0, -3.0, -41.0, -40.0])[0], -41.0 / 3.6, -39.0 / 3.6);
+        // Whole mph are no whole km/h.
+        let mph = [0.0, 0.0, -7.0, -25.0, -24.0].map(|v| v * 1.609_344);
+        near(interval(&mph)[0], -25.5 * 0.447_04, -24.5 * 0.447_04);
+        assert_eq!(interval(&[0.0, 0.0, -3.151_592, -40.0])[0], None, "no step that is known");
+        assert_eq!(interval(&[0.0, 0.0, -3.0, -40.0]), [None, None], "a lower bound");
+    }
+
+    #[test]
+    fn the_first_sample_of_largest_magnitude_from_time_zero_on_counts() {
+        assert_eq!(of(&[9.0, 0.0, -3.0, -5.0, -5.0, -4.0]), (Some(-5.0), Some(0.02)));
+        assert_eq!(of(&[0.0, -1.0, -3.0, 4.0]).0, Some(5.0), "against the value at time zero");
+        assert_eq!(of(&[0.0]), (None, None));
+        // A table whose first row is 10 ms after time zero has lost something by then.
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.01, 0.01, vec![-3.0, -40.5, -40.0]).unwrap(), 0.0);
+        assert_eq!(dv.value, Some(-40.5));
+        let late: Vec<f64> = (0..60).map(f64::from).collect();
+        // Sample 1 is time zero, sample 31 is 300 ms.
+        let (dv, time) = of(&late);
+        assert_eq!(dv, Some(30.0));
+        assert!((time.unwrap() - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_that_ends_while_the_velocity_changes_gives_a_bound() {
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.0, 0.01, vec![0.0, -1.0, -2.0]).unwrap(), 0.0);
+        assert!(dv.definition.ends_with("a lower bound"), "{}", dv.definition);
+    }
+
+    /// A table in whole km/h every 10 ms.
+    fn table(km_per_h: &[f64]) -> Sampled {
+        Sampled::new(0.0, 0.01, km_per_h.iter().map(|v| v / 3.6).collect()).unwrap()
+    }
+
+    fn find<'a>(metrics: &'a [Metric], name: &str) -> &'a Metric {
+        metrics.iter().find(|metric| metric.name == name).unwrap()
+    }
+
+    #[test]
+    fn energy_and_crush_of_a_constant_deceleration() {
+        // 36 km/h are lost in 100 ms, then 4 km/h of rebound: 10 m/s on average half of it, 0.5 m.
+        let loss: Vec<f64> = (0..=15).map(|k| -(4.0 * f64::from(k)).min(40.0)).collect();
+        let along = table(&loss);
+        let across = table(&(0..=15).map(|k| f64::from(k.min(10))).collect::<Vec<f64>>());
+        let impact =
+            RecordedImpact { along: &along, across: Some(&across), time_zero_s: 0.0, impact_speed_m_per_s: Some(10.0) };
+        let metrics = impact.metrics();
+        let crush = find(&metrics, "recorded_crush");
+        // v0²/(2a) with 40 km/h in 100 ms.
+        assert!((crush.value.unwrap() - 100.0 / (2.0 * 40.0 / 3.6 / 0.1)).abs() < 1e-3, "{crush:?}");
+        // Half a km/h for 90 ms, and 5 ms of 10 m/s.
+        let half = 0.5 * (crush.interval.unwrap().high - crush.interval.unwrap().low);
+        assert!((half - (0.5 / 3.6 * 0.09 + 0.05)).abs() < 1e-12, "{half}");
+        let ees = find(&metrics, "recorded_ees");
+        let exact = |loss: f64, y: f64| (36.0 * 36.0 - (36.0 - loss) * (36.0 - loss) - y * y).sqrt() / 3.6;
+        assert!((ees.value.unwrap() - exact(40.0, 10.0)).abs() < 1e-9, "{ees:?}");
+        let ends = ees.interval.unwrap();
+        assert!((ends.low - exact(40.5, 10.5)).abs() < 1e-9 && (ends.high - exact(39.5, 9.5)).abs() < 1e-9, "{ends:?}");
+        let share = find(&metrics, "absorbed_energy_share").value.unwrap();
+        assert!((share - (ees.value.unwrap() / 10.0).powi(2)).abs() < 1e-12);
+        assert!((find(&metrics, "maximum_lateral_delta_v").value.unwrap() - 10.0 / 3.6).abs() < 1e-12);
+        // Every true speed of such a wall test lies between the ends.
+        let metrics = RecordedImpact { across: None, impact_speed_m_per_s: None, ..impact }.metrics();
+        let ends = find(&metrics, "recorded_ees").interval.unwrap();
+        for e in [0.0, 0.1, 0.2, 0.3] {
+            let v0 = 40.0 / 3.6 / (1.0 + e);
+            assert!((ends.low..=ends.high).contains(&(v0 * f64::sqrt(1.0 - e * e))), "{e}: {ends:?}");
+        }
+    }
+
+    #[test]
+    fn a_speed_that_does_not_belong_to_the_table_is_said() {
+        let along = table(&[0.0, -10.0, -30.0, -50.0, -50.0]);
+        let of = |speed| {
+            RecordedImpact { along: &along, across: None, time_zero_s: 0.0, impact_speed_m_per_s: Some(speed) }
+                .metrics()
+        };
+        // More than twice the speed is lost.
+        assert_eq!(find(&of(20.0 / 3.6), "recorded_ees").value, None);
+        assert_eq!(find(&of(90.0 / 3.6), "recorded_crush").value, None);
+        let pushed = table(&[0.0, 5.0, 9.0, 9.0]);
+        assert!(
+            RecordedImpact { along: &pushed, across: None, time_zero_s: 0.0, impact_speed_m_per_s: Some(9.0) }
+                .metrics()
+                .is_empty()
+        );
+    }
+}
