@@ -275,7 +275,7 @@ fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked:
             About::Pulse,
             Weight::Decisive,
             format!(
-                "channel {} does not show the motion of the compartment: {doubt}; {taken}. Its crush, force and models \
+                "channel {} may not show the motion of the compartment: {doubt}; {taken}. Its crush, force and models \
              are not those of the vehicle",
                 describe(&pulse.channel)
             ),

@@ -227,7 +227,7 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
 /// What a velocity says that never reaches zero.
 fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
     let text = format!(
-        "the velocity never reaches zero, the record ends at v = {:.3} m/s: no dynamic crush, no rebound",
+        "the velocity never reaches zero, the record ends at v = {:.3} m/s: dynamic crush and rebound are not in the record",
         events.end_velocity_m_per_s
     );
     let Some(unstopped) = events.unstopped else { return text };

@@ -331,7 +331,7 @@ pub fn bounds_remark(model: &Model, active_bounds: &[impl AsRef<str>]) -> Option
     let (zero, other): (Vec<&str>, Vec<&str>) = names.partition(|name| model.value(name) == Some(0.0));
     let zero = (!zero.is_empty()).then(|| format!("zero, the lowest possible value: {}", all_in_words(model, zero)));
     let other = (!other.is_empty())
-        .then(|| format!("reached its search limit; not identifiable: {}", all_in_words(model, other)));
+        .then(|| format!("parameters at a search limit, not identifiable: {}", all_in_words(model, other)));
     match (zero, other) {
         (Some(zero), Some(other)) => Some(format!("{zero}; {other}")),
         (zero, other) => zero.or(other),
@@ -538,7 +538,8 @@ mod tests {
         assert_eq!(said(&[]), None);
         assert_eq!(said(&["damping_n_s_per_m"]).as_deref(), Some("zero, the lowest possible value: damping"));
         let both = said(&["stiffness_n_per_m", "damping_n_s_per_m"]);
-        let text = "zero, the lowest possible value: damping; reached its search limit; not identifiable: stiffness";
+        let text =
+            "zero, the lowest possible value: damping; parameters at a search limit, not identifiable: stiffness";
         assert_eq!(both.as_deref(), Some(text));
     }
 

@@ -79,7 +79,7 @@ pub fn check(
     );
     note_channels(
         accelerations().filter(|w| drift(w).is_some()),
-        "mean over the last 20 ms above 0.5 g (drift, or still moving)",
+        "mean over the last 20 ms above 0.5 g (drift, or a force still acts)",
         notes,
     );
 }

@@ -219,8 +219,8 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
         let found = details.speed_not_taken.as_ref().map_or_else(String::new, |found| format!(" ({found})"));
         if from_rest {
             notes.info(format!(
-                "no impact speed is stated{found}. The pulse pushes the vehicle forward, as on a sled or from behind: \
-                 velocity is the change from time zero"
+                "no impact speed is stated{found}. The pulse is positive, as of a sled or a hit from behind: velocity \
+                 is the change from time zero"
             ));
         } else {
             notes.concern(

@@ -68,7 +68,7 @@ fn a_word_among_the_numbers_is_named_with_its_line() {
 fn a_pulse_that_is_not_on_the_compartment_is_warned_about() {
     let warning = |ingested: &Ingested| {
         let found: Vec<String> =
-            ingested.notes.to_texts().into_iter().filter(|n| n.contains("does not show the motion")).collect();
+            ingested.notes.to_texts().into_iter().filter(|n| n.contains("may not show the motion")).collect();
         assert!(found.len() <= 1, "{found:?}");
         found.into_iter().next().unwrap_or_default()
     };
@@ -86,7 +86,7 @@ fn a_pulse_that_is_not_on_the_compartment_is_warned_about() {
         warning(&read("a.001", &text, &lenient()).unwrap())
     };
     assert_eq!(of_code("10SECMLERE00ACXP"), "");
-    assert!(of_code("11HEADCG00H3ACXA").contains("does not show the motion of the compartment"));
+    assert!(of_code("11HEADCG00H3ACXA").contains("may not show the motion of the compartment"));
 
     let Some(ev5) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") else { return };
     assert_eq!(warning(&open(&ev5, &IngestSettings::default())), "");

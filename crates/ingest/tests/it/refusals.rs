@@ -90,7 +90,12 @@ fn nan_inside() {
 
 #[test]
 fn twenty_samples() {
-    refused("a.csv", format!("time_s,accel_g\n{}", rows(20)), &STATED, &["a.csv: too few samples: 20", "at least 50 samples"]);
+    refused(
+        "a.csv",
+        format!("time_s,accel_g\n{}", rows(20)),
+        &STATED,
+        &["a.csv: too few samples: 20", "at least 50 samples"],
+    );
 }
 
 #[test]

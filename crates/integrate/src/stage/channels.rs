@@ -210,8 +210,7 @@ impl<'a> ChannelAgreement<'a> {
                 1e2 * (high.1 - low.1) / high.1.abs()
             );
             out.summary(text.clone());
-            out.notes()
-                .info(text + "; the spread of every metric is the interval of the joint entry of these channels");
+            out.notes().info(text + "; the spread of every metric is the interval of their joint entry in /metrics");
         }
         let spread = |(k, metric): (usize, &Metric)| {
             let of_others: Vec<&Metric> = others.iter().filter_map(|(_, metrics)| metrics.get(k)).collect();

@@ -289,8 +289,8 @@ pub fn without_speed(
     // A vehicle pushed forward starts from rest: nobody has an impact speed to give.
     let is_pushed = integrated.events.end_velocity_m_per_s > 0.0;
     let reason = if is_pushed {
-        "no impact speed is stated and the pulse pushes the vehicle forward: a motion from rest has no crush and no \
-         crush model"
+        "no impact speed is stated and the pulse is positive, as of a sled or a hit from behind: a motion from rest \
+         has no crush and no crush model"
     } else {
         "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest"
     };

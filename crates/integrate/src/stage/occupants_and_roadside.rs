@@ -59,7 +59,10 @@ impl Criteria<'_> {
             notes.concern(
                 About::Occupants,
                 Weight::Marked,
-                format!("criteria are lower bounds, because only one or two axes were measured: {}", bounds.join("; ")),
+                format!(
+                    "criteria are lower bounds, because only one or two axes are in this record: {}",
+                    bounds.join("; ")
+                ),
             );
         }
         if self.takes(MetricGroup::RideDown) {

@@ -383,8 +383,8 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
     let moved = match (time_zero_s, start) {
         (None, _) => "",
         (Some(_), UsedStart::RecordStart) => {
-            ". An error of time zero moves the crush by v0 times the error and every time by the error. It does not \
-             move the velocity"
+            ". An error of time zero moves the crush by v0 times the error and all times by the error. Delta-v and \
+             rebound speed stay"
         }
         (Some(_), UsedStart::TimeZero) => {
             ". An error of time zero moves the crush by v0 times the error, and the velocity by the pulse in between"

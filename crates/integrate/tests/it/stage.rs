@@ -340,7 +340,7 @@ fn a_vehicle_that_does_not_stop_has_its_delta_v_and_the_end_of_its_event() {
     let metric = find(&metrics(&artifact), "p", "delta_v");
     assert!(metric.definition.contains("never reaches zero, the event ends at"), "{}", metric.definition);
     assert!(
-        notes(&artifact).contains("no dynamic crush, no rebound; delta-v is 10.186 m/s at"),
+        notes(&artifact).contains("dynamic crush and rebound are not in the record; delta-v is 10.186 m/s at"),
         "{}",
         notes(&artifact)
     );

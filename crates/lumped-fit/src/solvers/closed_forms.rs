@@ -145,7 +145,7 @@ fn loading_part(task: &Task<'_>, extent: &Extent, notes: &mut Notes) -> Result<V
         model.unloading_stiffness_n_per_m = model.loading_stiffness_n_per_m;
     }
     let remark = "only the loading is fitted: the record shows no unloading. The unloading stiffness is set to the \
-    loading stiffness, its lowest possible value";
+    loading stiffness, its lowest value: do not use the rebound of this model";
     Ok(vec![fitting.candidate(&start, minimum, 1, &[remark.to_owned()])])
 }
 
@@ -318,7 +318,7 @@ fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
         format!("unloading stiffness from the restitution {unloading}"),
         format!(
             "rate factor {} s/m is a prior, +- 0.005: {RATE_PRIOR_S_PER_M} s/m for a steel structure, less 0.004 for \
-             the masses in front of the compartment. One test cannot identify it; tests at two speeds can",
+             the masses in front of the compartment. One test cannot identify it; tests with speeds 10 % apart can",
             task.settings.rate_factor_s_per_m
         ),
     ]

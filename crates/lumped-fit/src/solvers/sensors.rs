@@ -286,9 +286,7 @@ pub(super) fn explanations(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mu
 /// in first order.
 pub(super) fn pairs(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mut Notes) -> Vec<Candidate> {
     let kind = fitting.task.model;
-    notes.info(format!(
-        "{kind}: two dual solutions move the compartment alike. A second sensor on the front decides between them"
-    ));
+    notes.info(format!("{kind}: two dual solutions move the compartment alike. A sensor on the front mass can decide"));
     let of_displacement = fitting.observed.waves[0].quantity == FitQuantity::Displacement;
     let starts = ends.as_good(if of_displacement { DISPLACEMENT_RESOLUTION_M } else { 0.0 });
     let starts = &starts[..starts.len().min(REPORTED)];

@@ -174,7 +174,7 @@ fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mu
 
 fn on_bound(candidate: &Candidate) -> Option<String> {
     let bounds = &candidate.fit.as_ref()?.active_bounds;
-    let text = || format!("reached its search limit; not identifiable from this record: {}", bounds.join(", "));
+    let text = || format!("parameters at a search limit, not identifiable from this record: {}", bounds.join(", "));
     (!bounds.is_empty()).then(text)
 }
 
@@ -286,7 +286,7 @@ fn notes(
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());
     }
     if !fit.active_bounds.is_empty() {
-        notes.push(format!("reached its search limit; not identifiable: {}", fit.active_bounds.join(", ")));
+        notes.push(format!("parameters at a search limit, not identifiable: {}", fit.active_bounds.join(", ")));
     }
     notes.extend(unidentified(candidate));
     notes.extend(dual(candidate));

@@ -163,7 +163,7 @@ fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
         let words = all_in_words(&candidate.model, candidate.fixed_at_bound());
         if !dual && !words.is_empty() {
             let id = candidate.id();
-            let text = format!("{id}: reached its search limit; not identifiable from this record: {words}");
+            let text = format!("{id}: parameters at a search limit, not identifiable from this record: {words}");
             out.notes().concern(About::Model(id), Weight::Marked, text);
         }
     }

@@ -76,7 +76,7 @@ fn compared(
         return Ok(Err(reason.to_owned()));
     }
     if events.time_of_dynamic_crush_s.is_none() || events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0) {
-        let reason = "the record has no dynamic crush: its velocity never reaches zero";
+        let reason = "the dynamic crush is not in the record: the velocity never reaches zero";
         return Ok(Err(reason.to_owned()));
     }
     let speed = events.impact_speed_m_per_s.or(test.impact_speed_m_per_s);

@@ -6,11 +6,11 @@ texts! { ConclusionTexts
     do_not_use: "do not use";
     status: "{status}: {reason}.";
     because_good_to:
-        "the crush {scenario} is known to ±{good_to}";
+        "the crush {scenario} is predicted to ±{good_to}";
     because_beyond:
-        "{scenario}, beyond the test, the crush is known to ±{good_to}";
+        "{scenario}, beyond the test, the crush is predicted to ±{good_to}";
     because_sensors:
-        "the crush is known to ±{apart}, not ±{half_width}: {count} sensors of the compartment differ";
+        "{count} sensors of the compartment differ by {apart} in crush, more than the ±{half_width} of one";
     because_few_forces:
         "use its crush, not its forces: the record determines {determined} of {parameters}";
     because_few_parameters:
@@ -67,14 +67,14 @@ texts! { ConclusionTexts
     with_mass: " with {mass}";
     against_partner: " against {partner}";
     crushed:
-        "The vehicle was crushed by {crush} within {time}{rebound}.";
+        "The dynamic crush was {crush} at {time}{rebound}.";
     reached: ", reached at {time}";
     within: " within {time}";
     level: "{percent}\u{a0}%: ";
     interval: " ({low} to {high})";
-    rebounded: " and rebounded at {speed}";
-    rebounded_at_least: " and rebounded at {speed} or more";
-    no_rebound: " and did not rebound";
+    rebounded: "; the vehicle rebounded at {speed}";
+    rebounded_at_least: "; the vehicle rebounded at {speed} or more";
+    no_rebound: "; the vehicle did not rebound";
     no_stop:
         "The vehicle did not stop within the record: it lost {change} in {time}.";
     no_stop_no_end:
@@ -86,7 +86,7 @@ texts! { ConclusionTexts
     occupant_use:
         "Do not use its crush, stiffness and models for the vehicle{bounds}.";
     lower_bounds:
-        "; the criteria are lower bounds, since not all axes were measured";
+        "; the criteria are lower bounds: not all axes are in this record";
     recorded:
         "The recorder kept a delta-v of {change}{time}.";
     recorder_use:

@@ -36,7 +36,7 @@ texts! { RemarkTexts
     other_axis:
         "channel {channel} is along {axis}, and the models are of a crush along x";
     no_end_of_crush:
-        "the record has no dynamic crush: its velocity never reaches zero";
+        "the dynamic crush is not in the record: the velocity never reaches zero";
     notes_title: "Warnings and notes";
     one_warning: "1 warning";
     of_other_candidates:

@@ -212,12 +212,12 @@ fn a_barrier_test_says_crush_model_and_prediction() {
     assert_eq!(
         plain,
         [
-            "The vehicle was crushed by 448 mm within 77 ms and rebounded at 7 km/h.",
+            "The dynamic crush was 448 mm at 77 ms; the vehicle rebounded at 7 km/h.",
             "For other speeds use the Kelvin model: at 28.8 km/h it gives 368 mm (348 to 388).",
             "Beyond 448 mm, the crush of the test, it extrapolates.",
         ]
     );
-    assert_eq!(status_of(&car()), "usable: the crush at 28.8 km/h is known to ±5 %.");
+    assert_eq!(status_of(&car()), "usable: the crush at 28.8 km/h is predicted to ±5 %.");
 }
 
 #[test]
@@ -225,13 +225,16 @@ fn a_prediction_known_to_more_than_a_tenth_is_said_with_its_width() {
     let mut run = car();
     // 36.831 mm is a tenth of the crush.
     (run.predictions[1].intervals[0].low, run.predictions[1].intervals[0].high) = (0.33148, 0.40514);
-    assert_eq!(status_of(&run), "usable: the crush at 28.8 km/h is known to ±10 %.");
+    assert_eq!(status_of(&run), "usable: the crush at 28.8 km/h is predicted to ±10 %.");
     run.predictions[1].intervals[0].high = 0.40515;
-    assert_eq!(status_of(&run), "usable with care: the crush at 28.8 km/h is known to ±11 %.");
+    assert_eq!(status_of(&run), "usable with care: the crush at 28.8 km/h is predicted to ±11 %.");
     // Known to a third it answers nothing, and nothing is named for use.
     run.predictions[1].intervals[0].high = 0.62;
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
-    assert_eq!((said.len(), status_of(&run).as_str()), (1, "do not use: the crush at 28.8 km/h is known to ±39 %."));
+    assert_eq!(
+        (said.len(), status_of(&run).as_str()),
+        (1, "do not use: the crush at 28.8 km/h is predicted to ±39 %.")
+    );
     run.predictions[1].intervals.clear();
     assert_eq!(status_of(&run), "usable with care: the crush at other speeds has no interval.");
     run.predictions.clear();
@@ -244,7 +247,7 @@ fn a_speed_beyond_the_test_is_answered_as_one_and_so_is_one_that_was_asked_for()
     run.predictions.remove(1);
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert!(said[1].ends_with("at 54\u{a0}km/h, beyond the test, it gives 690\u{a0}mm (670 to 710)."), "{said:?}");
-    let status = "usable with care: at 54 km/h, beyond the test, the crush is known to ±3 %.";
+    let status = "usable with care: at 54 km/h, beyond the test, the crush is predicted to ±3 %.";
     assert_eq!(status_of(&run), status);
     // Asked for, it goes before one within what was tested.
     let mut run = car();
@@ -267,7 +270,7 @@ fn a_mass_and_a_partner_that_were_asked_for_are_named() {
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert!(said[1].contains(": at 28.8\u{a0}km/h with 1000\u{a0}kg it gives 400\u{a0}mm"), "{said:?}");
     assert!(page_of(&run).contains("<small>with 1000\u{a0}kg</small>"));
-    assert_eq!(status_of(&run), "usable: the crush at 28.8 km/h with 1000 kg is known to ±5 %.");
+    assert_eq!(status_of(&run), "usable: the crush at 28.8 km/h with 1000 kg is predicted to ±5 %.");
     run.predictions[2].partner = Some("a van".to_owned());
     run.predictions[2].collision = Some(PredictedCollisionV1::default());
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
@@ -279,7 +282,7 @@ fn a_crush_that_other_sensors_dispute_is_good_to_what_they_are_apart() {
     let mut run = car();
     run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
     assert_numbers_are_those_of_the_summary(&run, &[]);
-    let because = "the crush is known to ±18 mm, not ±8 mm: 3 sensors of the compartment differ";
+    let because = "3 sensors of the compartment differ by 18 mm in crush, more than the ±8 mm of one";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
     let page = page_of(&run).replace('\u{a0}', " ");
     assert!(page.contains("3 sensors of the compartment give a crush of 430 mm to 448 mm: quote the range"), "{page}");
@@ -368,7 +371,7 @@ fn a_sensor_in_an_occupant_has_criteria_and_no_model() {
     let said = assert_numbers_are_those_of_the_summary(&run, &["HIC15", "3 ms clip"]);
     assert!(said[0].contains("(driver, head), not in the vehicle: HIC15 246, 3 ms clip 50.7\u{a0}g."), "{said:?}");
     assert!(
-        said[1].ends_with("for the vehicle; the criteria are lower bounds, since not all axes were measured."),
+        said[1].ends_with("for the vehicle; the criteria are lower bounds: not all axes are in this record."),
         "{said:?}"
     );
 }

@@ -83,7 +83,7 @@ const ROLES: &[&str] = &["model.closest", "model.closest_alone", "model.recommen
 /// Columns of the table of other speeds.
 const COLUMNS: usize = 5;
 
-/// `usable with care: the crush at 40 km/h is known to ±16 %.`
+/// `usable with care: the crush at 40 km/h is predicted to ±16 %.`
 fn status(made: &Made) -> String {
     match (made.text("/verdict/status").replace('-', " "), made.text("/verdict/status_because")) {
         (_, "") => made.text("/verdict/status_sentence").to_owned(),

@@ -74,7 +74,7 @@ pub struct Conclusion {
     /// The reason in words.
     #[serde(skip)]
     pub because: String,
-    /// Both in words: `usable with care: the crush at 40 km/h is known to ±16 %.`
+    /// Both in words: `usable with care: the crush at 40 km/h is predicted to ±16 %.`
     pub status_sentence: String,
     /// What happened; which model, what it gives, what it does not.
     pub sentences: Vec<String>,
@@ -159,7 +159,7 @@ impl<'a> Text<'a> {
         shown
     }
 
-    /// `the crush at 40 km/h is known to ±16 %`.
+    /// `the crush at 40 km/h is predicted to ±16 %`.
     fn because(&mut self, reason: &StatusReason) -> String {
         use StatusReason as Reason;
         let phrases = &PHRASES.conclusion;

@@ -105,7 +105,12 @@ pub const RULES: &[Rule] = &[
         one_accelerometer,
     ),
     says("note.duals", "{model}: two dual solutions move the compartment alike. {more}", &[], one_accelerometer),
-    says("note.on-bound", "{id}: reached its search limit; not identifiable from this record: {names}", &[], on_bound),
+    says(
+        "note.on-bound",
+        "{id}: parameters at a search limit, not identifiable from this record: {names}",
+        &[],
+        on_bound,
+    ),
     says(
         "note.near-filter",
         "{id}: the mode at {frequency} (damping ratio {ratio}) lies near the {edge} edge of the {class} filter; {more}",

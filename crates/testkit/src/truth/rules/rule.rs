@@ -299,7 +299,7 @@ const REMARKS: &[(&str, &str)] = &[
     ),
     ("note.recorder-table", "event data recorder table: the velocity change is cumulative and coarse {more}"),
     ("note.change-as-pulse", "the change of velocity {channel} is taken as the pulse"),
-    ("note.level-in", "mean over the last {time} above {level} (drift, or still moving) in {channels}"),
+    ("note.level-in", "mean over the last {time} above {level} (drift, or a force still acts) in {channels}"),
     ("note.without-file", "{count} of {all} listed channels have no file here: {channels}"),
     ("note.left-and-right", "channels {one} and {two} (left and right) differ by at most {more}"),
     ("note.configuration", "configuration: {what}"),
@@ -354,7 +354,7 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.not-in-spread", "channel {channel} is not in the spread: {why}"),
     ("note.not-integrated", "not integrated, because {why}: channels {channels} {more}"),
     ("note.against", "channel {one} against {two}: largest |da| {more}"),
-    ("note.bounds-of-axes", "criteria are lower bounds, because only one or two axes were measured: {channels}"),
+    ("note.bounds-of-axes", "criteria are lower bounds, because only one or two axes are in this record: {channels}"),
     ("note.crash3", "crush stiffness (CRASH3): {why}"),
     ("note.spread", "dynamic crush of {count} channels: {range}; the spread of every metric is {more}"),
     (
