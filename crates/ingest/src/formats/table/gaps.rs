@@ -7,6 +7,7 @@ use crate::formats::table::numbers::{GAPS, Rows};
 use crate::formats::table::time_axis::is_time_column;
 use crate::formats::table::{columns, layout::Cells};
 use crate::formats::text::column_names::{Unit, names_acceleration};
+use crate::formats::text::lines::ParsedNumber;
 use crate::recording::content::LineNumbers;
 use crate::{IngestError, IngestSettings, Place};
 
@@ -75,6 +76,17 @@ pub fn settle(
 }
 
 impl Rows {
+    /// Whether a row goes on where the last one ended, so many lines between, as the times or counts of a damaged table
+    /// do: in some column it is a step or a few further.
+    pub fn go_on_in(&self, row: &[ParsedNumber], lines: usize) -> bool {
+        self.columns.iter().zip(row).any(|(column, next)| {
+            let [first, .., before, last] = column[..] else { return false };
+            let step = (last - first) / (column.len() - 1) as f64;
+            let steps = (next.value - last) / step;
+            ((last - before) / step - 1.0).abs() < 0.5 && (0.5..lines as f64 + 1.5).contains(&steps)
+        })
+    }
+
     /// Whether a column is left out.
     pub fn is_left_out(&self, k: usize) -> bool {
         self.columns[k].is_empty()

@@ -5,7 +5,9 @@ use std::io::Read;
 use rayon::prelude::*;
 
 use crate::formats::table::layout::{Cells, Delimiter, Layout, decimal_comma, is_blank_row};
-use crate::formats::text::lines::{LINE_LIMIT, ParsedNumber, comment, decode, is_gap, line_at, scan, unquoted};
+use crate::formats::text::lines::{
+    LINE_LIMIT, ParsedNumber, comment, decode, is_gap, is_negative_of_accounts, line_at, scan, unquoted,
+};
 use crate::formats::text::stamps::stamp;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES};
 use crate::{IngestError, Place};
@@ -229,18 +231,6 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         }
     }
 
-    /// Whether the row just read goes on where the last one ended, as the times or counts of a damaged table do: in some
-    /// column it is a step or a few further, the lines between counted.
-    fn goes_on(&self) -> bool {
-        let lines = self.remnants.len() as f64;
-        self.rows.columns.iter().zip(&self.row).any(|(column, next)| {
-            let [first, .., before, last] = column[..] else { return false };
-            let step = (last - first) / (column.len() - 1) as f64;
-            let steps = (next.value - last) / step;
-            ((last - before) / step - 1.0).abs() < 0.5 && (0.5..lines + 1.5).contains(&steps)
-        })
-    }
-
     /// Another table below a whole one and lines of text that are not the names again.
     fn another_table(&self) -> Option<IngestError> {
         let text = |left_out: &LeftOut| match &left_out.what {
@@ -249,8 +239,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
         };
         let texts: Vec<String> = self.remnants.iter().filter_map(text).collect();
         let above: Vec<String> = self.layout.header.iter().map(|line| decode(line.bytes.trim_ascii())).collect();
-        let is_whole = self.rows.lines.len() >= MINIMUM_SAMPLES && texts.iter().any(|text| !above.contains(text));
-        let is_whole = is_whole && !self.goes_on();
+        let is_long = self.rows.lines.len() >= MINIMUM_SAMPLES && texts.iter().any(|text| !above.contains(text));
         // The names of the columns are no title: what is below them lacks them.
         let title = |own: &[String], others: &[String]| {
             let is_names = |text: &String| self.layout.delimiter.split(text.as_bytes()).len() == self.layout.columns;
@@ -262,6 +251,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
             (None, Some(second)) => format!("{second} takes the second one; the first one needs a file of its own"),
             _ => "split the file there, or put a remark into a comment line (# ...)".to_owned(),
         };
+        let is_whole = is_long && !self.rows.go_on_in(&self.row, texts.len());
         Some(IngestError::content(
             Place::line(self.file, self.remnants.first().filter(|_| is_whole)?.line),
             format!("text below a table ({:?}), then a second table or curve", texts.first()?),
@@ -417,13 +407,6 @@ fn end_of_line(text: &[u8], at: usize) -> Option<usize> {
 /// What to do about names of columns that stand once more between the rows.
 const REPEATED_HEADER: &str = "the names of the columns again: remove such lines between the rows";
 
-/// `(12.5)` or `12.5-`: a negative number as accounts write it.
-fn is_negative_of_accounts(text: &[u8]) -> bool {
-    let in_brackets = text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")"));
-    let number = in_brackets.or_else(|| text.strip_suffix(b"-"));
-    number.is_some_and(|text| text.first().is_some_and(u8::is_ascii_digit))
-}
-
 fn careful_row(
     line: &[u8],
     layout: &Layout,
@@ -441,9 +424,8 @@ fn careful_row(
     let columns = row.len();
     if fields.len() != columns {
         let found = format!("{} fields, the first row has {columns}", fields.len());
-        let are_numbers = || fields.iter().all(|text| layout.style.field(text).is_some());
-        if layout.delimiter == Delimiter::Byte(b',') && fields.len() > columns && !line.contains(&b'.') && are_numbers()
-        {
+        let are_numbers = fields.iter().all(|text| layout.style.field(text).is_some());
+        if layout.delimiter == Delimiter::Byte(b',') && fields.len() > columns && !line.contains(&b'.') && are_numbers {
             return Err(decimal_comma(
                 place.clone(),
                 format!("{found}: decimal commas between comma-separated fields, perhaps"),

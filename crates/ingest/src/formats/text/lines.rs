@@ -297,6 +297,13 @@ pub fn is_gap(bytes: &[u8]) -> bool {
     of_excel.contains(&text) || of_windows.contains(&text) || others.contains(&text)
 }
 
+/// `(12.5)` or `12.5-`: a negative number as accounts write it.
+pub fn is_negative_of_accounts(text: &[u8]) -> bool {
+    let in_brackets = text.strip_prefix(b"(").and_then(|text| text.strip_suffix(b")"));
+    let number = in_brackets.or_else(|| text.strip_suffix(b"-"));
+    number.is_some_and(|text| text.first().is_some_and(u8::is_ascii_digit))
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
