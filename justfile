@@ -353,7 +353,7 @@ windows: (target "x86_64-pc-windows-gnu") (target "wasm32-wasip1")
     cargo check --quiet --locked --workspace --exclude crumple-testkit --target x86_64-pc-windows-gnu
     cargo check --quiet --locked --package crumple-cli --no-default-features --target wasm32-wasip1
 
-# Mutated files and tampered artifacts through the programs, 1000 of each: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
+# Mutated files and tampered artifacts through the programs, 1000 of each, and 100 plausible records through the chain: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
 [group('development')]
 fuzz *args: build
     @cargo run --quiet --release --package crumple-testkit -- fuzz --bin "$bin" "$@"

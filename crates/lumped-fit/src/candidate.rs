@@ -6,12 +6,13 @@ use std::str::FromStr;
 
 use crumple_lumped::{Chain, Model, ParameterKind, parameter_kind};
 use crumple_numerics::estimation::minimise::StopReason;
+use crumple_numerics::estimation::work::Work;
 use crumple_signal::Note;
 use nalgebra::DMatrix;
 
 use crate::coordinates::Coordinates;
 use crate::parameters::{FitParameter, mass_of};
-use crate::record::observation::Observation;
+use crate::record::observation::{MOST_WORK, Observation};
 use crate::{FitQuantity, ObservedWave, SensorFit};
 
 /// How parameters are found.
@@ -113,6 +114,16 @@ pub struct Minimum {
 }
 
 impl Minimum {
+    /// Bounds the work on it to that of so many fits.
+    pub fn limit_work(&mut self, fits: usize) {
+        self.observed.set_work(&Work::limited(MOST_WORK.saturating_mul(fits as u64)));
+    }
+
+    /// Without such a bound.
+    pub fn release_work(&mut self) {
+        self.observed.set_work(&Work::default());
+    }
+
     /// Root mean square misfit, m.
     pub fn rmse_m(&self) -> f64 {
         (self.misfit_m.iter().map(|r| r * r).sum::<f64>() / self.misfit_m.len() as f64).sqrt()

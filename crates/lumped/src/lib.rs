@@ -120,6 +120,7 @@ pub use motion::mass_motion::{
 pub use response::collisions::{CollisionQuestions, Occupant, OccupantMotion, OccupantStop};
 pub use response::element_paths::{Leg, PathPoint, lead};
 pub use response::front_to_front::{CONTACT_SHARE, FrontToFront};
+pub use series::walk::steps_taken;
 pub use structure::connected_masses::{Connection, Element, Node, Place, Structure};
 pub use structure::crush_curve::{Extrapolation, InSeries};
 pub use structure::elements::{Damper, PlasticSpring, SeriesSpringDamper, Spring};

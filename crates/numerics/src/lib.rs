@@ -23,6 +23,7 @@ pub mod estimation {
     pub mod minimise;
     pub mod random;
     pub mod statistics;
+    pub mod work;
 }
 pub mod linalg;
 pub mod lti;

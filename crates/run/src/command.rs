@@ -165,7 +165,7 @@ impl Options {
 
     /// Whether a flag for every stage keeps it quiet.
     pub(crate) fn is_quiet(&self) -> bool {
-        self.flags.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"))
+        self.flags.is_quiet()
     }
 
     /// The run folder: what `--out` says, else one below `runs/` by the names of record and pipeline.
@@ -456,6 +456,13 @@ impl FromStr for Words {
 
     fn from_str(typed: &str) -> Result<Self, Self::Err> {
         shell_words::split(typed).map(Self)
+    }
+}
+
+impl Words {
+    /// Whether they keep a stage quiet.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"))
     }
 }
 

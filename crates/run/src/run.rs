@@ -135,7 +135,7 @@ fn pipeline_and_folder(options: &Options) -> anyhow::Result<(Pipeline, PathBuf)>
 /// next one.
 fn locked(options: &Options, mut path: PathBuf) -> anyhow::Result<LockedFolder> {
     loop {
-        let folder = LockedFolder::lock(&path)?;
+        let folder = LockedFolder::lock(&path, options.is_quiet())?;
         match pipeline_and_folder(options)?.1 {
             now if now == path => return Ok(folder),
             now => path = now,

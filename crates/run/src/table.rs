@@ -111,21 +111,20 @@ pub(crate) fn columns(columns: &[(&str, Kind)]) -> Vec<Column> {
 /// How a CSV file is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CsvForm {
-    /// For programs: comma and point, texts as they are.
+    /// Comma and point, numbers in full.
     Plain,
-    /// The same for spreadsheets too: `'` in front of a text that one would take for a formula; numbers as short as
-    /// they read back.
+    /// Comma and point, numbers as short as they read back.
     Sheet,
     /// With semicolon and decimal comma.
     Semicolon,
 }
 
-/// Writes a table: names of the columns, then the rows; what is unknown is empty, numbers are in full.
+/// Writes a table: names of the columns, then the rows; what is unknown is empty. `'` stands in front of a text that a
+/// spreadsheet would take for a formula.
 pub(crate) fn write_csv(table: &Table, form: CsvForm, file: impl Write) -> Result<(), csv::Error> {
     let separator = if form == CsvForm::Semicolon { b';' } else { b',' };
     let mut writer = csv::WriterBuilder::new().delimiter(separator).from_writer(file);
-    let names = table.columns.iter().map(|(name, _)| if form == CsvForm::Plain { name.into() } else { guarded(name) });
-    writer.write_record(names.map(|name: Cow<'_, str>| name.into_owned()))?;
+    writer.write_record(table.columns.iter().map(|(name, _)| guarded(name).into_owned()))?;
     for row in &table.rows {
         writer.write_record(row.iter().map(|cell| text(cell, form)))?;
     }
@@ -135,13 +134,12 @@ pub(crate) fn write_csv(table: &Table, form: CsvForm, file: impl Write) -> Resul
 
 /// A text that no spreadsheet takes for a formula.
 fn guarded(text: &str) -> Cow<'_, str> {
-    if text.starts_with(['=', '+', '-', '@']) { format!("'{text}").into() } else { text.into() }
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{text}").into() } else { text.into() }
 }
 
 fn text(cell: &Cell, form: CsvForm) -> String {
     match cell {
         Cell::Empty => String::new(),
-        Cell::Text(text) if form == CsvForm::Plain => text.to_string(),
         Cell::Text(text) => guarded(text).into_owned(),
         Cell::Number(number) if form == CsvForm::Plain => number.to_string(),
         Cell::Number(number) => {
@@ -244,6 +242,10 @@ mod tests {
     fn a_spreadsheet_sees_no_formula_and_numbers_read_back_to_the_bit() {
         let rows = [("@a", 0.1 + 0.2), ("-b", 1.5e-300), ("c", -2.0)].map(|(text, x)| vec![text.into(), x.into()]);
         let table = Table::new("t", columns(&[("=1+1", Text), ("x", Number)]), rows.into());
+        assert_eq!(written(&table, CsvForm::Plain).lines().next(), Some("'=1+1,x"));
+        for text in ["=1", "+1", "-1", "@a", "\t=1", "\r=1"] {
+            assert_eq!(guarded(text), format!("'{text}"));
+        }
         assert_eq!(written(&table, CsvForm::Sheet), "'=1+1,x\n'@a,0.30000000000000004\n'-b,1.5e-300\nc,-2\n");
         assert_eq!(written(&table, CsvForm::Semicolon), "'=1+1;x\n'@a;0,30000000000000004\n'-b;1,5e-300\nc;-2\n");
         for x in [f64::MIN_POSITIVE, f64::MAX, -0.0, 1.0 / 3.0, 5e-324, 123_456_789.123_456_79] {

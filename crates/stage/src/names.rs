@@ -81,6 +81,12 @@ pub(crate) fn stage_order(stage: Option<&str>) -> usize {
     stage.and_then(|name| STAGES.iter().position(|s| *s == name)).unwrap_or(STAGES.len())
 }
 
+/// `5-parameter-solve` of `parameter-solve`: what its artifact is called in a run folder.
+pub(crate) fn artifact_of(stage: &str) -> String {
+    let name = chain().find(|known| known.name == stage).and_then(|known| known.outputs.first().copied());
+    name.map_or(stage, |name| name.trim_end_matches(".mcap")).to_owned()
+}
+
 /// The stages that write a topic, e.g. `/events` -> `integrate`; none where any may.
 pub(crate) fn writer_of(topic: &str) -> &'static [&'static str] {
     const WRITERS: [(&str, &[&str]); 20] = [

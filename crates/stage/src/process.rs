@@ -473,7 +473,7 @@ fn parse<C: FromArgMatches>(command: Command, call: &Call) -> Result<(C, clap::A
         Way::InRun => command.override_usage("crumple run [OPTIONS] RECORD [FLAGS OF crumple ingest]"),
         _ => command,
     };
-    let command = args::with_flag(command.arg(flag));
+    let command = args::with_switches_said_twice(args::with_flag(command.arg(flag)));
     let is_short = call.words.iter().any(|word| word == "-h");
     let parser = if is_short { in_short(command.clone()) } else { command.clone() };
     let parser = if is_generating { parser.subcommand_required(false).arg_required_else_help(false) } else { parser };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_signal::{Quantity, QuantityKind, Sampled, Signal, SignalError};
 
 use crate::layout::codec::WAVE_LAYOUT;
-use crate::layout::time_origin::to_ns;
+use crate::layout::time_origin::{FARTHEST_S, to_ns};
 use crate::records::WaveBlockV1;
 
 /// Samples in a block; the last block of a waveform may be shorter.
@@ -79,6 +79,9 @@ impl WaveAssembler {
 
     pub(crate) fn finish(self) -> Result<Sampled, String> {
         let (t0_ns, dt_s) = self.grid.ok_or("no block")?;
+        if t0_ns.unsigned_abs() > to_ns(FARTHEST_S).unsigned_abs() {
+            return Err(format!("it starts at {t0_ns} ns, times go from -292 to 292 years"));
+        }
         // Division, not multiplication by 1e-9: -20,000,000 ns must read as -0.02 s to the last bit.
         Sampled::new(t0_ns as f64 / 1e9, dt_s, self.samples).map_err(|e| e.to_string())
     }

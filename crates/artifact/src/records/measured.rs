@@ -463,6 +463,9 @@ impl TryFrom<TestV1> for TestDescription {
         if let Some(twice) = test.channels.iter().find(|channel| !ids.insert(channel.id.as_str())) {
             return Err(ConversionError(format!("channel {:?} is listed twice", twice.id)));
         }
+        if let Some(pulse) = test.pulse.as_deref().filter(|pulse| !ids.contains(pulse)) {
+            return Err(ConversionError(format!("the pulse is channel {pulse:?}, which is not listed")));
+        }
         Ok(Self {
             title: test.title,
             vehicle: test.vehicle,

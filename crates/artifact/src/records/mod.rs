@@ -5,6 +5,7 @@
 //! encodings: no tagged enums, no `flatten`, no skipped fields, no free-form values; unknown is `null` (`Option`);
 //! numbers are finite.
 
+mod agreement;
 mod compared;
 mod fitted;
 mod identified;

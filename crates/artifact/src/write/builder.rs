@@ -53,7 +53,7 @@ impl ArtifactBuilder {
 
     /// Adds a record under a topic.
     ///
-    /// Errors: a second record under the topic; a number that is not finite.
+    /// Errors: a second record under the topic; a number that is not finite; a record that contradicts itself.
     pub fn put<R: Record>(&mut self, topic: &str, record: &R) -> Result<(), WriteError> {
         if self.records.iter().any(|r| r.topic == topic) {
             return Err(WriteError::Duplicate(topic.to_owned()));
@@ -62,6 +62,7 @@ impl ArtifactBuilder {
             return Err(WriteError::NotFinite { topic: topic.to_owned(), field, value });
         }
         let encode = |problem| WriteError::Encode { topic: topic.to_owned(), problem };
+        record.consistent().map_err(encode)?;
         self.records.push(Small {
             topic: topic.to_owned(),
             schema: R::SCHEMA,

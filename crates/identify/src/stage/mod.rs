@@ -10,6 +10,7 @@ mod waves;
 use std::fmt;
 use std::path::PathBuf;
 
+use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Weight};
 use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage};
@@ -58,14 +59,14 @@ impl Stage for Identify {
         let mut results = Results::new(out);
         let mut failures: Vec<(Method, Failure)> = Vec::new();
         for &method in &settings.methods {
-            let outcome = match method {
+            let outcome = determined(|| match method {
                 Method::Era => era::run(source, &mut results),
                 Method::Tfest => tfest::run(source, &mut results),
                 Method::Arx if settings.has_arx_structures() => arx::run(source, &mut results),
                 Method::Exponentials => exponentials::run(source, &mut results),
                 _ => discrete::run(method, source, &mut results),
-            };
-            match outcome {
+            });
+            match outcome.unwrap_or_else(|reason| Ok(Outcome::NoAcceptableResult(reason.to_string()))) {
                 Ok(Outcome::Done) => {}
                 Ok(Outcome::NoAcceptableResult(reason)) => failures.push((method, Failure::NoResult(reason))),
                 Err(error) => failures.push((method, Failure::Refused(error))),

@@ -96,7 +96,10 @@ pub fn from_comments<'a>(
                     ),
                     _ => (Dimension::Time, &mut details.time_zero_s, over.time_zero.is_some(), "--time-zero"),
                 };
-                if value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.')) {
+                let is_number = |word: &str| word.parse::<f64>().is_ok();
+                if value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
+                    || value.split_whitespace().next().is_some_and(is_number)
+                {
                     let value = parse_value(value, dimension).map_err(|error| {
                         IngestError::content(
                             Place::line(file, line),

@@ -266,7 +266,14 @@ pub fn without_speed(
 ) -> anyhow::Result<Outcome> {
     let samples = acceleration(input, pulse)?;
     let zero = time_zero(settings, input, test, pulse, &samples, 0.0, out.notes())?;
-    let task = ChannelIntegration { settings, input, test, impact_speed_m_per_s: None, time_zero_s: zero.time_s };
+    let task = ChannelIntegration {
+        settings,
+        input,
+        test,
+        impact_speed_m_per_s: None,
+        time_zero_s: zero.time_s,
+        most_replicates: usize::MAX,
+    };
     let integrated = task.integrate(pulse, &samples, out)?;
     warn_unless_of_the_vehicle(pulse, out.notes());
     let mut metrics = metric_records(&pulse.id, &integrated, zero.time_s);

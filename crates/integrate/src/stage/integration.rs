@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use crate::{
-    Intervals, MOST_SAMPLES, TimeZeroEstimate, barrier_force, contact_edge, edr_start, events_of, propagate,
-    threshold_crossing,
+    Intervals, MOST_SAMPLES, TimeZeroEstimate, Uncertainty, barrier_force, contact_edge, edr_start, events_of,
+    propagate, threshold_crossing,
 };
 use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, event_end_by_velocity_change, pulse_metrics};
 use crumple_signal::{
@@ -179,6 +179,8 @@ pub struct ChannelIntegration<'a> {
     /// `None`: not known; the velocity is then its change from time zero.
     pub impact_speed_m_per_s: Option<f64>,
     pub time_zero_s: f64,
+    /// Replicates that the intervals of a channel are read from, at most.
+    pub most_replicates: usize,
 }
 
 impl ChannelIntegration<'_> {
@@ -230,6 +232,7 @@ impl ChannelIntegration<'_> {
             }
             event_intervals = intervals.events;
             let replicates = self.settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
+            let replicates = replicates.min(self.most_replicates);
             let reason = |without: usize| {
                 (without > 0).then(|| {
                     format!("no interval: {without} of {replicates} replicates with perturbed inputs do not have it")
@@ -250,7 +253,8 @@ impl ChannelIntegration<'_> {
         out: &mut Output,
     ) -> Option<Intervals> {
         // An interval of a change of velocity from an unknown speed would have no speed to vary.
-        let uncertainty = self.settings.uncertainty.as_ref().filter(|_| self.impact_speed_m_per_s.is_some())?;
+        let stated = self.settings.uncertainty.as_ref().filter(|_| self.impact_speed_m_per_s.is_some())?;
+        let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated.clone() };
         if acceleration.len() > MOST_SAMPLES {
             out.notes().warning(format!(
                 "no intervals: {} samples, the integration is repeated for records of up to {MOST_SAMPLES}",

@@ -75,6 +75,7 @@ impl Stage for Integrate {
             test: &test,
             impact_speed_m_per_s: Some(impact_speed_m_per_s),
             time_zero_s: zero.time_s,
+            most_replicates: usize::MAX,
         };
         let pulse = task.integrate(&channel, &samples, out)?;
         let vehicles = vehicles(input)?;
@@ -154,6 +155,17 @@ fn refuse_left_out(pulse: &Channel, input: &Inputs) -> anyhow::Result<()> {
         .into())
 }
 
+/// Channels beside the pulse that have all replicates asked for; more of them share those of so many.
+const WITH_ALL_REPLICATES: usize = 60;
+/// Replicates of each of them at least: a quantile of 50 is itself uncertain by a third of a standard deviation.
+const LEAST_REPLICATES: usize = 50;
+
+/// Replicates for each of so many channels beside the pulse, so that the work on them is bounded.
+fn replicates_of_others(asked: usize, channels: usize) -> usize {
+    let shared = asked.saturating_mul(WITH_ALL_REPLICATES) / channels.max(WITH_ALL_REPLICATES);
+    shared.max(LEAST_REPLICATES).min(asked)
+}
+
 /// Integrates and writes the channels beside the pulse and compares them with it; returns their metrics.
 fn integrate_others(
     task: &ChannelIntegration<'_>,
@@ -164,7 +176,18 @@ fn integrate_others(
     let ChannelIntegration { settings, input, test, time_zero_s, .. } = *task;
     let impact_speed_m_per_s = task.impact_speed_m_per_s.unwrap_or(0.0);
     let mut metrics = Vec::new();
-    for other in other_channels(&settings.channels, test, &pulse.id, input, out.notes())? {
+    let channels = other_channels(&settings.channels, test, &pulse.id, input, out.notes())?;
+    let asked = settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
+    let most_replicates = replicates_of_others(asked, channels.len());
+    if most_replicates < asked {
+        out.notes().info(format!(
+            "intervals of the {} channels beside the pulse are 5-95 % of {most_replicates} replicates each, not {asked}: \
+             they are many",
+            channels.len()
+        ));
+    }
+    let task = &ChannelIntegration { most_replicates, ..*task };
+    for other in channels {
         let samples = acceleration(input, other)?;
         if !covers(&samples, time_zero_s) {
             out.notes().concern(
@@ -212,4 +235,16 @@ fn covers(samples: &Sampled, time_zero_s: f64) -> bool {
 /// Whether neither a location nor a code says where a channel sits.
 fn unplaced(channel: &Channel) -> bool {
     channel.location.trim().is_empty() && channel.code.is_none()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_channels_share_the_replicates_of_sixty() {
+        let of = |channels| replicates_of_others(400, channels);
+        assert_eq!([0, 1, 60, 120, 299, 100_000].map(of), [400, 400, 400, 200, 80, 50]);
+        assert_eq!([0, 20].map(|asked| replicates_of_others(asked, 1000)), [0, 20]);
+    }
 }

@@ -46,7 +46,8 @@ impl SingleMassFitOptions {
         let measurement = Measurement::of_samples(displacement, self.time_zero_s);
         let to_s = self.to_s.unwrap_or(displacement.end_s() - self.time_zero_s);
         let (v0, window_s) = (self.impact_speed_m_per_s, (self.from_s, to_s));
-        Observation::new(displacement, self.time_zero_s, measurement, v0, window_s, self.samples)
+        let observed = Observation::new(displacement, self.time_zero_s, measurement, v0, window_s, self.samples)?;
+        Ok(observed.limited(1))
     }
 
     /// Units of spring and damper in which a car is of size one: `m (v0/C)²`, N/m, and `m v0/C`, N s/m.

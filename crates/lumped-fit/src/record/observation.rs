@@ -8,7 +8,8 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
+use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure, steps_taken};
+use crumple_numerics::estimation::work::Work;
 use crumple_signal::{ABREAST, Displacement, Sampled, Signal};
 use rayon::prelude::*;
 
@@ -60,6 +61,22 @@ pub struct ObservedWave {
     pub impact: Option<Impact>,
     /// The wave as it was measured, window or not: where another time zero finds the motion at contact.
     pub(crate) record: Arc<WholeWave>,
+    /// What responses to be compared with it may cost.
+    pub(crate) work: Work,
+}
+
+/// What a step of a motion costs, in samples of a wave that are read off it and filtered.
+const STEP: u64 = 160;
+/// Work that one fit of a model may cost, in samples of a wave. A sample takes some 10 ns, so 2.5 s of one processor;
+/// the fits of an ordinary record take a hundredth of it.
+pub(crate) const MOST_WORK: u64 = 250_000_000;
+
+/// A response and so many derivatives over these samples, which cost work.
+fn metered<T>(work: &Work, (samples, derivatives): (usize, usize), respond: impl FnOnce() -> T) -> T {
+    let before = steps_taken();
+    let response = respond();
+    work.spend((1 + derivatives as u64) * (STEP * (steps_taken() - before) + samples as u64));
+    response
 }
 
 /// A wave on its own time axis, window or not.
@@ -181,8 +198,21 @@ impl ObservedWave {
         let first_s = wave.t0_s() - time_zero_s;
         let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
         let (weight, noise) = (1.0, None);
-        let impact = None;
-        Ok(Self { mass, quantity, measurement, first, stride, samples, resolution, weight, noise, impact, record })
+        let (impact, work) = (None, Work::default());
+        Ok(Self {
+            mass,
+            quantity,
+            measurement,
+            first,
+            stride,
+            samples,
+            resolution,
+            weight,
+            noise,
+            impact,
+            record,
+            work,
+        })
     }
 
     /// Index of the last sample on the grid of the measurement.
@@ -222,10 +252,11 @@ impl ObservedWave {
     pub(crate) fn response(&self, v0_m_per_s: f64, structure: &Structure) -> Result<Vec<f64>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let motions = response_of(self.quantity, structure, v0_m_per_s, &self.instants(), &[])?.motions;
-            return Ok(self.of_motions(&motions));
+            let respond = || response_of(self.quantity, structure, v0_m_per_s, &self.instants(), &[]);
+            return Ok(self.of_motions(&metered(&self.work, (self.samples.len(), 0), respond)?.motions));
         }
-        Ok(self.picked(&self.measurement.of_structure(what, v0_m_per_s, self.last(), structure)?))
+        let measured = || self.measurement.of_structure(what, v0_m_per_s, self.last(), structure);
+        Ok(self.picked(&metered(&self.work, (self.last() + 1, 0), measured)?))
     }
 
     /// Its derivatives by the parameters at `places`.
@@ -237,10 +268,11 @@ impl ObservedWave {
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let response = response_of(self.quantity, structure, v0_m_per_s, &self.instants(), places)?;
+            let respond = || response_of(self.quantity, structure, v0_m_per_s, &self.instants(), places);
+            let response = metered(&self.work, (self.samples.len(), places.len()), respond)?;
             return Ok(response.derivatives.iter().map(|motions| self.of_motions(motions)).collect());
         }
-        let all = derivatives(&self.measurement, what, v0_m_per_s, self.last(), (structure, places))?;
+        let all = derivatives((&self.measurement, &self.work), what, v0_m_per_s, self.last(), (structure, places))?;
         Ok(all.iter().map(|derivative| self.picked(derivative)).collect())
     }
 
@@ -269,6 +301,18 @@ impl Observation {
         let what = (None, FitQuantity::Displacement);
         let wave = ObservedWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
         Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
+    }
+
+    /// The work that responses to be compared with all of its waves may cost.
+    pub(crate) fn set_work(&mut self, work: &Work) {
+        self.waves.iter_mut().for_each(|wave| wave.work = work.clone());
+    }
+
+    /// The same waves for one fit, whose work is bounded to so many times that of an ordinary one at most.
+    #[must_use]
+    pub fn limited(mut self, times: usize) -> Self {
+        self.set_work(&Work::limited(MOST_WORK.saturating_mul(times.max(1) as u64)));
+        self
     }
 
     /// Whether one of the waves is the force on the wall.
@@ -464,7 +508,7 @@ impl MeasureModel for Measurement {
 /// Derivatives of that by the parameters at these places: a measurement is linear, so they are the derivatives of the
 /// acceleration measured without an impact speed. Not of an exact one.
 pub(crate) fn derivatives(
-    measurement: &Measurement,
+    (measurement, work): (&Measurement, &Work),
     (mass, quantity): (Option<usize>, FitQuantity),
     v0_m_per_s: f64,
     last: usize,
@@ -484,12 +528,16 @@ pub(crate) fn derivatives(
     // In parts of equal size, on as many threads as are idle.
     let parts = places.len().div_ceil(ABREAST).max(1);
     let size = places.len().div_ceil(parts).max(1);
-    let parts: Vec<Vec<Vec<f64>>> = places.par_chunks(size).map(of_some).collect::<Result<_, _>>()?;
+    let metered_part = |places| metered(work, (last + 1, <[Place]>::len(places)), || of_some(places));
+    let parts: Vec<Vec<Vec<f64>>> = places.par_chunks(size).map(metered_part).collect::<Result<_, _>>()?;
     Ok(parts.into_iter().flatten().collect())
 }
 
 #[cfg(test)]
 mod tests {
+    use crumple_lumped::Kelvin;
+    use crumple_numerics::estimation::work::{NotDetermined, determined};
+
     use super::*;
 
     /// The value is the time in ms.
@@ -509,6 +557,19 @@ mod tests {
         assert_eq!((samples, dt_s), (188, 4e-4));
         assert!(wave.samples[0].abs() < 1e-9 && first_s.abs() < 1e-12);
         assert!((wave.samples[187] - 74.8).abs() < 1e-9 && (wave.time_s(187) - 0.0748).abs() < 1e-12);
+    }
+
+    #[test]
+    fn responses_cost_their_samples_for_every_derivative_and_end_at_the_limit() {
+        let wave = picked(0.0, 0.075).unwrap();
+        let model = Model::Kelvin(Kelvin { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 2e3 });
+        let mut observed = Observation { impact_speed_m_per_s: 10.0, waves: vec![wave] };
+        let mut tries = |limit| {
+            observed.set_work(&Work::limited(limit));
+            determined(|| observed.misfit(&model)).map(|misfit| misfit.map(|misfit| misfit.len()))
+        };
+        assert_eq!(tries(10_000), Ok(Some(188)));
+        assert_eq!(tries(187), Err(NotDetermined::TooMuchWork));
     }
 
     #[test]

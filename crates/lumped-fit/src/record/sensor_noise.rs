@@ -84,6 +84,9 @@ impl SensorNoise {
         let mut all = sensitivities.clone().insert_column(count, 0.0);
         all.column_mut(count).copy_from_slice(misfit);
         let white = self.whitened(wave, &all)?;
+        if count == 0 {
+            return self.pooled(white.norm_squared(), white.nrows());
+        }
         let basis = white.columns(0, count).into_owned().svd(true, false);
         let rank = basis.rank(RANK_TOLERANCE * basis.singular_values.max());
         let (u, misfit) = (basis.u?, white.column(count));
@@ -108,11 +111,17 @@ impl SensorNoise {
     /// Rows in those units as independent ones of unit variance, several for each independent sample: every row so far
     /// from the next that their autocorrelation is 0.8, through the root of the covariance of those. Fast changes, of
     /// which a filter leaves less noise than of slow ones, count for more than in the sum of squares of all rows. The
-    /// last rows of a record are left out: through its mirror image the last sample enters twice.
+    /// last rows of a record are left out: through its mirror image the last sample enters twice. `None` where no row
+    /// is left.
     pub fn whitened(&self, wave: &ObservedWave, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let stride = self.lags.iter().take_while(|r| **r >= NEXT).count().max(1);
         let before_end = wave.measurement.samples.saturating_sub(wave.first + 2 * stride);
         let picked: Vec<usize> = (0..rows.nrows().min(before_end)).step_by(stride).collect();
+        if picked.is_empty() {
+            return None;
+        }
+        // A third of n³ products, 30 of them in the time of a sample.
+        wave.work.spend((picked.len() as u64).pow(3) / 90);
         let lag = |i: usize, j: usize| self.lags.get(i.abs_diff(j) * stride).copied().unwrap_or(0.0);
         let ridge = |i: usize, j: usize| if i == j { DIGITS } else { 0.0 };
         let covariance = DMatrix::from_fn(picked.len(), picked.len(), |i, j| self.energy * (lag(i, j) + ridge(i, j)));
@@ -320,6 +329,25 @@ pub(crate) mod tests {
         assert!(explained >= 94 && larger <= 14, "{explained} {larger}");
         // A row in 1.6 ms of the 80 ms but at the end, less the constant.
         assert_eq!(freedom.round(), 48.0);
+    }
+
+    #[test]
+    fn a_window_too_short_for_any_row_has_no_whitened_noise() {
+        let mut wave = wave(0).dense();
+        let noise = SensorNoise::of(&wave).unwrap();
+        wave.measurement.samples = wave.first + 5;
+        let misfit = as_acceleration(wave.quantity, DT_S, &wave.samples[..12]);
+        let constant = DMatrix::from_element(misfit.len(), 1, 1.0);
+        assert_eq!(noise.with_misfit(&wave, &misfit, &constant), None);
+    }
+
+    #[test]
+    fn a_misfit_that_nothing_moves_has_the_level_of_all_its_rows() {
+        let wave = wave(0).dense();
+        let noise = SensorNoise::of(&wave).unwrap();
+        let misfit = as_acceleration(wave.quantity, DT_S, &wave.samples);
+        let pooled = noise.with_misfit(&wave, &vec![0.0; misfit.len()], &DMatrix::zeros(misfit.len(), 0)).unwrap();
+        assert_eq!(pooled.freedom - noise.freedom, 49.0);
     }
 
     #[test]

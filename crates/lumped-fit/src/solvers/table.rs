@@ -7,13 +7,14 @@ use std::sync::LazyLock;
 
 use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
+use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Notes, Sampled, Weight};
 use rayon::prelude::*;
 
 use crate::record::sensor::{Sensor, TestData};
 use crate::solvers::closed_forms::ONE_MASS_RATE_S_PER_M;
 use crate::solvers::{closed_forms, sensors, single_mass};
-use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, SolveError};
+use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, Minimum, SolveError};
 
 /// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
 pub const FRONT_MASS_FRACTION: f64 = 0.25;
@@ -309,7 +310,8 @@ pub fn solvers_of(model: ModelKind, methods: &[Method]) -> Vec<&'static Solver> 
 ///
 /// Solvers run in parallel and know nothing of each other; candidates and notes come in the order of the settings,
 /// whatever the number of threads. A record too coarse for a fit (that of an event data recorder) still gives the
-/// closed forms. A set with a parameter beyond the range of numbers is left out with a warning.
+/// closed forms. A set with a parameter beyond the range of numbers is left out with a warning. So is what takes more
+/// work than any record needs, and a solver that panics: it costs its own candidates.
 ///
 /// Errors: a mass, speed, mass split or window without meaning, which no model can be solved with.
 pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
@@ -329,7 +331,14 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
             let solved = solvers.into_iter().filter_map(move |solver| {
                 let mut notes = Notes::new();
                 let task = Task { model, method: solver.method, test, settings };
-                let mut result = solver.solve?(&task, &mut notes);
+                let solve = solver.solve?;
+                let mut result = determined(|| solve(&task, &mut notes)).unwrap_or_else(|reason| {
+                    notes = Notes::new();
+                    notes.warning(format!("{model} by {}: {reason}", solver.method.name()));
+                    Ok(Vec::new())
+                });
+                let minima = result.iter_mut().flatten().filter_map(|candidate| candidate.minimum.as_mut());
+                minima.for_each(Minimum::release_work);
                 // A record that is too coarse for a fit (an event data recorder's) still has its events for the closed
                 // forms.
                 if let Err(error @ SolveError::TooFewSamples { .. }) = &result {

@@ -20,6 +20,7 @@
 //! of a single evaluation in the same order, hence the same bits for every vector width. What is compiled for wide
 //! vectors is written in plain loops: closures would not be.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use pulp::{Arch, Simd, WithSimd};
@@ -34,6 +35,15 @@ use crate::{Drive, Instants, LumpedError, Motion, Start};
 
 /// Steps after which the motion is given up.
 const MAX_STEPS: usize = 200_000;
+
+thread_local! {
+    static STEPS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Steps that motions on this thread have taken so far: before and after a motion, what it cost.
+pub fn steps_taken() -> u64 {
+    STEPS.get()
+}
 
 /// A motion on its way.
 pub(crate) struct Walk<'a> {
@@ -97,6 +107,7 @@ impl Walk<'_> {
             if t >= end_s {
                 return Ok(());
             }
+            STEPS.set(STEPS.get() + 1);
             let stretch = drive.stretch(number, dt_s);
             let until = stretch.map_or(end_s, |(_, until)| end_s.min(until));
             self.step.input = stretch.map_or(Input::default(), |(course, _)| Input::of_course(mass, &course, t));

@@ -6,6 +6,7 @@ use crumple_lumped_fit::{
     largest_draw, propagate, propagate_chain, propagate_closed_form, propagate_conditioned, unloads_rigidly,
     widen_by_mass_split,
 };
+use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::EventsV1;
@@ -18,6 +19,9 @@ use crate::stage::settings::{AssessmentSettings, StageSettings};
 
 /// Shift of time zero from which a fit under side conditions may have its least misfit in another minimum.
 const ONE_MINIMUM_S: f64 = 2.5e-4;
+
+/// What a profile of all parameters may cost, in fits.
+const FITS_OF_A_PROFILE: usize = 20;
 
 /// What all candidates share.
 struct Assessor<'a> {
@@ -57,9 +61,38 @@ pub fn assess_all(
         );
     }
     let scene = Assessor { settings, events, whole, mass_kg: record.mass_kg, crush_m };
-    candidates.par_iter_mut().for_each(|candidate| candidate.assessed = scene.assess(candidate));
+    assess_each(candidates, &settings.assessment, out, |candidate| scene.assess(candidate));
     scene.note_what_is_left_out(candidates, out);
     Ok(())
+}
+
+/// Assesses every candidate by itself. One that takes too much work, or whose assessment fails, stays without, for a
+/// reason that the notes say.
+pub fn assess_each(
+    candidates: &mut [Candidate],
+    asked: &AssessmentSettings,
+    out: &mut Output,
+    assess: impl Fn(&Candidate) -> Option<Assessed> + Sync,
+) {
+    let fits = 1 + asked.bootstrap + if asked.profile { FITS_OF_A_PROFILE } else { 0 };
+    let fits = fits + if asked.inputs.any() { asked.repetitions } else { 0 };
+    let assessed: Vec<_> = candidates
+        .par_iter_mut()
+        .map(|candidate| {
+            candidate.minimum.iter_mut().for_each(|minimum| minimum.limit_work(fits));
+            let assessed = determined(|| assess(candidate));
+            candidate.minimum.iter_mut().for_each(Minimum::release_work);
+            assessed
+        })
+        .collect();
+    for (candidate, assessed) in candidates.iter_mut().zip(assessed) {
+        candidate.assessed = assessed.unwrap_or_else(|reason| {
+            let id = candidate.id();
+            let text = format!("{id}: how well its parameters are known is {reason}");
+            out.notes().concern(About::Model(id), Weight::Marked, text);
+            None
+        });
+    }
 }
 
 /// How well the parameters of a fit that ended at its minimum are known, a stated chain's or that of several tests: the

@@ -2,9 +2,10 @@
 
 use crumple_lumped::{Chain, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass, errors_in_words,
-    fit_chain, mass_of, note_of_errors,
+    Candidate, Observation, ObservedWave, SensorPlace, SolveSettings, Stated, StatedChain, StatedElement, StatedMass,
+    errors_in_words, fit_chain, mass_of, note_of_errors,
 };
+use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Note, Weight};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{
@@ -13,7 +14,7 @@ use crumple_stage::{
 use serde::Serialize;
 use toml::Value;
 
-use crate::stage::assess::assess_fit;
+use crate::stage::assess::{assess_each, assess_fit};
 use crate::stage::inputs::{see, sensor_wave, stated_places};
 use crate::stage::settings::StageSettings;
 
@@ -102,9 +103,18 @@ pub fn fit_chains(
     for chain in &settings.chain {
         let (observed, sensors) = waves(chain, settings, input, events, speed, out)?;
         let hint = format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
-        let fitted = fit_chain(&chain.stated(total_kg), &observed, settings.solve.fit_starts).refuse_with_hint(hint)?;
-        let mut fitted: Vec<Candidate> =
-            fitted.into_iter().map(|fitted| assessed(chain, fitted, settings, total_kg)).collect();
+        let (stated, starts) = (chain.stated(total_kg), settings.solve.fit_starts);
+        let limited = observed.clone().limited(starts / SolveSettings::default().fit_starts);
+        let fitted = determined(|| fit_chain(&stated, &limited, starts)).unwrap_or_else(|reason| {
+            let about = About::Model(format!("chain/{}", chain.name));
+            out.notes().concern(about, Weight::Marked, format!("chain {}: {reason}", chain.name));
+            Ok(Vec::new())
+        });
+        let mut fitted = fitted.refuse_with_hint(hint)?;
+        fitted.iter_mut().for_each(|fitted| fitted.stated = Some(chain.name.clone()));
+        let mass_kg = |candidate: &Candidate| total_kg.unwrap_or_else(|| mass_of(&candidate.model));
+        let asked = &settings.assessment;
+        assess_each(&mut fitted, asked, out, |candidate| assess_fit(candidate, asked, Some(mass_kg(candidate))));
         warn_of_what_is_undecided(chain, &fitted, out);
         if let Some(text) = total_kg.zip(fitted.first()).and_then(|(kg, c)| total_mass_remark(&c.model.masses_kg(), kg))
         {
@@ -120,14 +130,6 @@ pub fn fit_chains(
         candidates.extend(fitted);
     }
     Ok(candidates)
-}
-
-/// A fit of the chain under its name, with what is known of its parameters.
-fn assessed(chain: &FittedChain, fitted: Candidate, settings: &StageSettings, total_kg: Option<f64>) -> Candidate {
-    let mut candidate = Candidate { stated: Some(chain.name.clone()), ..fitted };
-    let mass_kg = total_kg.unwrap_or_else(|| mass_of(&candidate.model));
-    candidate.assessed = assess_fit(&candidate, &settings.assessment, Some(mass_kg));
-    candidate
 }
 
 /// Says what was asked for beyond the covariance and could not be computed.

@@ -3,12 +3,12 @@
 use crumple_lumped_fit::{
     FitQuantity, JointTest, Measurement, RateFactorSource, Sensor, deepest_crush, fit_together, rate_factor_source,
 };
+use crumple_numerics::estimation::work::determined;
 use crumple_signal::{Axis, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
-use rayon::prelude::*;
 
-use crate::stage::assess::assess_fit;
+use crate::stage::assess::{assess_each, assess_fit};
 use crate::stage::comparison::Comparison;
 use crate::stage::inputs::{Record, motion, not_slowed, pulse_displacement, see, sensors_of, test_data};
 use crate::stage::recommendation::{chosen, without};
@@ -51,9 +51,13 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     out.put("/test", &joint_test(&tests, reference))?;
     out.put("/tests", &record_of_tests)?;
     warn_of_the_rate(&record_of_tests, out);
-    let mut candidates =
-        fit_together(&joint, &settings.solve, out.notes()).refuse_with_hint(see(&["models", "fit-from", "fit-to"]))?;
-    candidates.par_iter_mut().for_each(|c| c.assessed = assess_fit(c, &settings.assessment, None));
+    let fitted = match determined(|| fit_together(&joint, &settings.solve, out.notes())) {
+        Ok(fitted) => fitted,
+        Err(reason) => return Ok(Outcome::NoAcceptableResult(reason.to_string())),
+    };
+    let mut candidates = fitted.refuse_with_hint(see(&["models", "fit-from", "fit-to"]))?;
+    let asked = &settings.assessment;
+    assess_each(&mut candidates, asked, out, |candidate| assess_fit(candidate, asked, None));
     let assessed = write_candidates(&candidates, &names.join(" and "), out)?;
     if assessed.is_empty() {
         let reason = "no model could be fitted to all tests; the notes say why";

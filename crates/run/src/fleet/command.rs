@@ -17,7 +17,7 @@ use crumple_stage::Usage;
     name = "crumple-fleet",
     version,
     after_help = "Exit codes: 0 every record has its row, failed ones too; 1 unforeseen failure, 2 usage, 3 no record \
-                  to be found."
+                  to be found, or none with a result."
 )]
 pub struct Options {
     /// Records: folders with all below them, lists of paths (@list.txt), patterns ('tests/**/*.csv'), files.

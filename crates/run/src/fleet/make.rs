@@ -13,6 +13,7 @@ use crate::fleet::page::write_page;
 use crate::fleet::records::records;
 use crate::fleet::runs::{Journal, JournalEntry, Run, in_words, plan, read_journals, run_all};
 use crate::fleet::tables::{Row, rows, tables, write_tables};
+use crate::folder::lock::LockedFolder;
 
 // From the command line to the page.
 
@@ -23,11 +24,15 @@ pub(crate) struct Fleet {
     pub(crate) folder: PathBuf,
     /// Its runs; none of a fleet that is one part of several.
     pub(crate) rows: Vec<Row>,
+    /// Keeps others out of the folder, but parts of one fleet, which have journals of their own.
+    _lock: Option<LockedFolder>,
 }
 
-/// Runs what is not up to date, and writes the tables and the page of all runs.
+/// Runs what is not up to date, and writes the tables and the page of all runs. Exit code 3 where none has a result.
 pub fn fleet(options: Options) -> anyhow::Result<ExitStatus> {
-    make(&options).map(|_| ExitStatus::Done)
+    let rows = make(&options)?.rows;
+    let nothing = !rows.is_empty() && rows.iter().all(|row| !row.ended.has_result());
+    Ok(if nothing { ExitStatus::Refused } else { ExitStatus::Done })
 }
 
 /// The same, and what was found.
@@ -44,6 +49,7 @@ pub(crate) fn make(options: &Options) -> anyhow::Result<Fleet> {
         tell(format!("fleet: {} files are no records, for example {}", others.len(), other.display()));
     }
     let runs = plan(&records, options)?;
+    let lock = options.batch.is_none().then(|| LockedFolder::lock(&folder, options.quiet)).transpose()?;
     let known = read_journals(&folder)?;
     let stands = |run: &Run| ended_of(run, &known).filter(|ended| ended.stands(&folder));
     let standing: Vec<Option<&JournalEntry>> = runs.par_iter().map(stands).collect();
@@ -70,13 +76,13 @@ pub(crate) fn make(options: &Options) -> anyhow::Result<Fleet> {
         .collect();
     tell(in_numbers(&ended, made_count, runs.len() - ended.len(), started));
     if options.batch.is_some() {
-        return Ok(Fleet { folder, rows: Vec::new() });
+        return Ok(Fleet { folder, rows: Vec::new(), _lock: lock });
     }
     let rows = rows(&folder, ended).context("a result is gone: run the fleet again")?;
     write_tables(&folder, &tables(&rows))?;
     write_page(&folder, &rows, options)?;
     tell(format!("fleet: {}", folder.join("fleet.html").display()));
-    Ok(Fleet { folder, rows })
+    Ok(Fleet { folder, rows, _lock: lock })
 }
 
 /// What the journals say of a run as it is now.

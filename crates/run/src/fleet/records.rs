@@ -83,20 +83,22 @@ pub(crate) struct Below {
 }
 
 /// Looks through a folder and all folders below it. A file that belongs to a record (a channel of a test, a sidecar) is
-/// none of its own; run folders and hidden files are passed over.
+/// none of its own; run folders and hidden files are passed over. A file or a folder that cannot be read stands for a
+/// record, whose row says so.
 pub(crate) fn records_below(folder: &Path) -> anyhow::Result<Below> {
     let mut below = Below::default();
-    walk(folder, &mut BTreeSet::new(), &mut below)?;
+    walk(folder, &mut BTreeSet::new(), &mut below)
+        .refuse()
+        .with_context(|| format!("cannot read the folder {}", folder.display()))?;
     below.records.sort();
     Ok(below)
 }
 
-fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) -> anyhow::Result<()> {
-    let cannot_read = || format!("cannot read the folder {}", folder.display());
+fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) -> io::Result<()> {
     let mut files = Vec::new();
     let mut folders = Vec::new();
-    for entry in fs::read_dir(folder).refuse().with_context(cannot_read)? {
-        let path = entry.with_context(cannot_read)?.path();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
         let is_hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         match path.is_dir() {
             _ if is_hidden => {}
@@ -113,7 +115,7 @@ fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) ->
         if companions.contains(path) || ending(path) == "toml" {
             continue;
         }
-        let contents = contents(path).refuse().with_context(|| format!("cannot read {}", path.display()))?;
+        let contents = contents(path).unwrap_or(Contents::NamedRecord);
         let Contents::Record(reader) = contents else {
             let list = if matches!(contents, Contents::Other) { &mut below.others } else { &mut below.records };
             list.push(path.clone());
@@ -124,12 +126,18 @@ fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) ->
         let mut places = files.clone();
         if reader.spans_folders() {
             for channels in folders.iter().filter(|folder| file_name(folder).eq_ignore_ascii_case("channel")) {
-                places.extend(fs::read_dir(channels).with_context(cannot_read)?.flatten().map(|entry| entry.path()));
+                let channels = fs::read_dir(channels).into_iter().flatten().flatten();
+                places.extend(channels.map(|entry| entry.path()));
             }
         }
         companions.extend(places.into_iter().filter(|p| p != path && reader.companion(&main, &file_name(p))));
     }
-    folders.iter().try_for_each(|folder| walk(folder, companions, below))
+    for folder in folders {
+        if walk(&folder, companions, below).is_err() {
+            below.records.push(folder);
+        }
+    }
+    Ok(())
 }
 
 /// Files that describe a test come before those of its channels.
@@ -209,13 +217,20 @@ fn paths_of_list(list: &Path) -> anyhow::Result<Vec<PathBuf>> {
 
 fn of_pattern(pattern: &str) -> anyhow::Result<Meant> {
     let usage = || Usage::new(format!("{pattern} is no pattern of paths")).hint("for example 'tests/**/*.csv'");
+    if pattern.split('/').skip_while(|part| !part.contains(['*', '?', '['])).any(|part| part == "..") {
+        let problem = format!("{pattern} goes up behind a wildcard");
+        return Err(Usage::new(problem).hint("name the folder above the wildcard: 'tests/**/*.csv'").into());
+    }
     let paths = glob::glob(pattern).with_context(usage)?;
     let literal = pattern.split(['*', '?', '[']).next().unwrap_or_default();
     let folder = literal.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut records = Vec::new();
     for path in paths {
-        let path = path.with_context(|| format!("cannot look for {pattern}"))?;
-        if path.is_file() {
+        let (path, is_read) = match path {
+            Ok(path) => (path, true),
+            Err(error) => (error.path().to_owned(), false),
+        };
+        if path.is_file() || !path.exists() || !is_read {
             let identity = identity(&path, Path::new(folder));
             records.push((path, identity));
         }
@@ -414,6 +429,24 @@ mod tests {
         for missing in [word("none"), word("*.xyz"), format!("@{}", word("none.txt"))] {
             assert!(records_meant(&missing).is_err(), "{missing}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_cannot_be_read_is_a_record_with_an_error() {
+        let root = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink("nowhere", root.path().join("gone.csv")).unwrap();
+        fs::write(root.path().join("a.csv"), "time_s,a\n0,1\n1,2\n2,3\n").unwrap();
+        let found = |word: &str| {
+            let word = format!("{}{word}", root.path().display());
+            let (records, _) = records(&[word], None).unwrap();
+            records.into_iter().map(|record| (record.identity, record.digests.is_some())).collect::<Vec<_>>()
+        };
+        let expected = [("a.csv".to_owned(), true), ("gone.csv".to_owned(), false)];
+        assert_eq!(found(""), expected);
+        assert_eq!(found("/*.csv"), expected);
+        let error = of_pattern("p/*/../*/../*/x.csv").unwrap_err().to_string();
+        assert_eq!(error, "p/*/../*/../*/x.csv goes up behind a wildcard");
     }
 
     #[test]

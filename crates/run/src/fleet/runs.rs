@@ -65,6 +65,29 @@ impl JournalEntry {
     }
 }
 
+/// A line of a journal.
+#[derive(Serialize, Deserialize)]
+struct JournalLine {
+    #[serde(flatten)]
+    ended: JournalEntry,
+    /// Start of the digest of the rest; empty in earlier journals.
+    #[serde(default)]
+    check: String,
+}
+
+impl JournalLine {
+    fn new(ended: &JournalEntry) -> anyhow::Result<Self> {
+        let check = blake3::hash(serde_json::to_string(ended)?.as_bytes()).to_hex()[..16].to_owned();
+        Ok(Self { ended: ended.clone(), check })
+    }
+
+    /// The entry, if it is as it was written.
+    fn read(line: &str) -> Option<JournalEntry> {
+        let Self { ended, check } = serde_json::from_str(line).ok()?;
+        (check.is_empty() || Self::new(&ended).ok()?.check == check).then_some(ended)
+    }
+}
+
 /// Digest of the summary in a run folder.
 pub(crate) fn digest_of_summary(folder: &Path) -> Option<String> {
     let bytes = fs::read(folder.join("summary.json")).ok()?;
@@ -95,13 +118,13 @@ impl Journal {
 
     /// Adds a run, in one write.
     pub(crate) fn add(&mut self, ended: &JournalEntry) -> anyhow::Result<()> {
-        let mut line = serde_json::to_string(ended)?;
+        let mut line = serde_json::to_string(&JournalLine::new(ended)?)?;
         line.push('\n');
         self.file.write_all(line.as_bytes()).with_context(|| format!("cannot write {}", self.path.display()))
     }
 }
 
-/// The last known end of every run, by its folder and key. Lines that are cut off are passed over.
+/// The last known end of every run, by its folder and key. Lines that are cut off or damaged are passed over.
 pub(crate) fn read_journals(fleet: &Path) -> anyhow::Result<HashMap<(String, String), JournalEntry>> {
     let mut known = HashMap::new();
     let Ok(entries) = fs::read_dir(fleet.join(JOURNALS)) else { return Ok(known) };
@@ -110,7 +133,7 @@ pub(crate) fn read_journals(fleet: &Path) -> anyhow::Result<HashMap<(String, Str
     for path in paths {
         let text = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         for line in String::from_utf8_lossy(&text).lines() {
-            if let Ok(ended) = serde_json::from_str::<JournalEntry>(line) {
+            if let Some(ended) = JournalLine::read(line) {
                 known.insert((ended.folder.clone(), ended.key.clone()), ended);
             }
         }
@@ -456,6 +479,14 @@ mod tests {
         let known = read_journals(fleet.path()).unwrap();
         assert_eq!(known.len(), 2);
         assert_eq!(known[&("b".to_owned(), "k".to_owned())].exit_code, 3);
+    }
+
+    #[test]
+    fn a_damaged_line_is_not_believed_and_one_without_a_checksum_is() {
+        let line = serde_json::to_string(&JournalLine::new(&ended("a", 3)).unwrap()).unwrap();
+        assert_eq!(JournalLine::read(&line), Some(ended("a", 3)));
+        assert_eq!(JournalLine::read(&line.replace(":3,", ":2,")), None);
+        assert_eq!(JournalLine::read(&serde_json::to_string(&ended("a", 3)).unwrap()), Some(ended("a", 3)));
     }
 
     #[test]

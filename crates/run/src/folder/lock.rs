@@ -41,16 +41,16 @@ enum Lock {
 }
 
 impl LockedFolder {
-    /// Makes the folder where there is none, and waits while another run works in it, saying for whom.
-    pub(crate) fn lock(path: &Path) -> anyhow::Result<Self> {
+    /// Makes the folder where there is none, and waits while another run works in it, saying for whom unless `quiet`.
+    pub(crate) fn lock(path: &Path, quiet: bool) -> anyhow::Result<Self> {
         let made = path.ancestors().take_while(|p| !p.exists()).map(Path::to_owned).collect();
         let folder = loop {
             let folder = made_and_opened(path)?;
-            match lock_or_wait(&folder, path, path) {
+            match lock_or_wait(&folder, path, path, quiet) {
                 // Whoever held the lock may have removed the folder, and a third made it again.
                 Ok(()) if !is_at(&folder, path) => {}
                 Ok(()) => break Lock::Folder(folder),
-                Err(_) => break Self::lock_file(path),
+                Err(_) => break Self::lock_file(path, quiet),
             }
         };
         if let Lock::Folder(file) | Lock::FileInIt(file) = &folder {
@@ -61,12 +61,12 @@ impl LockedFolder {
     }
 
     /// Network file systems lock only what is open for writing, which a folder never is.
-    fn lock_file(folder: &Path) -> Lock {
+    fn lock_file(folder: &Path, quiet: bool) -> Lock {
         let path = folder.join(LOCK_FILE);
         let locked = || -> io::Result<File> {
             loop {
                 let file = File::options().write(true).create(true).truncate(false).open(&path)?;
-                lock_or_wait(&file, &path, folder).inspect_err(|_| {
+                lock_or_wait(&file, &path, folder, quiet).inspect_err(|_| {
                     // Nobody can hold it.
                     let _ = fs::remove_file(&path);
                 })?;
@@ -154,16 +154,18 @@ fn open_folder(path: &Path) -> io::Result<File> {
 }
 
 /// Locks an open file or folder; an error where its file system cannot.
-fn lock_or_wait(file: &File, path: &Path, folder: &Path) -> io::Result<()> {
+fn lock_or_wait(file: &File, path: &Path, folder: &Path, quiet: bool) -> io::Result<()> {
     match file.try_lock() {
         Ok(()) => Ok(()),
         Err(TryLockError::WouldBlock) => {
-            say(format_args!(
-                "waiting for {} in {} (another folder does not wait: {})",
-                holder_of(path),
-                folder.display(),
-                elsewhere()
-            ));
+            if !quiet {
+                say(format_args!(
+                    "waiting for {} in {} (another folder does not wait: {})",
+                    holder_of(path),
+                    folder.display(),
+                    elsewhere()
+                ));
+            }
             file.lock()
         }
         Err(TryLockError::Error(error)) => Err(error),
@@ -267,15 +269,15 @@ mod tests {
     fn a_lock_leaves_no_trace_and_keeps_what_was_there() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("a/b");
-        drop(LockedFolder::lock(&path).unwrap());
+        drop(LockedFolder::lock(&path, true).unwrap());
         assert!(!root.path().join("a").exists());
         {
-            let locked = LockedFolder::lock(&path).unwrap();
+            let locked = LockedFolder::lock(&path, true).unwrap();
             assert!(matches!(File::open(&path).unwrap().try_lock(), Err(TryLockError::WouldBlock)));
             fs::write(locked.path().join("result"), "x").unwrap();
         }
         assert!(File::open(&path).unwrap().try_lock().is_ok());
-        drop(LockedFolder::lock(&path).unwrap());
+        drop(LockedFolder::lock(&path, true).unwrap());
         assert!(path.join("result").exists());
     }
 
@@ -284,11 +286,11 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let file = root.path().join(LOCK_FILE);
         let locked = |lock| LockedFolder { path: root.path().to_owned(), made: Vec::new(), lock };
-        let first = locked(LockedFolder::lock_file(root.path()));
+        let first = locked(LockedFolder::lock_file(root.path(), true));
         assert!(first.is_locked());
         assert!(matches!(File::open(&file).unwrap().try_lock(), Err(TryLockError::WouldBlock)));
         std::thread::scope(|scope| {
-            let second = scope.spawn(|| locked(LockedFolder::lock_file(root.path())));
+            let second = scope.spawn(|| locked(LockedFolder::lock_file(root.path(), true)));
             sleep(Duration::from_millis(100));
             assert!(!second.is_finished());
             drop(first);
@@ -296,7 +298,7 @@ mod tests {
             assert!(second.is_locked() && file.exists());
         });
         assert!(!file.exists());
-        assert!(!locked(LockedFolder::lock_file(&root.path().join("none"))).is_locked());
+        assert!(!locked(LockedFolder::lock_file(&root.path().join("none"), true)).is_locked());
     }
 
     #[test]
@@ -305,7 +307,7 @@ mod tests {
         let path = root.path().join("a/b");
         std::thread::scope(|scope| {
             for _ in 0..4 {
-                scope.spawn(|| (0..50).for_each(|_| drop(LockedFolder::lock(&path).unwrap())));
+                scope.spawn(|| (0..50).for_each(|_| drop(LockedFolder::lock(&path, true).unwrap())));
             }
         });
     }
@@ -315,7 +317,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("file");
         fs::write(&path, "x").unwrap();
-        let error = LockedFolder::lock(&path).unwrap_err();
+        let error = LockedFolder::lock(&path, true).unwrap_err();
         assert!(error.to_string().starts_with("cannot make the run folder"), "{error}");
     }
 

@@ -9,9 +9,9 @@ use anyhow::{Context, bail};
 use crumple_stage::{ExitStatus, Usage, by_way, say};
 
 use crate::command::{OfAllStages, Pipeline, Program, Words, own_command};
-use crate::folder::content::PipelineOfRun;
+use crate::folder::content::{PipelineOfRun, sweep};
 use crate::folder::lock::LockedFolder;
-use crate::names::folder_of_record;
+use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
 use crate::steps::{StageExit, run_program, start};
 use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others, write_summary};
 
@@ -35,7 +35,7 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
         true => options.project.join("runs/together").join(name),
         false => PathBuf::from(&options.out),
     };
-    let folder = LockedFolder::lock(&path)?;
+    let folder = locked(&path, &options)?;
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let (composed, given) = handed_on(&pipeline, &options, folder.path())?;
     let joint = JointRun { options: &options, pipeline: given.path(), folder: folder.path() };
@@ -47,6 +47,7 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
         return Ok(status);
     }
     remove_of_others(folder.path(), &names)?;
+    let quiet = || vec![OsString::from("-q")];
     for (k, run) in runs.iter().enumerate() {
         let others: Vec<&TestRun> = runs.iter().enumerate().filter(|(i, _)| *i != k).map(|(_, run)| run).collect();
         let own = folder_without(folder.path(), &run.name);
@@ -56,11 +57,11 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
             [alone] => (alone.own_candidates().to_vec(), ExitStatus::Done),
             _ => {
                 let of_others: Vec<TestRun> = others.iter().map(|other| (*other).clone()).collect();
-                (vec![own.join(SOLVED)], joint.model(&of_others, &own, joint.quiet())?)
+                (vec![own.join(SOLVED)], joint.model(&of_others, &own, quiet())?)
             }
         };
         let predicted = match solved {
-            ExitStatus::Done => joint.prediction(&inputs, Some(&run.folder), &own, &joint.quiet())?,
+            ExitStatus::Done => joint.prediction(&inputs, Some(&run.folder), &own, &quiet())?,
             other => other,
         };
         if !matches!(predicted, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
@@ -78,6 +79,16 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     Ok(status)
 }
 
+/// The folder, locked and without the temporary files of joint runs that were killed.
+fn locked(path: &Path, options: &TogetherOptions) -> anyhow::Result<LockedFolder> {
+    let folder = LockedFolder::lock(path, options.flags.is_quiet())?;
+    if folder.is_locked() {
+        sweep(path, [PIPELINE_OF_A_RUN, SOLVED, PREDICTED, REPORT, SUMMARY].into_iter())
+            .with_context(|| format!("cannot remove what an earlier run left in {}", path.display()))?;
+    }
+    Ok(folder)
+}
+
 /// The pipeline as the stages are given it, and its file in the folder.
 fn handed_on(
     pipeline: &Pipeline,
@@ -93,7 +104,7 @@ fn handed_on(
 /// Predicts with the joint candidates of a folder again, and writes its summary again.
 fn predict_again(made: &Path, options: &TogetherOptions) -> anyhow::Result<ExitStatus> {
     let pipeline = Pipeline::of_run(made, &options.pipeline, &options.project);
-    let folder = LockedFolder::lock(made)?;
+    let folder = locked(made, options)?;
     let left_out = left_out_of(folder.path())?;
     let (composed, given) = handed_on(&pipeline, options, folder.path())?;
     let joint = JointRun { options, pipeline: given.path(), folder: folder.path() };
@@ -114,12 +125,6 @@ struct JointRun<'a> {
 }
 
 impl JointRun<'_> {
-    /// What keeps a stage quiet, where the flags of all stages do not: it may be said once.
-    fn quiet(&self) -> Vec<OsString> {
-        let is_said = self.options.flags.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"));
-        if is_said { Vec::new() } else { vec!["-q".into()] }
-    }
-
     /// Fits one model to these tests, into `own`.
     fn model(&self, runs: &[TestRun], own: &Path, flags: Vec<OsString>) -> anyhow::Result<ExitStatus> {
         let mut arguments: Vec<OsString> = runs.iter().flat_map(TestRun::named_artifacts).map(OsString::from).collect();

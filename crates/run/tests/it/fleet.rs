@@ -95,6 +95,38 @@ fn a_fleet_that_is_killed_goes_on_and_ends_with_the_same_bytes() {
 }
 
 #[test]
+fn two_fleets_at_once_end_with_the_tables_of_one() {
+    let [one, two] = [(); 2].map(|()| {
+        let fleet = Fleet::new();
+        (0..8).for_each(|k| fleet.record(&format!("{k}.csv"), &format!("1.{k}")));
+        fleet
+    });
+    assert!(one.run(&["-q", "--quiet"]).status.success());
+    let mut first = two.command(&["-j", "2"]).env("STAND_IN_PAUSE", "0.1").spawn().unwrap();
+    let second = two.run(&["-j", "2"]);
+    assert!(first.wait().unwrap().success() && second.status.success());
+    assert_eq!(two.count_of_runs(), 8);
+    assert_same_results(&one, &two);
+}
+
+#[test]
+fn a_fleet_in_which_nothing_was_done_says_so_and_no_cell_is_a_formula() {
+    let fleet = Fleet::new();
+    ["=1+1.csv", "+a.csv", "-1+1.csv", "@b.csv"].iter().for_each(|name| fleet.record(name, "refuse"));
+    let output = fleet.run(&[]);
+    assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = fs::read(fleet.out().join("tests.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(table.as_slice());
+    let cells: Vec<String> =
+        reader.records().flat_map(|row| row.unwrap().iter().map(str::to_owned).collect::<Vec<_>>()).collect();
+    assert!(cells.iter().any(|cell| cell == "'=1+1.csv"), "{cells:?}");
+    assert!(
+        cells.iter().all(|cell| !cell.starts_with(['=', '+', '-', '@']) || cell.parse::<f64>().is_ok()),
+        "{cells:?}"
+    );
+}
+
+#[test]
 fn parts_of_a_fleet_and_their_tables_are_those_of_the_whole() {
     let [whole, parts] = [(); 2].map(|()| {
         let fleet = Fleet::new();

@@ -10,7 +10,7 @@ use crumple_signal::{
 };
 
 use crate::error::{MissingTopic, RefuseExt, Refused, Usage};
-use crate::names::{stage_order, writer_of};
+use crate::names::{artifact_of, stage_order, writer_of};
 use crate::terminal::Progress;
 
 /// What a stage works on, and the digests that go into its provenance.
@@ -93,21 +93,59 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
     Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, concerns, test } })
 }
 
+/// The test description of an artifact, if it has one. Refuses one that makes no sense.
+fn test_in(artifact: &Artifact) -> anyhow::Result<Option<TestV1>> {
+    let test = artifact.record::<TestV1>("/test").map_err(Refused::from)?;
+    if let Some(test) = &test {
+        let refused = |error| {
+            let found = format!("{}: topic /test: {error}", artifact.path().display());
+            Refused::new(found).hint("see docs/format.md, type Test")
+        };
+        TestDescription::try_from(test.clone()).map_err(refused)?;
+    }
+    Ok(test)
+}
+
+/// The first field in which two descriptions of a test differ, with both values. Filter may add channels and choose the
+/// pulse; from integrate on pulse and speed are those that it was told.
+fn difference((earlier, a): (&Artifact, &TestV1), (later, b): (&Artifact, &TestV1)) -> Option<String> {
+    let fields = |test: &TestV1| {
+        let TestV1 { title, vehicle, barrier, mass_kg, impact_speed_m_per_s, source, .. } = test;
+        serde_json::json!({
+            "mass_kg": mass_kg, "impact_speed_m_per_s": impact_speed_m_per_s, "vehicle": vehicle, "title": title,
+            "barrier": barrier, "source": source,
+        })
+    };
+    let integrated = stage_order(Some("integrate"));
+    let is_told = stage_order(earlier.stage()) < integrated && integrated <= stage_order(later.stage());
+    let (a, b) = (fields(a), fields(b));
+    let differs = |(name, value): &(&String, &serde_json::Value)| {
+        b.get(name.as_str()) != Some(*value) && !(is_told && *name == "impact_speed_m_per_s")
+    };
+    let (name, of_a) = a.as_object()?.iter().find(differs)?;
+    Some(format!("{name} is {of_a} and {}", b.get(name)?))
+}
+
+/// Whether an artifact states that it was made from a result of that stage which is not this one.
+fn was_made_from_another(artifact: &Artifact, earlier: &Artifact) -> bool {
+    let inputs = artifact.provenance().map_or(&[][..], |provenance| &provenance.inputs);
+    let mut of_stage = inputs.iter().filter(|input| Some(input.kind.as_str()) == earlier.stage()).peekable();
+    of_stage.peek().is_some() && of_stage.all(|input| !input.digest.is_empty() && input.digest != earlier.digest())
+}
+
 impl Inputs {
     /// The artifacts in the order of the pipeline.
     pub fn artifacts(&self) -> &[Artifact] {
         &self.artifacts
     }
 
-    /// Two results of one stage, or results of two tests, cannot be meant.
+    /// Two results of one stage, results of two tests, or results that were not made from each other, cannot be meant.
     fn refuse_a_mixture(&self) -> anyhow::Result<()> {
         let name = |artifact: &Artifact| artifact.path().display().to_string();
+        let tests = self.artifacts.iter().map(test_in).collect::<anyhow::Result<Vec<_>>>()?;
+        let source = |test: &TestV1| Some(test.source.digest.clone()).filter(|digest| !digest.is_empty());
         for (k, a) in self.artifacts.iter().enumerate() {
-            let source = |artifact: &Artifact| -> anyhow::Result<Option<String>> {
-                let test = artifact.record::<TestV1>("/test").map_err(Refused::from)?;
-                Ok(test.map(|t| t.source.digest).filter(|digest| !digest.is_empty()))
-            };
-            for b in &self.artifacts[k + 1..] {
+            for (b, of_b) in self.artifacts.iter().zip(&tests).skip(k + 1) {
                 if let (Some(stage), Some(other)) = (a.stage(), b.stage())
                     && stage == other
                 {
@@ -116,13 +154,25 @@ impl Inputs {
                         .hint("leave one of them out")
                         .into());
                 }
-                if let (Some(of_a), Some(of_b)) = (source(a)?, source(b)?)
-                    && of_a != of_b
+                let mixed = |found: String, expected: &str| {
+                    Err(Refused::new(found).expected(expected).hint("give artifacts of one run folder").into())
+                };
+                if let (Some(of_a), Some(of_b)) = (&tests[k], of_b)
+                    && let (Some(record_of_a), Some(record_of_b)) = (source(of_a), source(of_b))
                 {
-                    return Err(Refused::new(format!("{} and {} are of different records", name(a), name(b)))
-                        .expected("artifacts that go back to one record")
-                        .hint("give artifacts of one run folder")
-                        .into());
+                    if record_of_a != record_of_b {
+                        let found = format!("{} and {} are of different records", name(a), name(b));
+                        return mixed(found, "artifacts that go back to one record");
+                    }
+                    if let Some(difference) = difference((a, of_a), (b, of_b)) {
+                        let found = format!("{} and {} describe different tests: {difference}", name(a), name(b));
+                        return mixed(found, "artifacts of one run, whose test is one");
+                    }
+                }
+                if was_made_from_another(b, a) {
+                    let stage = a.stage().map_or_else(String::new, artifact_of);
+                    let found = format!("{} was made from another {stage} than {}", name(b), name(a));
+                    return mixed(found, "artifacts that were made from each other");
                 }
             }
         }
@@ -380,12 +430,22 @@ mod tests {
 
     /// An artifact of a stage about the record with this digest.
     fn written(folder: &Path, name: &str, stage: &str, record: &str) -> PathBuf {
+        made_from(folder, name, (stage, record, 900.0), Vec::new())
+    }
+
+    /// The same of a mass, kg, with what it says it was made from.
+    fn made_from(
+        folder: &Path,
+        name: &str,
+        (stage, record, mass_kg): (&str, &str, f64),
+        inputs: Vec<InputDigest>,
+    ) -> PathBuf {
         let source = serde_json::json!({"format": "csv", "name": "crash.csv", "digest": record});
-        let test = serde_json::json!({"title": "", "source": source, "channels": []});
+        let test = serde_json::json!({"title": "", "mass_kg": mass_kg, "source": source, "channels": []});
         let mut builder = ArtifactBuilder::new();
         put_json(&mut builder, "/test", TestV1::SCHEMA, test).unwrap();
         let path = folder.join(name);
-        let provenance = Provenance::new(stage, "0.1.0", "{}".into(), Vec::new());
+        let provenance = Provenance::new(stage, "0.1.0", "{}".into(), inputs);
         builder.write(&path, &provenance, Compression::None).unwrap();
         path
     }
@@ -423,6 +483,26 @@ mod tests {
             problem(&[&of_another_record, &integrate]).unwrap().split(" are ").nth(1),
             Some("both of the stage integrate")
         );
+    }
+
+    #[test]
+    fn artifacts_that_were_not_made_from_each_other_or_are_of_two_masses_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let solve = written(folder.path(), "5.mcap", "parameter-solve", "blake3:aa");
+        let digest = open(&solve).unwrap().digest().to_owned();
+        let simulated = |name: &str, mass_kg: f64, digest: &str| {
+            let input = InputDigest { kind: "parameter-solve".to_owned(), digest: digest.to_owned() };
+            made_from(folder.path(), name, ("simulate", "blake3:aa", mass_kg), vec![input])
+        };
+        let problem = |other: PathBuf| {
+            let refused = load_artifacts(&[solve.clone(), other]).err().map(|error| error.to_string());
+            refused.map(|text| text.replace(&format!("{}/", folder.path().display()), ""))
+        };
+        assert_eq!(problem(simulated("6.mcap", 900.0, &digest)), None);
+        let other = problem(simulated("6b.mcap", 900.0, "blake3:ff")).unwrap();
+        assert_eq!(other, "6b.mcap was made from another 5-parameter-solve than 5.mcap");
+        let other = problem(simulated("6c.mcap", 9.2e18, &digest)).unwrap();
+        assert_eq!(other, "5.mcap and 6c.mcap describe different tests: mass_kg is 900.0 and 9.2e18");
     }
 
     #[test]

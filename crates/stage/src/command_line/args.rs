@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 use std::{fmt, fs};
 
-use clap::{Arg, ArgMatches, Command};
+use clap::{Arg, ArgAction, ArgMatches, Command};
 use crumple_artifact::Compression;
 
 use crate::error::ExitStatus;
@@ -82,6 +82,18 @@ pub(crate) struct Cli<O: clap::Args> {
 
     #[command(flatten, next_help_heading = "Stage options (also keys of the stage's pipeline table)")]
     pub(crate) options: O,
+}
+
+/// The command with switches that may be said again, which changes nothing: `-q` in a script and by hand.
+pub(crate) fn with_switches_said_twice(command: Command) -> Command {
+    let again = |arg: Arg| match arg.get_action() {
+        ArgAction::SetTrue => {
+            let id = arg.get_id().clone();
+            arg.overrides_with(id)
+        }
+        _ => arg,
+    };
+    command.mut_args(again).mut_subcommands(with_switches_said_twice)
 }
 
 /// Name of the flag among the matches.
@@ -206,6 +218,7 @@ fn size_on_disk(path: &Path) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory;
 
     #[test]
     fn amounts_of_memory_have_a_unit() {
@@ -237,5 +250,19 @@ mod tests {
         assert_eq!(size_on_disk(&folder.path().join("b.csv")), 1000);
         assert_eq!(size_on_disk(folder.path()), 1110);
         assert_eq!(size_on_disk(&folder.path().join("none")), 0);
+    }
+
+    #[test]
+    fn switches_may_be_said_twice_and_values_may_not() {
+        #[derive(clap::Parser)]
+        struct Flags {
+            #[command(flatten)]
+            _shared: SharedFlags,
+        }
+        let command = with_switches_said_twice(Flags::command().no_binary_name(true));
+        let parse = |words: &str| command.clone().try_get_matches_from(words.split(' '));
+        let matches = parse("a.mcap -o b.mcap -q --force --quiet --force").unwrap();
+        assert!(matches.get_flag("quiet") && matches.get_flag("force"));
+        assert!(parse("a.mcap -o b.mcap -o c.mcap").is_err());
     }
 }

@@ -10,6 +10,7 @@ use std::{fmt, fs, thread};
 
 use crumple_artifact::{Artifact, JsonForm};
 
+use crate::fuzz::plausible::run_chain;
 use crate::fuzz::tampering::{Dice, mutate, tamper};
 use crate::places::{shared, workspace};
 
@@ -56,18 +57,22 @@ impl Corpus {
     }
 }
 
+/// Files of each sort for every record that goes through the whole chain.
+const FILES_OF_A_CHAIN: u64 = 10;
+
 /// Runs a campaign; `tell` hears of every file on which a program ended as it may not.
 ///
-/// Returns how the programs ended on mutated files and on tampered artifacts.
+/// Returns how the programs ended on mutated files, on tampered artifacts, and on plausible records in the whole chain,
+/// one for every ten files.
 ///
 /// # Errors
 /// Of the disk, in words.
-pub fn run_campaign(campaign: &Campaign, tell: &mut dyn FnMut(String)) -> Result<[Tally; 2], String> {
+pub fn run_campaign(campaign: &Campaign, tell: &mut dyn FnMut(String)) -> Result<[Tally; 3], String> {
     let corpus = Corpus::new();
     fs::create_dir_all(&campaign.folder).map_err(|error| format!("{}: {error}", campaign.folder.display()))?;
-    let mut tallies = [Tally::default(), Tally::default()];
+    let [mut of_files, mut of_artifacts, mut of_chains] = [Tally::default(), Tally::default(), Tally::default()];
     for number in campaign.first..campaign.first + campaign.files {
-        for (sort, tally) in tallies.iter_mut().enumerate() {
+        for (sort, tally) in [&mut of_files, &mut of_artifacts].into_iter().enumerate() {
             let mut dice = Dice::new(2 * number + sort as u64);
             let trial = if sort == 0 { mutated(&corpus, &mut dice)? } else { tampered(&corpus, &mut dice)? };
             let (ending, said) = trial.run(campaign)?;
@@ -79,8 +84,16 @@ pub fn run_campaign(campaign: &Campaign, tell: &mut dyn FnMut(String)) -> Result
                 tell(format!("{ending}: {} {} ({first}): {}", trial.program, trial.words.join(" "), kept.display()));
             }
         }
+        if number.is_multiple_of(FILES_OF_A_CHAIN) {
+            let (ending, said, record) = run_chain(campaign, number)?;
+            of_chains.add(ending);
+            if !ending.is_allowed() {
+                let first = said.lines().next().unwrap_or_default();
+                tell(format!("{ending}: {record} ({first}): {}", campaign.folder.display()));
+            }
+        }
     }
-    Ok(tallies)
+    Ok([of_files, of_artifacts, of_chains])
 }
 
 /// A file and the program that reads it.
@@ -128,7 +141,7 @@ impl Trial {
 }
 
 /// Whether what was written can be read, every record of it; also where nothing was written.
-fn is_sound(out: &Path) -> bool {
+pub(super) fn is_sound(out: &Path) -> bool {
     !out.exists()
         || Artifact::open(out)
             .is_ok_and(|artifact| artifact.records().iter().all(|raw| artifact.json_text(raw, JsonForm::Line).is_ok()))
@@ -284,7 +297,7 @@ impl fmt::Display for Tally {
 }
 
 /// Runs a program in `folder` and returns how it ended, with what it said.
-fn ending_of(program: &Path, arguments: &[&str], folder: &Path) -> (Ending, String) {
+pub(super) fn ending_of(program: &Path, arguments: &[&str], folder: &Path) -> (Ending, String) {
     // The limit of the shell catches what the program's own count does not see.
     let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; ulimit -t {WORK_S}; exec \"$0\" \"$@\"");
     let mut child = Command::new("sh")

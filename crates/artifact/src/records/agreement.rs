@@ -1,0 +1,115 @@
+//! What must hold between the numbers of a record, whoever wrote it.
+
+use super::{CandidateV1, EventsV1, MetricsV2, PredictionV1, UncertaintyV1};
+
+/// Ends are computed in different ways and may pass each other by rounding, by this share of themselves.
+const ROUNDING: f64 = 1e-9;
+
+/// Error where the low end of an interval is above its high end. The value is not asked: that of a closed form, or of a
+/// metric that is zero, may lie outside what repetitions say of it.
+fn rises(name: &str, low: Option<f64>, high: Option<f64>) -> Result<(), String> {
+    match low.zip(high) {
+        Some((low, high)) if low > high + ROUNDING * low.abs().max(high.abs()) => {
+            Err(format!("the interval of {name} has its low end, {low}, above its high end, {high}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Error unless the number is at least this.
+fn at_least(name: &str, least: f64, value: f64) -> Result<(), String> {
+    if value >= least { Ok(()) } else { Err(format!("{name} is {value}, expected at least {least}")) }
+}
+
+/// Error unless the number is a share.
+fn is_share(name: &str, value: f64) -> Result<(), String> {
+    if (0.0..=1.0).contains(&value) { Ok(()) } else { Err(format!("{name} is {value}, expected 0 to 1")) }
+}
+
+impl UncertaintyV1 {
+    fn agrees(&self) -> Result<(), String> {
+        for (name, deviation) in &self.standard_deviation {
+            at_least(&format!("the standard deviation of {name}"), 0.0, *deviation)?;
+        }
+        for (name, low) in &self.interval_low {
+            let high = self.interval_high.get(name).copied().flatten();
+            rises(name, *low, high)?;
+        }
+        let beyond = self.correlation.iter().flatten().find(|r| r.abs() > 1.0 + ROUNDING);
+        if let Some(correlation) = beyond {
+            return Err(format!("a correlation is {correlation}, expected -1 to 1"));
+        }
+        for profile in &self.profile {
+            rises(&profile.parameter, profile.low, profile.high)?;
+        }
+        for repeated in self.bootstrap.iter().chain(&self.propagation) {
+            is_share("coverage", repeated.coverage)?;
+            for (name, low) in &repeated.low {
+                rises(name, Some(*low), repeated.high.get(name).copied())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl CandidateV1 {
+    pub(crate) fn agrees(&self) -> Result<(), String> {
+        self.uncertainty.as_ref().map_or(Ok(()), UncertaintyV1::agrees)
+    }
+}
+
+impl EventsV1 {
+    pub(crate) fn agrees(&self) -> Result<(), String> {
+        self.intervals.iter().try_for_each(|interval| rises(&interval.name, Some(interval.low), Some(interval.high)))
+    }
+}
+
+impl MetricsV2 {
+    pub(crate) fn agrees(&self) -> Result<(), String> {
+        self.metrics.iter().try_for_each(|metric| rises(&metric.name, metric.low, metric.high))
+    }
+}
+
+impl PredictionV1 {
+    pub(crate) fn agrees(&self) -> Result<(), String> {
+        at_least("mass_kg", 0.0, self.mass_kg)?;
+        self.dynamic_crush_m.map_or(Ok(()), |crush| at_least("dynamic_crush_m", 0.0, crush))?;
+        self.intervals.iter().try_for_each(|interval| {
+            is_share("level", interval.level)?;
+            rises(&interval.name, Some(interval.low), Some(interval.high))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::PredictedIntervalV1;
+
+    #[test]
+    fn a_record_that_contradicts_itself_says_where() {
+        let interval = |low, level| PredictedIntervalV1 {
+            name: "dynamic_crush_m".to_owned(),
+            level,
+            low,
+            high: 0.8,
+            interval_by: String::new(),
+        };
+        let prediction = |low, level, crush| PredictionV1 {
+            dynamic_crush_m: Some(crush),
+            intervals: vec![interval(low, level)],
+            ..PredictionV1::default()
+        };
+        assert_eq!(prediction(0.6, 0.9, 0.7).agrees(), Ok(()));
+        let text = prediction(1e3, 0.9, 0.7).agrees().unwrap_err();
+        assert_eq!(text, "the interval of dynamic_crush_m has its low end, 1000, above its high end, 0.8");
+        assert_eq!(prediction(0.6, 1.4, 0.7).agrees().unwrap_err(), "level is 1.4, expected 0 to 1");
+        let text = prediction(-2.0, 0.9, -1.0).agrees().unwrap_err();
+        assert_eq!(text, "dynamic_crush_m is -1, expected at least 0");
+
+        let mut known = UncertaintyV1 { correlation: vec![vec![1.0, -1.7]], ..UncertaintyV1::default() };
+        assert_eq!(known.agrees().unwrap_err(), "a correlation is -1.7, expected -1 to 1");
+        known = UncertaintyV1 { standard_deviation: [("k".to_owned(), -1.0)].into(), ..UncertaintyV1::default() };
+        assert!(known.agrees().is_err());
+    }
+}
