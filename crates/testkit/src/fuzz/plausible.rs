@@ -33,7 +33,7 @@ fn record(dice: &mut Dice) -> Result<(String, String), String> {
         let (time, value) = line.split_once(',')?;
         Some((time, value.parse::<f64>().ok()?))
     });
-    let power = |dice: &mut Dice, most: i32| 10.0_f64.powi(dice.below(2 * most as usize + 1) as i32 - most);
+    let power = |dice: &mut Dice, most: usize| 10.0_f64.powf(dice.below(2 * most + 1) as f64 - most as f64);
     let (factor, speed_km_h, unit) = (power(dice, 4), 35.0 * power(dice, 3), dice.one_of(&UNITS));
     let sign = if dice.below(8) == 0 { -1.0 } else { 1.0 };
     // To rest, or until so many samples after contact; every sample, or one of several.
