@@ -227,7 +227,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
 /// What a velocity says that never reaches zero.
 fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
     let text = format!(
-        "the velocity never reaches zero, the record ends at v = {:.3} m/s: dynamic crush and rebound are not in the record",
+        "the velocity never reaches zero, the record ends at v = {:.3} m/s: dynamic crush and rebound are not in \
+         the record",
         events.end_velocity_m_per_s
     );
     let Some(unstopped) = events.unstopped else { return text };
@@ -388,8 +389,8 @@ mod tests {
     fn a_record_that_ends_too_early_says_at_which_velocity() {
         assert_eq!(
             notes_of(vec![-2.0; 3]),
-            ["warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: no dynamic crush, no \
-                 rebound"]
+            ["warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: dynamic crush and \
+                 rebound are not in the record"]
         );
     }
 

@@ -49,8 +49,8 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
         Self::decode(codec, bytes)
     }
 
-    /// Errors say what in the record contradicts itself: an interval whose low end is above its high end, a correlation above
-    /// one.
+    /// Errors say what in the record contradicts itself: an interval whose low end is above its high end, a correlation
+    /// above one.
     fn consistent(&self) -> Result<(), String>;
 
     /// Path and value of its first number that is not finite.

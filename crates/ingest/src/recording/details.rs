@@ -313,7 +313,7 @@ mod tests {
         );
         assert!(frontal[1].contains("no mass is stated. For force, energy"), "{frontal:?}");
         let sled = texts(&Details::default(), true);
-        assert!(sled[0].contains("as on a sled") && !sled[0].contains("--impact-speed"), "{sled:?}");
+        assert!(sled[0].contains("as of a sled") && !sled[0].contains("--impact-speed"), "{sled:?}");
         assert!(texts(&facts(&["mass: 873 kg", "impact speed: 0 km/h"]).unwrap().details, false).is_empty());
     }
 

@@ -100,11 +100,13 @@ fn tables_of_clocks() -> Vec<Table> {
     ]
 }
 
+/// Names of the columns of a plain table.
+const HEADER: &str = "time_s,accel_g";
+
 fn tables_of_scripts() -> Vec<Table> {
     let stamped = |head: &str, line: &dyn Fn(usize, f64) -> String| head.to_owned() + &rows(|k, _, a| line(k, a));
-    let header = "time_s,accel_g";
     vec![
-        ("a line [DATA]", format!("{header}\n[DATA]\n{}", plain()), none(), -0.05),
+        ("a line [DATA]", format!("{HEADER}\n[DATA]\n{}", plain()), none(), -0.05),
         (
             "a line of dashes",
             format!("time_s    accel_g\n-------   -------\n{}", plain().replace(',', "   ")),
@@ -113,15 +115,15 @@ fn tables_of_scripts() -> Vec<Table> {
         ),
         (
             "lines of facts above the names",
-            format!("Operator: N. N.\nInstrument: Logger 4, range 200\nTrigger level: 3\n\n{header}\n{}", plain()),
+            format!("Operator: N. N.\nInstrument: Logger 4, range 200\nTrigger level: 3\n\n{HEADER}\n{}", plain()),
             none(),
             -0.05,
         ),
-        ("remarks of a script", format!("// run 7\n; second line\n{header}\n{}", plain()), none(), -0.05),
+        ("remarks of a script", format!("// run 7\n; second line\n{HEADER}\n{}", plain()), none(), -0.05),
         (
             "a slower channel",
             format!(
-                "{header},temp_C\n{}",
+                "{HEADER},temp_C\n{}",
                 rows(|k, t, a| format!("{t:.4},{a:.4},{}", if k % 10 == 0 { "21.5" } else { "" }))
             ),
             none(),
@@ -130,7 +132,7 @@ fn tables_of_scripts() -> Vec<Table> {
         (
             "a channel that begins late",
             format!(
-                "{header},temp_C\n{}",
+                "{HEADER},temp_C\n{}",
                 rows(|k, t, a| format!("{t:.4},{a:.4},{}", if k > 300 { "21.5" } else { "" }))
             ),
             none(),
@@ -139,7 +141,7 @@ fn tables_of_scripts() -> Vec<Table> {
         (
             "another acceleration that begins late",
             format!(
-                "{header},b_g,\n{}",
+                "{HEADER},b_g,\n{}",
                 rows(|k, t, a| format!("{t:.4},{a:.4},{},", if k > 300 { "-0.5" } else { "" }))
             ),
             channel("accel_g"),
@@ -147,13 +149,13 @@ fn tables_of_scripts() -> Vec<Table> {
         ),
         (
             "a constant column",
-            format!("{header},range_g\n{}", rows(|_, t, a| format!("{t:.4},{a:.4},200"))),
+            format!("{HEADER},range_g\n{}", rows(|_, t, a| format!("{t:.4},{a:.4},200"))),
             channel("accel_g"),
             -0.05,
         ),
         (
             "a column of words",
-            format!("{header},state\n{}", rows(|_, t, a| format!("{t:.4},{a:.4},OK"))),
+            format!("{HEADER},state\n{}", rows(|_, t, a| format!("{t:.4},{a:.4},OK"))),
             none(),
             -0.05,
         ),

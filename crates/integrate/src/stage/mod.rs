@@ -181,8 +181,8 @@ fn integrate_others(
     let most_replicates = replicates_of_others(asked, channels.len());
     if most_replicates < asked {
         out.notes().info(format!(
-            "intervals of the {} channels beside the pulse are 5-95 % of {most_replicates} replicates each, not {asked}: \
-             they are many",
+            "intervals of the {} channels beside the pulse are 5-95 % of {most_replicates} replicates each, not \
+             {asked}: they are many",
             channels.len()
         ));
     }

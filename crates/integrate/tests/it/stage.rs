@@ -80,9 +80,9 @@ fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
     assert_eq!(
         notes.notes[1..],
-        ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: no dynamic crush, no \
-             rebound; delta-v is 29.980 m/s at 149.9 ms, the lowest velocity up to the end of the event at 149.9 ms \
-             (end of the record): a lower bound, it still changes there"]
+        ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: dynamic crush and \
+          rebound are not in the record; delta-v is 29.980 m/s at 149.9 ms, the lowest velocity up to the end of the \
+          event at 149.9 ms (end of the record): a lower bound, it still changes there"]
     );
 }
 

@@ -318,7 +318,7 @@ fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
         format!("unloading stiffness from the restitution {unloading}"),
         format!(
             "rate factor {} s/m is a prior, +- 0.005: {RATE_PRIOR_S_PER_M} s/m for a steel structure, less 0.004 for \
-             the masses in front of the compartment. One test cannot identify it; tests with speeds 10 % apart can",
+             the masses in front of the compartment. One test cannot identify it; tests with speeds a tenth apart can",
             task.settings.rate_factor_s_per_m
         ),
     ]

@@ -150,8 +150,8 @@ fn a_vehicle_that_never_stops_is_judged_over_the_window_of_its_fits() {
     assert_eq!(propagation.method, "fit repeated with mass, impact speed, zero level and time zero drawn again");
     let notes = notes(&solved);
     assert!(notes.contains("does not stop within the record"));
-    let bound = "warning: elastoplastic/closed-form/1: parameters at a search limit, not identifiable from this record: \
-        unloading stiffness";
+    let bound = "warning: elastoplastic/closed-form/1: parameters at a search limit, not identifiable from this \
+        record: unloading stiffness";
     assert!(notes.contains(bound), "{notes}");
 }
 

@@ -114,6 +114,19 @@ impl Quantity {
         }
     }
 
+    /// Least and largest value that is possible beside this one and this restitution.
+    pub(crate) fn possible(self, value: f64, restitution: f64) -> (f64, f64) {
+        // A vehicle at a wall loses its speed and at most gains as much again.
+        let plain = value / (1.0 + restitution);
+        match self {
+            Self::Restitution => (0.0, 1.0),
+            // Negative where the vehicle is pushed back before the occupant stops. The restraint takes the rest.
+            Self::RideDown => (f64::NEG_INFINITY, 1.0),
+            Self::DeltaV | Self::PartnerDeltaV => (plain.min(2.0 * plain), plain.max(2.0 * plain)),
+            _ => (0.0, f64::INFINITY),
+        }
+    }
+
     /// Whose crush that is.
     pub(crate) fn side(self) -> Side {
         match self {

@@ -186,13 +186,7 @@ impl Impact<'_> {
             let misfit = self.by_misfit(quantity, &model, &outcome, is_beyond);
             let all: Variances =
                 [variances[q], by_speed[q], by_mass[q], models, rate, force, in_front, record, by_restraint[q], misfit];
-            // A vehicle at a wall loses its speed and at most gains as much again.
-            let plain = value / (1.0 + outcome.get(Quantity::Restitution).unwrap_or(0.0));
-            let possible = match quantity {
-                Quantity::Restitution => (0.0, 1.0),
-                Quantity::DeltaV | Quantity::PartnerDeltaV => (plain.min(2.0 * plain), plain.max(2.0 * plain)),
-                _ => (0.0, f64::INFINITY),
-            };
+            let possible = quantity.possible(value, outcome.get(Quantity::Restitution).unwrap_or(0.0));
             let measured = match quantity.side() {
                 Side::Own => self.tested.test.made.deviation_of(quantity, value),
                 _ => 0.0,

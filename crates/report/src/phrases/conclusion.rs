@@ -10,7 +10,7 @@ texts! { ConclusionTexts
     because_beyond:
         "{scenario}, beyond the test, the crush is predicted to ±{good_to}";
     because_sensors:
-        "{count} sensors of the compartment differ by {apart} in crush, more than the ±{half_width} of one";
+        "{count} sensors of the compartment differ by {apart} in crush; one has ±{half_width}";
     because_few_forces:
         "use its crush, not its forces: the record determines {determined} of {parameters}";
     because_few_parameters:

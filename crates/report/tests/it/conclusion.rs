@@ -282,7 +282,7 @@ fn a_crush_that_other_sensors_dispute_is_good_to_what_they_are_apart() {
     let mut run = car();
     run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
     assert_numbers_are_those_of_the_summary(&run, &[]);
-    let because = "3 sensors of the compartment differ by 18 mm in crush, more than the ±8 mm of one";
+    let because = "3 sensors of the compartment differ by 18 mm in crush; one has ±8 mm";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
     let page = page_of(&run).replace('\u{a0}', " ");
     assert!(page.contains("3 sensors of the compartment give a crush of 430 mm to 448 mm: quote the range"), "{page}");

@@ -502,7 +502,7 @@ mod tests {
         let other = problem(simulated("6b.mcap", 900.0, "blake3:ff")).unwrap();
         assert_eq!(other, "6b.mcap was made from another 5-parameter-solve than 5.mcap");
         let other = problem(simulated("6c.mcap", 9.2e18, &digest)).unwrap();
-        assert_eq!(other, "5.mcap and 6c.mcap describe different tests: mass_kg is 900.0 and 9.2e18");
+        assert_eq!(other, "5.mcap and 6c.mcap describe different tests: mass_kg is 900.0 and 9.2e+18");
     }
 
     #[test]

@@ -395,7 +395,7 @@ fn is_missing(spot: &Spot<'_>, wave: &str) -> Result<(), String> {
 pub const CHOICE_RULES: &[Rule] = &[
     says(
         "because.recommended",
-        "{class}, {determined} of {parameters} numbers determined{more}",
+        "{class}, {determined} of {parameters} parameters determined{more}",
         &[("determined", Number), ("parameters", Number), ("more", Rest)],
         recommended,
     ),
@@ -407,13 +407,13 @@ pub const CHOICE_RULES: &[Rule] = &[
     ),
     says(
         "because.simplest-open",
-        "{determined} of {parameters} numbers determined{magnitude}, displacement fit as measured {fit}",
+        "{determined} of {parameters} parameters determined{magnitude}, displacement fit as measured {fit}",
         &[("determined", Number), ("parameters", Number), ("magnitude", Rest), ("fit", Number)],
         simplest,
     ),
     says(
         "because.closest",
-        "displacement fit as measured {fit}, the best of a physical candidate{open}",
+        "best displacement fit of the physical candidates, {fit} as measured{open}",
         &[("fit", Number), ("open", Rest)],
         closest,
     ),

@@ -234,11 +234,11 @@ pub const RULES: &[Rule] = &[
         &[],
         is_not_sound,
     ),
-    says("note.positive", "the pulse is positive (it gains {speed} in the first {time}), {more}", &[], is_not_sound),
+    says("note.positive", "the pulse is positive ({speed} in the first {time}); {more}", &[], is_not_sound),
     says("note.wrong-sign", "the pulse has the wrong sign: {more}", &[], is_not_sound),
     says(
         "note.not-of-compartment",
-        "the pulse, channel {channel}, does not stand for the passenger compartment: {more}",
+        "channel {channel} may not show the motion of the compartment: {more}",
         &[],
         |_, spot| holds(!spot.made.is_of_a_vehicle(), || "it sits in the vehicle, along x".to_owned()),
     ),
@@ -278,7 +278,7 @@ pub const RULES: &[Rule] = &[
     ),
     says(
         "note.first-exceeds",
-        "the pulse first exceeds {level} for {time} at {instant}: check time zero {more}",
+        "check time zero: the pulse first exceeds {level} for {time} at {instant}. {more}",
         &[("instant", Number)],
         first_exceeds,
     ),
@@ -290,7 +290,7 @@ pub const RULES: &[Rule] = &[
     ),
     says("note.separating", "still separating: {more}", &[], lower_bounds),
     says("note.never-zero", "the velocity never reaches zero, the record ends at {more}", &[], never_zero),
-    says("note.no-mass", "no mass is stated: {more}", &[], |_, spot| lacks(spot, "/test/mass_kg")),
+    says("note.no-mass", "no mass is stated. {more}", &[], |_, spot| lacks(spot, "/test/mass_kg")),
     says("note.mass-unknown", "the mass is not known: {more}", &[], |_, spot| lacks(spot, "/test/mass_kg")),
     says("note.no-speed", "no impact speed is stated{more}", &[], |_, spot| lacks(spot, "/test/impact_speed_m_per_s")),
     says(

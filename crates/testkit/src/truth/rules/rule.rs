@@ -300,7 +300,7 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.recorder-table", "event data recorder table: the velocity change is cumulative and coarse {more}"),
     ("note.change-as-pulse", "the change of velocity {channel} is taken as the pulse"),
     ("note.level-in", "mean over the last {time} above {level} (drift, or a force still acts) in {channels}"),
-    ("note.without-file", "{count} of {all} listed channels have no file here: {channels}"),
+    ("note.without-file", "{count} of {all} listed channels have no signal file here: {channels}"),
     ("note.left-and-right", "channels {one} and {two} (left and right) differ by at most {more}"),
     ("note.configuration", "configuration: {what}"),
     (
@@ -314,14 +314,13 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.no-continuous", "{id}: the pole z = {pole} has no continuous counterpart: {more}"),
     ("note.no-pulse", "no channel is named as the crash pulse: {why}"),
     ("note.inputs-and-outputs", "a record of inputs and outputs, as no pulse is named (--channel names one): {why}"),
-    ("note.time-zero-of-file", "time zero is the file's t = 0, {samples} samples after its start"),
-    ("note.start", "integrated from the start of the record ({time}) with the impact speed, because {why}"),
+    ("note.time-zero-of-file", "time zero is t = 0 of the file, {samples} samples after its start"),
+    ("note.start", "integration starts with the record ({time}): {why}"),
     ("note.intervals", "intervals are {level} of {count} replicates (seed {seed}) with {inputs}"),
     ("note.thirds", "{model}: {masses}: {more}, an assumption that the parameters depend on"),
     (
         "note.sets",
-        "{model}: {count} parameter sets fit within {share} as well as the best; the record does not determine \
-         the parameters",
+        "{model}: the parameters are not identifiable from this record: {count} sets fit within {share} of the best",
     ),
     ("note.rank", "order {order} exceeds the numerical rank {rank} ({ratio}): order {used} is used, which {more}"),
     ("note.same-set", "{model}: a further set is left out, as measured it is the same as an earlier one"),
