@@ -73,6 +73,9 @@ pub struct RecordedImpact<'a> {
     pub impact_speed_m_per_s: Option<f64>,
 }
 
+/// Why a number is one.
+const OF_A_BOUND: &str = "of a change that is a lower bound";
+
 impl RecordedImpact<'_> {
     /// The largest change along y, the energy-equivalent speed, and with the impact speed the share of the kinetic
     /// energy and the crush; nothing where the recorder kept no loss of speed along x.
@@ -87,10 +90,12 @@ impl RecordedImpact<'_> {
         let Some((loss, time_s)) = change.value.map(|v| -v).zip(time.value).filter(|(loss, _)| *loss > 0.0) else {
             return metrics;
         };
+        let bounded = |metric: Metric| if change.is_lower_bound { metric.as_lower_bound(OF_A_BOUND) } else { metric };
         let loss_range = change.interval.map(|i| [-i.high, -i.low]);
         match self.impact_speed_m_per_s {
             Some(v0) if v0 > 0.0 => {
-                metrics.extend(self.energy(v0, loss, loss_range, time_s));
+                let energy = self.energy(v0, loss, loss_range, time_s);
+                metrics.extend(energy.map(bounded));
                 metrics.push(self.crush(v0));
             }
             _ => {
@@ -99,7 +104,8 @@ impl RecordedImpact<'_> {
                 let low = low * ((1.0 - most) / (1.0 + most)).sqrt();
                 let interval = Some(Interval { low, high, by: IntervalBy::Restitution });
                 let ees = Metric::with_value(&RECORDED_EES, (low + high) / 2.0).over(0.0, time_s);
-                metrics.push(Metric { interval, ..ees });
+                let interval = interval.filter(|_| !change.is_lower_bound);
+                metrics.push(bounded(Metric { interval, ..ees }));
             }
         }
         metrics
@@ -113,9 +119,15 @@ impl RecordedImpact<'_> {
 
     /// What went into deformation up to the largest change, and its share of the kinetic energy.
     fn energy(&self, v0: f64, loss: f64, loss_range: Option<[f64; 2]>, time_s: f64) -> [Metric; 2] {
-        let across = self.across.and_then(|y| Some((y, y.at(self.time_zero_s + time_s)?)));
-        let y = across.map_or(0.0, |(_, y)| y.abs());
-        let half_step = across.map_or(Some(0.0), |(across, _)| printed_step(across.samples()).map(|step| 0.5 * step));
+        let across = self.across.and_then(|y| {
+            let first = y.index_at_or_after(self.time_zero_s - 1e-6 * y.dt_s());
+            let start = if first > 0 { y.samples().get(first).copied()? } else { 0.0 };
+            Some((y, y.at(self.time_zero_s + time_s)? - start, if start == 0.0 { 0.5 } else { 1.0 }))
+        });
+        let y = across.map_or(0.0, |(_, y, _)| y.abs());
+        // A column of zeros was printed as the other one.
+        let step = |across: &Sampled| printed_step(across.samples()).or_else(|| printed_step(self.along.samples()));
+        let half_step = across.map_or(Some(0.0), |(across, _, part)| step(across).map(|step| part * step));
         let speed2 = |loss: f64, y: f64| v0 * v0 - (v0 - loss) * (v0 - loss) - y * y;
         // The square rises with the loss up to v0, and falls beyond.
         let range = loss_range.zip(half_step).map(|([low, high], half)| {
@@ -162,7 +174,7 @@ impl RecordedImpact<'_> {
             });
             return Metric { interval: ends, ..metric };
         }
-        Metric::absent(&RECORDED_CRUSH, "the velocity does not reach zero: the vehicle went on")
+        Metric::absent(&RECORDED_CRUSH, "the velocity does not reach zero in the table")
     }
 }
 

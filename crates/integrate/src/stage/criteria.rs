@@ -349,8 +349,7 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64
                 format!("recorded {}{title}: maximum delta-v {change_km_per_h:.2} km/h at {time_ms:.0} ms", channel.id);
             out.summary(line);
         }
-        records
-            .extend(metrics.into_iter().map(|metric| metric_record(&[&channel.id], &metric.counted_from(time_zero_s))));
+        records.extend(metrics.iter().map(|metric| metric_record(&[&channel.id], metric)));
     }
     records.extend(impact.into_iter().flatten());
     records

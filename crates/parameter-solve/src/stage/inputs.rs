@@ -211,19 +211,26 @@ const SPEEDS_UP: f64 = 1.05;
 /// Within this part of it, and the record shows no impact.
 const KEEPS_ITS_SPEED: f64 = 0.01;
 
+/// Rebound, in impact speeds, that no barrier gives and that a truck gives only a car which hardly moves.
+const REBOUNDS: f64 = 10.0;
+
 /// What to look at where settings do not fit the record.
 pub fn see(names: &[&str]) -> String {
     let all: Vec<String> = names.iter().map(|name| flag("parameter-solve", name)).collect();
     format!("see {}", all.join(", "))
 }
 
-/// Why no force slows the vehicle down, if so, and what to do: it never stops, and is in the end as far as its impact
-/// speed alone would have taken it, or beyond.
+/// Why no force slows the vehicle down, if so, and what to do: it rebounds at [`REBOUNDS`] impact speeds; or it never
+/// stops, and is in the end as far as its impact speed alone would have taken it, or beyond.
 pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option<(&'static str, String)> {
     let (displacement, _) = displacement?;
     let (speed, end_m) = (events.impact_speed_m_per_s?, displacement.samples().last()?);
     let part = end_m / (speed * (displacement.end_s() - events.time_zero_s));
     match part {
+        _ if events.coefficient_of_restitution.is_some_and(|restitution| restitution > REBOUNDS) => Some((
+            "the vehicle rebounds at more than ten times its impact speed: no spring or damper does that",
+            format!("check the unit of the pulse and the impact speed ({})", option("ingest", "unit", "g")),
+        )),
         _ if events.dynamic_crush_m.is_some() => None,
         SPEEDS_UP.. => Some((
             "the vehicle moves further than its impact speed would carry it: no spring or damper does that",

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 use crate::{Candidate, ImpactSetup, Scenario, predict};
 use crumple_stage::records::{CandidateV1, RecommendationV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, Refused, Stage, option};
+use crumple_stage::{InputDigest, Inputs, Loaded, Outcome, Output, Refused, Stage, option};
 
 use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_other_test, tested};
 use crate::stage::occupant::rider;
@@ -22,6 +22,11 @@ use crate::stage::table::{Row, header, line, partner_and_occupant, what_if};
 
 /// The stage.
 pub struct Predict;
+
+/// Inputs of another run are told from those of this one: `against:integrate`.
+fn of_another_run(role: &str, digests: Vec<InputDigest>) -> impl Iterator<Item = InputDigest> {
+    digests.into_iter().map(move |input| InputDigest { kind: format!("{role}:{}", input.kind), ..input })
+}
 
 impl Stage for Predict {
     const NAME: &'static str = "predict";
@@ -40,11 +45,11 @@ impl Stage for Predict {
         let mut other = None;
         if let Some(folder) = &settings.against {
             let (test, digests) = read_other_test(folder)?;
-            loaded.digests.extend(digests);
+            loaded.digests.extend(of_another_run("against", digests));
             other = Some(test);
         }
         let (partner, digests) = settings.partner.read()?;
-        loaded.digests.extend(digests);
+        loaded.digests.extend(of_another_run("partner", digests));
         Ok(loaded.map(|inputs| Read { inputs, other, partner }))
     }
 

@@ -102,6 +102,8 @@ fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) ->
         let is_hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         match path.is_dir() {
             _ if is_hidden => {}
+            // A link to the folder that it is in, or to one above, has no records of its own.
+            true if path.is_symlink() && fs::canonicalize(folder)?.starts_with(fs::canonicalize(&path)?) => {}
             true => folders.push(path),
             false => files.push(path),
         }

@@ -1,12 +1,12 @@
 //! Columns with gaps: several rates in one table, where a slower channel is blank between its samples.
 
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{Axis, Notes, QuantityKind};
 
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::numbers::{GAPS, Rows};
 use crate::formats::table::time_axis::is_time_column;
 use crate::formats::table::{columns, layout::Cells};
-use crate::formats::text::column_names::{Unit, names_acceleration};
+use crate::formats::text::column_names::{Unit, axis, names_acceleration};
 use crate::formats::text::lines::ParsedNumber;
 use crate::recording::content::LineNumbers;
 use crate::{IngestError, IngestSettings, Place};
@@ -48,8 +48,9 @@ pub fn settle(
         let missing = rows.columns[k].iter().filter(|x| x.is_nan()).count();
         missing * 10 >= rows.lines.len() && settings.sample_time.is_none() && settings.resample.is_none()
     };
-    // One that has a number in every row is the pulse rather than a slower one.
-    let is_one_whole = data.iter().any(|k| is_motion(*k) && !gaps.contains(k));
+    // One that has a number in every row is the pulse rather than a slower one, unless it is along y or z.
+    let is_along_x = |k: usize| matches!(axis(&header.columns[k].title), None | Some(Axis::X));
+    let is_one_whole = data.iter().any(|k| is_motion(*k) && is_along_x(*k) && !gaps.contains(k));
     let is_needed = |k: usize| asked.map_or(is_motion(k) && !(is_one_whole && is_slower(k)), |asked| asked == k);
     let needed: Vec<usize> = gaps.iter().copied().filter(|k| is_time(*k) || is_needed(*k)).collect();
     for &k in &needed {

@@ -373,6 +373,7 @@ const REMARKS: &[(&str, &str)] = &[
     ),
     ("note.pairs", "{model}: the parameters are not identifiable: {count} pairs of sets {more}"),
     ("note.too-far", "the vehicle moves further than its impact speed would carry it: {more}"),
+    ("note.rebounds-ten-times", "the vehicle rebounds at more than ten times its impact speed: {more}"),
     ("note.no-mass-no-models", "the test has no mass, which turns frequencies into N/m"),
     (
         "note.none-for-predictions",
