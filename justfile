@@ -288,6 +288,7 @@ python-test $wheel="":
     mypy; \
     (cd python/tests; python -m pytest -q -p no:cacheprovider); \
     if python -c "import sys; sys.exit(sys.version_info >= (3, 13))"; then \
+        pip uninstall --quiet --yes pyarrow; \
         pip install --quiet --disable-pip-version-check "numpy==1.26.*" "pandas<3"; \
         pip check; \
         (cd python/tests; python -m pytest -q -p no:cacheprovider); \
