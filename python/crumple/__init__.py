@@ -4,6 +4,8 @@
 single steps on arrays. All of them start the program `crumple`, which this package brings. Numbers are SI.
 """
 
+from importlib.metadata import version
+
 from ._artifact import Artifact, Record, Wave, read, stage, write
 from ._kernels import LinearModel, Motion, arx, crush, era, filter_cfc, fit, n4sid, okid, simulate, tfest
 from ._program import CrumpleError, NoResult, Refused, Usage
@@ -14,3 +16,5 @@ __all__ = [
     "crush", "diff", "era", "filter_cfc", "fit", "n4sid", "okid", "open_run", "predict", "read", "run", "simulate",
     "stage", "tfest", "together", "write",
 ]
+
+__version__ = version("crumple")

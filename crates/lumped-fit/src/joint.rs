@@ -1,6 +1,7 @@
 //! One model for several tests: the waves of all of them side by side, each with its own speed, mass and filter.
 
 use crumple_lumped::{CrushedStructure, Model, ModelKind, ParameterKind};
+use crumple_numerics::estimation::work::determined;
 use crumple_signal::{Note, Notes, Sampled, Severity};
 use rayon::prelude::*;
 
@@ -77,15 +78,18 @@ pub fn fit_together(
             notes.warning(format!("{kind}: not fitted to all tests, {name} alone has no fit of it"));
             continue;
         }
-        let fitted: Vec<Candidate> = joint
-            .starts(&of_kind)
-            .par_iter()
-            .enumerate()
-            .filter_map(|(k, starts)| joint.candidate(starts, joint.waves(&of_kind)?, k + 1))
-            .collect();
-        if fitted.is_empty() {
-            notes.warning(format!("{kind}: not fitted to all tests, no set of parameters has a finite response"));
+        let starts = joint.starts(&of_kind);
+        let fit = |(k, starts): (usize, &Vec<Start>)| joint.candidate(starts, joint.waves(&of_kind)?, k + 1);
+        let fitted = determined(|| starts.par_iter().enumerate().filter_map(fit).collect::<Vec<_>>());
+        match &fitted {
+            Err(reason) => notes.warning(format!("{kind}: {reason}")),
+            Ok(none) if none.is_empty() => {
+                notes.warning(format!("{kind}: not fitted to all tests, no set of parameters has a finite response"));
+            }
+            Ok(_) => {}
         }
+        let mut fitted = fitted.unwrap_or_default();
+        fitted.iter_mut().filter_map(|candidate| candidate.minimum.as_mut()).for_each(Minimum::release_work);
         candidates.extend(fitted);
     }
     Ok(candidates)
@@ -157,7 +161,8 @@ impl Joint<'_> {
         Some((model, free))
     }
 
-    /// The waves of all tests that a model was fitted to, test after test, and the name of the test of each.
+    /// The waves of all tests that a model was fitted to, test after test, and the name of the test of each. A fit to
+    /// them may cost as much work as one to each test.
     fn waves(&self, of_kind: &[Vec<&Candidate>]) -> Option<(Observation, Vec<String>)> {
         let (mut waves, mut names) = (Vec::new(), Vec::new());
         for (test, candidates) in self.tests.iter().zip(of_kind) {
@@ -174,7 +179,7 @@ impl Joint<'_> {
         let mut observed = Observation { impact_speed_m_per_s: self.tests.first()?.data.impact_speed_m_per_s, waves };
         let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
         observed.weigh(&sizes, 0.0);
-        Some((observed, names))
+        Some((observed.limited(self.tests.len()), names))
     }
 
     /// The best fit from these starts to waves of tests with these names.

@@ -211,7 +211,9 @@ pub fn firefly_nonlinear2(
     positive("mass_kg", options.mass_kg)?;
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
     let crush = positive("crush_m", options.crush_m)?;
-    let observed = options.observed(displacement)?;
+    let usual = FireflyOptions::default();
+    let searches = (search.fireflies * search.generations).div_ceil(usual.fireflies * usual.generations);
+    let observed = options.observed(displacement)?.limited(searches);
     let c = COEFFICIENT;
     let range = [c, c, c, crush, c, c, c, c, v0, v0];
     let build = |p: &[f64; 10]| model_at(p, &range, options);

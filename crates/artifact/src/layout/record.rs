@@ -40,8 +40,8 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
     /// Schema name of the version before this one, if it is still read.
     const EARLIER: Option<&'static str> = None;
 
-    /// The record in a message. Errors say what does not decode, trailing bytes among it, or [what contradicts
-    /// itself](Record::consistent).
+    /// The record in a message. Errors say what does not decode, trailing bytes among it, or what contradicts itself
+    /// ([`Record::check`]).
     fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String>;
 
     /// The record in a message of the version before this one. Errors: those of [`Record::decode`].
@@ -51,7 +51,7 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
 
     /// Errors say what in the record contradicts itself: an interval whose low end is above its high end, a correlation
     /// above one.
-    fn consistent(&self) -> Result<(), String>;
+    fn check(&self) -> Result<(), String>;
 
     /// Path and value of its first number that is not finite.
     fn first_non_finite(&self) -> Option<(String, f64)>;
@@ -61,6 +61,11 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
 pub(crate) trait TypeVisitor {
     type Output;
     fn visit<R: Record>(self) -> Self::Output;
+}
+
+/// A record without contradictions.
+fn checked<R: Record>(record: R) -> Result<R, String> {
+    record.check().map(|()| record)
 }
 
 macro_rules! record {
@@ -88,12 +93,10 @@ macro_rules! record {
             }
 
             fn decode(codec: Codec, bytes: &[u8]) -> Result<Self, String> {
-                let record: Self = codec.decode(bytes)?;
-                record.consistent()?;
-                Ok(record)
+                codec.decode(bytes).and_then(checked)
             }
 
-            fn consistent(&self) -> Result<(), String> {
+            fn check(&self) -> Result<(), String> {
                 $(self.$check()?;)?
                 Ok(())
             }
@@ -101,7 +104,7 @@ macro_rules! record {
                 const EARLIER: Option<&'static str> = Some(<$earlier as Record>::SCHEMA);
 
                 fn decode_earlier(codec: Codec, bytes: &[u8]) -> Result<Self, String> {
-                    codec.decode::<$earlier>(bytes).map(Self::from)
+                    codec.decode::<$earlier>(bytes).map(Self::from).and_then(checked)
                 }
             )?
 
@@ -125,25 +128,25 @@ macro_rules! record {
 
 record! {
     ArxScanV1 => "crumple.ArxScan.v1",
-    CandidateV1 => "crumple.Candidate.v1" where agrees,
+    CandidateV1 => "crumple.Candidate.v1" where check_numbers,
     ChannelFilterV1 => "crumple.ChannelFilter.v1",
     DamageV1 => "crumple.Damage.v1",
     ConcernsV1 => "crumple.Concerns.v1",
     ConcernsV2 => "crumple.Concerns.v2" after ConcernsV1,
     VehiclesV1 => "crumple.Vehicles.v1",
     DiagnosisV1 => "crumple.Diagnosis.v1",
-    EventsV1 => "crumple.Events.v1" where agrees,
+    EventsV1 => "crumple.Events.v1" where check_numbers,
     EvidenceV1 => "crumple.Evidence.v1",
     ShapesV1 => "crumple.Shapes.v1",
     ExponentialSumV1 => "crumple.ExponentialSum.v1",
     IdentificationV1 => "crumple.Identification.v1",
     MatchingV1 => "crumple.Matching.v1",
     MetricsV1 => "crumple.Metrics.v1",
-    MetricsV2 => "crumple.Metrics.v2" after MetricsV1 where agrees,
+    MetricsV2 => "crumple.Metrics.v2" after MetricsV1 where check_numbers,
     ModesV1 => "crumple.Modes.v1",
     ModesV2 => "crumple.Modes.v2" after ModesV1,
     NotesV1 => "crumple.Notes.v1",
-    PredictionV1 => "crumple.Prediction.v1" where agrees,
+    PredictionV1 => "crumple.Prediction.v1" where check_numbers,
     QualityV1 => "crumple.Quality.v1",
     RecommendationV1 => "crumple.Recommendation.v1",
     RecordChecksV1 => "crumple.RecordChecks.v1",

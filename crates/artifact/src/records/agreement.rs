@@ -27,7 +27,7 @@ fn is_share(name: &str, value: f64) -> Result<(), String> {
 }
 
 impl UncertaintyV1 {
-    fn agrees(&self) -> Result<(), String> {
+    fn check_numbers(&self) -> Result<(), String> {
         for (name, deviation) in &self.standard_deviation {
             at_least(&format!("the standard deviation of {name}"), 0.0, *deviation)?;
         }
@@ -53,25 +53,25 @@ impl UncertaintyV1 {
 }
 
 impl CandidateV1 {
-    pub(crate) fn agrees(&self) -> Result<(), String> {
-        self.uncertainty.as_ref().map_or(Ok(()), UncertaintyV1::agrees)
+    pub(crate) fn check_numbers(&self) -> Result<(), String> {
+        self.uncertainty.as_ref().map_or(Ok(()), UncertaintyV1::check_numbers)
     }
 }
 
 impl EventsV1 {
-    pub(crate) fn agrees(&self) -> Result<(), String> {
+    pub(crate) fn check_numbers(&self) -> Result<(), String> {
         self.intervals.iter().try_for_each(|interval| rises(&interval.name, Some(interval.low), Some(interval.high)))
     }
 }
 
 impl MetricsV2 {
-    pub(crate) fn agrees(&self) -> Result<(), String> {
+    pub(crate) fn check_numbers(&self) -> Result<(), String> {
         self.metrics.iter().try_for_each(|metric| rises(&metric.name, metric.low, metric.high))
     }
 }
 
 impl PredictionV1 {
-    pub(crate) fn agrees(&self) -> Result<(), String> {
+    pub(crate) fn check_numbers(&self) -> Result<(), String> {
         at_least("mass_kg", 0.0, self.mass_kg)?;
         self.dynamic_crush_m.map_or(Ok(()), |crush| at_least("dynamic_crush_m", 0.0, crush))?;
         self.intervals.iter().try_for_each(|interval| {
@@ -100,16 +100,16 @@ mod tests {
             intervals: vec![interval(low, level)],
             ..PredictionV1::default()
         };
-        assert_eq!(prediction(0.6, 0.9, 0.7).agrees(), Ok(()));
-        let text = prediction(1e3, 0.9, 0.7).agrees().unwrap_err();
+        assert_eq!(prediction(0.6, 0.9, 0.7).check_numbers(), Ok(()));
+        let text = prediction(1e3, 0.9, 0.7).check_numbers().unwrap_err();
         assert_eq!(text, "the interval of dynamic_crush_m has its low end, 1000, above its high end, 0.8");
-        assert_eq!(prediction(0.6, 1.4, 0.7).agrees().unwrap_err(), "level is 1.4, expected 0 to 1");
-        let text = prediction(-2.0, 0.9, -1.0).agrees().unwrap_err();
+        assert_eq!(prediction(0.6, 1.4, 0.7).check_numbers().unwrap_err(), "level is 1.4, expected 0 to 1");
+        let text = prediction(-2.0, 0.9, -1.0).check_numbers().unwrap_err();
         assert_eq!(text, "dynamic_crush_m is -1, expected at least 0");
 
         let mut known = UncertaintyV1 { correlation: vec![vec![1.0, -1.7]], ..UncertaintyV1::default() };
-        assert_eq!(known.agrees().unwrap_err(), "a correlation is -1.7, expected -1 to 1");
+        assert_eq!(known.check_numbers().unwrap_err(), "a correlation is -1.7, expected -1 to 1");
         known = UncertaintyV1 { standard_deviation: [("k".to_owned(), -1.0)].into(), ..UncertaintyV1::default() };
-        assert!(known.agrees().is_err());
+        assert!(known.check_numbers().is_err());
     }
 }

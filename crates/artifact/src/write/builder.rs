@@ -62,7 +62,7 @@ impl ArtifactBuilder {
             return Err(WriteError::NotFinite { topic: topic.to_owned(), field, value });
         }
         let encode = |problem| WriteError::Encode { topic: topic.to_owned(), problem };
-        record.consistent().map_err(encode)?;
+        record.check().map_err(encode)?;
         self.records.push(Small {
             topic: topic.to_owned(),
             schema: R::SCHEMA,

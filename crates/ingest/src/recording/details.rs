@@ -97,17 +97,19 @@ pub fn from_comments<'a>(
                     _ => (Dimension::Time, &mut details.time_zero_s, over.time_zero.is_some(), "--time-zero"),
                 };
                 let is_number = |word: &str| word.parse::<f64>().is_ok();
-                if value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
-                    || value.split_whitespace().next().is_some_and(is_number)
-                {
-                    let value = parse_value(value, dimension).map_err(|error| {
-                        IngestError::content(
-                            Place::line(file, line),
-                            error.to_string(),
-                            format!("a {} with its unit", dimension.name()),
-                            "correct the comment line, or remove it and use the flag",
-                        )
-                    })?;
+                let is_value = value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
+                    || value.split_whitespace().next().is_some_and(is_number);
+                let parsed = if is_value { parse_value(value, dimension).map(Some) } else { Ok(None) };
+                // A line that a flag stands for is not read.
+                let parsed = parsed.or_else(|error| if is_over { Ok(None) } else { Err(error) }).map_err(|error| {
+                    IngestError::content(
+                        Place::line(file, line),
+                        error.to_string(),
+                        format!("a {} with its unit", dimension.name()),
+                        "correct the comment line, or remove it and use the flag",
+                    )
+                })?;
+                if let Some(value) = parsed {
                     // 873 kg and 0.873 t are one mass.
                     let same = slot.as_ref().is_some_and(|old| (old.value - value).abs() <= 1e-9 * value.abs());
                     if !same {

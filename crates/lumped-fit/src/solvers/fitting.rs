@@ -155,8 +155,8 @@ impl<'a> FitTask<'a> {
         let waves = sensors.iter().map(wave).collect::<Result<Vec<_>, _>>()?;
         let observed = Observation { impact_speed_m_per_s: test.impact_speed_m_per_s, waves };
         let default = SolveSettings::default();
-        let searches = (settings.l_shade.evaluations / default.l_shade.evaluations) as usize;
-        let observed = observed.limited(searches.max(settings.fit_starts / default.fit_starts));
+        let searches = settings.l_shade.evaluations.div_ceil(default.l_shade.evaluations) as usize;
+        let observed = observed.limited(searches.max(settings.fit_starts.div_ceil(default.fit_starts)));
         let largest = || test.displacement.map(|x| x.samples().iter().copied().fold(0.0, f64::max));
         let crush_m = test.dynamic_crush_m.or_else(largest).filter(|crush| *crush > 0.0);
         let crush_m = crush_m.unwrap_or_else(|| test.impact_speed_m_per_s * end_s(&observed));

@@ -256,7 +256,7 @@ impl Motions {
             ObservedWave::new(wall.record, what, task.test.time_zero_s, measurement, window_s, usize::MAX).ok()
         });
         let waves = [wave(0)?, wave(1)?].into_iter().chain(wall).collect();
-        Some(Observation { impact_speed_m_per_s: task.test.impact_speed_m_per_s, waves })
+        Some(Observation { impact_speed_m_per_s: task.test.impact_speed_m_per_s, waves }.limited(1))
     }
 }
 

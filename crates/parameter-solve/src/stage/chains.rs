@@ -104,7 +104,7 @@ pub fn fit_chains(
         let (observed, sensors) = waves(chain, settings, input, events, speed, out)?;
         let hint = format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
         let (stated, starts) = (chain.stated(total_kg), settings.solve.fit_starts);
-        let limited = observed.clone().limited(starts / SolveSettings::default().fit_starts);
+        let limited = observed.clone().limited(starts.div_ceil(SolveSettings::default().fit_starts));
         let fitted = determined(|| fit_chain(&stated, &limited, starts)).unwrap_or_else(|reason| {
             let about = About::Model(format!("chain/{}", chain.name));
             out.notes().concern(about, Weight::Marked, format!("chain {}: {reason}", chain.name));

@@ -3,7 +3,6 @@
 use crumple_lumped_fit::{
     FitQuantity, JointTest, Measurement, RateFactorSource, Sensor, deepest_crush, fit_together, rate_factor_source,
 };
-use crumple_numerics::estimation::work::determined;
 use crumple_signal::{Axis, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
@@ -51,10 +50,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     out.put("/test", &joint_test(&tests, reference))?;
     out.put("/tests", &record_of_tests)?;
     warn_of_the_rate(&record_of_tests, out);
-    let fitted = match determined(|| fit_together(&joint, &settings.solve, out.notes())) {
-        Ok(fitted) => fitted,
-        Err(reason) => return Ok(Outcome::NoAcceptableResult(reason.to_string())),
-    };
+    let fitted = fit_together(&joint, &settings.solve, out.notes());
     let mut candidates = fitted.refuse_with_hint(see(&["models", "fit-from", "fit-to"]))?;
     let asked = &settings.assessment;
     assess_each(&mut candidates, asked, out, |candidate| assess_fit(candidate, asked, None));

@@ -92,7 +92,8 @@ texts! { ConclusionTexts
     recorder_use:
         "Its table is too coarse for peak and force{crush}{none}.";
     recorder_energy:
-        "If what it hit did not give way, the EES is {ees}{interval}{share}.";
+        "If what it hit did not give way{speed}, the EES is {ees}{interval}{share}.";
+    speed_is_exact: " and the stated speed is exact";
     of_energy: ": {share} of the kinetic energy went into deformation";
     recorder_without_model: "; no model is recommended";
     rough_crush: "; its crush of {crush}{interval} is rough";

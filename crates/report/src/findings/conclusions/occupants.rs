@@ -60,7 +60,9 @@ impl Text<'_> {
             let share = self.number("/metrics/absorbed_energy_share/value", share, (1.0, 2, ""));
             fill(phrases.of_energy, &[("share", share)])
         });
-        let texts = [("ees", ees), ("interval", interval), ("share", share.unwrap_or_default())];
+        // Its interval holds the steps of the recorder alone.
+        let speed = if share.is_some() { phrases.speed_is_exact } else { "" }.to_owned();
+        let texts = [("ees", ees), ("interval", interval), ("share", share.unwrap_or_default()), ("speed", speed)];
         Some(fill(phrases.recorder_energy, &texts))
     }
 
