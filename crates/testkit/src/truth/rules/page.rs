@@ -292,9 +292,13 @@ pub const VEHICLE_RULES: &[Rule] = &[
             ("ees", At("/metrics/recorded_ees/value")),
             ("interval", Inner(&["conclusion.interval"])),
             ("share", Inner(&["conclusion.of_energy"])),
+            ("speed", Inner(&["conclusion.speed_is_exact"])),
         ],
         energy_of_a_recorder,
     ),
+    rule("conclusion.speed_is_exact", &[], |_, spot| {
+        holds(spot.made.number("/test/impact_speed_m_per_s").is_some(), || "no speed is stated".to_owned())
+    }),
     rule("conclusion.of_energy", &[("share", At("/metrics/absorbed_energy_share/value"))], energy_of_a_recorder),
     rule(
         "conclusion.changed",
