@@ -157,10 +157,12 @@ test *args:
     cargo test --workspace --doc --quiet
     CRUMPLE_PROFILE=dev cargo nextest run --workspace "$@"
 
-# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass; docs/performance.md.
+# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass, and of whole runs: writes the tables of docs/performance.md. With arguments (`just bench era`): kernels alone.
 [group('development')]
-bench *args:
-    RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
+bench *args: build
+    @mkdir -p target; rm -f target/bench.ndjson
+    CRUMPLE_BENCH="$project/target/bench.ndjson" RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
+    [ $# -gt 0 ] || cargo run --quiet --release --package crumple-testkit -- performance --bin "$bin" target/bench.ndjson
 
 # Of the whole workspace, as `just test` is: one package alone has other features of its dependencies, and all would be compiled twice.
 # Spelling, formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
@@ -372,7 +374,7 @@ fuzz-readers seconds="60":
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve run together fleet study export view compare index; do \
+    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve check run together fleet study export view compare index; do \
         for kind in bash zsh fish man; do \
             "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \

@@ -275,6 +275,11 @@ pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<
     }
     let put = |name: &str, kind: OutputKind, bytes: &[u8]| {
         let path = folder.join(name);
+        if let Some(link) = path.parent().filter(|inner| *inner != folder && inner.is_symlink()) {
+            return Err(Usage::new(format!("{} is a link", link.display()))
+                .hint("remove it, or give a new folder")
+                .into());
+        }
         refuse_to_overwrite(&path, kind, &[artifact.path().to_owned()])?;
         write_atomically(&path, kind, |file| io_write(file, bytes))
             .with_context(|| format!("cannot write {}", path.display()))

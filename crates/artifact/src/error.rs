@@ -103,7 +103,7 @@ impl ReadError {
             Self::Foreign { .. } => "give an artifact of a crumple stage; docs/format.md says what one must hold",
             Self::Newer { .. } => "update crumple, or write the file again with this version",
             Self::WrongType { .. } | Self::Message { .. } => {
-                "compare the program that wrote it with docs/format.md (the command check names its faults)"
+                "compare the program that wrote it with docs/format.md; `crumple check FILE` lists its faults"
             }
         }
     }

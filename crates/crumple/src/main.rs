@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{ArgMatches, Command, CommandFactory, FromArgMatches};
-use crumple_stage::{Call, ExitStatus, Program, Way, run_tool, unknown_name};
+use crumple_stage::{Call, ExitStatus, OF_ARTIFACT, Program, Way, run_tool, unknown_name};
 
 /// Keeps the budget of memory; the fits take and return some hundred kilobytes at every evaluation of a model.
 #[cfg(unix)]
@@ -63,9 +63,6 @@ static OTHERS: &[Program] = &[
     crumple_report::ACCEPT,
     crumple_artifact_cli::PROGRAM,
 ];
-
-/// Commands of `crumple artifact` that stand for themselves too.
-const OF_ARTIFACT: [&str; 3] = ["show", "notes", "curve"];
 
 /// What a word in front of all others adds: the help of a program, the completion script of a shell.
 const FIRST: [(&str, &str); 2] = [("help", "--help"), ("completions", "--generate")];

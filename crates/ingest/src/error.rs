@@ -32,7 +32,7 @@ impl Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
+        f.write_str(&self.file.replace('\n', "\\n"))?;
         if let Some(line) = self.line {
             write!(f, ", line {line}")?;
         }

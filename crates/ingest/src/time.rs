@@ -333,6 +333,8 @@ pub fn scale(times: &mut [f64], factor: f64) {
 
 /// Level of the threshold rule, m/s^2 (0.5 g).
 const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
+/// Held for [`HOLD_S`] it changes the velocity by 106 km/h, over a crush of 44 mm: no structure of a vehicle does.
+const OF_NO_VEHICLE_M_PER_S2: f64 = 1e3 * STANDARD_GRAVITY_M_PER_S2;
 /// How long the level must be kept, s.
 const HOLD_S: f64 = 0.003;
 /// Difference from the record's time zero that is worth a note, s.
@@ -365,12 +367,12 @@ pub fn require_contact(file: &str, pulse: &Sampled) -> Result<(), IngestError> {
 
 /// First time at which the magnitude reaches the threshold and stays there for [`HOLD_S`]: the crossing by linear
 /// interpolation, s. `None` if it never does. A rule of thumb: it lags true contact by a fraction of a millisecond.
-fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64) -> Option<f64> {
+fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64, threshold_m_per_s2: f64) -> Option<f64> {
     let hold = (HOLD_S / times.dt_s()).round().max(1.0) as usize;
     let magnitude = |k: usize| (samples[k] - zero_level).abs();
     let mut run = 0;
     for k in 0..samples.len() {
-        run = if magnitude(k) >= THRESHOLD_M_PER_S2 { run + 1 } else { 0 };
+        run = if magnitude(k) >= threshold_m_per_s2 { run + 1 } else { 0 };
         // `hold` intervals need one sample more.
         if run > hold {
             let first = k - hold;
@@ -378,7 +380,7 @@ fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64) -> Opti
                 return Some(times.time_s(0));
             }
             let (before, after) = (magnitude(first - 1), magnitude(first));
-            let part = (THRESHOLD_M_PER_S2 - before) / (after - before);
+            let part = (threshold_m_per_s2 - before) / (after - before);
             return Some(times.time_s(first - 1) + part * times.dt_s());
         }
     }
@@ -387,7 +389,12 @@ fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64) -> Opti
 
 /// A note if the smoothed pulse rises clearly before or after t = 0.
 pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
-    let Some(crossing) = smoothed_crossing(pulse, zero_level.unwrap_or(0.0)) else {
+    let crossing = |m_per_s2: f64| smoothed_crossing(pulse, zero_level.unwrap_or(0.0), m_per_s2);
+    if crossing(OF_NO_VEHICLE_M_PER_S2).is_some() {
+        let text = "the pulse exceeds 1000 g for 3 ms, as that of no vehicle does: check its channel and unit";
+        notes.concern(About::Pulse, Weight::Decisive, text);
+    }
+    let Some(crossing) = crossing(THRESHOLD_M_PER_S2) else {
         notes.concern(
             About::Pulse,
             Weight::Decisive,
@@ -404,7 +411,7 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
 }
 
 /// [`threshold_crossing`] of the moving mean, block by block: a long record is not copied.
-fn smoothed_crossing(pulse: &Sampled, zero_level: f64) -> Option<f64> {
+fn smoothed_crossing(pulse: &Sampled, zero_level: f64, threshold_m_per_s2: f64) -> Option<f64> {
     // An interval of next to nothing makes them longer than any record.
     let half = ((SMOOTHING_S / pulse.dt_s() / 2.0) as usize).min(pulse.len());
     // A run that reaches over the start of a block is found again in it.
@@ -413,7 +420,7 @@ fn smoothed_crossing(pulse: &Sampled, zero_level: f64) -> Option<f64> {
         let (from, to) = (start.saturating_sub(overlap), (start + BLOCK).min(pulse.len()));
         let (low, high) = (from.saturating_sub(half), (to + half).min(pulse.len()));
         let smooth = moving_mean(&pulse.samples()[low..high], half);
-        threshold_crossing(&pulse.slice(from, to), &smooth[from - low..to - low], zero_level)
+        threshold_crossing(&pulse.slice(from, to), &smooth[from - low..to - low], zero_level, threshold_m_per_s2)
     })
 }
 
@@ -506,7 +513,7 @@ mod tests {
         let g = STANDARD_GRAVITY_M_PER_S2;
         let at = |t: f64| if t < -0.01 && t > -0.011 { 9.0 * g } else { -t.max(0.0) * 100.0 * g };
         let wave = Sampled::new(-0.05, 3e-4, (0..500).map(|k| at(-0.05 + f64::from(k) * 3e-4)).collect()).unwrap();
-        let crossing = threshold_crossing(&wave, wave.samples(), 0.0).unwrap();
+        let crossing = threshold_crossing(&wave, wave.samples(), 0.0, THRESHOLD_M_PER_S2).unwrap();
         // Exact for a ramp but for rounding.
         assert!((crossing - 0.005).abs() < 1e-12, "{crossing}");
     }
@@ -522,7 +529,7 @@ mod tests {
         let wave = Sampled::new(-0.05, 1e-4, (0..2501).map(|k| g * at(f64::from(k - 500) * 1e-4)).collect()).unwrap();
         let pre = crate::recording::content::measure(&wave, 0.0, true).pre_event.unwrap();
         assert!((pre.zero_level / g - 0.35).abs() < 1e-9 && pre.samples == 401);
-        let crossing = threshold_crossing(&wave, wave.samples(), pre.zero_level).unwrap();
+        let crossing = threshold_crossing(&wave, wave.samples(), pre.zero_level, THRESHOLD_M_PER_S2).unwrap();
         assert!((crossing - 0.000_651_145_457_828).abs() < 1e-9, "{crossing}");
     }
 

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot run has no figure")]
 
 use std::hint::black_box;
+use std::sync::LazyLock;
 
 use crumple_lumped::{CoefficientMatching, DoubleSpringMassDamper, Model, ModelKind, Reading};
 use crumple_lumped_fit::{
@@ -12,26 +13,26 @@ use crumple_lumped_fit::{
     fit_nonlinear1, search_nonlinear2, solve,
 };
 use crumple_signal::{Notes, Signal};
-use crumple_testkit::benchmark::best_us;
+use crumple_testkit::benchmark::{Figure, best_s, memory_pass_s};
 use crumple_testkit::table_5;
 
-/// Shortest of repeated runs, µs: what else runs on the machine only adds.
-fn time(name: &str, aim: &str, run: impl FnMut()) {
-    println!("{name:62} {:12.2} µs   aim {aim}", best_us(run));
+/// One figure beside a copy of 1,501 samples.
+fn figure(name: &str, run: impl FnMut()) -> Figure {
+    static PASS_S: LazyLock<f64> = LazyLock::new(|| memory_pass_s(&[1.0; 1501]));
+    Figure::new(name, best_s(run), *PASS_S)
 }
 
 fn main() {
-    let record = vec![1.0_f64; 1501];
-    time("memory pass: 1,501 samples copied", "-", || {
-        black_box(record.clone());
-    });
     let civic = [35.7, 6024.0, 185_000.0, 414_600.0];
-    time("coefficient matching, all six solutions, certified", "10", || {
+    figure("coefficient matching, all six solutions, certified", || {
         black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Binary).unwrap().solve());
-    });
-    time("  the same, numbers read as decimals", "10", || {
+    })
+    .aim(10e-6, "numpy 280 µs")
+    .print();
+    figure("  the same, numbers read as decimals", || {
         black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Decimal).unwrap().solve());
-    });
+    })
+    .print();
     let truth = Model::Nonlinear2(table_5());
     let response = truth.respond(9.7222, 1e-4, 1501).unwrap();
     let x = Signal::new(0.0, 1e-4, response.compartment().displacement_m.clone()).unwrap();
@@ -45,12 +46,15 @@ fn main() {
         to_s: None,
         samples: 250,
     };
-    time("nonlinear II, all ten parameters to 1e-6, default method", "200000", || {
+    figure("nonlinear II, all ten parameters to 1e-6, default method", || {
         black_box(search_nonlinear2(&x, &options).unwrap());
-    });
-    time("nonlinear I with side constraints, a record it does not meet", "-", || {
+    })
+    .aim(0.2, "scipy 1.7 s")
+    .print();
+    figure("nonlinear I with side constraints, a record it does not meet", || {
         black_box(fit_nonlinear1(&x, &options, true).unwrap());
-    });
+    })
+    .print();
     let test = TestData {
         mass_kg: 873.0,
         impact_speed_m_per_s: 9.7222,
@@ -64,9 +68,10 @@ fn main() {
         sensors: &[],
     };
     let settings = SolveSettings { models: vec![ModelKind::Maxwell], ..SolveSettings::default() };
-    time("maxwell", "-", || {
+    figure("maxwell", || {
         black_box(solve(&test, &settings, &mut Notes::new()).unwrap());
-    });
+    })
+    .print();
     for (name, dampers) in [("light", [6e3, 9e3]), ("strong", [6e4, 4e4])] {
         let [c1_n_s_per_m, c2_n_s_per_m] = dampers;
         let springs = DoubleSpringMassDamper {
@@ -86,9 +91,10 @@ fn main() {
             ..SolveSettings::default()
         };
         let test = TestData { mass_kg: 1500.0, impact_speed_m_per_s: 13.0, displacement: Some(&x), ..test };
-        time(&format!("double, four parameters, {name} damping, 24 starts"), "-", || {
+        figure(&format!("double, four parameters, {name} damping, 24 starts"), || {
             black_box(solve(&test, &settings, &mut Notes::new()).unwrap());
-        });
+        })
+        .print();
     }
     // Errors over 20 seeds, 20,000 evaluations each.
     for (name, units) in [("as printed", FireflyUnits::Physical), ("in the unit box", FireflyUnits::Unit)] {

@@ -5,17 +5,23 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot run has no figure")]
 
 use std::hint::black_box;
+use std::sync::LazyLock;
 
 use crumple_lumped::{
     CollisionQuestions, DoubleSpringMassDamper, Drive, ForceDeflection, ForceDeflectionParameter, Instants, Model,
     Place, Structure, Waves,
 };
-use crumple_testkit::benchmark::best_us;
+use crumple_testkit::benchmark::{Figure, best_s, memory_pass_s};
 use crumple_testkit::table_5;
 
-/// Shortest of repeated runs, µs: what else runs on the machine only adds.
-fn time(name: &str, aim: &str, run: impl FnMut()) {
-    println!("{name:66} {:10.2} µs   aim {aim}", best_us(run));
+/// One figure beside a copy of three waves of 2,001 samples.
+fn figure(name: &str, run: impl FnMut()) -> Figure {
+    static PASS_S: LazyLock<f64> = LazyLock::new(|| memory_pass_s(&[1.0; 6003]));
+    Figure::new(name, best_s(run), *PASS_S)
+}
+
+fn time(name: &str, run: impl FnMut()) {
+    figure(name, run).print();
 }
 
 /// Instants at which errors are measured, evenly over the record.
@@ -121,15 +127,17 @@ fn time_force_deflection() {
     let plain = of(front.clone());
     let all = Instants { first_s: 0.0, dt_s: 1e-4, samples: 2001 };
     let few = Instants { first_s: 0.0, dt_s: 1e-3, samples: 200 };
-    time("force-deflection, one mass, eight knots, 0.2 s at 10 kHz, three waves", "40", || {
+    figure("force-deflection, one mass, eight knots, 0.2 s at 10 kHz, three waves", || {
         black_box(plain.motions_at(black_box(15.0), &all).unwrap());
-    });
+    })
+    .aim(40e-6, "")
+    .print();
     let picked = Instants { first_s: 0.0, dt_s: 1e-3, samples: 189 };
-    time("  the same, displacement at 189 instants, as a propagation uses it", "20", || {
+    time("  the same, displacement at 189 instants, as a propagation uses it", || {
         black_box(plain.sensitivity_of(Waves::Displacement, black_box(15.0), &picked, &[]).unwrap());
     });
     let questions = CollisionQuestions::default();
-    time("  the same, crush, peaks, separation, energies", "40", || {
+    time("  the same, crush, peaks, separation, energies", || {
         black_box(plain.collision(&Drive::Impact(black_box(15.0)), 0.2, &questions).unwrap());
     });
     let place = |knot| {
@@ -137,11 +145,11 @@ fn time_force_deflection() {
         Place::Element { connection: 0, parameter }
     };
     let places: Vec<Place> = (1..8).map(place).collect();
-    time("  the same, 200 instants with derivatives by seven knot forces", "-", || {
+    time("  the same, 200 instants with derivatives by seven knot forces", || {
         black_box(plain.sensitivity(black_box(15.0), &few, &places).unwrap());
     });
     let rated = of(front.with_rate(0.01).unwrap());
-    time("  with a rate factor, 0.2 s at 10 kHz, three waves", "40", || {
+    time("  with a rate factor, 0.2 s at 10 kHz, three waves", || {
         black_box(rated.motions_at(black_box(15.0), &all).unwrap());
     });
 }
@@ -157,14 +165,12 @@ fn main() {
     };
     let nonlinear = table_5();
     time_force_deflection();
-    let waves = vec![vec![1.0_f64; 2501]; 6];
-    time("memory pass: six waves of 2,501 samples copied", "-", || {
-        black_box(waves.clone());
-    });
     let model = Model::DoubleSpringMassDamper(double);
-    time("double mass, 0.2 s at 10 kHz, all six waves, exact", "20", || {
+    figure("double mass, 0.2 s at 10 kHz, all six waves, exact", || {
         black_box(model.respond(black_box(12.0), 1e-4, 2001).unwrap());
-    });
+    })
+    .aim(20e-6, "scipy 360 µs")
+    .print();
     let naive = |set: &DoubleSpringMassDamper, steps: usize| {
         let a = set.state_matrix();
         runge_kutta(black_box([0.0, 0.0, 12.0, 12.0]), 0.2, steps, 1, |z| {
@@ -178,44 +184,45 @@ fn main() {
     let mut steps_of_a_set = 0;
     for (what, bound_m) in [("1e-9 m", 1e-9), ("1e-12 m", 1e-12)] {
         let (steps, error) = steps_for(bound_m, &ours, |steps| naive(&double, steps));
-        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), "-", || {
+        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), || {
             black_box(naive(&double, steps));
         });
         if bound_m == 1e-9 {
             steps_of_a_set = steps;
         }
     }
-    time("double mass, also forces and energy, as the stage wants them", "-", || {
+    time("double mass, also forces and energy, as the stage wants them", || {
         black_box(model.dynamics(&Drive::Impact(black_box(12.0)), 1e-4, 2001).unwrap());
     });
     let sets: Vec<_> =
         (0..10_000).map(|i| DoubleSpringMassDamper { k1_n_per_m: 3e5 + 10.0 * f64::from(i), ..double }).collect();
     let mut displacements = vec![0.0; sets.len() * 2001];
-    time("memory pass: 10,000 displacements of 2,001 samples written", "-", || {
-        black_box(&mut displacements).fill(1.0);
-    });
-    time("10,000 parameter sets, compartment, exact, two threads", "80000", || {
+    figure("10,000 parameter sets, compartment, exact, two threads", || {
         let half = sets.len() / 2;
         let (first, second) = displacements.split_at_mut(half * 2001);
         std::thread::scope(|scope| {
             scope.spawn(|| compartment_displacements(&sets[..half], 12.0, 1e-4, 2001, first));
             compartment_displacements(&sets[half..], 12.0, 1e-4, 2001, second);
-        });
+        })
+        .aim(80e-3, "numba 160 ms")
+        .print();
     });
     // The first set is that of the response above: two thousand roundings of 1e-16 m.
     let pairs = displacements[..2001].iter().zip(&response.compartment().displacement_m);
     assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12);
     // At no better an error than 1e-9 m, and without the waves in between.
-    time(&format!("  naive, a hundredth of them by {steps_of_a_set} steps, one thread"), "-", || {
+    time(&format!("  naive, a hundredth of them by {steps_of_a_set} steps, one thread"), || {
         for set in &sets[..100] {
             black_box(naive(set, steps_of_a_set));
         }
     });
-    time("nonlinear II, 0.25 s at 10 kHz, three waves", "30", || {
+    figure("nonlinear II, 0.25 s at 10 kHz, three waves", || {
         black_box(Model::Nonlinear2(nonlinear).respond(black_box(9.7222), 1e-4, 2501).unwrap());
-    });
+    })
+    .aim(30e-6, "numba 56 µs")
+    .print();
     let picked = Instants { first_s: 0.0, dt_s: 4e-4, samples: 189 };
-    time("  the same, displacement at 189 instants, as a fit uses it", "-", || {
+    time("  the same, displacement at 189 instants, as a fit uses it", || {
         let structure = nonlinear.structure().unwrap();
         black_box(structure.sensitivity_of(Waves::Displacement, black_box(9.7222), &picked, &[]).unwrap());
     });
@@ -236,7 +243,7 @@ fn main() {
     println!("  difference from 400,000 Runge-Kutta steps: {:.0e} m", largest(&ours, &naive(400_000)));
     for (what, bound_m) in [("1e-9 m", 1e-9), ("1e-12 m", 1e-12)] {
         let (steps, error) = steps_for(bound_m, &ours, naive);
-        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), "-", || {
+        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), || {
             black_box(naive(steps));
         });
     }

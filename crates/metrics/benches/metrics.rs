@@ -3,34 +3,10 @@
 //! a minute or more), `-- --largest` nothing but curves of 10⁷ (an hour, 2 GB).
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use crumple_metrics::{HIC15_WINDOW_S, Iso18571Options, hic, hic_all_pairs, iso18571};
 use crumple_signal::{Acceleration, Sampled, Signal};
-
-/// Least of several runs, s.
-fn least<T>(runs: usize, mut f: impl FnMut() -> T) -> f64 {
-    let mut best = f64::INFINITY;
-    for _ in 0..runs {
-        let start = Instant::now();
-        black_box(f());
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    best
-}
-
-/// Time to read every sample once.
-fn memory_pass(x: &[f64]) -> f64 {
-    let sum = |x: &[f64]| {
-        let (chunks, rest) = x.as_chunks::<8>();
-        let mut lanes = [0.0; 8];
-        for chunk in chunks {
-            lanes.iter_mut().zip(chunk).for_each(|(lane, x)| *lane += x);
-        }
-        lanes.iter().sum::<f64>() + rest.iter().sum::<f64>()
-    };
-    least(5, || sum(black_box(x)))
-}
+use crumple_testkit::benchmark::{Figure, best_s, memory_pass_s};
 
 /// A head resultant at 10 kHz: pulses of different height and length every half second, and noise.
 fn resultant(n: usize) -> Vec<f64> {
@@ -54,13 +30,8 @@ fn peak_memory() -> Option<String> {
     Some(status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().to_owned())
 }
 
-fn report(what: &str, n: usize, seconds: f64, pass: f64) {
-    println!(
-        "{what:<34} {n:>9} samples {:>12.4} ms, memory pass {:>9.4} ms, ratio {:>10.1}",
-        1e3 * seconds,
-        1e3 * pass,
-        seconds / pass
-    );
+fn figure<T>(what: &str, samples: &[f64], work: impl FnMut() -> T) -> Figure {
+    Figure::new(format!("{what}, {} samples", samples.len()), best_s(work), memory_pass_s(samples))
 }
 
 fn main() {
@@ -84,20 +55,15 @@ fn main() {
         };
         let curve = |late, height| Sampled::new(0.0, 1e-4, (0..n).map(|k| at(k, late, height)).collect());
         let (Ok(test), Ok(model)) = (curve(0.0, 25.0), curve(0.03, 23.0)) else { return };
-        let pass = memory_pass(test.samples());
         let options = Iso18571Options::default();
-        let runs = if n > 10_000 { 1 } else { 5 };
-        report("ISO 18571, alike", n, least(runs, || iso18571(black_box(&test), black_box(&model), &options)), pass);
+        let rated = figure("ISO/TS 18571, alike", test.samples(), || iso18571(&test, black_box(&model), &options));
+        if n == 10_000 { rated.aim(0.1, "Python package 24 s") } else { rated }.print();
         // Nothing in noise aligns: hardly a cell of the warping band can be left out.
         let noise = Sampled::new(0.0, 1e-4, resultant(n).iter().map(|a| (a * 7919.0) % 50.0 - 25.0).collect());
         let Ok(noise) = noise else { return };
         if n <= 100_000 {
-            report(
-                "ISO 18571, noise (worst)",
-                n,
-                least(runs, || iso18571(black_box(&test), black_box(&noise), &options)),
-                pass,
-            );
+            let work = || iso18571(&test, black_box(&noise), &options);
+            figure("ISO/TS 18571, noise (worst)", test.samples(), work).print();
         }
         if let Some(peak) = peak_memory() {
             println!("    peak memory of the process so far: {peak}");
@@ -111,24 +77,23 @@ fn main() {
             break;
         }
         let samples = resultant(n);
-        let pass = memory_pass(&samples);
-        let signal: Signal<Acceleration> = match Sampled::new(0.0, 1e-4, samples) {
-            Ok(signal) => signal.into(),
+        let signal = match Sampled::new(0.0, 1e-4, samples) {
+            Ok(signal) => Signal::<Acceleration>::from(signal),
             Err(error) => {
                 eprintln!("error: {error}");
                 return;
             }
         };
-        let runs = if n > 1_000_000 { 3 } else { 20 };
-        report("HIC15, pruned", n, least(runs, || hic(black_box(&signal), HIC15_WINDOW_S)), pass);
+        let pruned = figure("HIC15", signal.samples(), || hic(black_box(&signal), HIC15_WINDOW_S));
+        if n == 10_000 { pruned.aim(0.3e-3, "numpy 1.1 ms") } else { pruned }.print();
         if n <= 1_000_000 {
-            report("HIC15, all pairs", n, least(3, || hic_all_pairs(black_box(&signal), HIC15_WINDOW_S)), pass);
+            figure("HIC15, all pairs", signal.samples(), || hic_all_pairs(&signal, HIC15_WINDOW_S)).print();
         }
     }
     // Many windows that are nearly equal.
     let plateau = Signal::new(0.0, 1e-4, (0..10_000).map(|k| 600.0 + 1e-5 * f64::from(k % 7)).collect());
     if let Ok(plateau) = plateau {
-        let pass = memory_pass(plateau.samples());
-        report("HIC15, pruned, plateau (worst)", 10_000, least(20, || hic(black_box(&plateau), HIC15_WINDOW_S)), pass);
+        let worst = || hic(black_box(&plateau), HIC15_WINDOW_S);
+        figure("HIC15, plateau (worst)", plateau.samples(), worst).aim(0.3e-3, "").print();
     }
 }

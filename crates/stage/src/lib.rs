@@ -36,4 +36,4 @@ pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_nam
 pub use names::{ChainStage, chain, errors_in_words, nearest, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
 pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};
-pub use typed::{IN_RUN, Way, by_way, flag, option, program};
+pub use typed::{IN_RUN, OF_ARTIFACT, Way, by_way, flag, option, program};

@@ -1,10 +1,12 @@
 //! Lines and progress on stderr.
 
 use std::borrow::Cow;
+use std::ffi::OsStr;
 use std::fmt::Display;
 use std::fs;
 use std::io::{self, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -159,14 +161,31 @@ pub fn to_stdout(text: &[u8]) -> anyhow::Result<()> {
     }
 }
 
+/// Words of this call that would break a line, and names of files made of them, each with how it is spelled out.
+static BREAKING: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
+    let words = std::env::args_os().map(PathBuf::from).filter(|word| word.to_string_lossy().contains('\n'));
+    let names = |word: PathBuf| [Some(word.as_os_str()), word.file_name(), word.file_stem()].map(|n| n.map(lossy));
+    let spelled = |name: String| (name.clone(), name.replace('\n', "\\n"));
+    words.flat_map(names).flatten().filter(|name| name.contains('\n')).map(spelled).collect()
+});
+
+fn lossy(text: &OsStr) -> String {
+    text.to_string_lossy().into_owned()
+}
+
 /// The text with everything in it spelled out that a terminal would obey: control characters other than line ends and
-/// tabs, and marks that turn the direction of writing. Titles and names come from files.
+/// tabs, marks that turn the direction of writing, and line ends of names that were typed. Titles and names come from
+/// files.
 pub fn printable(text: &str) -> Cow<'_, str> {
+    let mut text = Cow::Borrowed(text);
+    for (name, spelled) in &*BREAKING {
+        text = text.replace(name, spelled).into();
+    }
     let commands = |c: char| {
         (c.is_control() && !matches!(c, '\n' | '\t')) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
     };
     if !text.contains(commands) {
-        return Cow::Borrowed(text);
+        return text;
     }
     text.chars().map(|c| if commands(c) { c.escape_default().to_string() } else { c.to_string() }).collect()
 }

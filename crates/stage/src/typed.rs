@@ -39,13 +39,16 @@ pub fn by_way<'a>(alone: &'a str, within: &'a str) -> &'a str {
     if way() == Way::Alone { alone } else { within }
 }
 
+/// Commands of `crumple artifact` that are commands of `crumple` too.
+pub const OF_ARTIFACT: [&str; 4] = ["show", "notes", "curve", "check"];
+
 /// A program with its first words: `crumple-filter`, `crumple filter`. What `crumple artifact` shows of a file is a
 /// command of its own there.
 pub fn program(words: &str) -> String {
     match way() {
         Way::Alone => format!("crumple-{words}"),
         _ => {
-            let of_artifact = |rest: &&str| ["show", "notes", "curve"].iter().any(|word| rest.starts_with(word));
+            let of_artifact = |rest: &&str| OF_ARTIFACT.iter().any(|word| rest.starts_with(word));
             format!("crumple {}", words.strip_prefix("artifact ").filter(of_artifact).unwrap_or(words))
         }
     }

@@ -2,7 +2,6 @@
 //! `cargo bench -p crumple-sysid`.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use crumple_numerics::lti::{StateSpace, discretize_first_order_hold};
 use crumple_sysid::{
@@ -10,31 +9,12 @@ use crumple_sysid::{
     Start, Stop, Subspace, SubspaceOptions, TransferFunctionOptions, Weighting, arx, output_error,
     transfer_function_fit,
 };
+use crumple_testkit::benchmark::{Figure, best_s, memory_pass_s};
 use nalgebra::{DMatrix, DVector};
 
-/// Shortest of several runs, ten times as many as asked for where they are short: what else runs on the machine only
-/// adds.
-fn shortest(runs: usize, mut work: impl FnMut()) -> Duration {
-    let mut best = Duration::MAX;
-    let mut run = 0;
-    while run < runs || (run < 10 * runs && best < Duration::from_millis(50)) {
-        let start = Instant::now();
-        work();
-        best = best.min(start.elapsed());
-        run += 1;
-    }
-    best
-}
-
-fn line(name: &str, aim: &str, time: Duration, data: &[f64]) {
-    let mut copy = data.to_vec();
-    let pass = shortest(9, || {
-        copy.copy_from_slice(black_box(data));
-        black_box(&mut copy);
-    });
-    let ratio = time.as_secs_f64() / pass.as_secs_f64();
-    let aim = if aim.is_empty() { String::new() } else { format!(", aim {aim}") };
-    println!("{name:<58}{time:>12.3?}{aim} ({ratio:.0} x memory pass of {pass:.3?})");
+/// One figure beside a memory pass over the same data.
+fn figure(name: &str, seconds: f64, data: &[f64]) -> Figure {
+    Figure::new(name, seconds, memory_pass_s(data))
 }
 
 /// Peak of resident memory while something is done, MiB above what was there before; where the system tells it.
@@ -57,15 +37,16 @@ fn noise(k: usize) -> f64 {
 
 fn era_times() {
     let wave = |t: f64| (-30.0 * t).exp() * (60.0 * t).sin() + 0.2 * (-12.0 * t).exp() * (400.0 * t).cos();
-    for (samples, aim) in [(2501, "2 ms"), (10_001, "6 ms")] {
+    for (samples, aim_s, peer) in [(2501, 2e-3, "scipy 3.5 ms"), (10_001, 6e-3, "")] {
         for (kind, level) in [("clean", 0.0), ("1 % noise", 0.01)] {
             let record: Vec<f64> = (0..samples).map(|k| wave(k as f64 * 1e-4) + level * noise(k)).collect();
-            let time = shortest(9, || {
+            let time = best_s(|| {
                 let model = Era::new(&record, EraOptions::new(1e-4), &[Order::Given(4)])
                     .and_then(|era| era.realize(Order::Given(4)));
                 black_box(model).ok();
             });
-            line(&format!("era order 4, {samples} samples, {kind}"), aim, time, &record);
+            let name = format!("ERA order 4, {samples} samples, {kind}");
+            figure(&name, time, &record).aim(aim_s, peer).print();
         }
     }
     for samples in [25_001, 100_001, 400_001] {
@@ -84,20 +65,14 @@ fn era_times() {
         }
     }
     // The larger of the named sizes, 5000 x 5000, takes minutes and a fifth of a GiB.
-    for (size, runs) in [(400, 3), (1250, 1)] {
+    for size in [400, 1250] {
         let record: Vec<f64> = (0..=2 * size).map(|k| wave(k as f64 * 1e-4) + 0.01 * noise(k)).collect();
         let once = || {
             let h = DMatrix::from_fn(size, size, |i, j| record[1 + i + j]);
             black_box(h.svd(true, true));
         };
-        let time = if runs == 1 {
-            let start = Instant::now();
-            once();
-            start.elapsed()
-        } else {
-            shortest(runs, once)
-        };
-        line(&format!("    naive: dense SVD of {size} x {size} ({} samples)", 2 * size + 1), "", time, &record);
+        let time = best_s(once);
+        figure(&format!("    naive: dense SVD of {size} x {size} ({} samples)", 2 * size + 1), time, &record).print();
     }
 }
 
@@ -116,31 +91,31 @@ fn arx_data(samples: usize) -> IoData {
 
 fn arx_times() {
     let data = arx_data(1_000_000);
-    let time = shortest(5, || {
+    let time = best_s(|| {
         black_box(arx(&data, ArxOrder { na: 4, nb: 4, nk: 1 })).ok();
     });
-    line("arx (4,4,1), 10^6 samples", "20 ms", time, &data.outputs()[0]);
+    figure("ARX (4,4,1), 10^6 samples", time, &data.outputs()[0]).aim(20e-3, "").print();
     let (y, u) = (&data.outputs()[0], &data.inputs()[0]);
-    let time = shortest(3, || {
+    let time = best_s(|| {
         let regressors = DMatrix::from_fn(y.len() - 4, 8, |i, j| if j < 4 { y[i + 3 - j] } else { u[i + 7 - j] });
         let qr = regressors.qr();
         black_box(qr.r().solve_upper_triangular(&qr.q().tr_mul(&DVector::from_column_slice(&y[4..]))));
     });
-    line("    naive: whole matrix by QR, 10^6 samples", "", time, y);
+    figure("    naive: whole matrix by QR, 10^6 samples", time, y).print();
 }
 
 fn subspace_times() {
     let data = arx_data(10_000);
     for weighting in Weighting::ALL {
         let options = SubspaceOptions { weighting, block_rows: 8, direct: true };
-        let time = shortest(9, || {
+        let time = best_s(|| {
             black_box(Subspace::new(&data, options).and_then(|subspace| subspace.realize(4))).ok();
         });
         let name = format!("{} order 4, 8 block rows, 10^4 samples", weighting.name());
-        line(&name, "2 ms", time, &data.outputs()[0]);
+        figure(&name, time, &data.outputs()[0]).aim(2e-3, "").print();
     }
     let (y, u) = (&data.outputs()[0], &data.inputs()[0]);
-    let time = shortest(3, || {
+    let time = best_s(|| {
         let rows = y.len() - 15;
         let hankel = DMatrix::from_fn(rows, 32, |k, j| match j {
             0..8 => u[k + j + 8],
@@ -149,7 +124,7 @@ fn subspace_times() {
         });
         black_box(hankel.qr().r());
     });
-    line("    naive: block Hankel matrix formed, dense QR alone", "", time, y);
+    figure("    naive: block Hankel matrix formed, dense QR alone", time, y).print();
 }
 
 fn era_sensor_times() {
@@ -157,13 +132,13 @@ fn era_sensor_times() {
     let sensors: Vec<Vec<f64>> = (0..4)
         .map(|s| (0..2501).map(|k| wave((k + 20 * s) as f64 * 1e-4) + 0.01 * noise(k + 9 * s)).collect())
         .collect();
-    let time = shortest(5, || {
+    let time = best_s(|| {
         let markov = MarkovParameters::new(sensors.iter().map(Vec::as_slice).collect(), 1);
         let order = Order::Given(4);
         black_box(markov.and_then(|markov| Era::from_markov(markov, EraOptions::new(1e-4), &[order])?.realize(order)))
             .ok();
     });
-    line("era order 4, 4 sensors of 2501 samples, 1 % noise", "", time, &sensors[0]);
+    figure("ERA order 4, 4 sensors of 2501 samples, 1 % noise", time, &sensors[0]).print();
 }
 
 fn okid_times() {
@@ -172,14 +147,14 @@ fn okid_times() {
         ("20 lags", Lags::Given(20)),
         ("lags by AICc of 1 to 20", Lags::Best { highest: 20, criterion: Criterion::Aicc }),
     ] {
-        let time = shortest(9, || {
+        let time = best_s(|| {
             let model = Okid::new(&data, OkidOptions::new(lags)).and_then(|okid| okid.realize(Order::Given(4)));
             black_box(model).ok();
         });
-        line(&format!("okid order 4, {name}, 10^4 samples"), "2 ms", time, &data.outputs()[0]);
+        figure(&format!("OKID order 4, {name}, 10^4 samples"), time, &data.outputs()[0]).aim(2e-3, "").print();
     }
     let (y, u) = (&data.outputs()[0], &data.inputs()[0]);
-    let time = shortest(3, || {
+    let time = best_s(|| {
         let regressors = DMatrix::from_fn(y.len() - 20, 41, |i, j| match j {
             0 => u[i + 20],
             j if j % 2 == 1 => u[i + 20 - j.div_ceil(2)],
@@ -189,7 +164,7 @@ fn okid_times() {
         let qr = regressors.qr();
         black_box(qr.r().solve_upper_triangular(&qr.q().tr_mul(&target)));
     });
-    line("    naive: whole matrix by QR, the regression alone", "", time, y);
+    figure("    naive: whole matrix by QR, the regression alone", time, y).print();
 }
 
 fn transfer_function_times() {
@@ -211,29 +186,28 @@ fn transfer_function_times() {
     let data = IoData::single(u, y, dt).expect("a finite record");
     let options = TransferFunctionOptions::new(4, 1);
     let mut evaluations = 0;
-    let whole = shortest(5, || {
+    let whole = best_s(|| {
         evaluations = transfer_function_fit(&data, &options).map_or(0, |fit| fit.search.evaluations);
     });
-    line(&format!("tfest 4/1, 2001 samples, whole fit, {evaluations} evaluations"), "50 ms", whole, &data.outputs()[0]);
+    figure(&format!("tfest 4/1, 2001 samples, whole fit, {evaluations} evaluations"), whole, &data.outputs()[0])
+        .aim(50e-3, "")
+        .print();
     let fit = transfer_function_fit(&data, &options).expect("the fit timed before");
     let near: Vec<_> = fit.modes.iter().map(|mode| mode.pole * 1.05).collect();
     let one = TransferFunctionOptions { starts: Vec::new(), given: vec![near], ..options.clone() };
-    let time = shortest(9, || {
+    let time = best_s(|| {
         evaluations = transfer_function_fit(&data, &one).map_or(0, |fit| fit.search.iterations.into());
     });
-    line(
-        &format!("tfest 4/1, one refinement, {evaluations} iterations, with covariance"),
-        "1 ms",
-        time,
-        &data.outputs()[0],
-    );
+    figure(&format!("tfest 4/1, one refinement, {evaluations} iterations, with covariance"), time, &data.outputs()[0])
+        .aim(1e-3, "scipy 5.6 ms")
+        .print();
     naive_iteration(&data, &fit.state_space);
     for start in [Start::Svf, Start::Iv, Start::N4sid] {
         let one = TransferFunctionOptions { starts: vec![start], ..options.clone() };
-        let time = shortest(5, || {
+        let time = best_s(|| {
             black_box(transfer_function_fit(&data, &one)).ok();
         });
-        line(&format!("tfest 4/1, start {} alone", start.name()), "", time, &data.outputs()[0]);
+        figure(&format!("tfest 4/1, start {} alone", start.name()), time, &data.outputs()[0]).print();
     }
 }
 
@@ -250,7 +224,7 @@ fn naive_iteration(data: &IoData, model: &StateSpace) {
         }
         discretize_first_order_hold(&model, dt).and_then(|held| held.response(u, &start)).unwrap_or_default()
     };
-    let time = shortest(5, || {
+    let time = best_s(|| {
         let rest = simulate(0, 0.0);
         let columns: Vec<Vec<f64>> =
             (0..10).map(|k| simulate(k, 1e-6).iter().zip(&rest).map(|(a, b)| (a - b) / 1e-6).collect()).collect();
@@ -258,26 +232,26 @@ fn naive_iteration(data: &IoData, model: &StateSpace) {
         let target = DVector::from_iterator(y.len(), y.iter().zip(&rest).map(|(y, yh)| y - yh));
         black_box(jacobian.svd(true, true).solve(&target, 1e-12)).ok();
     });
-    line("    naive: one step, ten unknowns by differences, SVD", "", time, y);
+    figure("    naive: one step, ten unknowns by differences, SVD", time, y).print();
 }
 
 fn output_error_times() {
     let data = arx_data(1000);
     let whole = OutputErrorOptions::new(4);
-    let time = shortest(3, || {
+    let time = best_s(|| {
         black_box(output_error(&data, whole)).ok();
     });
-    line("output error order 4, 1000 samples, all starts", "", time, &data.outputs()[0]);
+    figure("output error order 4, 1000 samples, all starts", time, &data.outputs()[0]).print();
     // The continuous starts of output error are those of tfest by refined instrumental variables.
     let options = TransferFunctionOptions {
         starts: vec![Start::Iv],
         stop: Stop { max_iterations: 0, ..Stop::default() },
         ..TransferFunctionOptions::new(4, 4)
     };
-    let time = shortest(3, || {
+    let time = best_s(|| {
         black_box(transfer_function_fit(&data, &options)).ok();
     });
-    line("    of it: starts by refined instrumental variables", "", time, &data.outputs()[0]);
+    figure("    of it: starts by refined instrumental variables", time, &data.outputs()[0]).print();
 }
 
 fn main() {

@@ -1,53 +1,208 @@
-//! Benchmarks: how long something takes.
+//! Benchmarks: how long something takes, and the tables of docs/performance.md.
 
+use std::fs::{self, OpenOptions};
 use std::hint::black_box;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
 
 /// Longest time spent on repeating one measurement.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Most repetitions.
 const MOST_RUNS: usize = 200;
-/// Fewest repetitions.
+/// Fewest repetitions, of work that takes less than [`PATIENCE`].
 const FEWEST_RUNS: usize = 5;
+/// Work of microseconds is repeated for so long as one measurement.
+const SHORTEST: Duration = Duration::from_micros(500);
+/// Names the file that collects the figures: `just bench` sets it.
+const COLLECTED: &str = "CRUMPLE_BENCH";
 
-/// Shortest time of some runs of `work`, ms. What it returns is used, so that the work is not left out; whatever is
-/// allocated or freed inside counts.
-pub fn best_ms<T>(mut work: impl FnMut() -> T) -> f64 {
+/// Shortest time of some runs of `work`, s: what else runs on the machine only adds. What it returns is used, so that
+/// the work is not left out; whatever is allocated or freed inside counts.
+pub fn best_s<T>(mut work: impl FnMut() -> T) -> f64 {
     let started = Instant::now();
-    let mut best = f64::INFINITY;
-    for run in 0..MOST_RUNS {
-        if run >= FEWEST_RUNS && started.elapsed() > PATIENCE {
+    black_box(work());
+    let first = started.elapsed();
+    let calls = (SHORTEST.as_secs_f64() / first.as_secs_f64()).clamp(1.0, 1e5) as u32;
+    let mut best = first;
+    for run in 1..MOST_RUNS {
+        if started.elapsed() > PATIENCE && (run >= FEWEST_RUNS || first > PATIENCE) {
             break;
         }
         let start = Instant::now();
-        let result = black_box(work());
-        best = best.min(start.elapsed().as_secs_f64() * 1e3);
+        let result = (0..calls).map(|_| black_box(work())).last();
+        best = best.min(start.elapsed() / calls);
         drop(result);
     }
-    best
+    best.as_secs_f64()
 }
 
-/// The same for work of microseconds: as many calls in a row as take half a millisecond are one measurement, and the
-/// shortest time of one call is given, µs. The shortest, because whatever else runs on the machine can only add to a
-/// time.
-pub fn best_us(mut work: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    work();
-    let calls = (5e-4 / start.elapsed().as_secs_f64()).clamp(1.0, 1e5) as u32;
-    let best = best_ms(|| (0..calls).for_each(|_| work()));
-    1e3 * best / f64::from(calls)
-}
-
-/// A plain memory pass over samples: each is read and written to a buffer that is there already, ms.
-pub fn memory_pass_ms(samples: &[f64]) -> f64 {
+/// A plain memory pass over samples: each is read and written to a buffer that is there already, s.
+pub fn memory_pass_s<T: Copy>(samples: &[T]) -> f64 {
     let mut copy = samples.to_vec();
-    best_ms(|| {
+    best_s(|| {
         copy.copy_from_slice(black_box(samples));
         black_box(copy[samples.len() / 2])
     })
 }
 
-/// Prints one measurement: what, its time, its time over that of the memory pass.
-pub fn print_line(what: &str, ms: f64, pass_ms: f64) {
-    println!("{what:<58} {ms:>10.3} ms {:>8.1} x memory pass ({pass_ms:.3} ms)", ms / pass_ms);
+/// One measurement.
+#[derive(Debug, Deserialize, Serialize)]
+pub struct Figure {
+    pub work: String,
+    pub seconds: f64,
+    /// A memory pass over the same data.
+    pub pass_s: f64,
+    /// What it should take at most; such figures stand in docs/performance.md.
+    pub aim_s: Option<f64>,
+    /// What another program takes, measured elsewhere.
+    pub peer: Option<String>,
+}
+
+impl Figure {
+    pub fn new(work: impl Into<String>, seconds: f64, pass_s: f64) -> Self {
+        Self { work: work.into(), seconds, pass_s, aim_s: None, peer: None }
+    }
+
+    pub fn aim(mut self, seconds: f64, peer: &str) -> Self {
+        self.aim_s = Some(seconds);
+        self.peer = (!peer.is_empty()).then(|| peer.to_owned());
+        self
+    }
+
+    /// Prints it, and adds it to the file of `just bench`.
+    pub fn print(&self) {
+        let aim = self.aim_s.map_or_else(String::new, |aim| format!(", aim {}", duration(aim)));
+        let passes = self.seconds / self.pass_s;
+        println!("{:<62} {:>9} {passes:>9.1} x memory pass{aim}", self.work, duration(self.seconds));
+        if let Some(path) = std::env::var_os(COLLECTED) {
+            let mut line = serde_json::to_string(self).expect("numbers and texts");
+            line.push('\n');
+            let file = OpenOptions::new().create(true).append(true).open(path);
+            file.and_then(|mut file| file.write_all(line.as_bytes()))
+                .expect("the file of CRUMPLE_BENCH can be written");
+        }
+    }
+
+    fn row(&self) -> String {
+        let Self { work, seconds, pass_s, aim_s, peer } = self;
+        let aim = aim_s.map_or_else(String::new, duration);
+        let mark = if aim_s.is_some_and(|aim| *seconds > aim) { "**" } else { "" };
+        let (time, passes, peer) = (duration(*seconds), seconds / pass_s, peer.as_deref().unwrap_or(""));
+        format!("| {work} | {mark}{time}{mark} | {aim} | {passes:.0} | {peer} |\n")
+    }
+}
+
+/// A time with two digits.
+fn duration(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 1e-3 => (1e6 * s, "µs"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    let decimals = usize::from(value < 99.5) + usize::from(value < 9.95);
+    let decimals = decimals.saturating_sub(usize::from(value >= 9.95));
+    format!("{value:.decimals$} {unit}")
+}
+
+/// What a run of a record costs.
+struct Cost {
+    wall_s: f64,
+    cpu_s: f64,
+    peak_mib: f64,
+    folder_mb: f64,
+    again_s: f64,
+}
+
+/// Seconds of processors that ended children took.
+fn children_s() -> std::io::Result<f64> {
+    let stat = fs::read_to_string("/proc/self/stat")?;
+    let fields = stat.rsplit(") ").next().unwrap_or_default();
+    // Fields 16 and 17 of proc(5), the third is the first here; in hundredths of a second.
+    Ok(fields.split(' ').skip(13).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0)
+}
+
+/// Runs `crumple run` so many times in a new folder, and once where it is up to date.
+fn cost(crumple: &Path, record: &Path, times: u32) -> std::io::Result<Cost> {
+    let folder = std::env::temp_dir().join(format!("crumple-bench-{}", std::process::id()));
+    let mut cost = Cost { wall_s: f64::INFINITY, cpu_s: 0.0, peak_mib: 0.0, folder_mb: 0.0, again_s: f64::INFINITY };
+    let mut run = || -> std::io::Result<f64> {
+        let start = Instant::now();
+        let mut command = Command::new(crumple);
+        let mut child =
+            command.arg("run").arg(record).arg("-q").arg("-o").arg(&folder).stderr(Stdio::null()).spawn()?;
+        let status = format!("/proc/{}/status", child.id());
+        while child.try_wait()?.is_none() {
+            let text = fs::read_to_string(&status).unwrap_or_default();
+            let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            let kib = peak.and_then(|peak| peak.trim().trim_end_matches(" kB").parse::<f64>().ok()).unwrap_or(0.0);
+            cost.peak_mib = cost.peak_mib.max(kib / 1024.0);
+            std::thread::sleep(Duration::from_micros(300));
+        }
+        Ok(start.elapsed().as_secs_f64())
+    };
+    let before = children_s()?;
+    for _ in 0..times {
+        let _ = fs::remove_dir_all(&folder);
+        cost.wall_s = cost.wall_s.min(run()?);
+    }
+    cost.cpu_s = (children_s()? - before) / f64::from(times);
+    for _ in 0..times {
+        cost.again_s = cost.again_s.min(run()?);
+    }
+    for entry in fs::read_dir(&folder)? {
+        cost.folder_mb += entry?.metadata()?.len() as f64 / 1e6;
+    }
+    fs::remove_dir_all(&folder)?;
+    Ok(cost)
+}
+
+/// One made crash of a quarter of a second at a rate, as a table.
+fn made_crash(rate_hz: f64) -> String {
+    let mut text = String::from("# mass: 1200 kg\n# impact speed: 50 km/h\ntime_s,accel_g\n");
+    let end = (0.25 * rate_hz) as usize;
+    for k in 0..=end {
+        let t = k as f64 / rate_hz;
+        let pulse = if t < 0.11 { -20.5 * (std::f64::consts::PI * t / 0.11).sin() } else { 0.0 };
+        let ripple = 2.0 * (400.0 * t).sin() * (-20.0 * t).exp();
+        text.push_str(&format!("{t:.8},{:.6}\n", pulse + ripple));
+    }
+    text
+}
+
+/// The lines of docs/performance.md that stand around its tables.
+pub const BEGIN: &str = "<!-- just bench writes these tables -->\n";
+pub const END: &str = "<!-- end of the tables -->";
+
+/// The tables of docs/performance.md: whole runs of fixtures and of one crash at several rates, and the figures with an
+/// aim that the benchmarks collected.
+pub fn tables(crumple: &Path, figures: &[Figure]) -> std::io::Result<String> {
+    let cpu = fs::read_to_string("/proc/cpuinfo")?;
+    let cpu = cpu.lines().find_map(|line| line.strip_prefix("model name\t: ")).unwrap_or("unknown processor");
+    let cores = std::thread::available_parallelism()?;
+    let mut text = format!("Machine: {cpu}, {cores} cores.\n\n");
+    text +=
+        "| record | samples | wall | CPU | peak memory | folder | nothing changed |\n|---|---|---|---|---|---|---|\n";
+    let mut row = |name: &str, record: &Path, samples: usize| -> std::io::Result<()> {
+        let Cost { wall_s, cpu_s, peak_mib, folder_mb, again_s } = cost(crumple, record, 15)?;
+        let (wall, cpu, again) = (duration(wall_s), duration(cpu_s), duration(again_s));
+        text += &format!("| {name} | {samples} | {wall} | {cpu} | {peak_mib:.0} MiB | {folder_mb:.1} MB | {again} |\n");
+        Ok(())
+    };
+    for fixture in ["kelvin", "elastoplastic", "double", "noisy"] {
+        let record = crate::workspace().join("fixtures").join(fixture).join("crash.csv");
+        row(&format!("fixture `{fixture}`"), &record, 2501)?;
+    }
+    let record = std::env::temp_dir().join(format!("crumple-bench-{}.csv", std::process::id()));
+    for (name, rate_hz) in [("10 kHz", 1e4), ("100 kHz", 1e5), ("1 MHz", 1e6), ("4 MHz", 4e6)] {
+        fs::write(&record, made_crash(rate_hz))?;
+        row(&format!("one crash at {name}"), &record, (0.25 * rate_hz) as usize + 1)?;
+    }
+    fs::remove_file(&record)?;
+    text += "\n| work | time | aim | memory passes | peer |\n|---|---|---|---|---|\n";
+    figures.iter().filter(|figure| figure.aim_s.is_some()).for_each(|figure| text += &figure.row());
+    Ok(text)
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use crumple_testkit::benchmark as performance;
 use crumple_testkit::bytes::{Difference, compare, write_digests};
 use crumple_testkit::fixture::fixtures;
 use crumple_testkit::fuzz::{Campaign, Tally, run_campaign};
@@ -69,6 +70,13 @@ enum Command {
         /// Records that cannot be read
         #[arg(default_value_t = 0)]
         broken: usize,
+    },
+    /// Times whole runs, and writes them and the figures of the kernels into docs/performance.md
+    Performance {
+        #[command(flatten)]
+        programs: Programs,
+        /// What the benchmarks collected
+        figures: PathBuf,
     },
     /// How far predictions of other tests are off, as Markdown
     PredictionBenchmark(PredictionBenchmark),
@@ -209,11 +217,26 @@ fn run(command: Command) -> Result<bool, Failure> {
             write_fleet(&folder, records, broken, SEED).map_err(|error| format!("{}: {error}", folder.display()))?;
             Ok(true)
         }
+        Command::Performance { programs, figures } => write_performance(&programs.bin, &figures),
         Command::PredictionBenchmark(asked) => prediction_benchmark(&asked),
         Command::Truth { programs, cars, short, name } => {
             hold_against_truth(&programs.bin, if short { Extent::Short } else { Extent::Long(cars) }, &name)
         }
     }
+}
+
+/// Writes what stands between two comments of docs/performance.md.
+fn write_performance(bin: &Path, figures: &Path) -> Result<bool, Failure> {
+    let lines = std::fs::read_to_string(figures)?;
+    let figures = lines.lines().map(serde_json::from_str).collect::<Result<Vec<_>, _>>()?;
+    let path = workspace().join("docs/performance.md");
+    let page = std::fs::read_to_string(&path)?;
+    let (head, rest) = page.split_once(performance::BEGIN).ok_or("docs/performance.md: the begin of the tables")?;
+    let (_, foot) = rest.split_once(performance::END).ok_or("docs/performance.md: the end of the tables")?;
+    let tables = performance::tables(&bin.join("crumple"), &figures)?;
+    let (begin, end) = (performance::BEGIN, performance::END);
+    std::fs::write(&path, format!("{head}{begin}\n{tables}{end}{foot}"))?;
+    Ok(true)
 }
 
 /// Whether a name has one of these parts, or none is asked for.

@@ -1,4 +1,4 @@
-//! Finds the first NaN or infinity in a value, by walking it as a serialiser.
+//! Finds the first number that is not finite, or too large, in a value, by walking it as a serialiser.
 //!
 //! serde_json writes NaN as `null`, which reads back as "unknown" or not at all; so it must be caught before.
 
@@ -6,7 +6,12 @@ use serde::ser::{self, Serialize};
 
 /// Path and value of the first number of `value` that is not finite.
 pub(crate) fn first_non_finite<T: Serialize + ?Sized>(value: &T) -> Option<(String, f64)> {
-    let mut walk = Walk { path: Vec::new() };
+    first_beyond(value, f64::MAX)
+}
+
+/// Path and value of the first number of `value` that is not within plus and minus a limit.
+pub(crate) fn first_beyond<T: Serialize + ?Sized>(value: &T, limit: f64) -> Option<(String, f64)> {
+    let mut walk = Walk { path: Vec::new(), limit };
     match value.serialize(&mut walk) {
         Err(Stop::Found(path, value)) => Some((path, value)),
         Ok(()) | Err(Stop::Other) => None,
@@ -15,6 +20,7 @@ pub(crate) fn first_non_finite<T: Serialize + ?Sized>(value: &T) -> Option<(Stri
 
 struct Walk {
     path: Vec<Step>,
+    limit: f64,
 }
 
 /// From a container to a value in it. Most walks find nothing, so that steps become text at the end.
@@ -110,7 +116,7 @@ impl<'a> ser::Serializer for &'a mut Walk {
     }
 
     fn serialize_f64(self, value: f64) -> Result<(), Stop> {
-        if value.is_finite() { Ok(()) } else { Err(Stop::Found(self.place(), value)) }
+        if value.abs() <= self.limit { Ok(()) } else { Err(Stop::Found(self.place(), value)) }
     }
 
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<(), Stop> {

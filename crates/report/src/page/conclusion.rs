@@ -15,9 +15,8 @@ pub(super) fn write_status(out: &mut String, verdict: &Conclusion) {
         Some(Status::DoNotUse) | None => "bad",
     };
     let word = format!("<strong>{}</strong>", verdict.status.map_or("", Status::word));
-    let template = PHRASES.conclusion.status;
-    let sentence = fill(template, &[("status", word), ("reason", html(&verdict.because))]);
-    out.push_str(&format!("<p class=\"status {class}\">{sentence}</p>\n"));
+    let reason = html(&verdict.because);
+    out.push_str(&format!("<p class=\"status {class}\">{word}<span>: </span>{reason}.</p>\n"));
 }
 
 /// What happened and what to use; without a result a bar that says what to do.

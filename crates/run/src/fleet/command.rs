@@ -42,7 +42,8 @@ pub struct Options {
     pub(crate) name: Option<String>,
 
     /// Folder of the fleet, instead of one below `runs/fleet/` of the project.
-    #[arg(long, value_name = "FOLDER", default_value = "", allow_hyphen_values = true, overrides_with = "out")]
+    #[arg(short = 'o', long, alias = "output", value_name = "FOLDER", default_value = "", allow_hyphen_values = true)]
+    #[arg(overrides_with = "out")]
     pub(crate) out: OsString,
 
     /// Part K of N of the records, for a cluster; the name of a record decides its part. Writes no tables.
@@ -65,6 +66,10 @@ pub struct Options {
     /// No line about the runs on stderr.
     #[arg(short, long)]
     pub(crate) quiet: bool,
+
+    /// Compute even what is up to date.
+    #[arg(long)]
+    pub(crate) force: bool,
 
     /// Folder with `pipelines/` and `runs/`.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
@@ -122,7 +127,8 @@ impl Options {
     /// Flags for every stage.
     pub(crate) fn flags(&self) -> String {
         let compress = self.compress.as_ref().map_or_else(String::new, |kind| format!(" --compress {kind}"));
-        format!("{}{compress}", self.flags)
+        let force = if self.force { " --force" } else { "" };
+        format!("{}{compress}{force}", self.flags)
     }
 
     /// Flags of the report of a run in this folder below that of the fleet.

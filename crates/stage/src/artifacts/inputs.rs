@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, TestV1};
+use crumple_artifact::records::{ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, MetricsV2, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::{
     Acceleration, BeforeEvent, IntegrationRule, Measurement, QuantityKind, Sampled, TestDescription, TwoPassFilter,
@@ -133,6 +133,27 @@ fn was_made_from_another(artifact: &Artifact, earlier: &Artifact) -> bool {
     of_stage.peek().is_some() && of_stage.all(|input| !input.digest.is_empty() && input.digest != earlier.digest())
 }
 
+/// How far two numbers of one thing may differ: programs of others may print four digits of one of them.
+const SAME_CRUSH: f64 = 1e-3;
+
+/// Refuses an artifact whose events have another dynamic crush than its metrics.
+fn refuse_two_crushes(artifact: &Artifact) -> anyhow::Result<()> {
+    let events = artifact.record::<EventsV1>("/events").map_err(Refused::from)?;
+    let metrics = artifact.record::<MetricsV2>("/metrics").map_err(Refused::from)?;
+    let (Some(events), Some(metrics)) = (events, metrics) else { return Ok(()) };
+    let of_metrics = metrics.metrics.iter().find(|m| m.name == "dynamic_crush" && m.channel == events.channel);
+    if let Some((crush, other)) = events.dynamic_crush_m.zip(of_metrics.and_then(|metric| metric.value))
+        && (crush - other).abs() > SAME_CRUSH * crush.abs().max(other.abs())
+    {
+        let path = artifact.path().display();
+        return Err(Refused::new(format!("{path}: the dynamic crush is {crush} m in /events, {other} m in /metrics"))
+            .expected("one dynamic crush")
+            .hint("run the stage that wrote it again with --force")
+            .into());
+    }
+    Ok(())
+}
+
 impl Inputs {
     /// The artifacts in the order of the pipeline.
     pub fn artifacts(&self) -> &[Artifact] {
@@ -142,6 +163,7 @@ impl Inputs {
     /// Two results of one stage, results of two tests, or results that were not made from each other, cannot be meant.
     fn refuse_a_mixture(&self) -> anyhow::Result<()> {
         let name = |artifact: &Artifact| artifact.path().display().to_string();
+        self.artifacts.iter().try_for_each(refuse_two_crushes)?;
         let tests = self.artifacts.iter().map(test_in).collect::<anyhow::Result<Vec<_>>>()?;
         let source = |test: &TestV1| Some(test.source.digest.clone()).filter(|digest| !digest.is_empty());
         for (k, a) in self.artifacts.iter().enumerate() {

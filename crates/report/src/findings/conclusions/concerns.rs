@@ -211,8 +211,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
             }
         }
     }
-    let beyond = run.predictions.iter().any(|p| p.recommended && p.extrapolates);
-    if let Some(crush_m) = run.tested_crush_m().filter(|_| beyond) {
+    if let Some(crush_m) = run.crush_left_behind_m(|p| p.recommended) {
         let text = fill(phrases.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
         found.push((About::Predictions, Weight::Slight, text));
     }

@@ -534,8 +534,8 @@ impl<'a> Text<'a> {
         let other = beside(self.run).filter(|other| other != reason);
         let other = other.map(|other| as_sentence(&self.because(&other)));
         few.or(other).or_else(|| {
-            let beyond = self.run.predictions.iter().any(|p| p.candidate == best.id && p.extrapolates);
-            let (tested_m, shown) = (self.run.tested_crush_m().filter(|_| beyond)?, (MILLI, 0, "mm"));
+            let tested_m = self.run.crush_left_behind_m(|p| p.candidate == best.id)?;
+            let shown = (MILLI, 0, "mm");
             let crush = match self.run.joint {
                 None => self.number("/events/dynamic_crush_m", tested_m, shown),
                 Some(_) => words::quantity(MILLI * tested_m, shown.1, shown.2),

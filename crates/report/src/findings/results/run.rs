@@ -409,6 +409,13 @@ impl Run {
         self.events.as_ref().and_then(|events| events.dynamic_crush_m).into_iter().chain(of_joint).reduce(f64::max)
     }
 
+    /// The tested crush, m, where a model goes beyond it in a prediction of this kind; a partner may extrapolate alone.
+    pub fn crush_left_behind_m(&self, is_meant: impl Fn(&PredictionV1) -> bool) -> Option<f64> {
+        let tested_m = self.tested_crush_m()?;
+        let is_beyond = |p: &PredictionV1| p.extrapolates && p.dynamic_crush_m.is_none_or(|crush_m| crush_m > tested_m);
+        self.predictions.iter().any(|p| is_meant(p) && is_beyond(p)).then_some(tested_m)
+    }
+
     /// The axis of the pulse, where it is another than that of the models, x.
     pub fn other_axis(&self) -> Option<Axis> {
         self.channel()?.axis.filter(|axis| *axis != Axis::X)
