@@ -5,6 +5,7 @@
 //! checked; provenance and a content digest travel with the data; the bytes depend on data and configuration alone.
 
 mod error;
+mod finite;
 mod json;
 mod layout;
 mod read;

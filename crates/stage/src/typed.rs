@@ -95,7 +95,7 @@ mod tests {
             texts(["crumple-filter --cfc none", "crumple-ingest --mass 873kg", "crumple-identify --real"]),
             texts(["crumple-artifact show", "crumple-artifact check", "crumple-filter"]),
         );
-        let programs = texts(["crumple show", "crumple artifact check", "crumple filter"]);
+        let programs = texts(["crumple show", "crumple check", "crumple filter"]);
         let within = texts(["crumple filter --cfc none", "crumple ingest --mass 873kg", "crumple identify --real"]);
         let in_run = texts(["--set filter.cfc=none", "--mass 873kg", "--set identify.real=true"]);
         assert_eq!(all(Way::Within), (within, programs.clone()));

@@ -229,6 +229,15 @@ fn no_file_of_another_kind_is_overwritten() {
     fs::write(&records, "topic,schema\n").unwrap();
     assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--force"]).code, 2);
     assert_eq!(fs::read(&records).unwrap(), b"topic,schema\n");
+
+    #[cfg(unix)]
+    {
+        let (waves, other) = (folder.path().join("plain/waves"), folder.path().join("other"));
+        fs::rename(&waves, &other).unwrap();
+        std::os::unix::fs::symlink(&other, &waves).unwrap();
+        let output = artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--force"]);
+        assert_eq!((output.code, output.stderr.contains("plain/waves is a link")), (2, true), "{}", output.stderr);
+    }
 }
 
 #[test]

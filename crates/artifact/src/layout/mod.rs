@@ -2,7 +2,6 @@
 
 pub mod codec;
 pub mod digest;
-pub mod finite;
 pub mod json_text;
 pub mod names;
 pub mod provenance;

@@ -8,8 +8,8 @@ use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
 
+use crate::finite::first_non_finite;
 use crate::layout::codec::Codec;
-use crate::layout::finite::first_non_finite;
 use crate::layout::json_text::to_json;
 use crate::layout::schema::{viewer_safe_schema, without_blanks};
 use crate::records::{

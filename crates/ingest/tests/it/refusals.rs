@@ -137,7 +137,11 @@ fn nonsense_values() {
     let (code, message) = run("a.csv", text.as_bytes(), &["--mass", "873"]);
     assert_eq!(code, 2, "{message}");
     assert!(message.contains("has no unit"), "{message}");
-    refused("a.csv", format!("# mass: 873\n{text}"), &STATED, &["a.csv, line 1: \"873\" has no unit"]);
+    for mass in ["873", "nan kg"] {
+        let text = format!("# mass: {mass}\n{text}");
+        refused("a.csv", &text, &["--impact-speed", "35km/h"], &[&format!("a.csv, line 1: \"{mass}\"")]);
+        assert_eq!(run("a.csv", text.as_bytes(), &STATED).0, 0, "a flag stands for the line");
+    }
     refused(
         "a.csv",
         &text,

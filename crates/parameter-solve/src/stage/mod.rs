@@ -81,9 +81,8 @@ impl Stage for ParameterSolve {
             out.put("/test", &TestV1::from(test))?;
         }
         let mass_kg = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
-        let identified = of_identified_models(settings, input, mass_kg, out)?;
-        warn_of_flags_without_effect(settings, &identified, out);
-        candidates.extend(identified);
+        candidates.extend(of_identified_models(settings, input, mass_kg, out)?);
+        warn_of_flags_without_effect(settings, &candidates, out);
         warn_of_bounds(&candidates, out);
         candidates.extend(fit_chains(settings, input, events.as_ref(), out)?);
         let channel = events.as_ref().map_or("", |events| &events.channel);
@@ -143,10 +142,12 @@ fn of_identified_models(
     Ok(candidates)
 }
 
-/// Warns of flags on uncertainty that have no effect on candidates that need no motion: these are never assessed.
-fn warn_of_flags_without_effect(settings: &StageSettings, identified: &[Candidate], out: &mut Output) {
+/// Warns of flags on uncertainty that have no effect on candidates that follow no motion. Of a fit whose assessment
+/// failed the notes say so.
+fn warn_of_flags_without_effect(settings: &StageSettings, candidates: &[Candidate], out: &mut Output) {
     let flags = settings.assessment.flags();
-    let unassessed: Vec<String> = identified.iter().map(Candidate::id).collect();
+    let unassessed = candidates.iter().filter(|candidate| candidate.assessed.is_none() && candidate.minimum.is_none());
+    let unassessed: Vec<String> = unassessed.map(Candidate::id).collect();
     if !flags.is_empty() && !unassessed.is_empty() {
         out.notes().warning(format!(
             "{} without effect on {}: only candidates from the events and the motion of the pulse are assessed",

@@ -167,7 +167,7 @@ fn assert_numbers_are_those_of_the_summary(run: &Run, names: &[&str]) -> Vec<Str
     assert_eq!(summary["verdict"]["status"], json!(said.status_reason.as_ref().unwrap().status()));
     let page = page_of(run);
     let top = &page[..page.find("<dl>").unwrap()];
-    let top = top.replace("<strong>", "").replace("</strong>", "");
+    let top = top.replace("<strong>", "").replace("</strong><span>: </span>", ": ");
     for sentence in said.sentences.iter().chain([&said.status_sentence]) {
         assert!(top.contains(&sentence.replace('\'', "&#39;")), "{sentence} stands on top of the page");
     }

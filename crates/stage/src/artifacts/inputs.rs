@@ -528,6 +528,26 @@ mod tests {
     }
 
     #[test]
+    fn events_and_metrics_have_one_dynamic_crush() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("3.mcap");
+        let problem = |of_metrics: f64| {
+            let mut builder = ArtifactBuilder::new();
+            let events = EventsV1 { channel: "93".to_owned(), dynamic_crush_m: Some(0.7), ..EventsV1::default() };
+            builder.put("/events", &events).unwrap();
+            let metric = serde_json::json!({"name": "dynamic_crush", "value": of_metrics, "unit": "m", "channel": "93",
+                "definition": ""});
+            put_json(&mut builder, "/metrics", MetricsV2::SCHEMA, serde_json::json!({"metrics": [metric]})).unwrap();
+            let provenance = Provenance::new("integrate", "0.1.0", "{}".into(), Vec::new());
+            builder.write(&path, &provenance, Compression::None).unwrap();
+            load_artifacts(std::slice::from_ref(&path)).err().map(|error| error.to_string())
+        };
+        assert_eq!(problem(0.7001), None, "four digits");
+        let two = problem(1.7).unwrap();
+        assert!(two.ends_with("3.mcap: the dynamic crush is 0.7 m in /events, 1.7 m in /metrics"), "{two}");
+    }
+
+    #[test]
     fn a_name_stands_before_the_path_of_its_test() {
         assert_eq!(named(Path::new("a:x/3.mcap")), Some(("a", Path::new("x/3.mcap"))));
         assert_eq!(path_of(Path::new("a:x/3.mcap")), Path::new("x/3.mcap"));

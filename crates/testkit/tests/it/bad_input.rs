@@ -84,6 +84,14 @@ fn bad_tables_are_refused_by_name() {
 }
 
 #[test]
+fn a_line_end_in_the_name_of_a_file_is_spelled_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("a\nerror: b.csv");
+    std::fs::write(&input, "time_s,accel_furlong\n0,1\n").unwrap();
+    assert_refused(&input, &["a\\nerror: b.csv"], &folder.path().join("out"));
+}
+
+#[test]
 fn an_ev5_without_its_signal_files_is_refused() {
     let Some(ev5) = shared("data/nhtsa-v10146-camry-frontal/v10146.EV5") else { return };
     let folder = tempfile::tempdir().unwrap();
