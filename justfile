@@ -159,10 +159,11 @@ test *args:
 
 # Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass, and of whole runs: writes the tables of docs/performance.md. With arguments (`just bench era`): kernels alone.
 [group('development')]
-bench *args: build
+bench *args:
     @mkdir -p target; rm -f target/bench.ndjson
     CRUMPLE_BENCH="$project/target/bench.ndjson" RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
-    [ $# -gt 0 ] || cargo run --quiet --release --package crumple-testkit -- performance --bin "$bin" target/bench.ndjson
+    [ $# -gt 0 ] || { CRUMPLE_PROFILE=release just build; \
+        cargo run --quiet --release --package crumple-testkit -- performance target/bench.ndjson; }
 
 # Of the whole workspace, as `just test` is: one package alone has other features of its dependencies, and all would be compiled twice.
 # Spelling, formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.

@@ -4,7 +4,7 @@
 single steps on arrays. All of them start the program `crumple`, which this package brings. Numbers are SI.
 """
 
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 
 from ._artifact import Artifact, Record, Wave, read, stage, write
 from ._kernels import LinearModel, Motion, arx, crush, era, filter_cfc, fit, n4sid, okid, simulate, tfest
@@ -17,4 +17,7 @@ __all__ = [
     "stage", "tfest", "together", "write",
 ]
 
-__version__ = version("crumple")
+try:
+    __version__ = version("crumple")
+except PackageNotFoundError:  # imported from its sources
+    __version__ = "0"

@@ -275,7 +275,8 @@ pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<
     }
     let put = |name: &str, kind: OutputKind, bytes: &[u8]| {
         let path = folder.join(name);
-        if let Some(link) = path.parent().filter(|inner| *inner != folder && inner.is_symlink()) {
+        let inside = path.ancestors().take_while(|inner| *inner != folder);
+        if let Some(link) = inside.into_iter().find(|inner| inner.is_symlink()) {
             return Err(Usage::new(format!("{} is a link", link.display()))
                 .hint("remove it, or give a new folder")
                 .into());

@@ -128,14 +128,14 @@ pub enum WriteError {
         /// What it said.
         source: mcap::McapError,
     },
-    /// A number is NaN or infinite.
-    #[error("record {topic}: {field} is {value}, only finite numbers may be written")]
-    NotFinite {
+    /// A number is NaN, infinite, or beyond what a crash can have.
+    #[error("record {topic}: {field} is {value}, {}", crate::finite::needed(*value))]
+    Impossible {
         /// The topic.
         topic: String,
         /// Path of the field inside the record.
         field: String,
-        /// NaN, inf or -inf.
+        /// The number.
         value: f64,
     },
     /// Two records under one topic.

@@ -18,6 +18,11 @@ pub(crate) fn first_beyond<T: Serialize + ?Sized>(value: &T, limit: f64) -> Opti
     }
 }
 
+/// What is needed where such a number stands.
+pub(crate) fn needed(value: f64) -> &'static str {
+    if value.is_finite() { "numbers of a crash stay below 1e15" } else { "a finite number is needed" }
+}
+
 struct Walk {
     path: Vec<Step>,
     limit: f64,

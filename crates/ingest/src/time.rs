@@ -334,7 +334,7 @@ pub fn scale(times: &mut [f64], factor: f64) {
 /// Level of the threshold rule, m/s^2 (0.5 g).
 const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
 /// Held for [`HOLD_S`] it changes the velocity by 106 km/h, over a crush of 44 mm: no structure of a vehicle does.
-const OF_NO_VEHICLE_M_PER_S2: f64 = 1e3 * STANDARD_GRAVITY_M_PER_S2;
+const IMPLAUSIBLE_M_PER_S2: f64 = 1e3 * STANDARD_GRAVITY_M_PER_S2;
 /// How long the level must be kept, s.
 const HOLD_S: f64 = 0.003;
 /// Difference from the record's time zero that is worth a note, s.
@@ -389,9 +389,14 @@ fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64, thresho
 
 /// A note if the smoothed pulse rises clearly before or after t = 0.
 pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
-    let crossing = |m_per_s2: f64| smoothed_crossing(pulse, zero_level.unwrap_or(0.0), m_per_s2);
-    if crossing(OF_NO_VEHICLE_M_PER_S2).is_some() {
-        let text = "the pulse exceeds 1000 g for 3 ms, as that of no vehicle does: check its channel and unit";
+    let zero_level = zero_level.unwrap_or(0.0);
+    let crossing = |m_per_s2: f64| smoothed_crossing(pulse, zero_level, m_per_s2);
+    let largest = pulse.samples().iter().fold(0.0_f64, |largest, a| largest.max((a - zero_level).abs()));
+    if largest >= IMPLAUSIBLE_M_PER_S2 && crossing(IMPLAUSIBLE_M_PER_S2).is_some() {
+        let largest_g = largest / STANDARD_GRAVITY_M_PER_S2;
+        let text = format!(
+            "the pulse stays above 1000 g for 3 ms (largest {largest_g:.0} g), no vehicle does: check its channel and unit"
+        );
         notes.concern(About::Pulse, Weight::Decisive, text);
     }
     let Some(crossing) = crossing(THRESHOLD_M_PER_S2) else {

@@ -32,6 +32,7 @@ fn main() {
     figure("  the same, numbers read as decimals", || {
         black_box(CoefficientMatching::new(black_box(civic), 284.4, 1137.6, Reading::Decimal).unwrap().solve());
     })
+    .aim(10e-6, "")
     .print();
     let truth = Model::Nonlinear2(table_5());
     let response = truth.respond(9.7222, 1e-4, 1501).unwrap();

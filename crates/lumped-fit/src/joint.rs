@@ -2,7 +2,7 @@
 
 use crumple_lumped::{CrushedStructure, Model, ModelKind, ParameterKind};
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{Note, Notes, Sampled, Severity};
+use crumple_signal::{About, Note, Notes, Sampled, Severity, Weight};
 use rayon::prelude::*;
 
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
@@ -60,7 +60,7 @@ pub fn fit_together(
     if !chains.is_empty() {
         let names: Vec<&str> = chains.iter().map(|kind| kind.name()).collect();
         notes.info(format!(
-            "{}: not fitted to several tests, which models of one mass are; how the mass divides no compartment tells",
+            "{}: not fitted to several tests, because sensors of the compartment do not show the mass split",
             names.join(", ")
         ));
     }
@@ -78,15 +78,21 @@ pub fn fit_together(
             notes.warning(format!("{kind}: not fitted to all tests, {name} alone has no fit of it"));
             continue;
         }
-        let starts = joint.starts(&of_kind);
-        let fit = |(k, starts): (usize, &Vec<Start>)| joint.candidate(starts, joint.waves(&of_kind)?, k + 1);
-        let fitted = determined(|| starts.par_iter().enumerate().filter_map(fit).collect::<Vec<_>>());
-        match &fitted {
-            Err(reason) => notes.warning(format!("{kind}: {reason}")),
-            Ok(none) if none.is_empty() => {
-                notes.warning(format!("{kind}: not fitted to all tests, no set of parameters has a finite response"));
-            }
-            Ok(_) => {}
+        let fit = |(k, starts): (usize, &Vec<Start>)| {
+            let (observed, names) = joint.waves(&of_kind)?;
+            // A fit to each test from each start may cost that much.
+            let fits = tests.len() * starts.len() * settings.searches();
+            joint.candidate(starts, (observed.limited(fits), names), k + 1)
+        };
+        let fitted = determined(|| joint.starts(&of_kind).par_iter().enumerate().filter_map(fit).collect::<Vec<_>>());
+        let reason = match &fitted {
+            Err(reason) => Some(reason.to_string()),
+            Ok(candidates) if candidates.is_empty() => Some("no set of parameters has a finite response".to_owned()),
+            Ok(_) => None,
+        };
+        if let Some(reason) = reason {
+            let text = format!("{kind}: not fitted to all tests, {reason}");
+            notes.concern(About::Model(kind.to_string()), Weight::Marked, text);
         }
         let mut fitted = fitted.unwrap_or_default();
         fitted.iter_mut().filter_map(|candidate| candidate.minimum.as_mut()).for_each(Minimum::release_work);
@@ -161,8 +167,7 @@ impl Joint<'_> {
         Some((model, free))
     }
 
-    /// The waves of all tests that a model was fitted to, test after test, and the name of the test of each. A fit to
-    /// them may cost as much work as one to each test.
+    /// The waves of all tests that a model was fitted to, test after test, and the name of the test of each.
     fn waves(&self, of_kind: &[Vec<&Candidate>]) -> Option<(Observation, Vec<String>)> {
         let (mut waves, mut names) = (Vec::new(), Vec::new());
         for (test, candidates) in self.tests.iter().zip(of_kind) {
@@ -179,7 +184,7 @@ impl Joint<'_> {
         let mut observed = Observation { impact_speed_m_per_s: self.tests.first()?.data.impact_speed_m_per_s, waves };
         let sizes: Vec<f64> = observed.waves.iter().map(ObservedWave::size).collect();
         observed.weigh(&sizes, 0.0);
-        Some((observed.limited(self.tests.len()), names))
+        Some((observed, names))
     }
 
     /// The best fit from these starts to waves of tests with these names.

@@ -212,7 +212,7 @@ pub fn firefly_nonlinear2(
     let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
     let crush = positive("crush_m", options.crush_m)?;
     let usual = FireflyOptions::default();
-    let searches = (search.fireflies * search.generations).div_ceil(usual.fireflies * usual.generations);
+    let searches = search.fireflies.saturating_mul(search.generations).div_ceil(usual.fireflies * usual.generations);
     let observed = options.observed(displacement)?.limited(searches);
     let c = COEFFICIENT;
     let range = [c, c, c, crush, c, c, c, c, v0, v0];

@@ -5,7 +5,6 @@
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot run has no figure")]
 
 use std::hint::black_box;
-use std::sync::LazyLock;
 
 use crumple_lumped::{
     CollisionQuestions, DoubleSpringMassDamper, Drive, ForceDeflection, ForceDeflectionParameter, Instants, Model,
@@ -14,14 +13,13 @@ use crumple_lumped::{
 use crumple_testkit::benchmark::{Figure, best_s, memory_pass_s};
 use crumple_testkit::table_5;
 
-/// One figure beside a copy of three waves of 2,001 samples.
-fn figure(name: &str, run: impl FnMut()) -> Figure {
-    static PASS_S: LazyLock<f64> = LazyLock::new(|| memory_pass_s(&[1.0; 6003]));
-    Figure::new(name, best_s(run), *PASS_S)
+/// One figure beside a copy of what it writes, so many samples.
+fn figure(name: &str, samples: usize, run: impl FnMut()) -> Figure {
+    Figure::new(name, best_s(run), memory_pass_s(&vec![1.0; samples]))
 }
 
-fn time(name: &str, run: impl FnMut()) {
-    figure(name, run).print();
+fn time(name: &str, samples: usize, run: impl FnMut()) {
+    figure(name, samples, run).print();
 }
 
 /// Instants at which errors are measured, evenly over the record.
@@ -127,31 +125,37 @@ fn time_force_deflection() {
     let plain = of(front.clone());
     let all = Instants { first_s: 0.0, dt_s: 1e-4, samples: 2001 };
     let few = Instants { first_s: 0.0, dt_s: 1e-3, samples: 200 };
-    figure("force-deflection, one mass, eight knots, 0.2 s at 10 kHz, three waves", || {
+    figure("force-deflection, one mass, eight knots, 0.2 s at 10 kHz, three waves", 3 * 2001, || {
         black_box(plain.motions_at(black_box(15.0), &all).unwrap());
     })
     .aim(40e-6, "")
     .print();
     let picked = Instants { first_s: 0.0, dt_s: 1e-3, samples: 189 };
-    time("  the same, displacement at 189 instants, as a propagation uses it", || {
+    figure("  the same, displacement at 189 instants, as a propagation uses it", 189, || {
         black_box(plain.sensitivity_of(Waves::Displacement, black_box(15.0), &picked, &[]).unwrap());
-    });
+    })
+    .aim(20e-6, "")
+    .print();
     let questions = CollisionQuestions::default();
-    time("  the same, crush, peaks, separation, energies", || {
+    figure("  the same, crush, peaks, separation, energies", 2001, || {
         black_box(plain.collision(&Drive::Impact(black_box(15.0)), 0.2, &questions).unwrap());
-    });
+    })
+    .aim(40e-6, "")
+    .print();
     let place = |knot| {
         let parameter = front.place_of(ForceDeflectionParameter::KnotForce(knot)).unwrap();
         Place::Element { connection: 0, parameter }
     };
     let places: Vec<Place> = (1..8).map(place).collect();
-    time("  the same, 200 instants with derivatives by seven knot forces", || {
+    time("  the same, 200 instants with derivatives by seven knot forces", 8 * 3 * 200, || {
         black_box(plain.sensitivity(black_box(15.0), &few, &places).unwrap());
     });
     let rated = of(front.with_rate(0.01).unwrap());
-    time("  with a rate factor, 0.2 s at 10 kHz, three waves", || {
+    figure("  with a rate factor, 0.2 s at 10 kHz, three waves", 3 * 2001, || {
         black_box(rated.motions_at(black_box(15.0), &all).unwrap());
-    });
+    })
+    .aim(40e-6, "")
+    .print();
 }
 
 fn main() {
@@ -166,7 +170,7 @@ fn main() {
     let nonlinear = table_5();
     time_force_deflection();
     let model = Model::DoubleSpringMassDamper(double);
-    figure("double mass, 0.2 s at 10 kHz, all six waves, exact", || {
+    figure("double mass, 0.2 s at 10 kHz, all six waves, exact", 6 * 2001, || {
         black_box(model.respond(black_box(12.0), 1e-4, 2001).unwrap());
     })
     .aim(20e-6, "scipy 360 µs")
@@ -184,45 +188,45 @@ fn main() {
     let mut steps_of_a_set = 0;
     for (what, bound_m) in [("1e-9 m", 1e-9), ("1e-12 m", 1e-12)] {
         let (steps, error) = steps_for(bound_m, &ours, |steps| naive(&double, steps));
-        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), || {
+        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), CHECKS, || {
             black_box(naive(&double, steps));
         });
         if bound_m == 1e-9 {
             steps_of_a_set = steps;
         }
     }
-    time("double mass, also forces and energy, as the stage wants them", || {
+    time("double mass, also forces and energy, as the stage wants them", 10 * 2001, || {
         black_box(model.dynamics(&Drive::Impact(black_box(12.0)), 1e-4, 2001).unwrap());
     });
     let sets: Vec<_> =
         (0..10_000).map(|i| DoubleSpringMassDamper { k1_n_per_m: 3e5 + 10.0 * f64::from(i), ..double }).collect();
     let mut displacements = vec![0.0; sets.len() * 2001];
-    figure("10,000 parameter sets, compartment, exact, two threads", || {
+    figure("10,000 parameter sets, compartment, exact, two threads", 10_000 * 2001, || {
         let half = sets.len() / 2;
         let (first, second) = displacements.split_at_mut(half * 2001);
         std::thread::scope(|scope| {
             scope.spawn(|| compartment_displacements(&sets[..half], 12.0, 1e-4, 2001, first));
             compartment_displacements(&sets[half..], 12.0, 1e-4, 2001, second);
-        })
-        .aim(80e-3, "numba 160 ms")
-        .print();
-    });
+        });
+    })
+    .aim(80e-3, "numba 160 ms")
+    .print();
     // The first set is that of the response above: two thousand roundings of 1e-16 m.
     let pairs = displacements[..2001].iter().zip(&response.compartment().displacement_m);
     assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12);
     // At no better an error than 1e-9 m, and without the waves in between.
-    time(&format!("  naive, a hundredth of them by {steps_of_a_set} steps, one thread"), || {
+    time(&format!("  naive, a hundredth of them by {steps_of_a_set} steps, one thread"), 100 * CHECKS, || {
         for set in &sets[..100] {
             black_box(naive(set, steps_of_a_set));
         }
     });
-    figure("nonlinear II, 0.25 s at 10 kHz, three waves", || {
+    figure("nonlinear II, 0.25 s at 10 kHz, three waves", 3 * 2501, || {
         black_box(Model::Nonlinear2(nonlinear).respond(black_box(9.7222), 1e-4, 2501).unwrap());
     })
     .aim(30e-6, "numba 56 µs")
     .print();
     let picked = Instants { first_s: 0.0, dt_s: 4e-4, samples: 189 };
-    time("  the same, displacement at 189 instants, as a fit uses it", || {
+    time("  the same, displacement at 189 instants, as a fit uses it", 189, || {
         let structure = nonlinear.structure().unwrap();
         black_box(structure.sensitivity_of(Waves::Displacement, black_box(9.7222), &picked, &[]).unwrap());
     });
@@ -243,7 +247,7 @@ fn main() {
     println!("  difference from 400,000 Runge-Kutta steps: {:.0e} m", largest(&ours, &naive(400_000)));
     for (what, bound_m) in [("1e-9 m", 1e-9), ("1e-12 m", 1e-12)] {
         let (steps, error) = steps_for(bound_m, &ours, naive);
-        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), || {
+        time(&format!("  naive, {what} asked: {steps} Runge-Kutta steps, error {error:.0e} m"), CHECKS, || {
             black_box(naive(steps));
         });
     }

@@ -207,7 +207,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
                 }
                 Outcome::NoAcceptableResult(reason)
             }
-            None if is_not_finite(&error) => {
+            None if is_impossible(&error) => {
                 out = Output::new();
                 Outcome::NoAcceptableResult(format!(
                     "{error:#}; the numbers of the input are too large to compute with"
@@ -330,9 +330,9 @@ fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artif
     })
 }
 
-/// Whether a result is NaN or infinite: a stage that read finite numbers computed it of numbers that are too large.
-fn is_not_finite(error: &anyhow::Error) -> bool {
-    matches!(find_in_chain::<WriteError>(error), Some(WriteError::NotFinite { .. }))
+/// Whether a result is no number of a crash: a stage that read finite numbers computed it of numbers that are too large.
+fn is_impossible(error: &anyhow::Error) -> bool {
+    matches!(find_in_chain::<WriteError>(error), Some(WriteError::Impossible { .. }))
 }
 
 /// A warning with what it concerns; of one that does not say it, what the stage makes.

@@ -1,7 +1,7 @@
 //! Lines and progress on stderr.
 
 use std::borrow::Cow;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::fs;
 use std::io::{self, IsTerminal, Write};
@@ -162,11 +162,14 @@ pub fn to_stdout(text: &[u8]) -> anyhow::Result<()> {
 }
 
 /// Words of this call that would break a line, and names of files made of them, each with how it is spelled out.
-static BREAKING: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
-    let words = std::env::args_os().map(PathBuf::from).filter(|word| word.to_string_lossy().contains('\n'));
+static NAMES_WITH_LINE_ENDS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
+    let value = |word: OsString| lossy(&word).rsplit('=').next().map(PathBuf::from);
+    let words = std::env::args_os().filter_map(value);
     let names = |word: PathBuf| [Some(word.as_os_str()), word.file_name(), word.file_stem()].map(|n| n.map(lossy));
     let spelled = |name: String| (name.clone(), name.replace('\n', "\\n"));
-    words.flat_map(names).flatten().filter(|name| name.contains('\n')).map(spelled).collect()
+    // One of line ends alone is in every text.
+    let is_one = |name: &String| name.contains('\n') && !name.trim().is_empty();
+    words.flat_map(names).flatten().filter(is_one).map(spelled).collect()
 });
 
 fn lossy(text: &OsStr) -> String {
@@ -178,7 +181,7 @@ fn lossy(text: &OsStr) -> String {
 /// files.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let mut text = Cow::Borrowed(text);
-    for (name, spelled) in &*BREAKING {
+    for (name, spelled) in &*NAMES_WITH_LINE_ENDS {
         text = text.replace(name, spelled).into();
     }
     let commands = |c: char| {

@@ -235,8 +235,15 @@ fn no_file_of_another_kind_is_overwritten() {
         let (waves, other) = (folder.path().join("plain/waves"), folder.path().join("other"));
         fs::rename(&waves, &other).unwrap();
         std::os::unix::fs::symlink(&other, &waves).unwrap();
-        let output = artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--force"]);
-        assert_eq!((output.code, output.stderr.contains("plain/waves is a link")), (2, true), "{}", output.stderr);
+        let refuses = |link: &str| {
+            let output = artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--force"]);
+            assert_eq!((output.code, output.stderr.contains(link)), (2, true), "{}", output.stderr);
+        };
+        refuses("plain/waves is a link");
+        fs::remove_file(&waves).unwrap();
+        fs::rename(&records, folder.path().join("lines")).unwrap();
+        std::os::unix::fs::symlink(folder.path().join("lines"), &records).unwrap();
+        refuses("plain/records.ndjson is a link");
     }
 }
 

@@ -53,8 +53,8 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema {
     /// above one.
     fn check(&self) -> Result<(), String>;
 
-    /// Path and value of its first number that is not finite.
-    fn first_non_finite(&self) -> Option<(String, f64)>;
+    /// Path and value of its first number that is not finite or, in what is said of a crash, beyond what one can have.
+    fn first_impossible(&self) -> Option<(String, f64)>;
 }
 
 /// Does something with a record type that is known by its schema name only.
@@ -108,8 +108,11 @@ macro_rules! record {
                 }
             )?
 
-            fn first_non_finite(&self) -> Option<(String, f64)> {
-                first_non_finite(self)
+            fn first_impossible(&self) -> Option<(String, f64)> {
+                first_non_finite(self)$(.or_else(|| {
+                    let _ = Self::$check;
+                    self.first_too_large()
+                }))?
             }
         })*
 

@@ -12,6 +12,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 
 use super::chunk::{Directory, Topic, unpack};
 use crate::error::ReadError;
+use crate::finite::needed;
 use crate::layout::codec::{Codec, decode_wave_block};
 use crate::layout::digest::ContentDigest;
 use crate::layout::names::{CONTENT, WAVE_PREFIX, is_later_version};
@@ -126,8 +127,8 @@ impl Artifact {
         let message = |problem| ReadError::Message { path: self.path.clone(), topic: raw.topic.clone(), problem };
         let codec = Codec::from_name(&raw.encoding).ok_or_else(|| message(unread_encoding(&raw.encoding)))?;
         let record = decode(codec, &raw.payload).map_err(message)?;
-        match record.first_non_finite() {
-            Some((field, value)) => Err(message(format!("{field} is {value}, a finite number is needed"))),
+        match record.first_impossible() {
+            Some((field, value)) => Err(message(format!("{field} is {value}, {}", needed(value)))),
             None => Ok(record),
         }
     }

@@ -53,13 +53,13 @@ impl ArtifactBuilder {
 
     /// Adds a record under a topic.
     ///
-    /// Errors: a second record under the topic; a number that is not finite; a record that contradicts itself.
+    /// Errors: a second record under the topic; a number that is not finite or that no crash has; a record that contradicts itself.
     pub fn put<R: Record>(&mut self, topic: &str, record: &R) -> Result<(), WriteError> {
         if self.records.iter().any(|r| r.topic == topic) {
             return Err(WriteError::Duplicate(topic.to_owned()));
         }
-        if let Some((field, value)) = record.first_non_finite() {
-            return Err(WriteError::NotFinite { topic: topic.to_owned(), field, value });
+        if let Some((field, value)) = record.first_impossible() {
+            return Err(WriteError::Impossible { topic: topic.to_owned(), field, value });
         }
         let encode = |problem| WriteError::Encode { topic: topic.to_owned(), problem };
         record.check().map_err(encode)?;

@@ -1,7 +1,8 @@
 //! What records say of themselves: how sure a parameter is, when contact ends, what a test description must hold.
 
 use crumple_artifact::records::{
-    CandidateV1, Certainty, ConcernV1, ConcernsV1, ConcernsV2, Doubt, EventsV1, ModesV1, ModesV2, TestV1,
+    CandidateV1, Certainty, ConcernV1, ConcernsV1, ConcernsV2, Doubt, EventsV1, MetricsV1, MetricsV2, ModesV1, ModesV2,
+    TestV1,
 };
 use crumple_artifact::{ArtifactBuilder, Codec, Compression, Provenance, Record};
 use crumple_signal::{QuantityKind, Sampled, TestDescription};
@@ -124,6 +125,11 @@ fn lists_of_the_version_before_keep_their_entries() {
         let read = ModesV2::decode_earlier(codec, &codec.encode(&modes).unwrap()).unwrap();
         assert_eq!(read.modes, modes.0);
     }
+    let metric = json!({"name": "olc", "value": 1.5, "unit": "m/s^2", "channel": "93", "definition": "", "low": 2.0,
+        "high": 1.0});
+    let metrics: MetricsV1 = serde_json::from_value(json!([metric])).unwrap();
+    let falls = MetricsV2::decode_earlier(Codec::Json, &Codec::Json.encode(&metrics).unwrap()).unwrap_err();
+    assert_eq!(falls, "the interval of olc has its low end, 2, above its high end, 1");
 }
 
 /// The digest that writing returns is that of the file; every sample is reported once.

@@ -100,7 +100,7 @@ pub fn from_comments<'a>(
                 let is_value = value.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.'))
                     || value.split_whitespace().next().is_some_and(is_number);
                 let parsed = if is_value { parse_value(value, dimension).map(Some) } else { Ok(None) };
-                // A line that a flag stands for is not read.
+                // What a flag states may be wrong in the file.
                 let parsed = parsed.or_else(|error| if is_over { Ok(None) } else { Err(error) }).map_err(|error| {
                     IngestError::content(
                         Place::line(file, line),

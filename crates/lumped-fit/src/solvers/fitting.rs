@@ -9,7 +9,7 @@ use crate::coordinates::largest_of_chain;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::parameters::{FitParameter, free_masses, free_parameters, mass_of};
 use crate::record::sensor::{errors_in_words, note_of_errors};
-use crate::solvers::table::{SolveSettings, Task, mass_count};
+use crate::solvers::table::{Task, mass_count};
 use crate::uncertainty::acceleration_likelihood::least_acceleration_misfit;
 use crate::{
     Candidate, Fit, FitQuantity, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorPlace,
@@ -154,9 +154,7 @@ impl<'a> FitTask<'a> {
         };
         let waves = sensors.iter().map(wave).collect::<Result<Vec<_>, _>>()?;
         let observed = Observation { impact_speed_m_per_s: test.impact_speed_m_per_s, waves };
-        let default = SolveSettings::default();
-        let searches = settings.l_shade.evaluations.div_ceil(default.l_shade.evaluations) as usize;
-        let observed = observed.limited(searches.max(settings.fit_starts.div_ceil(default.fit_starts)));
+        let observed = observed.limited(settings.searches());
         let largest = || test.displacement.map(|x| x.samples().iter().copied().fold(0.0, f64::max));
         let crush_m = test.dynamic_crush_m.or_else(largest).filter(|crush| *crush > 0.0);
         let crush_m = crush_m.unwrap_or_else(|| test.impact_speed_m_per_s * end_s(&observed));

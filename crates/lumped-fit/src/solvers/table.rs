@@ -262,6 +262,13 @@ impl Default for SolveSettings {
 }
 
 impl SolveSettings {
+    /// How many times the starts and evaluations of a usual search these are, at least one.
+    pub fn searches(&self) -> usize {
+        let usual = Self::default();
+        let evaluations = self.l_shade.evaluations.div_ceil(usual.l_shade.evaluations.max(1)) as usize;
+        evaluations.max(self.fit_starts.div_ceil(usual.fit_starts)).max(1)
+    }
+
     /// Whether a solver that is asked for needs this.
     fn needs(&self, needs: Needs) -> bool {
         self.models.iter().any(|model| solvers_of(*model, &self.methods).iter().any(|solver| solver.needs == needs))

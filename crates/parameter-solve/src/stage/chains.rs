@@ -2,8 +2,8 @@
 
 use crumple_lumped::{Chain, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, ObservedWave, SensorPlace, SolveSettings, Stated, StatedChain, StatedElement, StatedMass,
-    errors_in_words, fit_chain, mass_of, note_of_errors,
+    Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass, errors_in_words,
+    fit_chain, mass_of, note_of_errors,
 };
 use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Note, Weight};
@@ -104,7 +104,7 @@ pub fn fit_chains(
         let (observed, sensors) = waves(chain, settings, input, events, speed, out)?;
         let hint = format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
         let (stated, starts) = (chain.stated(total_kg), settings.solve.fit_starts);
-        let limited = observed.clone().limited(starts.div_ceil(SolveSettings::default().fit_starts));
+        let limited = observed.clone().limited(settings.solve.searches());
         let fitted = determined(|| fit_chain(&stated, &limited, starts)).unwrap_or_else(|reason| {
             let about = About::Model(format!("chain/{}", chain.name));
             out.notes().concern(about, Weight::Marked, format!("chain {}: {reason}", chain.name));

@@ -142,8 +142,8 @@ fn of_identified_models(
     Ok(candidates)
 }
 
-/// Warns of flags on uncertainty that have no effect on candidates that follow no motion. Of a fit whose assessment
-/// failed the notes say so.
+/// Warns of flags on uncertainty that have no effect on candidates that follow no motion. A failed assessment
+/// has its own note.
 fn warn_of_flags_without_effect(settings: &StageSettings, candidates: &[Candidate], out: &mut Output) {
     let flags = settings.assessment.flags();
     let unassessed = candidates.iter().filter(|candidate| candidate.assessed.is_none() && candidate.minimum.is_none());

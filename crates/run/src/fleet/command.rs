@@ -127,8 +127,7 @@ impl Options {
     /// Flags for every stage.
     pub(crate) fn flags(&self) -> String {
         let compress = self.compress.as_ref().map_or_else(String::new, |kind| format!(" --compress {kind}"));
-        let force = if self.force { " --force" } else { "" };
-        format!("{}{compress}{force}", self.flags)
+        format!("{}{compress}", self.flags)
     }
 
     /// Flags of the report of a run in this folder below that of the fleet.

@@ -51,7 +51,7 @@ pub(crate) fn make(options: &Options) -> anyhow::Result<Fleet> {
     let runs = plan(&records, options)?;
     let lock = options.batch.is_none().then(|| LockedFolder::lock(&folder, options.quiet)).transpose()?;
     let known = read_journals(&folder)?;
-    let stands = |run: &Run| ended_of(run, &known).filter(|ended| ended.stands(&folder));
+    let stands = |run: &Run| ended_of(run, &known).filter(|ended| !options.force && ended.stands(&folder));
     let standing: Vec<Option<&JournalEntry>> = runs.par_iter().map(stands).collect();
     let todo: Vec<&Run> = runs.iter().zip(&standing).filter(|(_, ended)| ended.is_none()).map(|(run, _)| run).collect();
     tell(format!(

@@ -59,6 +59,11 @@ fn a_record_that_fails_is_a_row_and_what_is_up_to_date_is_not_run_again() {
     fs::remove_file(fleet.out().join(&row("b/a.csv")["run_folder"]).join("summary.json")).unwrap();
     fleet.run(&[]);
     assert_eq!((fleet.count_of_runs(), &*fleet.row("tests", "b/a.csv")["mass_kg"]), (9, "2.5"));
+    // Asked to, it runs all again, each time; what it made stands for the next.
+    for (flags, runs) in [(&["--force"][..], 13), (&["--force", "--force"], 17), (&[], 18)] {
+        assert!(fleet.run(flags).status.success());
+        assert_eq!(fleet.count_of_runs(), runs, "{flags:?}");
+    }
     let page = fs::read_to_string(fleet.out().join("fleet.html")).unwrap();
     assert!(
         page.contains("<summary>1 × refused</summary>")

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, MetricsV2, TestV1};
+use crumple_artifact::records::{
+    ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, MetricV1, MetricsV2, TestV1,
+};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::{
     Acceleration, BeforeEvent, IntegrationRule, Measurement, QuantityKind, Sampled, TestDescription, TwoPassFilter,
@@ -133,17 +135,19 @@ fn was_made_from_another(artifact: &Artifact, earlier: &Artifact) -> bool {
     of_stage.peek().is_some() && of_stage.all(|input| !input.digest.is_empty() && input.digest != earlier.digest())
 }
 
-/// How far two numbers of one thing may differ: programs of others may print four digits of one of them.
-const SAME_CRUSH: f64 = 1e-3;
+/// How far two numbers of one crush may differ, as a share and in m: other programs may round to four digits.
+const SAME_CRUSH: (f64, f64) = (1e-3, 1e-4);
 
 /// Refuses an artifact whose events have another dynamic crush than its metrics.
 fn refuse_two_crushes(artifact: &Artifact) -> anyhow::Result<()> {
     let events = artifact.record::<EventsV1>("/events").map_err(Refused::from)?;
     let metrics = artifact.record::<MetricsV2>("/metrics").map_err(Refused::from)?;
     let (Some(events), Some(metrics)) = (events, metrics) else { return Ok(()) };
-    let of_metrics = metrics.metrics.iter().find(|m| m.name == "dynamic_crush" && m.channel == events.channel);
-    if let Some((crush, other)) = events.dynamic_crush_m.zip(of_metrics.and_then(|metric| metric.value))
-        && (crush - other).abs() > SAME_CRUSH * crush.abs().max(other.abs())
+    let is_meant = |m: &&MetricV1| m.name == "dynamic_crush" && m.channel == events.channel && m.unit == "m";
+    let of_metrics = metrics.metrics.iter().find(is_meant).and_then(|metric| metric.value);
+    let (share, least_m) = SAME_CRUSH;
+    if let Some((crush, other)) = events.dynamic_crush_m.zip(of_metrics)
+        && (crush - other).abs() > (share * crush.abs().max(other.abs())).max(least_m)
     {
         let path = artifact.path().display();
         return Err(Refused::new(format!("{path}: the dynamic crush is {crush} m in /events, {other} m in /metrics"))
@@ -543,6 +547,7 @@ mod tests {
             load_artifacts(std::slice::from_ref(&path)).err().map(|error| error.to_string())
         };
         assert_eq!(problem(0.7001), None, "four digits");
+        assert_eq!(problem(0.700_6), None, "within a thousandth");
         let two = problem(1.7).unwrap();
         assert!(two.ends_with("3.mcap: the dynamic crush is 0.7 m in /events, 1.7 m in /metrics"), "{two}");
     }

@@ -211,7 +211,7 @@ fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, S
             }
         }
     }
-    if let Some(crush_m) = run.crush_left_behind_m(|p| p.recommended) {
+    if let Some(crush_m) = run.exceeded_tested_crush_m(|p| p.recommended) {
         let text = fill(phrases.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
         found.push((About::Predictions, Weight::Slight, text));
     }

@@ -534,7 +534,7 @@ impl<'a> Text<'a> {
         let other = beside(self.run).filter(|other| other != reason);
         let other = other.map(|other| as_sentence(&self.because(&other)));
         few.or(other).or_else(|| {
-            let tested_m = self.run.crush_left_behind_m(|p| p.candidate == best.id)?;
+            let tested_m = self.run.exceeded_tested_crush_m(|p| p.candidate == best.id)?;
             let shown = (MILLI, 0, "mm");
             let crush = match self.run.joint {
                 None => self.number("/events/dynamic_crush_m", tested_m, shown),

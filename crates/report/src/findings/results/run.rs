@@ -409,10 +409,12 @@ impl Run {
         self.events.as_ref().and_then(|events| events.dynamic_crush_m).into_iter().chain(of_joint).reduce(f64::max)
     }
 
-    /// The tested crush, m, where a model goes beyond it in a prediction of this kind; a partner may extrapolate alone.
-    pub fn crush_left_behind_m(&self, is_meant: impl Fn(&PredictionV1) -> bool) -> Option<f64> {
+    /// The tested crush, m, where a prediction of this kind goes beyond the test. Against a partner, whose model may be
+    /// the one that does, only where the vehicle is crushed further.
+    pub fn exceeded_tested_crush_m(&self, is_meant: impl Fn(&PredictionV1) -> bool) -> Option<f64> {
         let tested_m = self.tested_crush_m()?;
-        let is_beyond = |p: &PredictionV1| p.extrapolates && p.dynamic_crush_m.is_none_or(|crush_m| crush_m > tested_m);
+        let further = |p: &PredictionV1| p.dynamic_crush_m.is_none_or(|crush_m| crush_m > tested_m);
+        let is_beyond = |p: &PredictionV1| p.extrapolates && (p.partner.is_none() || further(p));
         self.predictions.iter().any(|p| is_meant(p) && is_beyond(p)).then_some(tested_m)
     }
 

@@ -287,7 +287,10 @@ impl Registry {
 
 /// Name and sentence; a place takes words, also none.
 const REMARKS: &[(&str, &str)] = &[
-    ("note.too-strong", "the pulse exceeds {level} for {time}, as that of no vehicle does: check its channel and unit"),
+    (
+        "note.too-strong",
+        "the pulse stays above {level} for {time} (largest {largest}), no vehicle does: check its channel and unit",
+    ),
     ("note.too-flat", "the pulse never exceeds {level} for {time}: check its channel and unit"),
     (
         "note.noisy-before",
