@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let line = |what: &str, ms: f64| {
             print_line(&format!("csv, {rows} rows, {what}: {:.0} MB/s", 1e3 * mb / ms), ms, pass_ms);
         };
-        line("table", best_ms(|| bundle.reader.read(&bundle, &settings).map(|found| found.channels.len())));
+        line("table", best_ms(|| bundle.read(&settings).map(|found| found.channels.len())));
         line("digest", best_ms(|| bundle.digest()));
         line("ingest", best_ms(|| ingest(&bundle, &settings).map(|found| found.waves.len())));
     }

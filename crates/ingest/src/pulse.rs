@@ -12,10 +12,10 @@ use crumple_signal::{
     pre_event,
 };
 
-use crate::IngestError;
-use crate::recording::content::{Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
+use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
 use crate::recording::settings::{BodyPlace, select};
+use crate::{Result, refuse_channel};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
 /// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
@@ -26,7 +26,7 @@ pub fn choose_pulse(
     wanted: Option<&str>,
     (allow_missing, is_of_a_crash): (bool, bool),
     notes: &mut Notes,
-) -> Result<Option<usize>, IngestError> {
+) -> Result<Option<usize>> {
     let mut candidates: Vec<usize> =
         (0..recording.channels.len()).filter(|k| is_candidate(&recording.channels[*k])).collect();
     // Stable: equally fit channels stay in the order of the file.
@@ -60,12 +60,12 @@ pub fn choose_pulse(
     let pulse = &recording.channels[index];
     let samples = pulse.wave.as_ref().map_or(0, Sampled::len);
     if samples < MINIMUM_SAMPLES {
-        return Err(IngestError::channel(
+        return refuse_channel(
             file,
             format!("channel {} has {samples} samples", pulse.channel.id),
             format!("at least {MINIMUM_SAMPLES} samples"),
             "choose another channel by --channel",
-        ));
+        );
     }
     note_choice(recording, index, &candidates, wanted.is_some(), notes);
     Ok(Some(index))
@@ -85,13 +85,13 @@ fn is_candidate(read: &ReadChannel) -> bool {
         && matches!(read.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
 }
 
-fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize, IngestError> {
+fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize> {
     let hint = "name the channel by --channel";
     match (candidates, recording.pulse_rule) {
         ([], PulseRule::OnlyOne) => {
             let first = recording.channels.iter().find(|read| read.wave.is_some());
             let advice = first.map_or_else(|| hint.to_owned(), |read| which(&read.channel.id, 0));
-            Err(IngestError::channel(file, "no acceleration column with data", "one", advice))
+            refuse_channel(file, "no acceleration column with data", "one", advice)
         }
         ([], PulseRule::Fittest) => {
             let others: Vec<&ReadChannel> = recording
@@ -103,14 +103,14 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             if let Some(first) = unread.first() {
                 let more = unread.len() - 1;
                 let more = if more > 0 { format!("; and {more} more cannot be read") } else { String::new() };
-                return Err(IngestError::channel(
+                return refuse_channel(
                     file,
                     format!("no accelerometer along x at a usual place of the compartment can be read: {first}{more}"),
                     "a readable file of rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
                     "download the test again, or name another channel by --channel",
-                ));
+                );
             }
-            Err(IngestError::channel(
+            refuse_channel(
                 file,
                 format!(
                     "no signal file of a valid x accelerometer in the compartment is here; accelerations here: {}",
@@ -118,12 +118,12 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
                 ),
                 "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
                 hint,
-            ))
+            )
         }
         ([first, ..], PulseRule::Fittest) => Ok(*first),
         ([only], PulseRule::OnlyOne) => Ok(*only),
         (several, PulseRule::OnlyOne) if let Some(pulse) = vehicle_channel(recording, several) => Ok(pulse),
-        (several, PulseRule::OnlyOne) => Err(IngestError::channel(
+        (several, PulseRule::OnlyOne) => refuse_channel(
             file,
             format!(
                 "{} acceleration columns: {}",
@@ -132,7 +132,7 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             ),
             "the name of the channel with the crash pulse",
             which(&recording.channels[several[0]].channel.id, several.len()),
-        )),
+        ),
     }
 }
 
@@ -167,18 +167,13 @@ fn vehicle_channel(recording: &Recording, several: &[usize]) -> Option<usize> {
     }
 }
 
-fn requested_channel(
-    file: &str,
-    recording: &Recording,
-    wanted: &str,
-    candidates: &[usize],
-) -> Result<usize, IngestError> {
+fn requested_channel(file: &str, recording: &Recording, wanted: &str, candidates: &[usize]) -> Result<usize> {
     let wanted = wanted.trim();
     let usual = || list(candidates.iter().map(|k| &recording.channels[*k]));
     let several = select(&recording.channels, wanted);
     let &[index] = several.as_slice() else {
         if !several.is_empty() {
-            return Err(IngestError::channel(
+            return refuse_channel(
                 file,
                 format!(
                     "--channel {wanted} means {} channels: {}",
@@ -187,14 +182,14 @@ fn requested_channel(
                 ),
                 "one channel as the crash pulse",
                 format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id),
-            ));
+            );
         }
-        return Err(IngestError::channel(
+        return refuse_channel(
             file,
             format!("channel {wanted} is not listed"),
             format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
             "--list prints the table of channels",
-        ));
+        );
     };
     let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];
     let id = &channel.id;
@@ -218,11 +213,11 @@ fn requested_channel(
                 ),
             },
         };
-        return Err(IngestError::channel(file, found, "a channel with data", hint()));
+        return refuse_channel(file, found, "a channel with data", hint());
     }
     if channel.quantity != QuantityKind::Acceleration {
         let found = format!("channel {} measures {}", describe(channel), channel.quantity);
-        return Err(IngestError::channel(file, found, "an acceleration as the crash pulse", hint()));
+        return refuse_channel(file, found, "an acceleration as the crash pulse", hint());
     }
     Ok(index)
 }
@@ -237,12 +232,7 @@ fn describe(channel: &Channel) -> String {
 }
 
 fn list<'a>(channels: impl Iterator<Item = &'a ReadChannel>) -> String {
-    let names: Vec<String> = channels.map(|f| describe(&f.channel)).collect();
-    if names.len() > 12 {
-        format!("{} and {} more", names[..12].join(", "), names.len() - 12)
-    } else {
-        names.join(", ")
-    }
+    content::list(&channels.map(|read| describe(&read.channel)).collect::<Vec<_>>())
 }
 
 fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked: bool, notes: &mut Notes) {
@@ -479,12 +469,7 @@ const IMPACT_PART: f64 = 0.5;
 
 /// Index of the velocity, or change of it, that stands for the pulse of a record without an acceleration: the one asked
 /// for, else the first along x, else the first whose axis is not stated, else none. A note names the others.
-pub fn choose(
-    file: &str,
-    recording: &Recording,
-    wanted: Option<&str>,
-    notes: &mut Notes,
-) -> Result<Option<usize>, IngestError> {
+pub fn choose(file: &str, recording: &Recording, wanted: Option<&str>, notes: &mut Notes) -> Result<Option<usize>> {
     let has = |quantity| recording.channels.iter().any(|read| read.channel.quantity == quantity && read.wave.is_some());
     // Speeds before the crash stand beside the changes of velocity of a recorder.
     let (quantity, what) = if has(QuantityKind::VelocityChange) {
@@ -512,7 +497,7 @@ pub fn choose(
                     several => format!("--channel {wanted} means {} channels: {}", several.len(), names(several)),
                 };
                 let hint = "--list shows the channels of all tables";
-                return Err(IngestError::channel(file, found, format!("one of {}", names(&changes)), hint));
+                return refuse_channel(file, found, format!("one of {}", names(&changes)), hint);
             }
         },
         None => {

@@ -12,7 +12,7 @@ use crumple_signal::Notes;
 use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
 use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::Recording;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Result, check_size};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 const MESSAGE: u8 = 2;
@@ -21,51 +21,37 @@ const CONNECTION: u8 = 7;
 /// Largest chunk that is unpacked, bytes. `rosbag record` makes them of 768 KiB.
 const CHUNK_LIMIT: u64 = 1 << 28;
 
-/// Reader of ROS 1 bags.
-pub struct RosBag;
+pub const ROS_BAG: Reader =
+    Reader::of_one_file("ros1-bag", |head| head.starts_with(b"#ROSBAG V"), &["--resample"], read);
 
-impl Reader for RosBag {
-    fn format(&self) -> &'static str {
-        "ros1-bag"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        head.starts_with(b"#ROSBAG V")
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--resample"]
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
-        let Some(body) = bytes.strip_prefix(MAGIC) else {
-            return Err(refuse(
-                file,
-                At::File(0),
-                "a bag of another version than 2.0",
-                "rewrite it: rosbag migrate, or rosbag record",
-            ));
-        };
-        let mut bag = Bag::default();
-        bag.records(file, body, At::File(MAGIC.len()))?;
-        let mut topics: BTreeMap<String, Topic> = bag
-            .connections
-            .values()
-            .map(|c| (c.topic.clone(), Topic { kind: c.kind.clone(), encoding: "ros1".to_owned(), count: 0 }))
-            .collect();
-        for connection in bag.connections.values() {
-            if let Some(topic) = topics.get_mut(&connection.topic) {
-                topic.count += connection.messages;
-            }
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
+    let Some(body) = bytes.strip_prefix(MAGIC) else {
+        return Err(refuse(
+            file,
+            At::File(0),
+            "a bag of another version than 2.0",
+            "rewrite it: rosbag migrate, or rosbag record",
+        ));
+    };
+    let mut bag = Bag::default();
+    bag.records(file, body, At::File(MAGIC.len()))?;
+    let mut topics: BTreeMap<String, Topic> = bag
+        .connections
+        .values()
+        .map(|c| (c.topic.clone(), Topic { kind: c.kind.clone(), encoding: "ros1".to_owned(), count: 0 }))
+        .collect();
+    for connection in bag.connections.values() {
+        if let Some(topic) = topics.get_mut(&connection.topic) {
+            topic.count += connection.messages;
         }
-        bag.tracks.retain(|_, track| !track.samples.is_empty());
-        if bag.tracks.is_empty() {
-            let hint = "export the acceleration as CSV: rostopic echo -b FILE -p TOPIC";
-            return Err(messages::refuse(file, &topics, "no topic with acceleration", hint));
-        }
-        messages::recording(file, &mut bag.tracks, settings, Notes::new())
     }
+    bag.tracks.retain(|_, track| !track.samples.is_empty());
+    if bag.tracks.is_empty() {
+        let hint = "export the acceleration as CSV: rostopic echo -b FILE -p TOPIC";
+        return Err(messages::refuse(file, &topics, "no topic with acceleration", hint));
+    }
+    messages::recording(file, &mut bag.tracks, settings, Notes::new())
 }
 
 #[derive(Default)]
@@ -108,7 +94,7 @@ fn refuse(file: &str, at: At, found: impl Into<String>, hint: &str) -> IngestErr
         At::Chunk(chunk, byte) => format!("byte {byte} of the unpacked chunk at byte {chunk}"),
     };
     IngestError::content(
-        Place::file(file),
+        file,
         format!("{found} ({place})"),
         "a ROS 1 bag, version 2.0, its chunks plain or packed by bz2 or lz4",
         hint,
@@ -116,12 +102,7 @@ fn refuse(file: &str, at: At, found: impl Into<String>, hint: &str) -> IngestErr
 }
 
 /// The records of a chunk, by what its header says of their packing and their length.
-fn unpack<'a>(
-    file: &str,
-    start: usize,
-    header: &BTreeMap<&[u8], &[u8]>,
-    data: &'a [u8],
-) -> Result<Cow<'a, [u8]>, IngestError> {
+fn unpack<'a>(file: &str, start: usize, header: &BTreeMap<&[u8], &[u8]>, data: &'a [u8]) -> Result<Cow<'a, [u8]>> {
     let compression = words(header, b"compression");
     let packed: Box<dyn Read + 'a> = match compression.as_str() {
         "none" | "" => return Ok(Cow::Borrowed(data)),
@@ -133,13 +114,8 @@ fn unpack<'a>(
         }
     };
     let size = u64::from(number(header, b"size").unwrap_or(0));
-    if size > CHUNK_LIMIT {
-        return Err(IngestError::too_large(
-            Place::file(file),
-            format!("a chunk that claims {} MiB when unpacked (byte {start})", size >> 20),
-            format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-        ));
-    }
+    let found = format!("a chunk that claims # MiB when unpacked (byte {start})");
+    check_size(file, size, CHUNK_LIMIT, &found, "chunks up to # MiB")?;
     // Nothing is reserved from a claim, and no more is unpacked than claimed.
     let mut bytes = Vec::new();
     packed.take(size + 1).read_to_end(&mut bytes).map_err(|error| {
@@ -157,7 +133,6 @@ fn unpack<'a>(
     Ok(Cow::Owned(bytes))
 }
 
-/// What to do with a damaged bag.
 const CUT: &str = "the file may be cut short or damaged: rosbag reindex, or copy it again";
 
 /// A length and as many bytes.
@@ -167,7 +142,6 @@ fn block(bytes: &[u8], at: usize) -> Option<(&[u8], usize)> {
     Some((bytes.get(at + 4..end)?, end))
 }
 
-/// The fields of a record header.
 fn fields(header: &[u8]) -> BTreeMap<&[u8], &[u8]> {
     let mut fields = BTreeMap::new();
     let mut at = 0;
@@ -190,7 +164,7 @@ fn words(fields: &BTreeMap<&[u8], &[u8]>, name: &[u8]) -> String {
 
 impl Bag {
     /// Reads all records of the file or of a chunk, which starts at `base`.
-    fn records(&mut self, file: &str, bytes: &[u8], base: At) -> Result<(), IngestError> {
+    fn records(&mut self, file: &str, bytes: &[u8], base: At) -> Result<()> {
         let mut at = 0;
         while at < bytes.len() {
             let start = base.further(at);
@@ -223,13 +197,7 @@ impl Bag {
         connection.kind = words(&about, b"type");
     }
 
-    fn message(
-        &mut self,
-        file: &str,
-        start: At,
-        header: &BTreeMap<&[u8], &[u8]>,
-        data: &[u8],
-    ) -> Result<(), IngestError> {
+    fn message(&mut self, file: &str, start: At, header: &BTreeMap<&[u8], &[u8]>, data: &[u8]) -> Result<()> {
         let connection = number(header, b"conn").and_then(|id| self.connections.get_mut(&id));
         let Some(connection) = connection else {
             return Err(refuse(file, start, "a message of a connection that is not described before it", CUT));

@@ -5,7 +5,7 @@ use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 use crumple_signal::{About, Notes, QuantityKind, Weight};
 
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 /// A fact and where it is stated.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +66,7 @@ pub fn from_comments<'a>(
     file: &str,
     comments: impl Iterator<Item = (usize, &'a str)>,
     over: &IngestSettings,
-) -> Result<CommentFacts, IngestError> {
+) -> Result<CommentFacts> {
     let mut facts = CommentFacts::default();
     for (line, text) in comments {
         let Some((key, value)) = text.split_once(':') else { continue };
@@ -137,14 +137,14 @@ fn state_once(
     is_over: bool,
     place: impl Fn() -> Place,
     flag: &str,
-) -> Result<(), IngestError> {
+) -> Result<()> {
     if let Some(old) = slot.as_ref().filter(|old| old.value != stated.value && !is_over) {
-        return Err(IngestError::content(
+        return refuse(
             place(),
             format!("{}, but {} says {}", stated.value, old.from, old.value),
             "one value for each fact",
             format!("remove the line that is wrong, or {flag} says which counts"),
-        ));
+        );
     }
     *slot = Some(stated);
     Ok(())
@@ -192,7 +192,7 @@ pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes
 }
 
 /// Checks that mass and impact speed are usable where they are stated. A speed of 0 is one: the vehicle stands.
-pub fn check(file: &str, details: &Details) -> Result<(), IngestError> {
+pub fn check(file: &str, details: &Details) -> Result<()> {
     let mass = details.mass_kg.as_ref();
     let speed = details.impact_speed_m_per_s.as_ref();
     let wrong_mass = mass.filter(|s| !(s.value > 0.0 && s.value.is_finite()));
@@ -271,7 +271,7 @@ pub fn question_mass(details: &Details) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn facts(lines: &[&str]) -> Result<CommentFacts, IngestError> {
+    fn facts(lines: &[&str]) -> Result<CommentFacts> {
         let lines = lines.iter().enumerate().map(|(k, line)| (k + 1, *line));
         from_comments("a.csv", lines, &IngestSettings::default())
     }
