@@ -94,45 +94,35 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             refuse_channel(file, "no acceleration column with data", "one", advice)
         }
         ([], PulseRule::Fittest) => {
-            let others: Vec<&ReadChannel> = recording
-                .channels
-                .iter()
-                .filter(|f| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration)
-                .collect();
             let unread: Vec<&str> = recording.channels.iter().filter_map(|read| read.unread.as_deref()).collect();
-            if let Some(first) = unread.first() {
-                let more = unread.len() - 1;
-                let more = if more > 0 { format!("; and {more} more cannot be read") } else { String::new() };
+            let places = "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity";
+            if let [first, more @ ..] = unread.as_slice() {
+                let more =
+                    if more.is_empty() { String::new() } else { format!("; and {} more cannot be read", more.len()) };
+                let found = "no accelerometer along x at a usual place of the compartment can be read";
+                let hint = "download the test again, or name another channel by --channel";
                 return refuse_channel(
                     file,
-                    format!("no accelerometer along x at a usual place of the compartment can be read: {first}{more}"),
-                    "a readable file of rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
-                    "download the test again, or name another channel by --channel",
+                    format!("{found}: {first}{more}"),
+                    format!("a readable file of {places}"),
+                    hint,
                 );
             }
-            refuse_channel(
-                file,
-                format!(
-                    "no signal file of a valid x accelerometer in the compartment is here; accelerations here: {}",
-                    if others.is_empty() { "none".to_owned() } else { list(others.into_iter()) }
-                ),
-                "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
-                hint,
-            )
+            let is_other = |f: &&ReadChannel| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration;
+            let others = list(recording.channels.iter().filter(is_other));
+            let others = if others.is_empty() { "none" } else { &others };
+            let found = "no signal file of a valid x accelerometer in the compartment is here; accelerations here";
+            refuse_channel(file, format!("{found}: {others}"), places, hint)
         }
         ([first, ..], PulseRule::Fittest) => Ok(*first),
         ([only], PulseRule::OnlyOne) => Ok(*only),
         (several, PulseRule::OnlyOne) if let Some(pulse) = vehicle_channel(recording, several) => Ok(pulse),
-        (several, PulseRule::OnlyOne) => refuse_channel(
-            file,
-            format!(
-                "{} acceleration columns: {}",
-                several.len(),
-                list(several.iter().map(|k| &recording.channels[*k]))
-            ),
-            "the name of the channel with the crash pulse",
-            which(&recording.channels[several[0]].channel.id, several.len()),
-        ),
+        (several, PulseRule::OnlyOne) => {
+            let names = list(several.iter().map(|k| &recording.channels[*k]));
+            let advice = which(&recording.channels[several[0]].channel.id, several.len());
+            let found = format!("{} acceleration columns: {names}", several.len());
+            refuse_channel(file, found, "the name of the channel with the crash pulse", advice)
+        }
     }
 }
 
@@ -169,33 +159,25 @@ fn vehicle_channel(recording: &Recording, several: &[usize]) -> Option<usize> {
 
 fn requested_channel(file: &str, recording: &Recording, wanted: &str, candidates: &[usize]) -> Result<usize> {
     let wanted = wanted.trim();
-    let usual = || list(candidates.iter().map(|k| &recording.channels[*k]));
-    let several = select(&recording.channels, wanted);
-    let &[index] = several.as_slice() else {
-        if !several.is_empty() {
-            return refuse_channel(
-                file,
-                format!(
-                    "--channel {wanted} means {} channels: {}",
-                    several.len(),
-                    list(several.iter().map(|k| &recording.channels[*k]))
-                ),
-                "one channel as the crash pulse",
-                format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id),
-            );
+    let names = |indices: &[usize]| list(indices.iter().map(|k| &recording.channels[*k]));
+    let index = match select(&recording.channels, wanted).as_slice() {
+        [index] => *index,
+        [] => {
+            let expected = format!("one of its {} channels, such as {}", recording.channels.len(), names(candidates));
+            let found = format!("channel {wanted} is not listed");
+            return refuse_channel(file, found, expected, "--list prints the table of channels");
         }
-        return refuse_channel(
-            file,
-            format!("channel {wanted} is not listed"),
-            format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
-            "--list prints the table of channels",
-        );
+        several => {
+            let found = format!("--channel {wanted} means {} channels: {}", several.len(), names(several));
+            let hint = format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id);
+            return refuse_channel(file, found, "one channel as the crash pulse", hint);
+        }
     };
     let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];
     let id = &channel.id;
     let hint = || match candidates {
         [] => "choose a channel with data by --channel".to_owned(),
-        _ => format!("candidates here: {}", usual()),
+        _ => format!("candidates here: {}", names(candidates)),
     };
     if wave.is_none() {
         let found = match channel.status {
@@ -424,8 +406,7 @@ pub fn check(
         (_, Some(ratio)) if ratio > IMPOSSIBLE => {
             format!(
                 "{ratio:.1} times the impact speed is too large for an impact of either sign: check the unit (--unit) \
-                 and the \
-                impact speed first"
+                 and the impact speed first"
             )
         }
         (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest (a \
@@ -433,15 +414,9 @@ pub fn check(
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };
-    notes.concern(
-        About::Pulse,
-        Weight::Decisive,
-        format!(
-            "the pulse is positive (+{change:.2} m/s in the first {:.0} ms); a frontal impact is negative (SAE J211). \
-         {way_out}",
-            (pulse.end_s().min(WINDOW_S)) * 1e3
-        ),
-    );
+    let within = format!("+{change:.2} m/s in the first {:.0} ms", pulse.end_s().min(WINDOW_S) * 1e3);
+    let text = format!("the pulse is positive ({within}); a frontal impact is negative (SAE J211). {way_out}");
+    notes.concern(About::Pulse, Weight::Decisive, text);
 }
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.
@@ -503,10 +478,8 @@ pub fn choose(file: &str, recording: &Recording, wanted: Option<&str>, notes: &m
         None => {
             let along = |axis| changes.iter().find(|k| recording.channels[**k].channel.axis == axis).copied();
             let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)) else {
-                notes.warning(format!(
-                    "no {what} is along x: {}; --channel names the one that is meant",
-                    names(&changes)
-                ));
+                let of = names(&changes);
+                notes.warning(format!("no {what} is along x: {of}; --channel names the one that is meant"));
                 return Ok(None);
             };
             taken
@@ -561,16 +534,12 @@ mod tests {
 
     #[test]
     fn the_compartment_ranks_and_the_engine_does_not() {
-        let place = |text: &str| fitness(&IsoCode::parse(text).unwrap().0, 1).map(|f| f.place);
-        assert_eq!(place("10FORALERE00AC1P"), Some(0));
-        assert_eq!(place("10SEATLERE00ACXD"), Some(1));
-        assert_eq!(place("10DOORLERE00AC1P"), Some(2));
-        assert_eq!(place("10VEHCCG0000AC1P"), Some(8));
-        assert_eq!(place("10VEHC0000__ACXD"), Some(9));
-        assert_eq!(place("10DOORLEFR00AC1P"), None);
-        assert_eq!(place("10ENGN000000AC1P"), None);
-        assert_eq!(place("20FORALERE00AC1P"), None);
-        assert_eq!(place("10FORALERE00ACYP"), None);
-        assert_eq!(place("11HEADCG00H3ACXA"), None);
+        let places = |codes: &str| -> Vec<Option<u8>> {
+            codes.split(' ').map(|code| fitness(&IsoCode::parse(code).unwrap().0, 1).map(|f| f.place)).collect()
+        };
+        let ranked = "10FORALERE00AC1P 10SEATLERE00ACXD 10DOORLERE00AC1P 10VEHCCG0000AC1P 10VEHC0000__ACXD";
+        assert_eq!(places(ranked), [Some(0), Some(1), Some(2), Some(8), Some(9)]);
+        let other = "10DOORLEFR00AC1P 10ENGN000000AC1P 20FORALERE00AC1P 10FORALERE00ACYP 11HEADCG00H3ACXA";
+        assert_eq!(places(other), [None; 5]);
     }
 }

@@ -85,13 +85,8 @@ pub enum GridError {
     Repeated { index: usize },
     /// A stamp is earlier than the one before.
     Backwards { index: usize },
-    /// A step is too far from the others.
-    Uneven {
-        /// Index of the sample after the step.
-        index: usize,
-        step_s: f64,
-        dt_s: f64,
-    },
+    /// A step is too far from the interval of the record.
+    Uneven { index: usize, step_s: f64, dt_s: f64 },
 }
 
 /// Fits a grid to time stamps in seconds, at least two. `resolution_s` is the printed resolution of the stamps.
@@ -99,11 +94,8 @@ pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
     for (k, pair) in times_s.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let index = k + 1;
-            return Err(if pair[1] == pair[0] {
-                GridError::Repeated { index }
-            } else {
-                GridError::Backwards { index }
-            });
+            let is_repeated = pair[1] == pair[0];
+            return Err(if is_repeated { GridError::Repeated { index } } else { GridError::Backwards { index } });
         }
     }
     let n = times_s.len();
@@ -128,11 +120,8 @@ pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
     let coarse = resolution <= 0.5 * dt && jitter <= resolution * (1.0 + 1e-6);
     if !(even || coarse) {
         let index = worst_step.0;
-        return Err(GridError::Uneven {
-            index,
-            step_s: times_s[index] - times_s[index - 1],
-            dt_s: median_step(times_s),
-        });
+        let (step_s, dt_s) = (times_s[index] - times_s[index - 1], median_step(times_s));
+        return Err(GridError::Uneven { index, step_s, dt_s });
     }
     Ok(Grid { t0_s: first, dt_s: dt, jitter: jitter / dt })
 }
@@ -254,18 +243,14 @@ pub fn on_grid(
         }
         (None, Err(GridError::Uneven { .. })) if settings.listing => Frequency::from_si(1.0 / median_s),
         (None, Err(GridError::Uneven { index, step_s, dt_s })) => {
-            return refuse(
-                place(index),
-                format!(
-                    "a step of {step_s:.9} s, where the median is {dt_s:.9} s (jitter, max|dt - median|/median: {:.3})",
-                    jitter_of_steps()
-                ),
-                format!("equal steps within {STEP_TOLERANCE} of the interval"),
-                format!(
-                    "a gap is better exported again; for uneven sampling --resample {advised}Hz brings it to a uniform \
-                     rate by linear interpolation"
-                ),
+            let jitter = format!("jitter, max|dt - median|/median: {:.3}", jitter_of_steps());
+            let found = format!("a step of {step_s:.9} s, where the median is {dt_s:.9} s ({jitter})");
+            let expected = format!("equal steps within {STEP_TOLERANCE} of the interval");
+            let hint = format!(
+                "a gap is better exported again; for uneven sampling --resample {advised}Hz brings it to a uniform \
+                 rate by linear interpolation"
             );
+            return refuse(place(index), found, expected, hint);
         }
         (None, Err(GridError::Repeated { index } | GridError::Backwards { index })) => {
             return refuse(place(index), "a time that does not increase", "times that do", "sort them");

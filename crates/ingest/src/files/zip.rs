@@ -43,7 +43,7 @@ impl Entry {
 
 /// Reads the one record in an archive. Names are compared only, nothing is unpacked to disk.
 pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle> {
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, error))?;
     if zip.len() > ENTRY_LIMIT {
         return refuse_size(
             file,
@@ -83,7 +83,7 @@ pub fn is_tdm(file: &str) -> bool {
 
 /// Adds what an archive beside the main file of a record has of it.
 pub fn add_from(file: &str, bytes: &[u8], bundle: &mut Bundle) -> Result<()> {
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, error))?;
     let entries = list_entries(&zip);
     let Some(first) = entries.iter().find(|entry| (bundle.reader.companion)(&bundle.main.name, &entry.name)) else {
         return Ok(());
@@ -145,8 +145,7 @@ fn channel_file<'a>(
     zip: &mut ZipArchive<Cursor<&[u8]>>,
     entries: &'a [Entry],
 ) -> Result<Option<&'a Entry>> {
-    let described = |e: &Entry| matches!(e.extension().as_str(), "ev5" | "mme" | "chn");
-    if entries.iter().any(described) {
+    if entries.iter().any(|e| e.has_extension(&["ev5", "mme", "chn"])) {
         return Ok(None);
     }
     let Some(first) = entries.iter().find(|e| is_channel_name(&e.name)) else { return Ok(None) };
@@ -197,12 +196,11 @@ fn may_be_a_record(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entr
 
 /// The EV5 file, else the only table, else the only file.
 fn main_entry<'a>(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entries: &'a [Entry]) -> Result<&'a Entry> {
-    let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
-    let ev5 = with(&|e| e.extension() == "ev5");
-    let mme = with(&|e| e.extension() == "mme");
-    let chn = with(&|e| e.extension() == "chn");
-    let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
-    let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
+    const EXPECTED: &str = "an archive with one .EV5 file, one ISO-MME test or one table";
+    let with = |endings: &[&str]| entries.iter().filter(|e| e.has_extension(endings)).collect::<Vec<&Entry>>();
+    let mut tables = with(&TABLES);
+    tables.retain(|e| !e.name.to_lowercase().contains("readme"));
+    let measurements = with(&MEASUREMENTS);
     let mut records = Vec::new();
     for table in tables.iter().filter(|_| tables.len() > 1 && measurements.is_empty()) {
         if may_be_a_record(file, zip, table)? {
@@ -210,18 +208,14 @@ fn main_entry<'a>(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entries: &'a 
         }
     }
     let tables = if records.is_empty() { tables } else { records };
-    for candidates in [&ev5, &mme, &chn, &measurements, &tables] {
+    for candidates in [with(&["ev5"]), with(&["mme"]), with(&["chn"]), measurements, tables] {
         match candidates.as_slice() {
             [] => {}
             [one] => return Ok(one),
             several => {
                 let names: Vec<&str> = several.iter().take(10).map(|e| e.name.as_str()).collect();
-                return refuse_path(
-                    file,
-                    format!("{} records in one archive: {}", several.len(), names.join(", ")),
-                    "an archive with one .EV5 file, one ISO-MME test or one table",
-                    "unpack it and give the one you mean",
-                );
+                let found = format!("{} records in one archive: {}", several.len(), names.join(", "));
+                return refuse_path(file, found, EXPECTED, "unpack it and give the one you mean");
             }
         }
     }
@@ -230,30 +224,19 @@ fn main_entry<'a>(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entries: &'a 
         [] => return Err(damaged(file, "the archive is empty")),
         _ => {}
     }
-    if let Some(inner) = entries.iter().find(|e| e.extension() == "zip") {
-        return refuse_path(
-            file,
-            format!("an archive inside the archive: {}", inner.name),
-            "an archive with one .EV5 file, one ISO-MME test or one table",
-            format!("unpack it and give {}", inner.name),
-        );
+    if let Some(Entry { name, .. }) = entries.iter().find(|e| e.extension() == "zip") {
+        let found = format!("an archive inside the archive: {name}");
+        return refuse_path(file, found, EXPECTED, format!("unpack it and give {name}"));
     }
-    let curves = entries.iter().filter(|e| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.'));
-    let (curves, example) = (curves.clone().count(), curves.map(|e| stem(&e.name)).next());
-    Err(match example {
-        Some(stem) => IngestError::path(
-            file,
-            format!("{curves} signal files but no .EV5 file"),
-            format!("{stem}.EV5 in the same folder of the archive"),
-            "take the whole \"EV5 ASCII X-Y\" archive of the test",
-        ),
-        None => IngestError::path(
-            file,
-            format!("{} files, none of them an .EV5 file or a table", entries.len()),
-            "an archive with one .EV5 file, one ISO-MME test or one table",
-            "unpack it and give the record itself",
-        ),
-    })
+    let is_curve = |e: &&Entry| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.');
+    let curves: Vec<&Entry> = entries.iter().filter(is_curve).collect();
+    if let [first, ..] = curves.as_slice() {
+        let found = format!("{} signal files but no .EV5 file", curves.len());
+        let expected = format!("{}.EV5 in the same folder of the archive", stem(&first.name));
+        return refuse_path(file, found, expected, "take the whole \"EV5 ASCII X-Y\" archive of the test");
+    }
+    let found = format!("{} files, none of them an .EV5 file or a table", entries.len());
+    refuse_path(file, found, EXPECTED, "unpack it and give the record itself")
 }
 
 /// What the archive claims must fit into the memory that is left, before any of it is unpacked.
@@ -265,14 +248,14 @@ fn refuse_beyond_memory(at: &str, claimed: u64) -> Result<()> {
 /// One entry, up to [`FILE_LIMIT`]: a small archive may claim to hold terabytes.
 fn inflate(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry, total: &mut u64) -> Result<Vec<u8>> {
     let at = format!("{file}: {}", entry.name);
-    let damaged = |error: String| damaged(file, &format!("{}: {error}", entry.name));
-    let reader = zip.by_index(entry.index).map_err(|error| damaged(error.to_string()))?;
+    let damaged = |error: &dyn std::fmt::Display| damaged(file, format!("{}: {error}", entry.name));
+    let reader = zip.by_index(entry.index).map_err(|error| damaged(&error))?;
     let (limit, claimed) = (FILE_LIMIT.min(1 << 28), reader.size());
     refuse_beyond_memory(&at, claimed)?;
     let mut bytes = Vec::new();
     if claimed <= limit {
         bytes.reserve(usize::try_from(claimed.min(1 << 24)).unwrap_or(0));
-        reader.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(error.to_string()))?;
+        reader.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(&error))?;
     }
     let found = format!("more than {} MiB when unpacked", limit >> 20);
     check_size(at, claimed.max(bytes.len() as u64), limit, &found, "entries up to # MiB")?;
@@ -281,7 +264,7 @@ fn inflate(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry, total
     Ok(bytes)
 }
 
-fn damaged(file: &str, found: &str) -> IngestError {
+fn damaged(file: &str, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(
         file,
         format!("the zip archive cannot be read: {found}"),

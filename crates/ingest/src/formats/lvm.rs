@@ -11,7 +11,7 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::{GAPS_ARE_NOT_FILLED, IngestError, IngestSettings, Result, refuse, time};
+use crate::{GAPS_ARE_NOT_FILLED, IngestSettings, Result, refuse, time};
 
 /// Difference of clocks that counts as the same, s.
 const CLOCK_SLACK_S: f64 = 1e-3;
@@ -239,7 +239,7 @@ fn file_header(lines: &mut Lines) -> Result<FileHeader> {
     let mut after_key = None;
     lines.take()?;
     loop {
-        let Some(line) = lines.take()? else { return Err(no_end(lines)) };
+        let Some(line) = lines.take()? else { return no_end(lines) };
         if is_mark(line.bytes, "End_of_Header") {
             break;
         }
@@ -265,12 +265,8 @@ fn file_header(lines: &mut Lines) -> Result<FileHeader> {
         _ => None,
     };
     if separator == b',' && decimal == Some(b',') {
-        return refuse(
-            lines.place(),
-            "decimal commas between commas",
-            "another decimal mark than the separator",
-            "save the measurement with tabs between the columns",
-        );
+        let hint = "save the measurement with tabs between the columns";
+        return refuse(lines.place(), "decimal commas between commas", "another decimal mark than the separator", hint);
     }
     let x_columns = match key("X_Columns") {
         "No" => XColumns::No,
@@ -285,7 +281,7 @@ fn segment_header(lines: &mut Lines, file: &FileHeader) -> Result<Option<Segment
     let mut header = SegmentHeader::default();
     loop {
         let Some(line) = lines.take()? else {
-            return if header.keys.is_empty() { Ok(None) } else { Err(no_end(lines)) };
+            return if header.keys.is_empty() { Ok(None) } else { no_end(lines) };
         };
         if is_mark(line.bytes, "End_of_Header") {
             break;
@@ -304,34 +300,30 @@ fn segment_header(lines: &mut Lines, file: &FileHeader) -> Result<Option<Segment
     }
     header.titles = match lines.take()? {
         Some(line) => words(line.bytes, file.separator),
-        None => return Err(no_end(lines)),
+        None => return no_end(lines),
     };
     let step = if file.x_columns == XColumns::Multi { 2 } else { 1 };
     let room = (header.titles.len().saturating_sub(1)).div_ceil(step);
     let count = match header.keys.get("Channels").and_then(|fields| fields.get(1)) {
-        Some(text) => text.parse::<usize>().ok().filter(|n| (1..=room).contains(n)).ok_or_else(|| {
-            IngestError::content(
-                lines.place(),
-                format!("{text:?} channels are announced, there are {} column titles", header.titles.len()),
-                "a title for each channel",
-                "the file may be damaged: save the measurement again",
-            )
-        })?,
-        None => {
-            header.titles[1..].iter().step_by(step).filter(|title| *title != "Comment" && !title.is_empty()).count()
-        }
+        Some(text) => match text.parse::<usize>() {
+            Ok(count) if (1..=room).contains(&count) => count,
+            _ => {
+                let titles = header.titles.len();
+                let found = format!("{text:?} channels are announced, there are {titles} column titles");
+                let hint = "the file may be damaged: save the measurement again";
+                return refuse(lines.place(), found, "a title for each channel", hint);
+            }
+        },
+        None => header.titles[1..].iter().step_by(step).filter(|t| *t != "Comment" && !t.is_empty()).count(),
     };
     header.columns = (0..count).map(|k| 1 + k * step).collect();
     Ok(Some(header))
 }
 
-fn no_end(lines: &Lines) -> IngestError {
-    IngestError::content(
-        lines.place(),
-        "the file ends in a header",
-        "***End_of_Header***, a line of column titles and rows",
-        "the file may be cut short: save or download it again",
-    )
+fn no_end<T>(lines: &Lines) -> Result<T> {
+    let hint = "the file may be cut short: save or download it again";
+    let expected = "***End_of_Header***, a line of column titles and rows";
+    refuse(lines.place(), "the file ends in a header", expected, hint)
 }
 
 impl SegmentHeader {
@@ -387,7 +379,7 @@ fn rows_of(lines: &mut Lines, file: &FileHeader, header: &SegmentHeader, decimal
         .map(|(k, column)| match file.x_columns {
             XColumns::No => None,
             XColumns::One if k > 0 => None,
-            _ => header.number("Delta_X", *column, decimal).filter(|dt| *dt > 0.0).map(Clock::new),
+            _ => header.number("Delta_X", *column, decimal).filter(|dt| *dt > 0.0).map(|dt| Clock { dt, first: None }),
         })
         .collect();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); channels];
@@ -420,25 +412,20 @@ fn rows_of(lines: &mut Lines, file: &FileHeader, header: &SegmentHeader, decimal
                 Some(number) => number.value,
                 None if lines::is_gap(field) => f64::NAN,
                 None => {
-                    return refuse(
-                        place(),
-                        format!("{:?} is not a finite number", decode(&field[..field.len().min(40)])),
-                        "a finite number or nothing in every field",
-                        "save the measurement again, or write the number that belongs there: without its line all \
-                         later samples would come too early",
-                    );
+                    let found = format!("{:?} is not a finite number", decode(&field[..field.len().min(40)]));
+                    let hint = "save the measurement again, or write the number that belongs there: without its line \
+                                all later samples would come too early";
+                    return refuse(place(), found, "a finite number or nothing in every field", hint);
                 }
             };
             values[k].push(value);
             if let (Some(clock), Some(x)) = (&mut clocks[k], x)
                 && let Some(expected) = clock.off(x, row)
             {
-                return refuse(
-                    place(),
-                    format!("X is {x}, the row is at {expected} by X0 and Delta_X"),
-                    "rows at equal steps of Delta_X",
-                    "the recording was interrupted there, or several were saved under one header: split the file",
-                );
+                let found = format!("X is {x}, the row is at {expected} by X0 and Delta_X");
+                let hint =
+                    "the recording was interrupted there, or several were saved under one header: split the file";
+                return refuse(place(), found, "rows at equal steps of Delta_X", hint);
             }
         }
         row += 1;
@@ -453,10 +440,6 @@ struct Clock {
 }
 
 impl Clock {
-    fn new(dt: f64) -> Self {
-        Self { dt, first: None }
-    }
-
     /// The X that row `row` should have, if it is not near it.
     fn off(&mut self, x: f64, row: usize) -> Option<f64> {
         // X is printed to the microsecond, to seven digits where it is large; both ends are rounded. Where it starts is

@@ -39,7 +39,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     read_messages(file, bytes, &topics, settings)
 }
 
-fn damaged(file: &str, found: &str) -> IngestError {
+fn damaged(file: &str, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(
         file,
         format!("the MCAP file cannot be read: {found}"),
@@ -57,10 +57,10 @@ fn scan(file: &str, bytes: &[u8], unpack: bool, mut each: impl FnMut(McapRecord)
             .with_validate_chunk_crcs(true)
             .with_record_length_limit(CHUNK_LIMIT as usize),
     );
-    add_decompressors(&mut reader, CHUNK_LIMIT).map_err(|error| damaged(file, &error.to_string()))?;
+    add_decompressors(&mut reader, CHUNK_LIMIT).map_err(|error| damaged(file, error))?;
     let mut rest = bytes;
     while let Some(event) = reader.next_event() {
-        match event.map_err(|error| damaged(file, &error.to_string()))? {
+        match event.map_err(|error| damaged(file, error))? {
             LinearReadEvent::ReadRequest(need) => {
                 // In pieces, so that an absurd announced length reserves nothing.
                 let length = need.min(rest.len()).min(1 << 24);
@@ -69,7 +69,7 @@ fn scan(file: &str, bytes: &[u8], unpack: bool, mut each: impl FnMut(McapRecord)
                 rest = &rest[length..];
             }
             LinearReadEvent::Record { opcode, data } => {
-                each(mcap::parse_record(opcode, data).map_err(|error| damaged(file, &error.to_string()))?)?;
+                each(mcap::parse_record(opcode, data).map_err(|error| damaged(file, error))?)?;
             }
         }
     }
@@ -108,7 +108,7 @@ fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Resul
                 let channel = channels.get(&header.channel_id).ok_or_else(|| {
                     damaged(
                         file,
-                        &format!("a message of channel {}, which is not described before it", header.channel_id),
+                        format!("a message of channel {}, which is not described before it", header.channel_id),
                     )
                 })?;
                 each(Message {
@@ -329,15 +329,13 @@ fn no_channel_error(
 
 /// The test and the waves of an artifact of any stage, as they are.
 fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording> {
-    let refuse = |found: String| {
+    let refuse = |found: &dyn std::fmt::Display| {
         IngestError::content(file, found, "an artifact as docs/format.md describes it", "check it as an artifact")
     };
-    let artifact = Artifact::read(Path::new(file), bytes).map_err(|error| refuse(error.to_string()))?;
-    let test: TestV1 = artifact
-        .record("/test")
-        .map_err(|error| refuse(error.to_string()))?
-        .ok_or_else(|| refuse("no record under /test".to_owned()))?;
-    let test = TestDescription::try_from(test).map_err(|error| refuse(error.to_string()))?;
+    let artifact = Artifact::read(Path::new(file), bytes).map_err(|error| refuse(&error))?;
+    let test: TestV1 =
+        artifact.record("/test").map_err(|error| refuse(&error))?.ok_or_else(|| refuse(&"no record under /test"))?;
+    let test = TestDescription::try_from(test).map_err(|error| refuse(&error))?;
     let mut notes = Notes::new();
     notes.info(format!(
         "read from an artifact of {}: channels and samples are as that stage left them",

@@ -296,12 +296,9 @@ pub mod tests {
 
     /// An IMU message as ROS 2 writes it.
     pub fn cdr_imu(stamp_ns: i64, frame: &str, linear: [f64; 3]) -> Vec<u8> {
-        let mut body = Vec::new();
-        body.extend_from_slice(&((stamp_ns / 1_000_000_000) as u32).to_le_bytes());
-        body.extend_from_slice(&((stamp_ns % 1_000_000_000) as u32).to_le_bytes());
-        body.extend_from_slice(&(frame.len() as u32 + 1).to_le_bytes());
-        body.extend_from_slice(frame.as_bytes());
-        body.push(0);
+        let head = [stamp_ns / 1_000_000_000, stamp_ns % 1_000_000_000, 1 + i64::try_from(frame.len()).unwrap()];
+        let mut body: Vec<u8> = head.iter().flat_map(|x| (*x as u32).to_le_bytes()).collect();
+        body.extend(format!("{frame}\0").as_bytes());
         body.resize(body.len().next_multiple_of(8), 0);
         let numbers = [vec![0.0; 13], vec![0.1, 0.2, 0.3], vec![0.0; 9], linear.to_vec(), vec![0.0; 9]].concat();
         body.extend(numbers.iter().flat_map(|x: &f64| x.to_le_bytes()));

@@ -12,7 +12,7 @@ use crumple_signal::Notes;
 use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
 use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::Recording;
-use crate::{IngestError, IngestSettings, Result, check_size};
+use crate::{IngestSettings, Result, check_size};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 const MESSAGE: u8 = 2;
@@ -27,15 +27,11 @@ pub const ROS_BAG: Reader =
 fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
     let Some(body) = bytes.strip_prefix(MAGIC) else {
-        return Err(refuse(
-            file,
-            At::File(0),
-            "a bag of another version than 2.0",
-            "rewrite it: rosbag migrate, or rosbag record",
-        ));
+        let hint = "rewrite it: rosbag migrate, or rosbag record";
+        return refuse(file, At::file(0), "a bag of another version than 2.0", hint);
     };
     let mut bag = Bag::default();
-    bag.records(file, body, At::File(MAGIC.len()))?;
+    bag.records(file, body, At::file(MAGIC.len()))?;
     let mut topics: BTreeMap<String, Topic> = bag
         .connections
         .values()
@@ -69,36 +65,23 @@ struct Bag {
     unpacked: u64,
 }
 
-/// Where a record starts.
+/// Where a record starts: a byte of the file, or of what the chunk at some byte of it was packed of.
 #[derive(Debug, Clone, Copy)]
-enum At {
-    /// Byte of the file.
-    File(usize),
-    /// A chunk that was packed: its byte in the file, and the byte in what it holds.
-    Chunk(usize, usize),
+struct At {
+    chunk: Option<usize>,
+    byte: usize,
 }
 
 impl At {
-    fn further(self, bytes: usize) -> Self {
-        match self {
-            Self::File(at) => Self::File(at + bytes),
-            Self::Chunk(chunk, at) => Self::Chunk(chunk, at + bytes),
-        }
+    fn file(byte: usize) -> Self {
+        Self { chunk: None, byte }
     }
 }
 
-fn refuse(file: &str, at: At, found: impl Into<String>, hint: &str) -> IngestError {
-    let found: String = found.into();
-    let place = match at {
-        At::File(byte) => format!("byte {byte}"),
-        At::Chunk(chunk, byte) => format!("byte {byte} of the unpacked chunk at byte {chunk}"),
-    };
-    IngestError::content(
-        file,
-        format!("{found} ({place})"),
-        "a ROS 1 bag, version 2.0, its chunks plain or packed by bz2 or lz4",
-        hint,
-    )
+fn refuse<T>(file: &str, At { chunk, byte }: At, found: impl std::fmt::Display, hint: &str) -> Result<T> {
+    let place = chunk.map_or_else(String::new, |chunk| format!(" of the unpacked chunk at byte {chunk}"));
+    let expected = "a ROS 1 bag, version 2.0, its chunks plain or packed by bz2 or lz4";
+    crate::refuse(file, format!("{found} (byte {byte}{place})"), expected, hint)
 }
 
 /// The records of a chunk, by what its header says of their packing and their length.
@@ -110,7 +93,7 @@ fn unpack<'a>(file: &str, start: usize, header: &BTreeMap<&[u8], &[u8]>, data: &
         "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(data)),
         other => {
             let found = format!("a chunk compressed by {other:?}");
-            return Err(refuse(file, At::File(start), found, "unpack it first: rosbag decompress FILE"));
+            return refuse(file, At::file(start), found, "unpack it first: rosbag decompress FILE");
         }
     };
     let size = u64::from(number(header, b"size").unwrap_or(0));
@@ -118,19 +101,15 @@ fn unpack<'a>(file: &str, start: usize, header: &BTreeMap<&[u8], &[u8]>, data: &
     check_size(file, size, CHUNK_LIMIT, &found, "chunks up to # MiB")?;
     // Nothing is reserved from a claim, and no more is unpacked than claimed.
     let mut bytes = Vec::new();
-    packed.take(size + 1).read_to_end(&mut bytes).map_err(|error| {
-        refuse(file, At::File(start), format!("a chunk that {compression} cannot unpack: {error}"), CUT)
-    })?;
-    if bytes.len() as u64 != size {
-        let than = if bytes.len() as u64 > size { "more than".to_owned() } else { format!("{} of", bytes.len()) };
-        return Err(refuse(
-            file,
-            At::File(start),
-            format!("a chunk that unpacks to {than} the {size} bytes it claims"),
-            CUT,
-        ));
-    }
-    Ok(Cow::Owned(bytes))
+    let found = match packed.take(size + 1).read_to_end(&mut bytes) {
+        Err(error) => format!("a chunk that {compression} cannot unpack: {error}"),
+        Ok(_) if bytes.len() as u64 == size => return Ok(Cow::Owned(bytes)),
+        Ok(_) => {
+            let than = if bytes.len() as u64 > size { "more than".to_owned() } else { format!("{} of", bytes.len()) };
+            format!("a chunk that unpacks to {than} the {size} bytes it claims")
+        }
+    };
+    refuse(file, At::file(start), found, CUT)
 }
 
 const CUT: &str = "the file may be cut short or damaged: rosbag reindex, or copy it again";
@@ -167,23 +146,27 @@ impl Bag {
     fn records(&mut self, file: &str, bytes: &[u8], base: At) -> Result<()> {
         let mut at = 0;
         while at < bytes.len() {
-            let start = base.further(at);
-            let (header, next) = block(bytes, at).ok_or_else(|| refuse(file, start, "a record is cut short", CUT))?;
-            let (data, next) = block(bytes, next).ok_or_else(|| refuse(file, start, "a record is cut short", CUT))?;
+            let start = At { byte: base.byte + at, ..base };
+            let parts = block(bytes, at).and_then(|(header, next)| Some((header, block(bytes, next)?)));
+            let Some((header, (data, next))) = parts else {
+                return refuse(file, start, "a record is cut short", CUT);
+            };
             at = next;
             let fields = fields(header);
             match fields.get(&b"op"[..]).and_then(|op| op.first()) {
                 Some(&CHUNK) => {
-                    let At::File(byte) = start else { return Err(refuse(file, start, "a chunk inside a chunk", CUT)) };
-                    let records = unpack(file, byte, &fields, data)?;
+                    if start.chunk.is_some() {
+                        return refuse(file, start, "a chunk inside a chunk", CUT);
+                    }
+                    let records = unpack(file, start.byte, &fields, data)?;
                     self.unpacked += records.len() as u64;
                     check_total(file, self.unpacked)?;
-                    self.records(file, &records, At::Chunk(byte, 0))?;
+                    self.records(file, &records, At { chunk: Some(start.byte), byte: 0 })?;
                 }
                 Some(&CONNECTION) => self.connection(&fields, data),
                 Some(&MESSAGE) => self.message(file, start, &fields, data)?,
                 Some(_) => {}
-                None => return Err(refuse(file, start, "a record without its kind", CUT)),
+                None => return refuse(file, start, "a record without its kind", CUT),
             }
         }
         Ok(())
@@ -200,7 +183,7 @@ impl Bag {
     fn message(&mut self, file: &str, start: At, header: &BTreeMap<&[u8], &[u8]>, data: &[u8]) -> Result<()> {
         let connection = number(header, b"conn").and_then(|id| self.connections.get_mut(&id));
         let Some(connection) = connection else {
-            return Err(refuse(file, start, "a message of a connection that is not described before it", CUT));
+            return refuse(file, start, "a message of a connection that is not described before it", CUT);
         };
         connection.messages += 1;
         // Seconds and nanoseconds, four bytes each.

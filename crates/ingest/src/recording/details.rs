@@ -150,45 +150,40 @@ fn state_once(
     Ok(())
 }
 
-/// One layer of statements over another; a differing value below is noted. `show` writes a value for people.
-pub fn overrule<T: PartialEq>(
-    below: &mut Option<Stated<T>>,
-    value: Option<T>,
-    from: &str,
-    what: &str,
-    show: impl Fn(&T) -> String,
-    notes: &mut Notes,
-) {
-    let Some(value) = value else { return };
-    if let Some(old) = below.as_ref().filter(|old| old.value != value) {
-        notes.info(format!("{what} is {} by {from}; {} says {}", show(&value), old.from, show(&old.value)));
+/// A layer of statements, and where the remarks on it go.
+struct Layer<'a> {
+    from: &'a str,
+    notes: &'a mut Notes,
+}
+
+impl Layer<'_> {
+    /// Puts a value over the one below; one that differs is noted. `show` writes a value for people.
+    fn put<T: PartialEq>(
+        &mut self,
+        below: &mut Option<Stated<T>>,
+        value: Option<T>,
+        what: &str,
+        show: fn(&T) -> String,
+    ) {
+        let (Some(value), from) = (value, self.from) else { return };
+        if let Some(old) = below.as_ref().filter(|old| old.value != value) {
+            self.notes.info(format!("{what} is {} by {from}; {} says {}", show(&value), old.from, show(&old.value)));
+        }
+        *below = Some(Stated { value, from: from.to_owned() });
     }
-    *below = Some(Stated { value, from: from.to_owned() });
 }
 
 /// Puts the statements of a sidecar or of flags over those of the record.
 pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
-    let text = |t: &String| format!("{t:?}");
-    overrule(&mut details.title, settings.title.clone(), from, "title", text, notes);
-    overrule(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
-    overrule(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
-    overrule(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
-    overrule(
-        &mut details.impact_speed_m_per_s,
-        settings.impact_speed.map(Speed::si),
-        from,
-        "impact speed",
-        |v| format!("{} km/h", (3.6e3 * v).round() / 1e3),
-        notes,
-    );
-    overrule(
-        &mut details.time_zero_s,
-        settings.time_zero.map(Time::si),
-        from,
-        "time zero",
-        |t| format!("{t} s"),
-        notes,
-    );
+    let (mut layer, text): (_, fn(&String) -> String) = (Layer { from, notes }, |text| format!("{text:?}"));
+    let (speed, zero) = (settings.impact_speed.map(Speed::si), settings.time_zero.map(Time::si));
+    let km_per_h = |v: &f64| format!("{} km/h", (3.6e3 * v).round() / 1e3);
+    layer.put(&mut details.title, settings.title.clone(), "title", text);
+    layer.put(&mut details.vehicle, settings.vehicle.clone(), "vehicle", text);
+    layer.put(&mut details.barrier, settings.barrier.clone(), "barrier", text);
+    layer.put(&mut details.mass_kg, settings.mass.map(Mass::si), "mass", |kg| format!("{kg} kg"));
+    layer.put(&mut details.impact_speed_m_per_s, speed, "impact speed", km_per_h);
+    layer.put(&mut details.time_zero_s, zero, "time zero", |t| format!("{t} s"));
 }
 
 /// Checks that mass and impact speed are usable where they are stated. A speed of 0 is one: the vehicle stands.

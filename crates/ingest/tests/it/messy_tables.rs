@@ -239,65 +239,34 @@ fn refused() -> Vec<Refused> {
     let mut add = |name, text: String, advice, followed, t0_s| {
         tables.push(Refused { name, text, said: "", advice, followed, t0_s: Some(t0_s) });
     };
-    for (name, title, from) in [
-        ("Sample", "Sample", 0),
-        ("Index", "Index", 1),
-        ("#", "\"#\"", 1),
-        ("No.", "No.", 1),
-        ("lfd. Nr.", "lfd. Nr.", 17),
-    ] {
+    for (title, from) in [("Sample", 0), ("Index", 1), ("\"#\"", 1), ("No.", 1), ("lfd. Nr.", 17)] {
         let text = counted(title, from);
-        add(name, text.clone(), "--sample-time 100us", same(&text, INTERVAL), 0.0);
+        add(title, text.clone(), "--sample-time 100us", same(&text, INTERVAL), 0.0);
     }
     let text = rows(|k, _, a| format!("{k},{a:.4}"));
-    add(
-        "a bare count without names",
-        text.clone(),
-        "--sample-time 100us",
-        same(&text, "--sample-time 200us --unit g"),
-        0.0,
-    );
+    let followed = same(&text, "--sample-time 200us --unit g");
+    add("a bare count without names", text, "--sample-time 100us", followed, 0.0);
     let text = counted("time", 0);
     add("a count named time", text.clone(), "--sample-time 100us", same(&text, INTERVAL), 0.0);
     let text = headed("accel_g,accel_y_g", |k, _, a| format!("{a:.4},{:.3}", (k % 7) as f64));
-    add(
-        "no time column",
-        text.clone(),
-        "--sample-time 100us",
-        same(&text, "--sample-time 200us --channel accel_g"),
-        0.0,
-    );
+    let followed = same(&text, "--sample-time 200us --channel accel_g");
+    add("no time column", text, "--sample-time 100us", followed, 0.0);
     let text = headed("accel_g", |_, _, a| format!("{a:.4}"));
     add("one column", text.clone(), "--sample-time", same(&text, INTERVAL), 0.0);
     let text = format!("abscissa,accel_g\n{}", plain());
-    add(
-        "a first column that does not say it is the time",
-        text.clone(),
-        "--time-unit s",
-        same(&text, "--time-unit s"),
-        -0.05,
-    );
+    let followed = same(&text, "--time-unit s");
+    add("a first column that does not say it is the time", text, "--time-unit s", followed, -0.05);
     let text = format!("# mass: 1200 kg\n# mass: 1300 kg\n{header}\n{}", plain());
     let kept = text.replace("# mass: 1300 kg\n", "");
     add("two masses", text.clone(), "remove the line that is wrong", same(&kept, ""), -0.05);
-    add(
-        "two masses, settled by the flag",
-        text.clone(),
-        "--mass says which counts",
-        same(&text, "--mass 1200kg"),
-        -0.05,
-    );
+    let followed = same(&text, "--mass 1200kg");
+    add("two masses, settled by the flag", text, "--mass says which counts", followed, -0.05);
     let text = format!("# impact speed: 50 km/h\n# impact speed: 60 km/h\n{header}\n{}", plain());
     let kept = text.replace("# impact speed: 60 km/h\n", "");
     add("two speeds", text, "remove the line that is wrong", same(&kept, ""), -0.05);
     let text = format!("time_s,accel_g\ns,m/s^2\n{}", plain());
-    add(
-        "two units of a column",
-        text.clone(),
-        "correct line 1 or line 2",
-        same(&text.replace("m/s^2", "g"), ""),
-        -0.05,
-    );
+    let followed = same(&text.replace("m/s^2", "g"), "");
+    add("two units of a column", text, "correct line 1 or line 2", followed, -0.05);
     let text = format!("# time unit: ms\n{header}\n{}", plain());
     add("two units of time", text.clone(), "--time-unit says which counts", same(&text, "--time-unit s"), -0.05);
     let text = good().0.replace("\n0.0450,-25.0000\n", "\n0.0450,-250000\n");
@@ -310,13 +279,8 @@ fn refused() -> Vec<Refused> {
     add("a unit behind every number", text, "without the unit behind them", good(), -0.05);
     let text =
         headed("time_s,accel_g", |_, t, a| comma(format!("{t:.4},{a:.4}").replacen(',', ";", 1)).replace(';', ","));
-    add(
-        "decimal commas between commas",
-        text,
-        "with semicolons or tabs",
-        (headed("t [s];a [g]", |_, t, a| comma(format!("{t:.4};{a:.4}"))), ""),
-        -0.05,
-    );
+    let followed = (headed("t [s];a [g]", |_, t, a| comma(format!("{t:.4};{a:.4}"))), "");
+    add("decimal commas between commas", text, "with semicolons or tabs", followed, -0.05);
     let text = headed("time [us],accel [mg]", |_, t, a| format!("\"{}\",{:.0}", thousands(t), a * 1e3));
     let plain_numbers = headed("time [us],accel [mg]", |_, t, a| format!("{:.0},{:.1}", t * 1e6, a * 1e3));
     add("thousands or decimals", text, "without thousands separators", (plain_numbers, ""), -0.05);

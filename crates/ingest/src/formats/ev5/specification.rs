@@ -91,24 +91,18 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification> {
     }
     for key in ["TEST", "VEHICLE", "INSTRUMENTATION"] {
         if !seen.contains(&key) {
-            return refuse(
-                file,
-                format!("no section ----- {key} -----"),
-                "an EV5 file with the sections TEST, VEHICLE and INSTRUMENTATION",
-                "the file may be cut short: download it again",
-            );
+            let expected = "an EV5 file with the sections TEST, VEHICLE and INSTRUMENTATION";
+            let hint = "the file may be cut short: download it again";
+            return refuse(file, format!("no section ----- {key} -----"), expected, hint);
         }
     }
     if specification.curves.is_empty() {
         let (line, reason) =
             specification.unread_lines.first().cloned().unwrap_or((0, "the section is empty".to_owned()));
         let place = if line > 0 { Place::line(file, line) } else { Place::file(file) };
-        return refuse(
-            place,
-            format!("no curve in the section INSTRUMENTATION: {reason}"),
-            "a line of 20 fields for each curve, split by |",
-            "the file may be damaged: download it again",
-        );
+        let found = format!("no curve in the section INSTRUMENTATION: {reason}");
+        let hint = "the file may be damaged: download it again";
+        return refuse(place, found, "a line of 20 fields for each curve, split by |", hint);
     }
     Ok(specification)
 }
@@ -284,15 +278,9 @@ impl Barrier {
             _ => "barrier".to_owned(),
         };
         let mut words = format!("{rigidity}{shape}");
-        if let Some(angle) = self.angle_deg {
-            words.push_str(&format!(", {angle} deg"));
-        }
-        if let Some(diameter) = self.diameter_mm {
-            words.push_str(&format!(", diameter {diameter} mm"));
-        }
-        if let Some(comment) = &self.comment {
-            words.push_str(&format!(" ({})", comment.to_lowercase()));
-        }
+        words.extend(self.angle_deg.map(|angle| format!(", {angle} deg")));
+        words.extend(self.diameter_mm.map(|diameter| format!(", diameter {diameter} mm")));
+        words.extend(self.comment.as_ref().map(|comment| format!(" ({})", comment.to_lowercase())));
         (words != "barrier").then_some(words)
     }
 }

@@ -11,34 +11,11 @@ use crate::time::Grid;
 use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
 
 /// Keywords that have a place of their own in a channel, or are checked here.
-const READ: [&str; 26] = [
-    "channel code",
-    "name of the channel",
-    "laboratory channel code",
-    "customer channel code",
-    "unit",
-    "sampling interval",
-    "time of first sample",
-    "number of samples",
-    "reference channel",
-    "reference channel name",
-    "channel frequency class",
-    "data status",
-    "transducer type",
-    "transducer id",
-    "first global maximum value",
-    "first global minimum value",
-    "time of maximum value",
-    "time of minimum value",
-    "test object number",
-    "direction",
-    "dimension",
-    "location",
-    "bit resolution",
-    "channel amplitude class",
-    "cut off frequency",
-    "pre-filter type",
-];
+const READ: &str = "channel code|name of the channel|laboratory channel code|customer channel code|unit|\
+    sampling interval|time of first sample|number of samples|reference channel|reference channel name|\
+    channel frequency class|data status|transducer type|transducer id|first global maximum value|\
+    first global minimum value|time of maximum value|time of minimum value|test object number|direction|dimension|\
+    location|bit resolution|channel amplitude class|cut off frequency|pre-filter type";
 
 /// Makes the channel of one file. `all` are the files of the test, for explicit time channels.
 pub fn channel_of_file(
@@ -132,7 +109,7 @@ fn describe(channel: &mut Channel, header: &Header, code: Option<&IsoCode>, name
     comment.extend(
         header.text("data status").filter(|s| !s.eq_ignore_ascii_case("ok")).map(|s| format!("data status: {s}")),
     );
-    comment.extend(header.others(&READ));
+    comment.extend(header.others(&READ.split('|').collect::<Vec<_>>()));
     channel.comment = (!comment.is_empty()).then(|| comment.join("; "));
 }
 

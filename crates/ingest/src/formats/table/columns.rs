@@ -163,6 +163,7 @@ fn check_for_acceleration(
     selected: Option<usize>,
     is_unit_stated: bool,
 ) -> Result<()> {
+    let is_named_as_acceleration = |k: &usize| names_acceleration(&header.columns[*k].title);
     let no_unit = |k: usize| {
         let Column { title, unit, .. } = &header.columns[k];
         let place = Place::file(file).in_nth_column(k, title);
@@ -170,10 +171,7 @@ fn check_for_acceleration(
             file.rsplit_once('.').is_some_and(|(_, e)| e.len() == 3 && e.bytes().all(|b| b.is_ascii_digit()));
         let hint = if is_curve {
             "a signal file of an NHTSA test is read by giving its .EV5 file; else add --unit g"
-        } else if selected.is_none()
-            && data.len() > 1
-            && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
-        {
+        } else if selected.is_none() && data.len() > 1 && !data.iter().any(is_named_as_acceleration) {
             "if it is a crash, add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is; inputs and outputs that are \
              no crash need none: --allow-missing, and then the stage identify"
         } else {
@@ -191,31 +189,25 @@ fn check_for_acceleration(
     if kinds.iter().any(|(kind, _)| *kind == QuantityKind::Acceleration) {
         return Ok(());
     }
-    let mut velocities =
-        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Velocity).map(|(k, _)| &header.columns[*k]);
-    let is_named_as_acceleration = |k: &usize| names_acceleration(&header.columns[*k].title);
-    if velocities.any(|column| !names_velocity_change(&column.title)) && !data.iter().any(is_named_as_acceleration) {
+    let of_kind = |of| data.iter().zip(kinds).filter(move |(_, kind)| kind.0 == of).map(|(k, _)| *k);
+    let is_velocity = |k: usize| !names_velocity_change(&header.columns[k].title);
+    if of_kind(QuantityKind::Velocity).any(is_velocity) && !data.iter().any(is_named_as_acceleration) {
         return Ok(());
     }
-    let unknown: Vec<usize> =
-        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Other).map(|(k, _)| *k).collect();
+    let unknown: Vec<usize> = of_kind(QuantityKind::Other).collect();
     // The unit that is stated serves the column that is named.
     if let Some(first) = unknown.first().filter(|_| is_unit_stated) {
-        return refuse_channel(
-            file,
-            format!("no column is named as an acceleration: {}", titles(header, data)),
-            "the name of the channel with the crash pulse",
-            pulse::which(&ids(header, &[*first])[0], unknown.len()),
-        );
+        let found = format!("no column is named as an acceleration: {}", titles(header, data));
+        let hint = pulse::which(&ids(header, &[*first])[0], unknown.len());
+        return refuse_channel(file, found, "the name of the channel with the crash pulse", hint);
     }
-    match unknown.iter().find(|k| names_acceleration(&header.columns[**k].title)).or(unknown.first()) {
+    match unknown.iter().find(|k| is_named_as_acceleration(k)).or(unknown.first()) {
         Some(k) => Err(no_unit(*k)),
-        None => refuse_channel(
-            file,
-            format!("no column is an acceleration: {}", titles(header, data)),
-            "an acceleration column",
-            "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h",
-        ),
+        None => {
+            let hint = "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h";
+            let found = format!("no column is an acceleration: {}", titles(header, data));
+            refuse_channel(file, found, "an acceleration column", hint)
+        }
     }
 }
 
@@ -224,12 +216,9 @@ fn check_for_velocity(file: &str, header: &TableHeader, data: &[usize], kinds: &
     if kinds.iter().any(|(kind, _)| matches!(kind, QuantityKind::VelocityChange | QuantityKind::Acceleration)) {
         return Ok(());
     }
-    refuse_channel(
-        file,
-        format!("no column is a change of velocity with its unit: {}", titles(header, data)),
-        "a column such as \"Delta-V (km/h)\"",
-        "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several",
-    )
+    let found = format!("no column is a change of velocity with its unit: {}", titles(header, data));
+    let hint = "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several";
+    refuse_channel(file, found, "a column such as \"Delta-V (km/h)\"", hint)
 }
 
 /// The column a person means by its id, its name with or without unit, or its number from 1.
@@ -245,12 +234,9 @@ pub fn select(file: &str, wanted: &str, header: &TableHeader, data: &[usize], id
     let named = Some(all(false)).filter(|exact| !exact.is_empty()).unwrap_or_else(|| all(true));
     if let [first, _, ..] = named.as_slice() {
         let numbers: Vec<String> = named.iter().map(|k| (k + 1).to_string()).collect();
-        return refuse_channel(
-            file,
-            format!("columns {} are all named {wanted:?}", numbers.join(", ")),
-            "one column as the crash pulse",
-            format!("give its number, such as --channel {}", first + 1),
-        );
+        let found = format!("columns {} are all named {wanted:?}", numbers.join(", "));
+        let hint = format!("give its number, such as --channel {}", first + 1);
+        return refuse_channel(file, found, "one column as the crash pulse", hint);
     }
     let by_number = || wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|k| data.contains(k));
     if is_pattern(wanted) && named.is_empty() {
@@ -264,25 +250,21 @@ pub fn select(file: &str, wanted: &str, header: &TableHeader, data: &[usize], id
             .map(|(k, _)| *k)
             .collect();
         if let [first, _, ..] = fits.as_slice() {
-            return refuse_channel(
-                file,
-                format!("--channel {wanted} means {} columns: {}", fits.len(), titles(header, &fits)),
-                "one column as the crash pulse",
-                format!("give the name of one, such as --channel {:?}", header.columns[*first].title),
-            );
+            let found = format!("--channel {wanted} means {} columns: {}", fits.len(), titles(header, &fits));
+            let hint = format!("give the name of one, such as --channel {:?}", header.columns[*first].title);
+            return refuse_channel(file, found, "one column as the crash pulse", hint);
         }
         if let [one] = fits.as_slice() {
             return Ok(*one);
         }
     }
-    named.first().copied().or_else(by_number).ok_or_else(|| {
-        IngestError::channel(
-            file,
-            format!("no column {wanted:?}"),
-            format!("one of {}", titles(header, data)),
-            "give --channel a name from the header, or the number of the column",
-        )
-    })
+    named.first().copied().or_else(by_number).map_or_else(
+        || {
+            let hint = "give --channel a name from the header, or the number of the column";
+            refuse_channel(file, format!("no column {wanted:?}"), format!("one of {}", titles(header, data)), hint)
+        },
+        Ok,
+    )
 }
 
 pub fn titles(header: &TableHeader, data: &[usize]) -> String {

@@ -1,6 +1,5 @@
-//! A report of an event data recorder as a recording: the crash tables become channels, the others are named.
-//!
-//! Reports of event data recorders: several tables in one text, cells in two units at once.
+//! A report of an event data recorder, several tables in one text, as a recording: the crash tables become channels,
+//! the others are named.
 //!
 //! A table is a run of rows that begin with a number, under a line of names, under lines of text of which the last is
 //! its title. `-2 [-3]` under `Velocity Change (MPH [km/h])` says one thing twice: the way of writing that is the finer
@@ -128,8 +127,8 @@ pub fn edr_notes(channels: &[ReadChannel], details: &mut Details, notes: &mut No
         About::Motion,
         Weight::Marked,
         "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), \
-         and how the recorder \
-         filtered it is not stated: peak acceleration and force cannot be taken from it, crush roughly",
+         and how the recorder filtered it is not stated: peak acceleration and force cannot be taken from it, crush \
+         roughly",
     );
 }
 

@@ -265,11 +265,8 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>>
         fill_late(&mut row, &mut lines, way.delimiter, below.filter(|line| comment(line.bytes).is_none()));
         let FirstRow { line: first, columns, blank, trailing } = row;
         if columns > COLUMN_LIMIT {
-            return refuse_size(
-                Place::line(file, lines[first].number),
-                format!("{columns} columns"),
-                format!("at most {COLUMN_LIMIT} columns, one sample a row"),
-            );
+            let expected = format!("at most {COLUMN_LIMIT} columns, one sample a row");
+            return refuse_size(Place::line(file, lines[first].number), format!("{columns} columns"), expected);
         }
         refuse_doubtful_commas(way, &lines[first..], file)?;
         let mut layout = Layout {
@@ -290,11 +287,9 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>>
         return Ok(layout);
     }
     if lines.is_empty() && offset < text.len() {
-        return refuse_size(
-            Place::line(file, number),
-            format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet"),
-            format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out"),
-        );
+        let expected = format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out");
+        let found = format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet");
+        return refuse_size(Place::line(file, number), found, expected);
     }
     Err(no_rows(&lines, single_column, file))
 }
@@ -409,31 +404,20 @@ pub fn decimal_comma(place: Place, found: String) -> IngestError {
 }
 
 fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestError {
-    const EXPECTED: &str = "rows of numbers: a time column and at least one acceleration column";
+    let expected = "rows of numbers: a time column and at least one acceleration column";
     if let Some(line) = single_column {
-        return IngestError::content(
-            Place::line(file, line),
-            "one number in a row",
-            EXPECTED,
-            "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by giving its \
-             .EV5 file",
-        );
+        let hint = "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by \
+            giving its .EV5 file";
+        return IngestError::content(Place::line(file, line), "one number in a row", expected, hint);
     }
     let Some(first) = lines.first() else {
-        return IngestError::content(
-            file,
-            "nothing but comments and blank lines",
-            EXPECTED,
-            "check that the export is complete",
-        );
+        let found = "nothing but comments and blank lines";
+        return IngestError::content(file, found, expected, "check that the export is complete");
     };
-    let start: String = decode(&first.bytes[..first.bytes.len().min(60)]);
-    IngestError::content(
-        Place::line(file, first.number),
-        format!("no rows of numbers in the first {} lines, which start {:?}", lines.len(), start.trim()),
-        EXPECTED,
-        "export the record as CSV: one sample a row, numbers between commas, semicolons, tabs or blanks",
-    )
+    let start = decode(&first.bytes[..first.bytes.len().min(60)]);
+    let found = format!("no rows of numbers in the first {} lines, which start {:?}", lines.len(), start.trim());
+    let hint = "export the record as CSV: one sample a row, numbers between commas, semicolons, tabs or blanks";
+    IngestError::content(Place::line(file, first.number), found, expected, hint)
 }
 
 /// `-1.5 g`: a number with something behind it that has no digit.

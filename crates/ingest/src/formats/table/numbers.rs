@@ -395,6 +395,10 @@ fn end_of_line(text: &[u8], at: usize) -> Option<usize> {
 /// What to do about names of columns that stand once more between the rows.
 const REPEATED_HEADER: &str = "the names of the columns again: remove such lines between the rows";
 
+fn repeats_header(line: &[u8], layout: &Layout) -> bool {
+    layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii())
+}
+
 fn careful_row(
     line: &[u8],
     layout: &Layout,
@@ -411,23 +415,22 @@ fn careful_row(
     }
     let columns = row.len();
     if fields.len() != columns {
-        let found = format!("{} fields, the first row has {columns}", fields.len());
+        let mut found = format!("{} fields, the first row has {columns}", fields.len());
         let are_numbers = fields.iter().all(|text| layout.style.field(text).is_some());
         if layout.delimiter == Delimiter::Byte(b',') && fields.len() > columns && !line.contains(&b'.') && are_numbers {
-            return Err(decimal_comma(
-                place.clone(),
-                format!("{found}: decimal commas between comma-separated fields, perhaps"),
-            ));
+            found.push_str(": decimal commas between comma-separated fields, perhaps");
+            return Err(decimal_comma(place.clone(), found));
         }
+        let hint = if repeats_header(line, layout) {
+            REPEATED_HEADER
+        } else {
+            "the file may be cut short or damaged there: export it again, mend the line, or end the record above"
+        };
         return refuse(
             place.clone(),
             found,
             format!("{columns} numbers separated by {}", layout.delimiter.name()),
-            if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
-                REPEATED_HEADER
-            } else {
-                "the file may be cut short or damaged there: export it again, mend the line, or end the record above"
-            },
+            hint,
         );
     }
     let (mut numbers, mut gap) = (0, None);
@@ -479,7 +482,7 @@ fn no_number(line: &[u8], layout: &Layout, bare: &[u8], place: Place) -> IngestE
     };
     let hint = if is_gap(bare) {
         GAPS
-    } else if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
+    } else if repeats_header(line, layout) {
         REPEATED_HEADER
     } else if is_negative_of_accounts(bare) {
         "export negative numbers with their sign in front: -12.5"
@@ -508,23 +511,15 @@ mod tests {
     }
 
     #[test]
-    fn a_nan_is_refused_at_its_place() {
-        let error = rows("t,a\n0,1\n1,NaN\n2,3\n").unwrap_err();
-        assert_eq!(error.to_string(), "t.csv, line 3, column 2 (c1): \"NaN\" is not a finite number");
-        let error = rows("t,a\n0,1\n1,\n2,3\n").unwrap_err().to_string();
-        assert!(error.starts_with("t.csv, line 3"), "{error}");
-    }
-
-    #[test]
-    fn no_row_is_taken_for_a_header() {
-        let error = rows("t,a\n0,1\n1,2,2.5\n2,3\n3,4\n").unwrap_err();
-        assert_eq!(error.to_string(), "t.csv, line 3: 3 fields, the first row has 2");
-    }
-
-    #[test]
-    fn a_cut_row_is_refused_at_its_line() {
-        let error = rows("t,a,b\n0,1,1\n1,2,2\n2,3,3\n3,4").unwrap_err();
-        assert_eq!(error.to_string(), "t.csv, line 5: 2 fields, the first row has 3");
+    fn no_row_is_taken_for_a_header_and_what_is_wrong_with_one_is_said_at_its_place() {
+        for (text, said) in [
+            ("t,a\n0,1\n1,NaN\n2,3\n", "t.csv, line 3, column 2 (c1): \"NaN\" is not a finite number"),
+            ("t,a\n0,1\n1,\n2,3\n", "t.csv, line 3, column 2 (c1): an empty field"),
+            ("t,a\n0,1\n1,2,2.5\n2,3\n3,4\n", "t.csv, line 3: 3 fields, the first row has 2"),
+            ("t,a,b\n0,1,1\n1,2,2\n2,3,3\n3,4", "t.csv, line 5: 2 fields, the first row has 3"),
+        ] {
+            assert_eq!(rows(text).unwrap_err().to_string(), said);
+        }
     }
 
     #[test]
@@ -533,12 +528,14 @@ mod tests {
         assert_eq!((rows.lines.of_row(0), rows.lines.of_row(1), rows.lines.of_row(2), rows.lines.len()), (3, 5, 0, 2));
     }
 
+    fn many_rows() -> String {
+        let remark = |k| if k % 90 == 7 { "# half time\n\n" } else { "" };
+        (0..500).fold("# c\nt,a\n".to_owned(), |text, k| text + &format!("{k}.5,{}\n{}", k * k, remark(k)))
+    }
+
     #[test]
     fn parts_read_at_once_give_the_same_rows_and_the_same_errors() {
-        let mut text = "# c\nt,a\n".to_owned();
-        for k in 0..500 {
-            text.push_str(&format!("{k}.5,{}\n{}", k * k, if k % 90 == 7 { "# half time\n\n" } else { "" }));
-        }
+        let text = many_rows();
         let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
         let whole = rows(&text).unwrap();
         let broken = text.replace("400.5,160000", "400.5,x");
@@ -562,11 +559,7 @@ mod tests {
 
     #[test]
     fn pieces_of_any_size_give_the_same_rows() {
-        let mut text = "# c\nt,a\n".to_owned();
-        for k in 0..500 {
-            text.push_str(&format!("{k}.5,{}\n{}", k * k, if k % 90 == 7 { "# half time\n\n" } else { "" }));
-        }
-        text.push_str("500.5,1");
+        let text = many_rows() + "500.5,1";
         let whole = rows(&text).unwrap();
         let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
         let body = &text.as_bytes()[layout.first_row..];

@@ -287,12 +287,8 @@ pub fn names(path: &str) -> Option<Vec<String>> {
     Some(names)
 }
 
-/// `y = slope·x + intercept`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Linear {
-    pub slope: f64,
-    pub intercept: f64,
-}
+/// Slope and intercept.
+pub type Linear = (f64, f64);
 
 /// The scales to apply, in order; none if the values are final. `layers`: properties of the channel, its group, the
 /// file.
@@ -319,7 +315,7 @@ pub fn chain(layers: &[&Properties], is_daqmx: bool) -> Result<Vec<Linear>, Stri
             let name = format!("NI_Scale[{scale}]_Linear_{part}");
             number(&name).filter(|x| x.is_finite()).ok_or_else(|| format!("its property {name} is not a number"))
         };
-        scales.push(Linear { slope: part("Slope")?, intercept: part("Y_Intercept")? });
+        scales.push((part("Slope")?, part("Y_Intercept")?));
         if scales.len() > 64 {
             return Err("its scales refer to each other in a circle".to_owned());
         }
@@ -434,8 +430,7 @@ mod tests {
             ("NI_Scale[2]_Linear_Y_Intercept", Number(0.0)),
             ("NI_Scale[2]_Linear_Input_Source", Number(1.0)),
         ]);
-        let linear = |slope, intercept| Linear { slope, intercept };
-        let both = vec![linear(2.0, 1.0), linear(10.0, 0.0)];
+        let both = vec![(2.0, 1.0), (10.0, 0.0)];
         assert_eq!(chain(&[&all], false), Ok(both.clone()));
         assert_eq!(chain(&[&Properties::new(), &all], true), Ok(both));
         all.insert("NI_Scale[1]_Linear_Input_Source".to_owned(), Number(2.0));

@@ -154,8 +154,8 @@ fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<metadata
         (Some(what), _) => Err(format!("its samples are not read: {what}")),
         (None, Err(reason)) => Err(reason),
         (None, Ok(scales)) => {
-            for scale in scales {
-                values.iter_mut().for_each(|x| *x = scale.slope * *x + scale.intercept);
+            for (slope, intercept) in scales {
+                values.iter_mut().for_each(|x| *x = slope * *x + intercept);
             }
             Ok(values)
         }

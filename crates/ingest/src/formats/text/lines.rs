@@ -423,8 +423,9 @@ mod tests {
             digits in 0_usize..20,
         ) {
             for text in [format!("{x}"), format!("{x:e}"), format!("{x:.digits$e}"), format!("{:.digits$}", x % 1e9)] {
-                let number = field(text.as_bytes(), b'.').unwrap();
-                prop_assert_eq!(number.value.to_bits(), text.parse::<f64>().unwrap().to_bits(), "{}", text);
+                // Rounded to few digits, the largest numbers are infinite.
+                let expected = text.parse().ok().filter(|value: &f64| value.is_finite()).map(f64::to_bits);
+                prop_assert_eq!(field(text.as_bytes(), b'.').map(|n| n.value.to_bits()), expected, "{}", text);
             }
         }
 

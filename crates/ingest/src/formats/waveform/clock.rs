@@ -66,10 +66,12 @@ pub struct Clocks {
     by_group: BTreeMap<String, Clock>,
     /// Channels of times that cannot be read, by group: title and reason.
     unread: BTreeMap<String, (String, String)>,
-    are_times: Vec<bool>,
+    /// Which waveforms hold times.
+    pub are_times: Vec<bool>,
     /// Interval that a person states for channels without any, s.
     stated_interval_s: Option<f64>,
-    is_stated_used: bool,
+    /// Whether that was used.
+    pub is_stated_used: bool,
     /// A record of anything, or a list: an interval is taken as the file has it.
     is_any_interval_right: bool,
 }
@@ -137,18 +139,9 @@ impl Clocks {
         clocks
     }
 
-    /// Whether waveform `k` holds times.
-    pub fn is_clock(&self, k: usize) -> bool {
-        self.are_times[k]
-    }
-
     /// Whether any waveform holds times.
     pub fn are_any(&self) -> bool {
         !self.by_group.is_empty()
-    }
-
-    pub fn is_stated_interval_used(&self) -> bool {
-        self.is_stated_used
     }
 
     /// The time of a channel: of the channel of times in its group where that has as many samples or the channel has

@@ -81,7 +81,7 @@ pub fn to_channels(
     for (k, waveform) in waveforms.into_iter().enumerate() {
         let (id, aliases, label, (quantity, factor)) = (&ids[k], &aliases[k], &labels[k], kinds[k]);
         let is_wanted = wanted == Some(k);
-        if clocks.is_clock(k) {
+        if clocks.are_times[k] {
             continue;
         }
         if matches!(&waveform.values, Ok(values) if values.is_empty()) && !is_wanted {
@@ -133,7 +133,7 @@ pub fn to_channels(
         let why = "every channel states a uniform step; resample of the filter brings channels to another rate";
         settings::warn("--resample", why, notes);
     }
-    if settings.sample_time.is_some() && !clocks.is_stated_interval_used() {
+    if settings.sample_time.is_some() && !clocks.is_stated_used {
         settings::warn("--sample-time", "every channel has its time in the file", notes);
     }
     clocks.notes(notes);
@@ -225,7 +225,7 @@ pub fn quantities(
 ) -> Result<Vec<(QuantityKind, f64)>> {
     let stated = settings.unit.as_deref();
     let stated = stated.map(|symbol| stated_factor(file, symbol, "--unit or the sidecar", false)).transpose()?;
-    let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.is_clock(*k)).collect();
+    let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.are_times[*k]).collect();
     let is_acceleration = |k: &&usize| matches!(labels[**k].unit, Unit::Signal(QuantityKind::Acceleration, _));
     let accelerations = data.iter().filter(is_acceleration).count();
     let is_target =
