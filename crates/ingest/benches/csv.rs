@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let figure = Figure::new(format!("CSV, {rows} rows, {what}"), s, pass_s);
             if (rows, what) == (1_000_000, "table") { figure.aim(50e-3, "pandas 70 ms") } else { figure }.print();
         };
-        line("table", best_s(|| bundle.reader.read(&bundle, &settings).map(|found| found.channels.len())));
+        line("table", best_s(|| bundle.read(&settings).map(|found| found.channels.len())));
         line("digest", best_s(|| bundle.digest()));
         line("ingest", best_s(|| ingest(&bundle, &settings).map(|found| found.waves.len())));
     }

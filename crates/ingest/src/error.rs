@@ -1,51 +1,45 @@
 //! Why an input is refused.
 
-use std::fmt;
+use std::fmt::{self, Display};
 
-/// A place in a file: its name, and where known the line and the column.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Place {
-    /// File name without folder.
-    pub file: String,
-    /// Line, counted from 1.
-    pub line: Option<usize>,
-    /// Column of a table: its number from 1 and its name.
-    pub column: Option<String>,
-}
+/// A place in a file in words: its name without folder, and where known the line, from 1, and the column.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Place(String);
 
 impl Place {
     /// Somewhere in a file.
-    pub fn file(file: &str) -> Self {
-        Self { file: file.to_owned(), line: None, column: None }
+    pub(crate) fn file(file: &str) -> Self {
+        Self(file.to_owned())
     }
 
     /// A line of a file, counted from 1.
-    pub fn line(file: &str, line: usize) -> Self {
-        Self { line: Some(line), ..Self::file(file) }
+    pub(crate) fn line(file: &str, line: usize) -> Self {
+        Self(format!("{file}, line {line}"))
     }
 
     /// The same place, in a named column.
-    pub fn in_column(self, column: impl Into<String>) -> Self {
-        Self { column: Some(column.into()), ..self }
+    pub(crate) fn in_column(self, column: impl Display) -> Self {
+        Self(format!("{self}, column {column}"))
+    }
+
+    /// The same place, in a column of a table by its number and its name.
+    pub(crate) fn in_nth_column(self, k: usize, title: &str) -> Self {
+        self.in_column(format!("{} ({title})", k + 1))
     }
 }
 
-impl fmt::Display for Place {
+impl Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file.replace('\n', "\\n"))?;
-        if let Some(line) = self.line {
-            write!(f, ", line {line}")?;
-        }
-        if let Some(column) = &self.column {
-            write!(f, ", column {column}")?;
-        }
-        Ok(())
+        f.write_str(&self.0.replace('\n', "\\n"))
     }
 }
 
 /// The formats that are read, in words.
 pub(crate) const WHAT_IS_READ: &str =
     "a table of numbers, Excel, MATLAB, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, a ROS 1 bag, or a zip of one";
+/// What to do about samples that are missing inside a record.
+pub(crate) const GAPS_ARE_NOT_FILLED: &str =
+    "cut the record before the gap, or fill it in the program that made it: gaps are not filled here";
 
 /// Which kind of refusal, where a caller answers it in its own way.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,6 +69,35 @@ pub struct IngestError {
     hint: String,
 }
 
+/// What may be refused.
+pub type Result<T, E = IngestError> = std::result::Result<T, E>;
+
+/// [`IngestError::content`] as the answer.
+pub fn refuse<T>(at: impl Display, found: impl Display, expected: impl Display, hint: impl Display) -> Result<T> {
+    Err(IngestError::content(at, found, expected, hint))
+}
+
+/// [`IngestError::channel`] as the answer.
+pub fn refuse_channel<T>(file: &str, found: impl Display, expected: impl Display, hint: impl Display) -> Result<T> {
+    Err(IngestError::channel(file, found, expected, hint))
+}
+
+/// [`IngestError::path`] as the answer.
+pub fn refuse_path<T>(at: impl Display, found: impl Display, expected: impl Display, hint: impl Display) -> Result<T> {
+    Err(IngestError::path(at, found, expected, hint))
+}
+
+/// [`IngestError::too_large`] as the answer.
+pub fn refuse_size<T>(at: impl Display, found: impl Display, limit: impl Display) -> Result<T> {
+    Err(IngestError::too_large(at, found, limit))
+}
+
+/// Refuses more than so many bytes. In the words for what was found and for the limit `#` stands for MiB.
+pub fn check_size(at: impl Display, bytes: u64, most: u64, found: &str, limit: &str) -> Result<()> {
+    let words = |text: &str, bytes: u64| text.replace('#', &(bytes >> 20).to_string());
+    if bytes <= most { Ok(()) } else { refuse_size(at, words(found, bytes), words(limit, most)) }
+}
+
 impl IngestError {
     /// What was expected, if there is more to say than the message does.
     pub fn expected(&self) -> Option<&str> {
@@ -91,40 +114,26 @@ impl IngestError {
         Self { hint: hint.to_owned(), ..self }
     }
 
-    fn new(refusal: Refusal, message: String, expected: impl Into<String>, hint: impl Into<String>) -> Self {
-        Self { refusal, message, expected: expected.into(), hint: hint.into() }
+    fn new(refusal: Refusal, message: String, expected: impl Display, hint: impl Display) -> Self {
+        Self { refusal, message, expected: expected.to_string(), hint: hint.to_string() }
     }
 
-    pub(crate) fn content(
-        place: Place,
-        found: impl fmt::Display,
-        expected: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> Self {
-        Self::new(Refusal::Content, format!("{place}: {found}"), expected, hint)
+    /// Content that is not what its format asks for, at a [`Place`] or in a file.
+    pub(crate) fn content(at: impl Display, found: impl Display, expected: impl Display, hint: impl Display) -> Self {
+        Self::new(Refusal::Content, format!("{at}: {found}"), expected, hint)
     }
 
-    pub(crate) fn channel(
-        file: &str,
-        found: impl fmt::Display,
-        expected: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> Self {
+    pub(crate) fn channel(file: &str, found: impl Display, expected: impl Display, hint: impl Display) -> Self {
         Self::new(Refusal::Channel, format!("{file}: {found}"), expected, hint)
     }
 
-    pub(crate) fn too_large(place: Place, found: impl fmt::Display, limit: impl Into<String>) -> Self {
+    pub(crate) fn too_large(at: impl Display, found: impl Display, limit: impl Display) -> Self {
         let hint = "check that this is the file you meant; if so, split it or keep the channels needed";
-        Self::new(Refusal::TooLarge, format!("{place}: {found}"), limit, hint)
+        Self::new(Refusal::TooLarge, format!("{at}: {found}"), limit, hint)
     }
 
     /// A path, as the user typed it, that cannot be opened or has nothing readable in it.
-    pub(crate) fn path(
-        path: impl fmt::Display,
-        found: impl fmt::Display,
-        expected: impl Into<String>,
-        hint: impl Into<String>,
-    ) -> Self {
+    pub(crate) fn path(path: impl Display, found: impl Display, expected: impl Display, hint: impl Display) -> Self {
         Self::new(Refusal::Other, format!("{path}: {found}"), expected, hint)
     }
 
@@ -134,11 +143,11 @@ impl IngestError {
     }
 
     /// Something that must be known is stated nowhere.
-    pub(crate) fn not_stated(file: &str, what: impl fmt::Display, expected: &str, hint: &str) -> Self {
+    pub(crate) fn not_stated(file: &str, what: impl Display, expected: &str, hint: &str) -> Self {
         Self::new(Refusal::Other, format!("{file} does not state {what}"), expected, hint)
     }
 
-    pub(crate) fn unknown_key(file: &str, key: &str, expected: &str, hint: impl Into<String>) -> Self {
+    pub(crate) fn unknown_key(file: &str, key: &str, expected: &str, hint: impl Display) -> Self {
         Self::new(Refusal::UnknownKey(key.to_owned()), format!("{file}: unknown key {key:?}"), expected, hint)
     }
 }

@@ -12,7 +12,7 @@ use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Place, Sign, pulse, time};
+use crate::{IngestError, IngestSettings, Result, Sign, pulse, refuse, time};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -46,7 +46,7 @@ impl Ingested {
 /// Samples are as in the file but for the factor of their unit, and the sign if flipping is asked for. Where one
 /// exchange of units, speeds, times or signs makes pulse and impact speed fit, the first note asks for it, with the
 /// flag that was tried and mends it.
-pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
+pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let mut ingested = read(bundle, flags)?;
     let Some(plausibility) = &ingested.plausibility else { return Ok(ingested) };
     let speed = ingested.test.impact_speed_m_per_s.unwrap_or(0.0);
@@ -69,34 +69,26 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, Inges
 }
 
 /// Refuses times so far apart that no crash is resolved, where a flag makes a crash of them: no filter would take them.
-fn refuse_slow_times(
-    bundle: &Bundle,
-    ingested: &Ingested,
-    answer: Option<&str>,
-    question: &str,
-) -> Result<(), IngestError> {
+fn refuse_slow_times(bundle: &Bundle, ingested: &Ingested, answer: Option<&str>, question: &str) -> Result<()> {
     let is_too_slow = ingested.pulse().is_some_and(channel_quality::is_too_slow);
     match (&ingested.plausibility, answer) {
-        (Some(Plausibility::After(Exchange::Time(_), _)), Some(flag)) if is_too_slow => Err(IngestError::content(
-            Place::file(&bundle.name),
-            question,
-            "600 samples a second at least (ten times CFC 60)",
-            format!("add {flag}"),
-        )),
+        (Some(Plausibility::After(Exchange::Time(_), _)), Some(flag)) if is_too_slow => {
+            refuse(&bundle.name, question, "600 samples a second at least (ten times CFC 60)", format!("add {flag}"))
+        }
         _ => Ok(()),
     }
 }
 
 /// [`ingest`] without the question for an exchange.
-fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError> {
+fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let file = bundle.name.as_str();
     let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let choices = flags.over(&stated_in_sidecar);
     let (reader, mut recording) = (bundle.reader, recording_of(bundle, &choices)?);
     let mut notes = std::mem::take(&mut recording.notes);
-    let why = format!("a record of the format {} states this itself, or has no such thing", reader.format());
-    settings::warn_except(&choices, reader.relevant_flags(), &why, &mut notes);
+    let why = format!("a record of the format {} states this itself, or has no such thing", reader.format);
+    settings::warn_except(&choices, reader.relevant_flags, &why, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, velocity) = if recording.details.no_pulse {
@@ -126,7 +118,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     times_in_range(file, &recording)?;
     let time_zero = match &recording.details.time_zero_s {
         Some(stated) => Some(format!("stated by {}", stated.from)),
-        None => recording.contact_at_zero.then(|| format!("the format {}", reader.format())),
+        None => recording.contact_at_zero.then(|| format!("the format {}", reader.format)),
     };
     if let Some(k) = velocity {
         pulse::speed_at_contact(&mut recording, k, &mut notes);
@@ -152,7 +144,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
     let polarity = polarity.unless_asked(plausibility.as_ref());
     // Of inputs and outputs nobody asks for a mass.
     if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
-        missing_details(&recording.details, reader.has_comments(), is_of_occupant, from_rest, &mut notes);
+        missing_details(&recording.details, reader.has_comments, is_of_occupant, from_rest, &mut notes);
     }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
@@ -178,7 +170,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
         mass_kg: details.mass_kg.map(|s| s.value),
         impact_speed_m_per_s: speed,
         barrier: words(details.barrier),
-        source: Source { format: reader.format().to_owned(), name: file.to_owned(), digest: bundle.digest() },
+        source: Source { format: reader.format.to_owned(), name: file.to_owned(), digest: bundle.digest() },
         channels,
         pulse: pulse_id,
         notes: details.facts,
@@ -190,8 +182,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested, IngestError
 }
 
 /// What the reader makes of the files, the sensors where a person puts them.
-fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording, IngestError> {
-    let mut recording = bundle.reader.read(bundle, choices)?;
+fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording> {
+    let mut recording = bundle.read(choices)?;
     if let Some(place) = choices.place {
         pulse::place_on_body(&mut recording.channels, place);
     }
@@ -235,7 +227,7 @@ fn turn_sign(
     pulse: Option<usize>,
     sign: Sign,
     notes: &mut Notes,
-) -> Result<bool, IngestError> {
+) -> Result<bool> {
     let why = match sign {
         Sign::Keep => return Ok(false),
         Sign::Flip => "sign of acceleration turned, as asked".to_owned(),
@@ -308,12 +300,7 @@ fn speed_of_the_pulse(recording: &mut Recording, pulse: usize, notes: &mut Notes
     *stated = Some(Stated { value: speed, from: format!("the initial velocity of channel {}", channel.id) });
 }
 
-fn set_time_zero(
-    file: &str,
-    recording: &mut Recording,
-    pulse: Option<usize>,
-    notes: &mut Notes,
-) -> Result<(), IngestError> {
+fn set_time_zero(file: &str, recording: &mut Recording, pulse: Option<usize>, notes: &mut Notes) -> Result<()> {
     match &recording.details.time_zero_s {
         Some(Stated { value, from }) => {
             if *value != 0.0 {
@@ -344,24 +331,24 @@ fn set_time_zero(
 }
 
 /// Refuses channels whose times no artifact can hold.
-fn times_in_range(file: &str, recording: &Recording) -> Result<(), IngestError> {
+fn times_in_range(file: &str, recording: &Recording) -> Result<()> {
     // Nanoseconds in 64 bits: 292 years.
     const LONGEST_S: f64 = 9e9;
     for read in &recording.channels {
         let Some(wave) = &read.wave else { continue };
         let (t0_s, end_s, dt_s) = (wave.t0_s(), wave.end_s(), wave.dt_s());
         if !(t0_s.abs() < LONGEST_S && end_s.abs() < LONGEST_S && (1.0 / dt_s).is_finite()) {
-            return Err(IngestError::content(
-                Place::file(file),
+            return refuse(
+                file,
                 format!("channel {} runs from {t0_s:e} s to {end_s:e} s in steps of {dt_s:e} s", read.channel.id),
                 "times within 285 years",
                 "correct the times, or the unit that is stated for them",
-            ));
+            );
         }
     }
     Ok(())
 }
 
 fn overflow(file: &str, found: &str) -> IngestError {
-    IngestError::content(Place::file(file), found, "finite numbers", "correct the record, or --time-zero")
+    IngestError::content(file, found, "finite numbers", "correct the record, or --time-zero")
 }

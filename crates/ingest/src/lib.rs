@@ -36,7 +36,8 @@ mod recording {
 mod stage;
 mod time;
 
-pub use error::{IngestError, Place, Refusal};
+pub(crate) use error::{GAPS_ARE_NOT_FILLED, Place, check_size, refuse, refuse_channel, refuse_path, refuse_size};
+pub use error::{IngestError, Refusal, Result};
 pub use files::digests::RecordDigests;
 pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
 pub use formats::registry::READERS;

@@ -6,7 +6,7 @@ use crate::files::open;
 use crate::formats::reader::Bundle;
 use crate::recording::content::ReadChannel;
 use crate::recording::settings::select;
-use crate::{IngestError, IngestSettings};
+use crate::{IngestSettings, Result, refuse_channel};
 
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -77,24 +77,24 @@ impl ListedChannel {
 
 /// The channels of a record, those with data first, else in its order. What would stop a stage for want of a unit, a
 /// mass or a pulse does not stop here.
-pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>, IngestError> {
+pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>> {
     let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let mut choices = flags.over(&stated_in_sidecar);
     let wanted = choices.channel.take();
     choices.allow_missing = Some(true);
     choices.listing = true;
-    let recording = bundle.reader.read(bundle, &choices)?;
+    let recording = bundle.read(&choices)?;
     let shown = match flags.channel.as_deref().and(wanted) {
         Some(wanted) => {
             let shown = select(&recording.channels, &wanted);
             if shown.is_empty() {
-                return Err(IngestError::channel(
+                return refuse_channel(
                     &bundle.name,
                     format!("--channel {wanted} means none of its {} channels", recording.channels.len()),
                     "an id, a code, another name or a pattern",
                     "leave --channel away to see them all",
-                ));
+                );
             }
             shown
         }

@@ -12,10 +12,10 @@ use crumple_signal::{
     pre_event,
 };
 
-use crate::IngestError;
-use crate::recording::content::{Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
+use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
 use crate::recording::settings::{BodyPlace, select};
+use crate::{Result, refuse_channel};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
 /// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
@@ -26,7 +26,7 @@ pub fn choose_pulse(
     wanted: Option<&str>,
     (allow_missing, is_of_a_crash): (bool, bool),
     notes: &mut Notes,
-) -> Result<Option<usize>, IngestError> {
+) -> Result<Option<usize>> {
     let mut candidates: Vec<usize> =
         (0..recording.channels.len()).filter(|k| is_candidate(&recording.channels[*k])).collect();
     // Stable: equally fit channels stay in the order of the file.
@@ -60,12 +60,12 @@ pub fn choose_pulse(
     let pulse = &recording.channels[index];
     let samples = pulse.wave.as_ref().map_or(0, Sampled::len);
     if samples < MINIMUM_SAMPLES {
-        return Err(IngestError::channel(
+        return refuse_channel(
             file,
             format!("channel {} has {samples} samples", pulse.channel.id),
             format!("at least {MINIMUM_SAMPLES} samples"),
             "choose another channel by --channel",
-        ));
+        );
     }
     note_choice(recording, index, &candidates, wanted.is_some(), notes);
     Ok(Some(index))
@@ -85,54 +85,44 @@ fn is_candidate(read: &ReadChannel) -> bool {
         && matches!(read.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
 }
 
-fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize, IngestError> {
+fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize> {
     let hint = "name the channel by --channel";
     match (candidates, recording.pulse_rule) {
         ([], PulseRule::OnlyOne) => {
             let first = recording.channels.iter().find(|read| read.wave.is_some());
             let advice = first.map_or_else(|| hint.to_owned(), |read| which(&read.channel.id, 0));
-            Err(IngestError::channel(file, "no acceleration column with data", "one", advice))
+            refuse_channel(file, "no acceleration column with data", "one", advice)
         }
         ([], PulseRule::Fittest) => {
-            let others: Vec<&ReadChannel> = recording
-                .channels
-                .iter()
-                .filter(|f| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration)
-                .collect();
             let unread: Vec<&str> = recording.channels.iter().filter_map(|read| read.unread.as_deref()).collect();
-            if let Some(first) = unread.first() {
-                let more = unread.len() - 1;
-                let more = if more > 0 { format!("; and {more} more cannot be read") } else { String::new() };
-                return Err(IngestError::channel(
+            let places = "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity";
+            if let [first, more @ ..] = unread.as_slice() {
+                let more =
+                    if more.is_empty() { String::new() } else { format!("; and {} more cannot be read", more.len()) };
+                let found = "no accelerometer along x at a usual place of the compartment can be read";
+                let hint = "download the test again, or name another channel by --channel";
+                return refuse_channel(
                     file,
-                    format!("no accelerometer along x at a usual place of the compartment can be read: {first}{more}"),
-                    "a readable file of rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
-                    "download the test again, or name another channel by --channel",
-                ));
+                    format!("{found}: {first}{more}"),
+                    format!("a readable file of {places}"),
+                    hint,
+                );
             }
-            Err(IngestError::channel(
-                file,
-                format!(
-                    "no signal file of a valid x accelerometer in the compartment is here; accelerations here: {}",
-                    if others.is_empty() { "none".to_owned() } else { list(others.into_iter()) }
-                ),
-                "rear-seat crossmember, rear floor, sill, B-pillar or centre of gravity",
-                hint,
-            ))
+            let is_other = |f: &&ReadChannel| f.wave.is_some() && f.channel.quantity == QuantityKind::Acceleration;
+            let others = list(recording.channels.iter().filter(is_other));
+            let others = if others.is_empty() { "none" } else { &others };
+            let found = "no signal file of a valid x accelerometer in the compartment is here; accelerations here";
+            refuse_channel(file, format!("{found}: {others}"), places, hint)
         }
         ([first, ..], PulseRule::Fittest) => Ok(*first),
         ([only], PulseRule::OnlyOne) => Ok(*only),
         (several, PulseRule::OnlyOne) if let Some(pulse) = vehicle_channel(recording, several) => Ok(pulse),
-        (several, PulseRule::OnlyOne) => Err(IngestError::channel(
-            file,
-            format!(
-                "{} acceleration columns: {}",
-                several.len(),
-                list(several.iter().map(|k| &recording.channels[*k]))
-            ),
-            "the name of the channel with the crash pulse",
-            which(&recording.channels[several[0]].channel.id, several.len()),
-        )),
+        (several, PulseRule::OnlyOne) => {
+            let names = list(several.iter().map(|k| &recording.channels[*k]));
+            let advice = which(&recording.channels[several[0]].channel.id, several.len());
+            let found = format!("{} acceleration columns: {names}", several.len());
+            refuse_channel(file, found, "the name of the channel with the crash pulse", advice)
+        }
     }
 }
 
@@ -167,40 +157,27 @@ fn vehicle_channel(recording: &Recording, several: &[usize]) -> Option<usize> {
     }
 }
 
-fn requested_channel(
-    file: &str,
-    recording: &Recording,
-    wanted: &str,
-    candidates: &[usize],
-) -> Result<usize, IngestError> {
+fn requested_channel(file: &str, recording: &Recording, wanted: &str, candidates: &[usize]) -> Result<usize> {
     let wanted = wanted.trim();
-    let usual = || list(candidates.iter().map(|k| &recording.channels[*k]));
-    let several = select(&recording.channels, wanted);
-    let &[index] = several.as_slice() else {
-        if !several.is_empty() {
-            return Err(IngestError::channel(
-                file,
-                format!(
-                    "--channel {wanted} means {} channels: {}",
-                    several.len(),
-                    list(several.iter().map(|k| &recording.channels[*k]))
-                ),
-                "one channel as the crash pulse",
-                format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id),
-            ));
+    let names = |indices: &[usize]| list(indices.iter().map(|k| &recording.channels[*k]));
+    let index = match select(&recording.channels, wanted).as_slice() {
+        [index] => *index,
+        [] => {
+            let expected = format!("one of its {} channels, such as {}", recording.channels.len(), names(candidates));
+            let found = format!("channel {wanted} is not listed");
+            return refuse_channel(file, found, expected, "--list prints the table of channels");
         }
-        return Err(IngestError::channel(
-            file,
-            format!("channel {wanted} is not listed"),
-            format!("one of its {} channels, such as {}", recording.channels.len(), usual()),
-            "--list prints the table of channels",
-        ));
+        several => {
+            let found = format!("--channel {wanted} means {} channels: {}", several.len(), names(several));
+            let hint = format!("give an id, such as --channel {}", recording.channels[several[0]].channel.id);
+            return refuse_channel(file, found, "one channel as the crash pulse", hint);
+        }
     };
     let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];
     let id = &channel.id;
     let hint = || match candidates {
         [] => "choose a channel with data by --channel".to_owned(),
-        _ => format!("candidates here: {}", usual()),
+        _ => format!("candidates here: {}", names(candidates)),
     };
     if wave.is_none() {
         let found = match channel.status {
@@ -218,11 +195,11 @@ fn requested_channel(
                 ),
             },
         };
-        return Err(IngestError::channel(file, found, "a channel with data", hint()));
+        return refuse_channel(file, found, "a channel with data", hint());
     }
     if channel.quantity != QuantityKind::Acceleration {
         let found = format!("channel {} measures {}", describe(channel), channel.quantity);
-        return Err(IngestError::channel(file, found, "an acceleration as the crash pulse", hint()));
+        return refuse_channel(file, found, "an acceleration as the crash pulse", hint());
     }
     Ok(index)
 }
@@ -237,12 +214,7 @@ fn describe(channel: &Channel) -> String {
 }
 
 fn list<'a>(channels: impl Iterator<Item = &'a ReadChannel>) -> String {
-    let names: Vec<String> = channels.map(|f| describe(&f.channel)).collect();
-    if names.len() > 12 {
-        format!("{} and {} more", names[..12].join(", "), names.len() - 12)
-    } else {
-        names.join(", ")
-    }
+    content::list(&channels.map(|read| describe(&read.channel)).collect::<Vec<_>>())
 }
 
 fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked: bool, notes: &mut Notes) {
@@ -434,8 +406,7 @@ pub fn check(
         (_, Some(ratio)) if ratio > IMPOSSIBLE => {
             format!(
                 "{ratio:.1} times the impact speed is too large for an impact of either sign: check the unit (--unit) \
-                 and the \
-                impact speed first"
+                 and the impact speed first"
             )
         }
         (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest (a \
@@ -443,15 +414,9 @@ pub fn check(
             .to_owned(),
         _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
     };
-    notes.concern(
-        About::Pulse,
-        Weight::Decisive,
-        format!(
-            "the pulse is positive (+{change:.2} m/s in the first {:.0} ms); a frontal impact is negative (SAE J211). \
-         {way_out}",
-            (pulse.end_s().min(WINDOW_S)) * 1e3
-        ),
-    );
+    let within = format!("+{change:.2} m/s in the first {:.0} ms", pulse.end_s().min(WINDOW_S) * 1e3);
+    let text = format!("the pulse is positive ({within}); a frontal impact is negative (SAE J211). {way_out}");
+    notes.concern(About::Pulse, Weight::Decisive, text);
 }
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.
@@ -479,12 +444,7 @@ const IMPACT_PART: f64 = 0.5;
 
 /// Index of the velocity, or change of it, that stands for the pulse of a record without an acceleration: the one asked
 /// for, else the first along x, else the first whose axis is not stated, else none. A note names the others.
-pub fn choose(
-    file: &str,
-    recording: &Recording,
-    wanted: Option<&str>,
-    notes: &mut Notes,
-) -> Result<Option<usize>, IngestError> {
+pub fn choose(file: &str, recording: &Recording, wanted: Option<&str>, notes: &mut Notes) -> Result<Option<usize>> {
     let has = |quantity| recording.channels.iter().any(|read| read.channel.quantity == quantity && read.wave.is_some());
     // Speeds before the crash stand beside the changes of velocity of a recorder.
     let (quantity, what) = if has(QuantityKind::VelocityChange) {
@@ -512,16 +472,14 @@ pub fn choose(
                     several => format!("--channel {wanted} means {} channels: {}", several.len(), names(several)),
                 };
                 let hint = "--list shows the channels of all tables";
-                return Err(IngestError::channel(file, found, format!("one of {}", names(&changes)), hint));
+                return refuse_channel(file, found, format!("one of {}", names(&changes)), hint);
             }
         },
         None => {
             let along = |axis| changes.iter().find(|k| recording.channels[**k].channel.axis == axis).copied();
             let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)) else {
-                notes.warning(format!(
-                    "no {what} is along x: {}; --channel names the one that is meant",
-                    names(&changes)
-                ));
+                let of = names(&changes);
+                notes.warning(format!("no {what} is along x: {of}; --channel names the one that is meant"));
                 return Ok(None);
             };
             taken
@@ -576,16 +534,12 @@ mod tests {
 
     #[test]
     fn the_compartment_ranks_and_the_engine_does_not() {
-        let place = |text: &str| fitness(&IsoCode::parse(text).unwrap().0, 1).map(|f| f.place);
-        assert_eq!(place("10FORALERE00AC1P"), Some(0));
-        assert_eq!(place("10SEATLERE00ACXD"), Some(1));
-        assert_eq!(place("10DOORLERE00AC1P"), Some(2));
-        assert_eq!(place("10VEHCCG0000AC1P"), Some(8));
-        assert_eq!(place("10VEHC0000__ACXD"), Some(9));
-        assert_eq!(place("10DOORLEFR00AC1P"), None);
-        assert_eq!(place("10ENGN000000AC1P"), None);
-        assert_eq!(place("20FORALERE00AC1P"), None);
-        assert_eq!(place("10FORALERE00ACYP"), None);
-        assert_eq!(place("11HEADCG00H3ACXA"), None);
+        let places = |codes: &str| -> Vec<Option<u8>> {
+            codes.split(' ').map(|code| fitness(&IsoCode::parse(code).unwrap().0, 1).map(|f| f.place)).collect()
+        };
+        let ranked = "10FORALERE00AC1P 10SEATLERE00ACXD 10DOORLERE00AC1P 10VEHCCG0000AC1P 10VEHC0000__ACXD";
+        assert_eq!(places(ranked), [Some(0), Some(1), Some(2), Some(8), Some(9)]);
+        let other = "10DOORLEFR00AC1P 10ENGN000000AC1P 20FORALERE00AC1P 10FORALERE00ACYP 11HEADCG00H3ACXA";
+        assert_eq!(places(other), [None; 5]);
     }
 }

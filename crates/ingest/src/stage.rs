@@ -240,7 +240,7 @@ pub(crate) fn show_progress(what: String, total: u64) -> Box<dyn FnMut(u64)> {
 /// A refusal of the library as one of the process, with the nearest key of a sidecar for an unknown one.
 pub(crate) fn refused(error: IngestError) -> anyhow::Error {
     let nearest_key = match &error.refusal {
-        Refusal::UnknownKey(key) => nearest(key, IngestSettings::KEYS),
+        Refusal::UnknownKey(key) => nearest(key, IngestSettings::KEYS.iter().copied()),
         _ => None,
     };
     let hint = nearest_key.map_or_else(|| error.hint().to_owned(), |name| format!("did you mean {name:?}?"));

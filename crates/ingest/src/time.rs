@@ -21,32 +21,25 @@ use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::value::Frequency;
 use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, Weight};
 
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 /// What to do about a unit that is none of time.
 const HINT: &str = "if the unit is wrong, --time-unit ms (or s, us, ns, min, h, d) says so";
 
 /// The factor to s of a unit stated by `from`, of times that stand at `place`.
-pub fn stated_unit(place: Place, symbol: &str, from: &str) -> Result<f64, IngestError> {
+pub fn stated_unit(place: impl std::fmt::Display, symbol: &str, from: &str) -> Result<f64> {
     let found = || format!("{symbol:?}, stated by {from}, is no unit of time");
     factor(symbol, Dimension::Time).ok_or_else(|| unit_error(place, found()))
 }
 
-/// An error that says what was found in place of a unit of time.
-pub fn unit_error(place: Place, found: impl std::fmt::Display) -> IngestError {
+pub fn unit_error(place: impl std::fmt::Display, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(place, found, format!("one of {}", choices(Dimension::Time)), HINT)
 }
 
 /// The factor to s where nothing states it, with a note: days since 1900 (Excel) or the year 0 (MATLAB) by their size,
 /// else steps of 1e-7 to 0.02 are those of a recorder in s, longer ones up to 20 those of one in ms. `whose` are the
 /// stamps of a column or channel, which needs `expected`. Errors: other steps.
-pub fn unit_from_steps(
-    file: &str,
-    whose: &str,
-    expected: &str,
-    times: &[f64],
-    notes: &mut Notes,
-) -> Result<f64, IngestError> {
+pub fn unit_from_steps(file: &str, whose: &str, expected: &str, times: &[f64], notes: &mut Notes) -> Result<f64> {
     let step = median_step(times);
     let first = times.first().copied().unwrap_or(0.0);
     // As seconds they would be sampled at 4 MHz and more.
@@ -89,24 +82,11 @@ pub struct Grid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum GridError {
     /// A stamp equals the one before.
-    Repeated {
-        /// Index of the second of them.
-        index: usize,
-    },
+    Repeated { index: usize },
     /// A stamp is earlier than the one before.
-    Backwards {
-        /// Index of the earlier one.
-        index: usize,
-    },
-    /// A step is too far from the others.
-    Uneven {
-        /// Index of the sample after the step.
-        index: usize,
-        /// The step, s.
-        step_s: f64,
-        /// The interval of the record, s.
-        dt_s: f64,
-    },
+    Backwards { index: usize },
+    /// A step is too far from the interval of the record.
+    Uneven { index: usize, step_s: f64, dt_s: f64 },
 }
 
 /// Fits a grid to time stamps in seconds, at least two. `resolution_s` is the printed resolution of the stamps.
@@ -114,11 +94,8 @@ pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
     for (k, pair) in times_s.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let index = k + 1;
-            return Err(if pair[1] == pair[0] {
-                GridError::Repeated { index }
-            } else {
-                GridError::Backwards { index }
-            });
+            let is_repeated = pair[1] == pair[0];
+            return Err(if is_repeated { GridError::Repeated { index } } else { GridError::Backwards { index } });
         }
     }
     let n = times_s.len();
@@ -143,11 +120,8 @@ pub fn fit(times_s: &[f64], resolution_s: f64) -> Result<Grid, GridError> {
     let coarse = resolution <= 0.5 * dt && jitter <= resolution * (1.0 + 1e-6);
     if !(even || coarse) {
         let index = worst_step.0;
-        return Err(GridError::Uneven {
-            index,
-            step_s: times_s[index] - times_s[index - 1],
-            dt_s: median_step(times_s),
-        });
+        let (step_s, dt_s) = (times_s[index] - times_s[index - 1], median_step(times_s));
+        return Err(GridError::Uneven { index, step_s, dt_s });
     }
     Ok(Grid { t0_s: first, dt_s: dt, jitter: jitter / dt })
 }
@@ -208,7 +182,6 @@ pub struct LinearInterpolation {
 }
 
 impl LinearInterpolation {
-    /// Number of instants.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
@@ -243,7 +216,6 @@ pub fn resample(times: &[f64], rate_hz: f64) -> Option<LinearInterpolation> {
 /// Stamps on a uniform grid.
 #[derive(Debug)]
 pub struct OnGrid {
-    /// The grid.
     pub grid: Grid,
     /// How samples are brought to it; `None` where they lie on it.
     pub interpolation: Option<LinearInterpolation>,
@@ -260,7 +232,7 @@ pub fn on_grid(
     resolution_s: f64,
     settings: &IngestSettings,
     place: impl Fn(usize) -> Place,
-) -> Result<OnGrid, IngestError> {
+) -> Result<OnGrid> {
     let median_s = median_step(times);
     let jitter_of_steps = || step_jitter(times, median_s);
     let advised = rate_to_type(median_s);
@@ -271,26 +243,17 @@ pub fn on_grid(
         }
         (None, Err(GridError::Uneven { .. })) if settings.listing => Frequency::from_si(1.0 / median_s),
         (None, Err(GridError::Uneven { index, step_s, dt_s })) => {
-            return Err(IngestError::content(
-                place(index),
-                format!(
-                    "a step of {step_s:.9} s, where the median is {dt_s:.9} s (jitter, max|dt - median|/median: {:.3})",
-                    jitter_of_steps()
-                ),
-                format!("equal steps within {STEP_TOLERANCE} of the interval"),
-                format!(
-                    "a gap is better exported again; for uneven sampling --resample {advised}Hz brings it to a uniform \
-                     rate by linear interpolation"
-                ),
-            ));
+            let jitter = format!("jitter, max|dt - median|/median: {:.3}", jitter_of_steps());
+            let found = format!("a step of {step_s:.9} s, where the median is {dt_s:.9} s ({jitter})");
+            let expected = format!("equal steps within {STEP_TOLERANCE} of the interval");
+            let hint = format!(
+                "a gap is better exported again; for uneven sampling --resample {advised}Hz brings it to a uniform \
+                 rate by linear interpolation"
+            );
+            return refuse(place(index), found, expected, hint);
         }
         (None, Err(GridError::Repeated { index } | GridError::Backwards { index })) => {
-            return Err(IngestError::content(
-                place(index),
-                "a time that does not increase",
-                "times that do",
-                "sort them",
-            ));
+            return refuse(place(index), "a time that does not increase", "times that do", "sort them");
         }
     };
     let interpolation = resample(times, rate.si()).ok_or_else(|| {
@@ -352,17 +315,17 @@ pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {
 }
 
 /// Refuses a pulse that does not contain t = 0.
-pub fn require_contact(file: &str, pulse: &Sampled) -> Result<(), IngestError> {
+pub fn require_contact(file: &str, pulse: &Sampled) -> Result<()> {
     let (start, end) = (pulse.t0_s(), pulse.end_s());
     if start <= pulse.dt_s() && end > 0.0 {
         return Ok(());
     }
-    Err(IngestError::content(
-        Place::file(file),
+    refuse(
+        file,
         format!("the record runs from {start:.6} s to {end:.6} s and does not contain t = 0"),
         "t = 0 at first contact",
         format!("state the time of first contact on the file's axis, such as --time-zero {:.3}s", start.max(0.0)),
-    ))
+    )
 }
 
 /// First time at which the magnitude reaches the threshold and stays there for [`HOLD_S`]: the crossing by linear

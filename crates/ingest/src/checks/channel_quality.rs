@@ -27,7 +27,7 @@ use crumple_signal::{
 };
 
 use crate::pulse::Polarity;
-use crate::recording::content::Wave;
+use crate::recording::content::{Wave, list};
 use crate::time::{SMOOTHING_S, moving_mean};
 use crate::{pulse, time};
 
@@ -43,8 +43,9 @@ const DROPOUT: (u64, f64) = (5, 0.000_5);
 const CFC60_RATE_HZ: f64 = 600.0;
 /// Distance of a stamp from the grid worth a note, intervals.
 const JITTER: f64 = 0.01;
-/// Channels named in a shared note.
-const NAMED: usize = 12;
+
+/// What is noted of channels in words, and of which.
+type Check = (&'static str, fn(&Wave) -> bool);
 
 /// Notes on all accelerations, the pulse first.
 pub fn check(
@@ -59,42 +60,33 @@ pub fn check(
         note_other_rates(waves, pulse, notes);
     }
     let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
-    let accelerations = || others().filter(|w| w.quantity == QuantityKind::Acceleration);
-    note_channels(
-        accelerations().filter(|w| muted_samples(w).is_some()),
-        "a muted start (exact zeros), not counted in the zero level,",
-        notes,
-    );
-    note_channels(others().filter(|w| is_clipped(w)), "equal samples in a row at an extreme (clipped?)", notes);
-    note_channels(
-        accelerations().filter(|w| is_too_slow(w)),
-        "less than 600 samples a second, too few for CFC 60,",
-        notes,
-    );
-    note_channels(accelerations().filter(|w| excess_noise(w).is_some()), "noise before the event above 1 g", notes);
-    note_channels(
-        accelerations().filter(|w| dropout(w).is_some()),
-        "equal samples in a row inside the pulse (dropout?)",
-        notes,
-    );
-    note_channels(
-        accelerations().filter(|w| drift(w).is_some()),
-        "mean over the last 20 ms above 0.5 g (drift, or a force still acts)",
-        notes,
-    );
+    let checks: [Check; 6] = [
+        ("a muted start (exact zeros), not counted in the zero level,", |w| muted_samples(w).is_some()),
+        ("equal samples in a row at an extreme (clipped?)", is_clipped),
+        ("less than 600 samples a second, too few for CFC 60,", is_too_slow),
+        ("noise before the event above 1 g", |w| excess_noise(w).is_some()),
+        ("equal samples in a row inside the pulse (dropout?)", |w| dropout(w).is_some()),
+        ("mean over the last 20 ms above 0.5 g (drift, or a force still acts)", |w| drift(w).is_some()),
+    ];
+    for (k, (what, is_noted)) in checks.into_iter().enumerate() {
+        // Any channel may be clipped.
+        let of_kind = others().filter(|w| k == 1 || w.quantity == QuantityKind::Acceleration);
+        note_channels(of_kind.filter(|w| is_noted(w)), what, notes);
+    }
+}
+
+fn concern(weight: Weight, text: impl Into<String>, notes: &mut Notes) {
+    notes.concern(About::Pulse, weight, text);
 }
 
 fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, notes: &mut Notes) {
-    let quality = &pulse.quality;
+    let (quality, record) = (&pulse.quality, &pulse.quality.record);
     let before_contact = quality.pre_event.map(|p| p.zero_level);
     if let Some(level) = before_contact {
         note_fall(pulse, level, notes);
     } else {
-        notes.concern(
-            About::Pulse,
-            Weight::Marked,
-            "zero level and noise of the pulse are unknown: it has less than 10 ms of data between -50 ms and -10 ms",
-        );
+        let why = "it has less than 10 ms of data between -50 ms and -10 ms";
+        concern(Weight::Marked, format!("zero level and noise of the pulse are unknown: {why}"), notes);
     }
     if let Some(muted) = muted_samples(pulse) {
         notes.info(format!(
@@ -105,61 +97,35 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     pulse::check(&pulse.samples, quality.zero_level(), speed_m_per_s, polarity, notes);
     time::check(&pulse.samples, before_contact, notes);
     if is_too_slow(pulse) {
-        notes.concern(
-            About::Pulse,
-            Weight::Decisive,
-            format!(
-                "the pulse has {:.1} samples a second; CFC 60 needs at least {CFC60_RATE_HZ}. A crash pulse is not \
-                 resolved",
-                quality.record.sample_rate_hz
-            ),
-        );
+        let needed = format!("CFC 60 needs at least {CFC60_RATE_HZ}. A crash pulse is not resolved");
+        let text = format!("the pulse has {:.1} samples a second; {needed}", record.sample_rate_hz);
+        concern(Weight::Decisive, text, notes);
     }
     if is_clipped(pulse) {
-        notes.concern(
-            About::Pulse,
-            Weight::Marked,
-            format!(
-                "the pulse may be clipped: {} equal samples in a row at an extreme ({:.3} to {:.3} {})",
-                quality.record.clipped_run,
-                quality.record.minimum,
-                quality.record.maximum,
-                pulse.quantity.si_unit()
-            ),
-        );
+        let (low, high, unit) = (record.minimum, record.maximum, pulse.quantity.si_unit());
+        let run = format!("{} equal samples in a row at an extreme", record.clipped_run);
+        let text = format!("the pulse may be clipped: {run} ({low:.3} to {high:.3} {unit})");
+        concern(Weight::Marked, text, notes);
     }
     if let Some(noise) = excess_noise(pulse) {
-        notes.concern(
-            About::Pulse,
-            Weight::Marked,
-            format!(
-                "the pulse is noisy before the event: standard deviation {:.2} g, at most 1 g is usual: the sensor may \
-             have failed",
-                noise / G
-            ),
-        );
+        let usual = "at most 1 g is usual: the sensor may have failed";
+        let text = format!("the pulse is noisy before the event: standard deviation {:.2} g, {usual}", noise / G);
+        concern(Weight::Marked, text, notes);
     }
     if let Some((run, from_s)) = dropout(pulse) {
-        notes.concern(About::Pulse, Weight::Marked, format!(
-            "the pulse may have dropouts: {run} equal samples in a row from {:.2} ms on, while the signal is active",
-            from_s * 1e3
-        ));
+        let run = format!("{run} equal samples in a row from {:.2} ms on", from_s * 1e3);
+        let text = format!("the pulse may have dropouts: {run}, while the signal is active");
+        concern(Weight::Marked, text, notes);
     }
     if let Some(level) = drift(pulse) {
-        notes.concern(
-            About::Pulse,
-            Weight::Slight,
-            format!(
-                "the mean of the pulse over its last 20 ms is {:.2} g: the sensor drifted, or a force still acts on \
-                 the vehicle",
-                level / G
-            ),
-        );
+        let why = "the sensor drifted, or a force still acts on the vehicle";
+        let text = format!("the mean of the pulse over its last 20 ms is {:.2} g: {why}", level / G);
+        concern(Weight::Slight, text, notes);
     }
-    if quality.record.time_jitter > JITTER {
+    if record.time_jitter > JITTER {
         notes.info(format!(
             "time stamps of the pulse lie up to {:.3} sampling intervals off the uniform grid",
-            quality.record.time_jitter
+            record.time_jitter
         ));
     }
 }
@@ -168,24 +134,16 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
 /// rest at another level.
 fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
     if let Some(fall) = pulse.quality.fall {
-        notes.concern(
-            About::Pulse,
-            Weight::Slight,
-            format!(
-                "free fall before contact: its level is {:+.2} g off the level at rest",
-                (fall.fall_level - fall.rest_level) / G
-            ),
-        );
+        let off = (fall.fall_level - fall.rest_level) / G;
+        let text = format!("free fall before contact: its level is {off:+.2} g off the level at rest");
+        concern(Weight::Slight, text, notes);
     } else if pulse.quality.feels_gravity && is_gravity(level) {
-        notes.concern(
-            About::Pulse,
-            Weight::Marked,
-            format!(
-                "the level before contact is {:+.2} g: an offset, or a free fall. A fall is no offset to remove: if it \
-                 is one, add --set filter.zero-level=none",
-                level / G
-            ),
+        let text = format!(
+            "the level before contact is {:+.2} g: an offset, or a free fall. A fall is no offset to remove: if it is \
+             one, add --set filter.zero-level=none",
+            level / G
         );
+        concern(Weight::Marked, text, notes);
     } else if level.abs() > 0.5 * G {
         notes.info(format!("the level before contact is {:+.2} g: an offset that the filter removes", level / G));
     }
@@ -241,9 +199,7 @@ fn note_channels<'a>(waves: impl Iterator<Item = &'a Wave>, what: &str, notes: &
     if ids.is_empty() {
         return;
     }
-    let more = ids.len().saturating_sub(NAMED);
-    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
-    notes.info(format!("{what} in {}{tail}", ids[..ids.len() - more].join(", ")));
+    notes.info(format!("{what} in {}", list(&ids)));
 }
 
 /// Velocities and displacements are compared up to this time, s.
@@ -372,7 +328,7 @@ fn note_pair(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, not
         warn = part > TOO_MUCH;
     }
     if warn {
-        notes.concern(About::Pulse, Weight::Marked, format!("{text}: one of them may be wrong"));
+        concern(Weight::Marked, format!("{text}: one of them may be wrong"), notes);
     } else {
         notes.info(text);
     }

@@ -10,13 +10,12 @@ use crumple_signal::value::Time;
 use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled};
 
 use crate::recording::content::ReadChannel;
-use crate::{IngestError, IngestSettings, Place, Sign};
+use crate::{IngestSettings, Place, Result, Sign, refuse};
 
 /// An answer to the question: what is typed, and what it sets.
 pub struct Answer {
     /// As typed, `--unit g`.
     pub flag: String,
-    /// The settings with it.
     pub settings: IngestSettings,
 }
 
@@ -124,7 +123,6 @@ pub fn question(plausibility: &Plausibility, flag: Option<&str>, speed_m_per_s: 
     Some((about, format!("{if_so} ({}): {ask} If so, {answer}", figures(impact))))
 }
 
-/// What an exchange is of, in words.
 fn name(exchange: Exchange) -> &'static str {
     match exchange {
         Exchange::Unit(_) => "the unit",
@@ -154,7 +152,6 @@ const REFUSED: f64 = 99.0;
 const SMALLEST: [f64; 2] = [5.0 * G, 5.0];
 /// No accelerometer measures more, nor does a vehicle move faster: 200,000 g, 1 km/s.
 const LARGEST: [f64; 2] = [2e5 * G, 1e3];
-/// Samples named in a note.
 const NAMED: usize = 5;
 
 /// A sample that its neighbours do not bear out.
@@ -169,7 +166,7 @@ struct Lone {
 }
 
 /// Refuses a pulse with a sample that cannot be one, and notes those that hardly can.
-pub fn check(file: &str, pulse: &ReadChannel, notes: &mut Notes) -> Result<(), IngestError> {
+pub fn check(file: &str, pulse: &ReadChannel, notes: &mut Notes) -> Result<()> {
     let Some((wave, lone, unit)) = lone_samples(pulse) else { return Ok(()) };
     let id = &pulse.channel.id;
     let largest = limits(pulse.channel.quantity).map_or(f64::INFINITY, |(_, largest)| largest);
@@ -179,7 +176,7 @@ pub fn check(file: &str, pulse: &ReadChannel, notes: &mut Notes) -> Result<(), I
             Some(lines) => Place::line(file, lines.of_row(lone.index)),
             None => Place::file(file),
         };
-        return Err(IngestError::content(
+        return refuse(
             place.in_column(id.clone()),
             format!(
                 "{} {}",
@@ -190,7 +187,7 @@ pub fn check(file: &str, pulse: &ReadChannel, notes: &mut Notes) -> Result<(), I
             .to_owned(),
             "samples that follow each other",
             "correct that sample, or export the record again",
-        ));
+        );
     }
     if !lone.is_empty() {
         let few: Vec<String> = lone.iter().take(NAMED).map(|lone| words(lone, wave, unit)).collect();

@@ -31,7 +31,7 @@ impl Bundle {
     /// Digests of what was read.
     pub fn digests(&self) -> RecordDigests {
         RecordDigests {
-            format: self.reader.format(),
+            format: self.reader.format,
             name: self.name.clone(),
             record: self.digest(),
             sidecar: self.sidecar.as_ref().map(|sidecar| text(blake3::hash(&sidecar.bytes))),
@@ -53,7 +53,7 @@ impl Bundle {
         let reader = recognise(&main_name, &start).ok()?;
         let (companions, _) = companions_of(reader, &main_name, &main_path).ok()?;
         // They may lie in an archive.
-        if reader.spans_folders() && companions.is_empty() {
+        if reader.spans_folders && companions.is_empty() {
             return None;
         }
         let mut hasher = blake3::Hasher::new();
@@ -72,7 +72,7 @@ impl Bundle {
         }
         let sidecar = sidecar_of(&main_path, |_, _| Box::new(|_| ())).ok()?;
         Some(RecordDigests {
-            format: reader.format(),
+            format: reader.format,
             name,
             record: text(hasher.finalize()),
             sidecar: sidecar.map(|sidecar| text(blake3::hash(&sidecar.bytes))),

@@ -11,12 +11,12 @@ use rayon::prelude::*;
 
 use crate::error::WHAT_IS_READ;
 use crate::files::zip;
-use crate::formats::iso_mme::{IsoMme, is_channel_folder, is_channel_name};
+use crate::formats::iso_mme::{channel_file, is_channel_folder, is_channel_name};
 use crate::formats::reader::{
     Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, Stamp, check_total, stem,
 };
 use crate::formats::registry::recognise;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Result, check_size, refuse_path, refuse_size};
 
 /// Tables above this are read piece by piece, bytes.
 const STREAM_ABOVE: u64 = 64 << 20;
@@ -29,12 +29,12 @@ const LARGE_LIMIT: u64 = 64 << 30;
 
 impl Bundle {
     /// Reads a file, a folder with one NHTSA or ISO-MME test, or a zip archive of either.
-    pub fn open(path: &Path) -> Result<Self, IngestError> {
+    pub fn open(path: &Path) -> Result<Self> {
         Self::open_with_progress(path, |_, _| Box::new(|_| ()))
     }
 
     /// The same, showing how far it has come.
-    pub fn open_with_progress(path: &Path, show: ShowProgress) -> Result<Self, IngestError> {
+    pub fn open_with_progress(path: &Path, show: ShowProgress) -> Result<Self> {
         let (name, main_path) = name_and_main_file(path)?;
         let length = fs::metadata(&main_path).map_err(|error| unreadable(&main_path, &error))?.len();
         if length > STREAM_ABOVE
@@ -61,17 +61,17 @@ impl Bundle {
     }
 
     /// A long table: its start in memory, the rest read when it is parsed. `None` for another format.
-    fn open_large(path: &Path, length: u64, show: ShowProgress) -> Result<Option<Self>, IngestError> {
+    fn open_large(path: &Path, length: u64, show: ShowProgress) -> Result<Option<Self>> {
         let start = head(path, HEAD_OF_LARGE)?;
-        if zip::is_zip(&start) || !recognise(&file_name(path), &start)?.streams(&start) {
+        if zip::is_zip(&start) || !(recognise(&file_name(path), &start)?.streams)(&start) {
             return Ok(None);
         }
         if length > LARGE_LIMIT {
-            return Err(IngestError::too_large(
-                Place::file(&path.display().to_string()),
+            return refuse_size(
+                path.display(),
                 format!("{} GiB", length >> 30),
                 format!("tables up to {} GiB", LARGE_LIMIT >> 30),
-            ));
+            );
         }
         let mut hasher = blake3::Hasher::new();
         let file = Unchanging::open(path).map_err(|error| unreadable(path, &error))?;
@@ -85,14 +85,14 @@ impl Bundle {
         Ok(Some(bundle))
     }
 
-    fn read_companions(&mut self, main_path: &Path, show: ShowProgress) -> Result<(), IngestError> {
+    fn read_companions(&mut self, main_path: &Path, show: ShowProgress) -> Result<()> {
         let (files, total) = companions_of(self.reader, &self.main.name, main_path)?;
         check_total(&self.name, total)?;
         let contents: Vec<_> = files.par_iter().map(|(_, path)| read(path, show)).collect();
         for ((name, _), bytes) in files.into_iter().zip(contents) {
             self.companions.insert(name, bytes?);
         }
-        if self.reader.spans_folders() && self.companions.is_empty() {
+        if self.reader.spans_folders && self.companions.is_empty() {
             // The channels of a test may lie in an archive beside its description.
             let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
             for path in entries(folder)?.iter().filter(|path| is_channel_archive(path)) {
@@ -104,7 +104,7 @@ impl Bundle {
 }
 
 /// The name of a record, and the file that stands for it.
-pub(crate) fn name_and_main_file(path: &Path) -> Result<(String, PathBuf), IngestError> {
+pub(crate) fn name_and_main_file(path: &Path) -> Result<(String, PathBuf)> {
     let is_folder = fs::metadata(path).map_err(|error| unreadable(path, &error))?.is_dir();
     let main_path = if is_folder { main_file_of(path)? } else { path.to_owned() };
     refuse_named_pipe(&main_path).map_err(|error| unreadable(&main_path, &error))?;
@@ -113,17 +113,17 @@ pub(crate) fn name_and_main_file(path: &Path) -> Result<(String, PathBuf), Inges
 
 /// The files beside the main file that belong to its record, by name, and the bytes of all.
 pub(crate) fn companions_of(
-    reader: &dyn Reader,
+    reader: &Reader,
     main_name: &str,
     main_path: &Path,
-) -> Result<(Vec<(String, PathBuf)>, u64), IngestError> {
-    let may_have = |ending: &str| reader.companion(main_name, &format!("{}.{ending}", stem(main_name)));
+) -> Result<(Vec<(String, PathBuf)>, u64)> {
+    let may_have = |ending: &str| (reader.companion)(main_name, &format!("{}.{ending}", stem(main_name)));
     if !["001", "tdx"].into_iter().any(may_have) {
         return Ok((Vec::new(), 0));
     }
     let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut folders = vec![folder.to_owned()];
-    if reader.spans_folders() {
+    if reader.spans_folders {
         folders.extend(channel_folder(folder)?);
         folders.extend(folder.parent().filter(|_| is_channel_folder(&file_name(folder))).map(Path::to_owned));
     }
@@ -133,7 +133,7 @@ pub(crate) fn companions_of(
         for path in entries(&folder)? {
             let name = file_name(&path);
             let known = name == main_name || files.contains_key(&name);
-            if reader.companion(main_name, &name)
+            if (reader.companion)(main_name, &name)
                 && !known
                 && let Ok(metadata) = fs::metadata(&path)
                 && metadata.is_file()
@@ -206,22 +206,14 @@ pub(crate) fn file_name(path: &Path) -> String {
     name.map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
+fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if is_device(metadata.file_type()) {
         return Err(unreadable(path, &io::Error::new(io::ErrorKind::InvalidInput, "it is a device, not a file")));
     }
     let length = metadata.len();
-    let too_large = |found: u64| {
-        IngestError::too_large(
-            Place::file(&path.display().to_string()),
-            format!("{} MiB", found >> 20),
-            format!("files up to {} MiB", FILE_LIMIT >> 20),
-        )
-    };
-    if length > FILE_LIMIT {
-        return Err(too_large(length));
-    }
+    let check_length = |bytes| check_size(path.display(), bytes, FILE_LIMIT, "# MiB", "files up to # MiB");
+    check_length(length)?;
     let read = || -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
         let mut file = Unchanging::open(path)?;
@@ -237,7 +229,7 @@ fn read(path: &Path, show: ShowProgress) -> Result<Vec<u8>, IngestError> {
         Ok(bytes)
     };
     let bytes = read().map_err(|error| unreadable(path, &error))?;
-    if bytes.len() as u64 > FILE_LIMIT { Err(too_large(bytes.len() as u64)) } else { Ok(bytes) }
+    check_length(bytes.len() as u64).map(|()| bytes)
 }
 
 /// Whether it is a device. Elsewhere than on Unix these are not files.
@@ -253,7 +245,7 @@ fn is_device(_: fs::FileType) -> bool {
     false
 }
 
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, IngestError> {
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     let list = fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?;
     let mut paths: Vec<PathBuf> = list.filter_map(Result::ok).map(|entry| entry.path()).collect();
     paths.sort();
@@ -264,13 +256,13 @@ fn is_channel_archive(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zip")) && path.is_file()
 }
 
-fn channel_folder(folder: &Path) -> Result<Option<PathBuf>, IngestError> {
+fn channel_folder(folder: &Path) -> Result<Option<PathBuf>> {
     Ok(entries(folder)?.into_iter().find(|path| is_channel_folder(&file_name(path)) && path.is_dir()))
 }
 
 /// The file that stands for a folder: its one EV5 file; else the test file, the channel list or the first channel file
 /// of an ISO-MME test; else what its only subfolder has.
-fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
+fn main_file_of(folder: &Path) -> Result<PathBuf> {
     let all = entries(folder)?;
     let mut places = all.clone();
     if let Some(channel) = channel_folder(folder)? {
@@ -284,7 +276,7 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
             [one] => return Ok((*one).clone()),
             [] => {}
             several => {
-                return Err(IngestError::path(
+                return refuse_path(
                     folder.display(),
                     format!(
                         "a folder with {} .{} files: {}",
@@ -294,12 +286,12 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
                     ),
                     "the folder of one test",
                     format!("give the .{} file of the test", extension.to_uppercase()),
-                ));
+                );
             }
         }
     }
     for path in places.iter().filter(|path| is_channel_name(&file_name(path)) && path.is_file()) {
-        if IsoMme.recognises(&head(path, 8192)?) {
+        if channel_file::recognises(&head(path, 8192)?) {
             return Ok(path.clone());
         }
     }
@@ -308,7 +300,7 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
         if let [only] = all.iter().filter(is_mcap).collect::<Vec<_>>().as_slice() {
             return Ok((*only).clone());
         }
-        return Err(IngestError::path(
+        return refuse_path(
             folder.display(),
             "a folder with a ROS 2 bag (rosbag2), which is not read as it is",
             WHAT_IS_READ,
@@ -317,27 +309,27 @@ fn main_file_of(folder: &Path) -> Result<PathBuf, IngestError> {
                  out.yaml, run \"ros2 bag convert -i {} -o out.yaml\", and give converted/converted_0.mcap",
                 folder.display()
             ),
-        ));
+        );
     }
     match all.as_slice() {
         [only] if only.is_dir() => main_file_of(only),
-        _ => Err(IngestError::path(
+        _ => refuse_path(
             folder.display(),
             format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
             "the folder of one test, or a file",
             "give the file itself, such as crash.csv",
-        )),
+        ),
     }
 }
 
-pub(crate) fn head(path: &Path, length: u64) -> Result<Vec<u8>, IngestError> {
+pub(crate) fn head(path: &Path, length: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = fs::File::open(path).map_err(|error| unreadable(path, &error))?;
     file.take(length).read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
     Ok(bytes)
 }
 
-pub(crate) fn sidecar_of(main_path: &Path, show: ShowProgress) -> Result<Option<NamedBytes>, IngestError> {
+pub(crate) fn sidecar_of(main_path: &Path, show: ShowProgress) -> Result<Option<NamedBytes>> {
     let mut name = main_path.as_os_str().to_owned();
     name.push(".toml");
     let path = PathBuf::from(name);
@@ -359,9 +351,9 @@ fn unreadable(path: &Path, error: &io::Error) -> IngestError {
 }
 
 /// Reads a sidecar. An unknown key is refused; a value has its unit in it.
-pub fn parse(file: &str, bytes: &[u8]) -> Result<IngestSettings, IngestError> {
+pub fn parse(file: &str, bytes: &[u8]) -> Result<IngestSettings> {
     const EXPECTED: &str = "lines such as mass = \"873 kg\"";
-    let refuse = |found: String, hint: &str| IngestError::content(Place::file(file), found, EXPECTED, hint);
+    let refuse = |found: String, hint: &str| IngestError::content(file, found, EXPECTED, hint);
     let text = std::str::from_utf8(bytes)
         .map_err(|_| refuse("the text is not UTF-8".to_owned(), "save the sidecar as UTF-8"))?;
     let table: toml::Table = text
@@ -383,7 +375,7 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<IngestSettings, IngestError> {
 }
 
 /// What the sidecar of a record states; nothing where there is none.
-pub fn settings(bundle: &Bundle) -> Result<IngestSettings, IngestError> {
+pub fn settings(bundle: &Bundle) -> Result<IngestSettings> {
     bundle
         .sidecar
         .as_ref()
@@ -415,11 +407,17 @@ mod tests {
     }
 
     #[test]
-    fn reads_values_with_units() {
-        let settings = parse("a.toml", b"mass = \"873 kg\"\nimpact_speed = \"36 km/h\"\nsign = \"flip\"\n").unwrap();
-        assert_eq!(settings.mass.unwrap().si(), 873.0);
-        assert_eq!(settings.impact_speed.unwrap().si(), 10.0);
-        assert_eq!(settings.sign, Some(crate::Sign::Flip));
+    fn every_key_is_read_and_a_value_with_its_unit() {
+        let texts = "channel unit time_unit skip_to sheet field vehicle title barrier".split(' ');
+        let texts = texts.map(|key| format!("{key} = \"x\"\n")).collect::<String>();
+        let units =
+            "mass = '873 kg'\nimpact_speed = '36 km/h'\ntime_zero = '1 s'\nsample_time = '1 s'\nresample = '9 Hz'";
+        let words = "sign = 'flip'\nprofile = 'edr'\nplace = 'head'\nvehicle_number = 1\nallow_missing = true";
+        let text = format!("{units}\n{words}\n{texts}");
+        assert!(IngestSettings::KEYS.iter().all(|key| text.lines().any(|line| line.starts_with(&format!("{key} =")))));
+        let settings = parse("a.toml", text.as_bytes()).unwrap();
+        assert_eq!((settings.mass.unwrap().si(), settings.impact_speed.unwrap().si()), (873.0, 10.0));
+        assert_eq!((settings.sign, settings.channel.as_deref()), (Some(crate::Sign::Flip), Some("x")));
     }
 
     #[test]
@@ -433,26 +431,5 @@ mod tests {
     fn asks_back_for_a_unit() {
         let error = parse("a.toml", b"mass = 873\n").unwrap_err();
         assert!(error.to_string().contains("\"873\" has no unit"), "{error}");
-    }
-
-    #[test]
-    fn every_key_is_a_field() {
-        // A key in the list that is no field would pass the spelling check and fail later with another message.
-        for key in IngestSettings::KEYS {
-            let value = match key {
-                "mass" => "\"1 kg\"",
-                "impact_speed" => "\"1 m/s\"",
-                "time_zero" => "\"1 s\"",
-                "sign" => "\"keep\"",
-                "sample_time" => "\"1 s\"",
-                "resample" => "\"100 Hz\"",
-                "profile" => "\"edr\"",
-                "place" => "\"head\"",
-                "vehicle_number" => "1",
-                "allow_missing" => "true",
-                _ => "\"x\"",
-            };
-            parse("a.toml", format!("{key} = {value}").as_bytes()).unwrap();
-        }
     }
 }

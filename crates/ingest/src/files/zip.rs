@@ -5,11 +5,11 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use crate::formats::iso_mme::{IsoMme, is_channel_folder, is_channel_name};
-use crate::formats::reader::{Bundle, FILE_LIMIT, Reader, check_total, stem};
+use crate::formats::iso_mme::{channel_file, is_channel_folder, is_channel_name};
+use crate::formats::reader::{Bundle, FILE_LIMIT, check_total, stem};
 use crate::formats::workbook;
 use crate::recording::content::MINIMUM_SAMPLES;
-use crate::{IngestError, Place};
+use crate::{IngestError, Result, check_size, refuse_path, refuse_size};
 
 /// Most entries that are looked through.
 const ENTRY_LIMIT: usize = 20_000;
@@ -42,19 +42,19 @@ impl Entry {
 }
 
 /// Reads the one record in an archive. Names are compared only, nothing is unpacked to disk.
-pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle> {
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, error))?;
     if zip.len() > ENTRY_LIMIT {
-        return Err(IngestError::too_large(
-            Place::file(file),
+        return refuse_size(
+            file,
             format!("{} entries", zip.len()),
             format!("archives of one test, at most {ENTRY_LIMIT} files"),
-        ));
+        );
     }
     let entries = list_entries(&zip);
     if entries.iter().any(|e| e.folder == "xl" && e.name == "workbook.xml") {
-        refuse_beyond_memory(Place::file(file), entries.iter().map(|e| claimed_size(&mut zip, e)).sum())?;
-        return Ok(Bundle::with_reader(file, bytes.to_vec(), &workbook::Workbook));
+        refuse_beyond_memory(file, entries.iter().map(|e| claimed_size(&mut zip, e)).sum())?;
+        return Ok(Bundle::with_reader(file, bytes.to_vec(), &workbook::WORKBOOK));
     }
     refuse_documents(file, &entries)?;
     let mut total = 0;
@@ -77,16 +77,15 @@ pub fn open(file: &str, bytes: &[u8]) -> Result<Bundle, IngestError> {
     Ok(bundle)
 }
 
-/// Whether a file is named as a TDM file.
 pub fn is_tdm(file: &str) -> bool {
     file.to_ascii_lowercase().ends_with(".tdm")
 }
 
 /// Adds what an archive beside the main file of a record has of it.
-pub fn add_from(file: &str, bytes: &[u8], bundle: &mut Bundle) -> Result<(), IngestError> {
-    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, &error.to_string()))?;
+pub fn add_from(file: &str, bytes: &[u8], bundle: &mut Bundle) -> Result<()> {
+    let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| damaged(file, error))?;
     let entries = list_entries(&zip);
-    let Some(first) = entries.iter().find(|entry| bundle.reader.companion(&bundle.main.name, &entry.name)) else {
+    let Some(first) = entries.iter().find(|entry| (bundle.reader.companion)(&bundle.main.name, &entry.name)) else {
         return Ok(());
     };
     let main = Entry { index: usize::MAX, folder: first.folder.clone(), name: bundle.main.name.clone() };
@@ -101,12 +100,12 @@ fn add_companions(
     main: &Entry,
     bundle: &mut Bundle,
     total: &mut u64,
-) -> Result<(), IngestError> {
+) -> Result<()> {
     let is_companion = |entry: &&Entry| {
         let beside = entry.folder == main.folder
-            || (bundle.reader.spans_folders() && are_of_one_test(&main.folder, &entry.folder));
+            || (bundle.reader.spans_folders && are_of_one_test(&main.folder, &entry.folder));
         let known = entry.index == main.index || bundle.companions.contains_key(&entry.name);
-        beside && !known && bundle.reader.companion(&bundle.main.name, &entry.name)
+        beside && !known && (bundle.reader.companion)(&bundle.main.name, &entry.name)
     };
     let companions: Vec<&Entry> = entries.iter().filter(is_companion).collect();
     // By the sizes that the archive claims, before any is unpacked; that none holds more than it claims is checked
@@ -116,7 +115,7 @@ fn add_companions(
         claimed = claimed.saturating_add(claimed_size(zip, entry));
         check_total(file, claimed)?;
     }
-    refuse_beyond_memory(Place::file(file), claimed - *total)?;
+    refuse_beyond_memory(file, claimed - *total)?;
     for entry in companions {
         if !bundle.companions.contains_key(&entry.name) {
             let bytes = inflate(file, zip, entry, total)?;
@@ -145,14 +144,13 @@ fn channel_file<'a>(
     file: &str,
     zip: &mut ZipArchive<Cursor<&[u8]>>,
     entries: &'a [Entry],
-) -> Result<Option<&'a Entry>, IngestError> {
-    let described = |e: &Entry| matches!(e.extension().as_str(), "ev5" | "mme" | "chn");
-    if entries.iter().any(described) {
+) -> Result<Option<&'a Entry>> {
+    if entries.iter().any(|e| e.has_extension(&["ev5", "mme", "chn"])) {
         return Ok(None);
     }
     let Some(first) = entries.iter().find(|e| is_channel_name(&e.name)) else { return Ok(None) };
     let bytes = inflate(file, zip, first, &mut 0)?;
-    Ok(IsoMme.recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
+    Ok(channel_file::recognises(&bytes[..bytes.len().min(8192)]).then_some(first))
 }
 
 fn list_entries(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
@@ -171,7 +169,7 @@ fn list_entries(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<Entry> {
 }
 
 /// Office documents are zip archives, too.
-fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
+fn refuse_documents(file: &str, entries: &[Entry]) -> Result<()> {
     let holds = |folder: &str, name: &str| entries.iter().any(|e| e.folder == folder && e.name.starts_with(name));
     let ends = |extension: &str| entries.iter().any(|e| e.extension() == extension);
     let csv = "save the sheet with the record as CSV (time and acceleration columns with their units in the header)";
@@ -191,23 +189,18 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<(), IngestError> {
 }
 
 /// Whether a table has rows enough for a record: telephones put tables about themselves beside the data.
-fn may_be_a_record(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry) -> Result<bool, IngestError> {
+fn may_be_a_record(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry) -> Result<bool> {
     let is_long = claimed_size(zip, entry) > (MINIMUM_SAMPLES << 10) as u64;
     Ok(is_long || inflate(file, zip, entry, &mut 0)?.iter().filter(|b| **b == b'\n').count() >= MINIMUM_SAMPLES)
 }
 
 /// The EV5 file, else the only table, else the only file.
-fn main_entry<'a>(
-    file: &str,
-    zip: &mut ZipArchive<Cursor<&[u8]>>,
-    entries: &'a [Entry],
-) -> Result<&'a Entry, IngestError> {
-    let with = |accept: &dyn Fn(&Entry) -> bool| entries.iter().filter(|e| accept(e)).collect::<Vec<&Entry>>();
-    let ev5 = with(&|e| e.extension() == "ev5");
-    let mme = with(&|e| e.extension() == "mme");
-    let chn = with(&|e| e.extension() == "chn");
-    let tables = with(&|e| TABLES.contains(&e.extension().as_str()) && !e.name.to_lowercase().contains("readme"));
-    let measurements = with(&|e| MEASUREMENTS.contains(&e.extension().as_str()));
+fn main_entry<'a>(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entries: &'a [Entry]) -> Result<&'a Entry> {
+    const EXPECTED: &str = "an archive with one .EV5 file, one ISO-MME test or one table";
+    let with = |endings: &[&str]| entries.iter().filter(|e| e.has_extension(endings)).collect::<Vec<&Entry>>();
+    let mut tables = with(&TABLES);
+    tables.retain(|e| !e.name.to_lowercase().contains("readme"));
+    let measurements = with(&MEASUREMENTS);
     let mut records = Vec::new();
     for table in tables.iter().filter(|_| tables.len() > 1 && measurements.is_empty()) {
         if may_be_a_record(file, zip, table)? {
@@ -215,18 +208,14 @@ fn main_entry<'a>(
         }
     }
     let tables = if records.is_empty() { tables } else { records };
-    for candidates in [&ev5, &mme, &chn, &measurements, &tables] {
+    for candidates in [with(&["ev5"]), with(&["mme"]), with(&["chn"]), measurements, tables] {
         match candidates.as_slice() {
             [] => {}
             [one] => return Ok(one),
             several => {
                 let names: Vec<&str> = several.iter().take(10).map(|e| e.name.as_str()).collect();
-                return Err(IngestError::path(
-                    file,
-                    format!("{} records in one archive: {}", several.len(), names.join(", ")),
-                    "an archive with one .EV5 file, one ISO-MME test or one table",
-                    "unpack it and give the one you mean",
-                ));
+                let found = format!("{} records in one archive: {}", several.len(), names.join(", "));
+                return refuse_path(file, found, EXPECTED, "unpack it and give the one you mean");
             }
         }
     }
@@ -235,79 +224,49 @@ fn main_entry<'a>(
         [] => return Err(damaged(file, "the archive is empty")),
         _ => {}
     }
-    if let Some(inner) = entries.iter().find(|e| e.extension() == "zip") {
-        return Err(IngestError::path(
-            file,
-            format!("an archive inside the archive: {}", inner.name),
-            "an archive with one .EV5 file, one ISO-MME test or one table",
-            format!("unpack it and give {}", inner.name),
-        ));
+    if let Some(Entry { name, .. }) = entries.iter().find(|e| e.extension() == "zip") {
+        let found = format!("an archive inside the archive: {name}");
+        return refuse_path(file, found, EXPECTED, format!("unpack it and give {name}"));
     }
-    let curves = entries.iter().filter(|e| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.'));
-    let (curves, example) = (curves.clone().count(), curves.map(|e| stem(&e.name)).next());
-    Err(match example {
-        Some(stem) => IngestError::path(
-            file,
-            format!("{curves} signal files but no .EV5 file"),
-            format!("{stem}.EV5 in the same folder of the archive"),
-            "take the whole \"EV5 ASCII X-Y\" archive of the test",
-        ),
-        None => IngestError::path(
-            file,
-            format!("{} files, none of them an .EV5 file or a table", entries.len()),
-            "an archive with one .EV5 file, one ISO-MME test or one table",
-            "unpack it and give the record itself",
-        ),
-    })
+    let is_curve = |e: &&Entry| e.extension().bytes().all(|b| b.is_ascii_digit()) && e.name.contains('.');
+    let curves: Vec<&Entry> = entries.iter().filter(is_curve).collect();
+    if let [first, ..] = curves.as_slice() {
+        let found = format!("{} signal files but no .EV5 file", curves.len());
+        let expected = format!("{}.EV5 in the same folder of the archive", stem(&first.name));
+        return refuse_path(file, found, expected, "take the whole \"EV5 ASCII X-Y\" archive of the test");
+    }
+    let found = format!("{} files, none of them an .EV5 file or a table", entries.len());
+    refuse_path(file, found, EXPECTED, "unpack it and give the record itself")
 }
 
 /// What the archive claims must fit into the memory that is left, before any of it is unpacked.
-fn refuse_beyond_memory(place: Place, claimed: u64) -> Result<(), IngestError> {
-    let left = crumple_memory::left();
-    if claimed <= left {
-        return Ok(());
-    }
-    Err(IngestError::too_large(
-        place,
-        format!("{} MiB when unpacked", claimed >> 20),
-        format!("at most the {} MiB that are left of the memory limit (--memory-limit gives more)", left >> 20),
-    ))
+fn refuse_beyond_memory(at: &str, claimed: u64) -> Result<()> {
+    let limit = "at most the # MiB that are left of the memory limit (--memory-limit gives more)";
+    check_size(at, claimed, crumple_memory::left(), "# MiB when unpacked", limit)
 }
 
 /// One entry, up to [`FILE_LIMIT`]: a small archive may claim to hold terabytes.
-fn inflate(
-    file: &str,
-    zip: &mut ZipArchive<Cursor<&[u8]>>,
-    entry: &Entry,
-    total: &mut u64,
-) -> Result<Vec<u8>, IngestError> {
-    let reader = zip.by_index(entry.index).map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
-    let limit = FILE_LIMIT.min(1 << 28);
-    let claimed = reader.size();
-    refuse_beyond_memory(Place::file(&format!("{file}: {}", entry.name)), claimed)?;
+fn inflate(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entry: &Entry, total: &mut u64) -> Result<Vec<u8>> {
+    let at = format!("{file}: {}", entry.name);
+    let damaged = |error: &dyn std::fmt::Display| damaged(file, format!("{}: {error}", entry.name));
+    let reader = zip.by_index(entry.index).map_err(|error| damaged(&error))?;
+    let (limit, claimed) = (FILE_LIMIT.min(1 << 28), reader.size());
+    refuse_beyond_memory(&at, claimed)?;
     let mut bytes = Vec::new();
     if claimed <= limit {
         bytes.reserve(usize::try_from(claimed.min(1 << 24)).unwrap_or(0));
-        reader
-            .take(limit + 1)
-            .read_to_end(&mut bytes)
-            .map_err(|error| damaged(file, &format!("{}: {error}", entry.name)))?;
+        reader.take(limit + 1).read_to_end(&mut bytes).map_err(|error| damaged(&error))?;
     }
-    if claimed.max(bytes.len() as u64) > limit {
-        return Err(IngestError::too_large(
-            Place::file(&format!("{file}: {}", entry.name)),
-            format!("more than {} MiB when unpacked", limit >> 20),
-            format!("entries up to {} MiB", limit >> 20),
-        ));
-    }
+    let found = format!("more than {} MiB when unpacked", limit >> 20);
+    check_size(at, claimed.max(bytes.len() as u64), limit, &found, "entries up to # MiB")?;
     *total += bytes.len() as u64;
     check_total(file, *total)?;
     Ok(bytes)
 }
 
-fn damaged(file: &str, found: &str) -> IngestError {
+fn damaged(file: &str, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(
-        Place::file(file),
+        file,
         format!("the zip archive cannot be read: {found}"),
         "a complete, unencrypted archive (stored or deflated)",
         "download it again, or unpack it and give the record itself",

@@ -13,9 +13,7 @@ use crate::{IngestSettings, pulse};
 
 /// Test objects a code may begin with.
 const OBJECTS: &str = "?0123456789BMSPHDCT";
-/// Directions.
 const DIRECTIONS: &str = "?XYZR0123";
-/// Filter classes.
 const FILTERS: &str = "?_0ABCDEFGHLPQSXV123";
 
 /// The code that a name without its unit is, and what had to be made of it.

@@ -5,38 +5,21 @@ use std::collections::BTreeMap;
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
-use crate::formats::text::lines;
-use crate::formats::text::lines::{Line, decode, line_at, without_mark};
-use crate::formats::text::stamps::Instant;
-use crate::formats::text::stamps::time_of_day;
+use crate::formats::text::lines::{self, Lines, decode, without_mark};
+use crate::formats::text::stamps::{Instant, time_of_day};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{GAPS_ARE_NOT_FILLED, IngestSettings, Result, refuse, time};
 
 /// Difference of clocks that counts as the same, s.
 const CLOCK_SLACK_S: f64 = 1e-3;
 
-/// Reader of LVM files.
-pub struct Lvm;
+pub const LVM: Reader = Reader::of_one_file("lvm", recognises, conversion::FLAGS, read);
 
-impl Reader for Lvm {
-    fn format(&self) -> &'static str {
-        "lvm"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        without_mark(head).trim_ascii_start().starts_with(b"LabVIEW Measurement")
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        conversion::FLAGS
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        read(&bundle.main.name, &bundle.main.bytes, settings)
-    }
+fn recognises(head: &[u8]) -> bool {
+    without_mark(head).trim_ascii_start().starts_with(b"LabVIEW Measurement")
 }
 
 /// A segment: its header and samples by channel.
@@ -46,9 +29,8 @@ struct Segment {
     values: Vec<Vec<f64>>,
 }
 
-/// Reads a file from its bytes. `file` names it in messages.
-pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
-    let text = without_mark(bytes);
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, text) = (bundle.main.name.as_str(), without_mark(&bundle.main.bytes));
     let start = text.iter().take_while(|b| b.is_ascii_whitespace()).count();
     let mut lines = Lines::new(file, &text);
     // Blank lines before the header are no part of it.
@@ -69,12 +51,12 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
         }
     }
     if segments.is_empty() {
-        return Err(IngestError::content(
-            Place::file(file),
+        return refuse(
+            file,
             "a header without a segment of data",
             "rows of samples under their own header",
             "check that the measurement was saved with its data",
-        ));
+        );
     }
     let details = details(&file_header, &segments[0]);
     let several = segments.len() > 1;
@@ -87,7 +69,7 @@ pub fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recor
     }
     // A unit that is none is refused with the channels.
     let stated = settings.time_unit.as_deref();
-    let time_unit_s = stated.and_then(|symbol| time::stated_unit(Place::file(file), symbol, "").ok());
+    let time_unit_s = stated.and_then(|symbol| time::stated_unit(file, symbol, "").ok());
     let mut waveforms = Vec::new();
     for (k, segment) in segments.into_iter().enumerate() {
         let group = if several { format!("segment_{}", k + 1) } else { String::new() };
@@ -232,14 +214,12 @@ pub enum XColumns {
     Multi,
 }
 
-/// What the file's header says.
 #[derive(Debug, Clone)]
 pub struct FileHeader {
     /// Tab or comma.
     pub separator: u8,
     /// The decimal mark, if stated. Files of Writer_Version 0.92 do not.
     pub decimal: Option<u8>,
-    /// X columns.
     pub x_columns: XColumns,
     /// All keys with their first value.
     pub keys: BTreeMap<String, String>,
@@ -248,21 +228,18 @@ pub struct FileHeader {
 /// What a segment's header says: values by key, by column of the rows (0 is the key's own).
 #[derive(Debug, Clone, Default)]
 pub struct SegmentHeader {
-    /// Values of each key.
     pub keys: BTreeMap<String, Vec<String>>,
-    /// Titles of the columns.
     pub titles: Vec<String>,
-    /// Columns of the channels.
     pub columns: Vec<usize>,
 }
 
 /// Reads up to the first `***End_of_Header***`.
-fn file_header(lines: &mut Lines) -> Result<FileHeader, IngestError> {
+fn file_header(lines: &mut Lines) -> Result<FileHeader> {
     let mut keys = BTreeMap::new();
     let mut after_key = None;
     lines.take()?;
     loop {
-        let Some(line) = lines.take()? else { return Err(no_end(lines)) };
+        let Some(line) = lines.take()? else { return no_end(lines) };
         if is_mark(line.bytes, "End_of_Header") {
             break;
         }
@@ -288,12 +265,8 @@ fn file_header(lines: &mut Lines) -> Result<FileHeader, IngestError> {
         _ => None,
     };
     if separator == b',' && decimal == Some(b',') {
-        return Err(IngestError::content(
-            lines.place(),
-            "decimal commas between commas",
-            "another decimal mark than the separator",
-            "save the measurement with tabs between the columns",
-        ));
+        let hint = "save the measurement with tabs between the columns";
+        return refuse(lines.place(), "decimal commas between commas", "another decimal mark than the separator", hint);
     }
     let x_columns = match key("X_Columns") {
         "No" => XColumns::No,
@@ -304,11 +277,11 @@ fn file_header(lines: &mut Lines) -> Result<FileHeader, IngestError> {
 }
 
 /// Reads the header of the next segment and the line of titles below; `None` at the end of the file.
-fn segment_header(lines: &mut Lines, file: &FileHeader) -> Result<Option<SegmentHeader>, IngestError> {
+fn segment_header(lines: &mut Lines, file: &FileHeader) -> Result<Option<SegmentHeader>> {
     let mut header = SegmentHeader::default();
     loop {
         let Some(line) = lines.take()? else {
-            return if header.keys.is_empty() { Ok(None) } else { Err(no_end(lines)) };
+            return if header.keys.is_empty() { Ok(None) } else { no_end(lines) };
         };
         if is_mark(line.bytes, "End_of_Header") {
             break;
@@ -327,34 +300,30 @@ fn segment_header(lines: &mut Lines, file: &FileHeader) -> Result<Option<Segment
     }
     header.titles = match lines.take()? {
         Some(line) => words(line.bytes, file.separator),
-        None => return Err(no_end(lines)),
+        None => return no_end(lines),
     };
     let step = if file.x_columns == XColumns::Multi { 2 } else { 1 };
     let room = (header.titles.len().saturating_sub(1)).div_ceil(step);
     let count = match header.keys.get("Channels").and_then(|fields| fields.get(1)) {
-        Some(text) => text.parse::<usize>().ok().filter(|n| (1..=room).contains(n)).ok_or_else(|| {
-            IngestError::content(
-                lines.place(),
-                format!("{text:?} channels are announced, there are {} column titles", header.titles.len()),
-                "a title for each channel",
-                "the file may be damaged: save the measurement again",
-            )
-        })?,
-        None => {
-            header.titles[1..].iter().step_by(step).filter(|title| *title != "Comment" && !title.is_empty()).count()
-        }
+        Some(text) => match text.parse::<usize>() {
+            Ok(count) if (1..=room).contains(&count) => count,
+            _ => {
+                let titles = header.titles.len();
+                let found = format!("{text:?} channels are announced, there are {titles} column titles");
+                let hint = "the file may be damaged: save the measurement again";
+                return refuse(lines.place(), found, "a title for each channel", hint);
+            }
+        },
+        None => header.titles[1..].iter().step_by(step).filter(|t| *t != "Comment" && !t.is_empty()).count(),
     };
     header.columns = (0..count).map(|k| 1 + k * step).collect();
     Ok(Some(header))
 }
 
-fn no_end(lines: &Lines) -> IngestError {
-    IngestError::content(
-        lines.place(),
-        "the file ends in a header",
-        "***End_of_Header***, a line of column titles and rows",
-        "the file may be cut short: save or download it again",
-    )
+fn no_end<T>(lines: &Lines) -> Result<T> {
+    let hint = "the file may be cut short: save or download it again";
+    let expected = "***End_of_Header***, a line of column titles and rows";
+    refuse(lines.place(), "the file ends in a header", expected, hint)
 }
 
 impl SegmentHeader {
@@ -375,52 +344,6 @@ impl SegmentHeader {
     }
 }
 
-/// A reading position between lines.
-#[derive(Debug, Clone)]
-pub struct Lines<'a> {
-    file: &'a str,
-    text: &'a [u8],
-    offset: usize,
-    number: usize,
-}
-
-impl<'a> Lines<'a> {
-    /// Starts at the first line.
-    pub fn new(file: &'a str, text: &'a [u8]) -> Self {
-        Self { file, text, offset: 0, number: 1 }
-    }
-
-    /// The next line, not taken. A line over 1 MiB is refused.
-    pub fn peek(&self) -> Result<Option<Line<'a>>, IngestError> {
-        Ok(self.line()?.map(|(line, _)| line))
-    }
-
-    /// Takes the next line.
-    pub fn take(&mut self) -> Result<Option<Line<'a>>, IngestError> {
-        let Some((line, next)) = self.line()? else { return Ok(None) };
-        self.offset = next;
-        self.number += 1;
-        Ok(Some(line))
-    }
-
-    fn line(&self) -> Result<Option<(Line<'a>, usize)>, IngestError> {
-        if self.offset >= self.text.len() {
-            return Ok(None);
-        }
-        line_at(self.text, self.offset, self.number, self.file).map(Some)
-    }
-
-    /// The file's name.
-    pub fn file(&self) -> &'a str {
-        self.file
-    }
-
-    /// The place of the last line taken.
-    pub fn place(&self) -> Place {
-        Place::line(self.file, self.number.saturating_sub(1).max(1))
-    }
-}
-
 /// Whether a line holds nothing but separators and blanks.
 pub fn is_blank(line: &[u8]) -> bool {
     line.iter().all(|b| b.is_ascii_whitespace() || *b == b',')
@@ -434,7 +357,6 @@ fn is_mark(line: &[u8], name: &str) -> bool {
     })
 }
 
-/// The fields of a line as words.
 pub fn words(line: &[u8], separator: u8) -> Vec<String> {
     line.split(|b| *b == separator).map(|field| decode(field.trim_ascii())).collect()
 }
@@ -443,12 +365,7 @@ pub fn words(line: &[u8], separator: u8) -> Vec<String> {
 ///
 /// Channels may have different numbers of samples: the rows then end in empty fields. An empty field before a sample is
 /// refused. The printed X are a check only: rounded to a microsecond, they must not leave the grid by half an interval.
-fn rows_of(
-    lines: &mut Lines,
-    file: &FileHeader,
-    header: &SegmentHeader,
-    decimal: u8,
-) -> Result<Vec<Vec<f64>>, IngestError> {
+fn rows_of(lines: &mut Lines, file: &FileHeader, header: &SegmentHeader, decimal: u8) -> Result<Vec<Vec<f64>>> {
     let channels = header.columns.len();
     let last_column = header.columns.last().copied().unwrap_or(0);
     let mut channel_of = vec![None; last_column + 1];
@@ -462,7 +379,7 @@ fn rows_of(
         .map(|(k, column)| match file.x_columns {
             XColumns::No => None,
             XColumns::One if k > 0 => None,
-            _ => header.number("Delta_X", *column, decimal).filter(|dt| *dt > 0.0).map(Clock::new),
+            _ => header.number("Delta_X", *column, decimal).filter(|dt| *dt > 0.0).map(|dt| Clock { dt, first: None }),
         })
         .collect();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); channels];
@@ -487,40 +404,28 @@ fn rows_of(
             if field.is_empty() {
                 continue;
             }
-            let place = || {
-                Place::line(lines.file(), line.number).in_column(format!("{} ({})", column + 1, header.titles[column]))
-            };
+            let place = || lines.place().in_nth_column(column, &header.titles[column]);
             if values[k].len() < row {
-                return Err(IngestError::content(
-                    place(),
-                    "a sample after empty fields",
-                    "samples without gaps",
-                    "cut the record before the gap, or fill it in the program that made it: gaps are not filled here",
-                ));
+                return refuse(place(), "a sample after empty fields", "samples without gaps", GAPS_ARE_NOT_FILLED);
             }
             let value = match lines::field(field, decimal) {
                 Some(number) => number.value,
                 None if lines::is_gap(field) => f64::NAN,
                 None => {
-                    return Err(IngestError::content(
-                        place(),
-                        format!("{:?} is not a finite number", decode(&field[..field.len().min(40)])),
-                        "a finite number or nothing in every field",
-                        "save the measurement again, or write the number that belongs there: without its line all \
-                         later samples would come too early",
-                    ));
+                    let found = format!("{:?} is not a finite number", decode(&field[..field.len().min(40)]));
+                    let hint = "save the measurement again, or write the number that belongs there: without its line \
+                                all later samples would come too early";
+                    return refuse(place(), found, "a finite number or nothing in every field", hint);
                 }
             };
             values[k].push(value);
             if let (Some(clock), Some(x)) = (&mut clocks[k], x)
                 && let Some(expected) = clock.off(x, row)
             {
-                return Err(IngestError::content(
-                    place(),
-                    format!("X is {x}, the row is at {expected} by X0 and Delta_X"),
-                    "rows at equal steps of Delta_X",
-                    "the recording was interrupted there, or several were saved under one header: split the file",
-                ));
+                let found = format!("X is {x}, the row is at {expected} by X0 and Delta_X");
+                let hint =
+                    "the recording was interrupted there, or several were saved under one header: split the file";
+                return refuse(place(), found, "rows at equal steps of Delta_X", hint);
             }
         }
         row += 1;
@@ -535,10 +440,6 @@ struct Clock {
 }
 
 impl Clock {
-    fn new(dt: f64) -> Self {
-        Self { dt, first: None }
-    }
-
     /// The X that row `row` should have, if it is not near it.
     fn off(&mut self, x: f64, row: usize) -> Option<f64> {
         // X is printed to the microsecond, to seven digits where it is large; both ends are rounded. Where it starts is

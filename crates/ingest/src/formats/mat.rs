@@ -13,59 +13,41 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::Details;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Result};
 
 /// Bytes before the first element.
 const HEADER: usize = 128;
 /// Most that a variable may take when unpacked, bytes.
 const UNPACKED_LIMIT: u64 = 1 << 28;
-/// Structs in structs.
 const DEPTH: usize = 8;
 /// More columns of a matrix than this are no channels.
 const COLUMN_LIMIT: usize = 4096;
 
-/// Reader of MATLAB files.
-pub struct Mat;
+pub const MAT: Reader = Reader::of_one_file("mat", recognises, conversion::FLAGS, read);
 
-impl Reader for Mat {
-    fn format(&self) -> &'static str {
-        "mat"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        head.starts_with(b"MATLAB 5.0") && matches!(head.get(126..HEADER), Some(b"IM" | b"MI"))
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        conversion::FLAGS
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
-        let mut found = Variables { big_endian: &bytes[126..HEADER] == b"MI", ..Variables::default() };
-        found.elements(&bytes[HEADER..], DEPTH).map_err(|what| {
-            IngestError::content(
-                Place::file(file),
-                what,
-                "a whole MATLAB file of version 5",
-                "the file may be cut short: save it again, or export the variables by writetable as CSV",
-            )
-        })?;
-        let mut notes = Notes::new();
-        if !found.unread.is_empty() {
-            notes.info(format!("variables that are no numbers are not read: {}", found.unread.join(", ")));
-        }
-        conversion::recording(file, found.waveforms, Details::default(), settings, notes)
-    }
+fn recognises(head: &[u8]) -> bool {
+    head.starts_with(b"MATLAB 5.0") && matches!(head.get(126..HEADER), Some(b"IM" | b"MI"))
 }
 
-/// The numbers of the variables.
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
+    let mut found = Variables { big_endian: &bytes[126..HEADER] == b"MI", ..Variables::default() };
+    let hint = "the file may be cut short: save it again, or export the variables by writetable as CSV";
+    found
+        .elements(&bytes[HEADER..], DEPTH)
+        .map_err(|what| IngestError::content(file, what, "a whole MATLAB file of version 5", hint))?;
+    let mut notes = Notes::new();
+    if !found.unread.is_empty() {
+        notes.info(format!("variables that are no numbers are not read: {}", found.unread.join(", ")));
+    }
+    conversion::recording(file, found.waveforms, Details::default(), settings, notes)
+}
+
 #[derive(Default)]
 struct Variables {
     big_endian: bool,
     waveforms: Vec<Waveform>,
     unread: Vec<String>,
-    /// Bytes unpacked so far.
     unpacked: u64,
 }
 

@@ -15,47 +15,33 @@ use crate::formats::messages::{
 };
 use crate::formats::protobuf;
 use crate::formats::protobuf::Decoder;
-use crate::formats::reader::{Bundle, Reader};
+use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
 use crate::recording::details::{Details, Stated};
 use crate::recording::settings;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Result, check_size};
 
 /// Largest chunk that is unpacked, bytes.
 const CHUNK_LIMIT: u64 = 1 << 28;
 
-/// Reader of MCAP files.
-pub struct Mcap;
+pub const MCAP: Reader =
+    Reader::of_one_file("mcap", |head| head.starts_with(b"\x89MCAP0\r\n"), &["--unit", "--field", "--resample"], read);
 
-impl Reader for Mcap {
-    fn format(&self) -> &'static str {
-        "mcap"
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
+    let topics = topics(file, bytes)?;
+    if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
+        let mut recording = read_artifact(file, bytes)?;
+        let why = "channels and samples of an artifact are as its stage left them";
+        settings::warn_except(settings, MCAP.relevant_flags, why, &mut recording.notes);
+        return Ok(recording);
     }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        head.starts_with(b"\x89MCAP0\r\n")
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--field", "--resample"]
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
-        let topics = topics(file, bytes)?;
-        if topics.get("/test").is_some_and(|t| t.kind.starts_with("crumple.Test.v")) {
-            let mut recording = read_artifact(file, bytes)?;
-            let why = "channels and samples of an artifact are as its stage left them";
-            settings::warn_except(settings, self.relevant_flags(), why, &mut recording.notes);
-            return Ok(recording);
-        }
-        read_messages(file, bytes, &topics, settings)
-    }
+    read_messages(file, bytes, &topics, settings)
 }
 
-fn damaged(file: &str, found: &str) -> IngestError {
+fn damaged(file: &str, found: impl std::fmt::Display) -> IngestError {
     IngestError::content(
-        Place::file(file),
+        file,
         format!("the MCAP file cannot be read: {found}"),
         "a complete file",
         "it may be cut short or damaged: record or copy it again, or repair it with \"mcap recover\"",
@@ -64,22 +50,17 @@ fn damaged(file: &str, found: &str) -> IngestError {
 
 /// Tells `each` all records of the file; chunks as they are (`unpack` false), or the records in them. No record may be
 /// longer than [`CHUNK_LIMIT`], whatever it claims.
-fn scan(
-    file: &str,
-    bytes: &[u8],
-    unpack: bool,
-    mut each: impl FnMut(McapRecord) -> Result<(), IngestError>,
-) -> Result<(), IngestError> {
+fn scan(file: &str, bytes: &[u8], unpack: bool, mut each: impl FnMut(McapRecord) -> Result<()>) -> Result<()> {
     let mut reader = LinearReader::new_with_options(
         LinearReaderOptions::default()
             .with_emit_chunks(!unpack)
             .with_validate_chunk_crcs(true)
             .with_record_length_limit(CHUNK_LIMIT as usize),
     );
-    add_decompressors(&mut reader, CHUNK_LIMIT).map_err(|error| damaged(file, &error.to_string()))?;
+    add_decompressors(&mut reader, CHUNK_LIMIT).map_err(|error| damaged(file, error))?;
     let mut rest = bytes;
     while let Some(event) = reader.next_event() {
-        match event.map_err(|error| damaged(file, &error.to_string()))? {
+        match event.map_err(|error| damaged(file, error))? {
             LinearReadEvent::ReadRequest(need) => {
                 // In pieces, so that an absurd announced length reserves nothing.
                 let length = need.min(rest.len()).min(1 << 24);
@@ -88,7 +69,7 @@ fn scan(
                 rest = &rest[length..];
             }
             LinearReadEvent::Record { opcode, data } => {
-                each(mcap::parse_record(opcode, data).map_err(|error| damaged(file, &error.to_string()))?)?;
+                each(mcap::parse_record(opcode, data).map_err(|error| damaged(file, error))?)?;
             }
         }
     }
@@ -102,7 +83,6 @@ struct Kind {
     description: Vec<u8>,
 }
 
-/// A message and what the file says of it.
 struct Message<'a> {
     topic: &'a str,
     /// Number of the type in the file.
@@ -114,7 +94,7 @@ struct Message<'a> {
 }
 
 /// Tells `each` every message.
-fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Result<(), IngestError> {
+fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Result<()> {
     let unknown = Kind::default();
     let mut schemas: BTreeMap<u16, Kind> = BTreeMap::new();
     let mut channels: BTreeMap<u16, McapChannel> = BTreeMap::new();
@@ -128,7 +108,7 @@ fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Resul
                 let channel = channels.get(&header.channel_id).ok_or_else(|| {
                     damaged(
                         file,
-                        &format!("a message of channel {}, which is not described before it", header.channel_id),
+                        format!("a message of channel {}, which is not described before it", header.channel_id),
                     )
                 })?;
                 each(Message {
@@ -147,27 +127,16 @@ fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Resul
 }
 
 /// All topics with their counts; chunks that claim to be huge are refused before anything is unpacked.
-fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>, IngestError> {
+fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>> {
     let mut total = 0_u64;
     scan(file, bytes, false, |record| {
         let McapRecord::Chunk { header, .. } = record else { return Ok(()) };
         total = total.saturating_add(header.uncompressed_size);
-        if header.uncompressed_size > CHUNK_LIMIT {
-            return Err(IngestError::too_large(
-                Place::file(file),
-                format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-            ));
-        }
-        let left = crumple_memory::left();
-        if header.uncompressed_size > left {
-            return Err(IngestError::too_large(
-                Place::file(file),
-                format!("a chunk that claims {} MiB when unpacked", header.uncompressed_size >> 20),
-                format!("chunks up to the {} MiB left of the memory limit (--memory-limit)", left >> 20),
-            ));
-        }
-        crate::formats::reader::check_total(file, total)
+        let (claimed, found) = (header.uncompressed_size, "a chunk that claims # MiB when unpacked");
+        check_size(file, claimed, CHUNK_LIMIT, found, "chunks up to # MiB")?;
+        let limit = "chunks up to the # MiB left of the memory limit (--memory-limit)";
+        check_size(file, claimed, crumple_memory::left(), found, limit)?;
+        check_total(file, total)
     })?;
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
     messages_of(file, bytes, |message| {
@@ -217,12 +186,11 @@ fn plan(name: &str, topic: &Topic, named: &[Field], unit: Option<(QuantityKind, 
         .then(|| (of_topic.iter().map(component).collect(), of_topic.iter().map(|f| f.path.to_owned()).collect()))
 }
 
-/// The unit of the fields named.
-fn unit_of_fields(file: &str, settings: &IngestSettings) -> Result<Option<(QuantityKind, f64)>, IngestError> {
+fn unit_of_fields(file: &str, settings: &IngestSettings) -> Result<Option<(QuantityKind, f64)>> {
     let Some(symbol) = settings.unit.as_deref().filter(|_| settings.field.is_some()) else { return Ok(None) };
     signal_unit(symbol).map(Some).ok_or_else(|| {
         IngestError::content(
-            Place::file(file),
+            file,
             format!("{symbol:?}, stated by --unit, is no unit known here"),
             "a unit such as m/s^2, g, rad/s or N",
             "correct --unit, or leave it away: the fields are then kept as read",
@@ -290,7 +258,7 @@ fn read_messages(
     bytes: &[u8],
     topics: &BTreeMap<String, Topic>,
     settings: &IngestSettings,
-) -> Result<Recording, IngestError> {
+) -> Result<Recording> {
     let mut notes = Notes::new();
     let named = settings.field.as_deref().map(fields).unwrap_or_default();
     let unit = unit_of_fields(file, settings)?;
@@ -360,21 +328,14 @@ fn no_channel_error(
 }
 
 /// The test and the waves of an artifact of any stage, as they are.
-fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
-    let refuse = |found: String| {
-        IngestError::content(
-            Place::file(file),
-            found,
-            "an artifact as docs/format.md describes it",
-            "check it as an artifact",
-        )
+fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording> {
+    let refuse = |found: &dyn std::fmt::Display| {
+        IngestError::content(file, found, "an artifact as docs/format.md describes it", "check it as an artifact")
     };
-    let artifact = Artifact::read(Path::new(file), bytes).map_err(|error| refuse(error.to_string()))?;
-    let test: TestV1 = artifact
-        .record("/test")
-        .map_err(|error| refuse(error.to_string()))?
-        .ok_or_else(|| refuse("no record under /test".to_owned()))?;
-    let test = TestDescription::try_from(test).map_err(|error| refuse(error.to_string()))?;
+    let artifact = Artifact::read(Path::new(file), bytes).map_err(|error| refuse(&error))?;
+    let test: TestV1 =
+        artifact.record("/test").map_err(|error| refuse(&error))?.ok_or_else(|| refuse(&"no record under /test"))?;
+    let test = TestDescription::try_from(test).map_err(|error| refuse(&error))?;
     let mut notes = Notes::new();
     notes.info(format!(
         "read from an artifact of {}: channels and samples are as that stage left them",
@@ -397,8 +358,8 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording, IngestError> {
     let read = |channel: Channel| {
         let wave = artifact.waves().get(&channel.id).filter(|w| w.quantity == channel.quantity);
         let is_pulse = test.pulse.as_deref() == Some(channel.id.as_str());
-        let fitness = (channel.quantity == QuantityKind::Acceleration && (is_pulse || test.pulse.is_none()))
-            .then_some(Fitness { redundant: false, place: 0, why: "the pulse of the artifact" });
+        let fitness = Fitness::of_only(channel.quantity, "the pulse of the artifact");
+        let fitness = fitness.filter(|_| is_pulse || test.pulse.is_none());
         ReadChannel { wave: wave.map(|w| w.sampled.clone()), fitness, ..ReadChannel::new(channel) }
     };
     let mut channels: Vec<ReadChannel> = test.channels.iter().cloned().map(read).collect();

@@ -9,15 +9,14 @@ use std::collections::BTreeMap;
 
 use crumple_signal::{About, Axis, Channel, Notes, QuantityKind, Sampled, Weight};
 
-use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
+use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording, list_of};
 use crate::recording::details::Details;
 use crate::time::OnGrid;
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{IngestError, IngestSettings, Place, Result, time};
 
 /// What a message of one topic gives: its stamp, and the values of its components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StampedSample {
-    /// Stamp in ns since the epoch.
     pub stamp_ns: i64,
     /// When the message was recorded, ns since the epoch.
     pub recorded_ns: i64,
@@ -30,35 +29,26 @@ pub struct StampedSample {
 pub struct Component {
     /// `acceleration_x`, or the path of a JSON field.
     pub name: String,
-    /// What is measured.
     pub quantity: QuantityKind,
-    /// Axis of the sensor.
     pub axis: Option<Axis>,
     /// Factor to SI.
     pub factor: f64,
 }
 
-/// Samples of one topic.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Track {
-    /// Components in the order of the values.
     pub components: Vec<Component>,
-    /// In the order of the file.
     pub samples: Vec<StampedSample>,
 }
 
 /// A topic as listed in a refusal.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Topic {
-    /// Message type.
     pub kind: String,
-    /// Message encoding.
     pub encoding: String,
-    /// Number of messages.
     pub count: u64,
 }
 
-/// The six components of an IMU message.
 pub fn imu_components() -> Vec<Component> {
     let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
     let components_along_axes = |what: &str, quantity| {
@@ -176,20 +166,15 @@ pub fn json_stamp_ns(message: &serde_json::Value) -> Option<i64> {
 
 /// `no topic with acceleration`: what topics there are instead.
 pub fn refuse(file: &str, topics: &BTreeMap<String, Topic>, found: &str, hint: &str) -> IngestError {
-    let list: Vec<String> = topics
-        .iter()
-        .take(30)
-        .map(|(name, topic)| {
-            let kind = if topic.kind.is_empty() { "no type" } else { &topic.kind };
-            format!("{name} ({kind}, {}, {} messages)", topic.encoding, topic.count)
-        })
-        .collect();
-    let more = topics.len().saturating_sub(list.len());
-    let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
-    let list = if list.is_empty() { "none".to_owned() } else { list.join(", ") };
+    let words = |(name, topic): (&String, &Topic)| {
+        let kind = if topic.kind.is_empty() { "no type" } else { &topic.kind };
+        format!("{name} ({kind}, {}, {} messages)", topic.encoding, topic.count)
+    };
+    let list = list_of(&topics.iter().map(words).collect::<Vec<_>>(), 30);
+    let list = if list.is_empty() { "none" } else { &list };
     IngestError::content(
-        Place::file(file),
-        format!("{found}; its topics: {list}{tail}"),
+        file,
+        format!("{found}; its topics: {list}"),
         "a topic of sensor_msgs/Imu, or a field of JSON or protobuf messages named by --field",
         hint,
     )
@@ -201,7 +186,7 @@ pub fn recording(
     tracks: &mut BTreeMap<String, Track>,
     settings: &IngestSettings,
     mut notes: Notes,
-) -> Result<Recording, IngestError> {
+) -> Result<Recording> {
     let stands_still = |track: &Track| {
         let repeats = track.samples.windows(2).any(|pair| pair[1].stamp_ns == pair[0].stamp_ns);
         repeats && track.samples.windows(2).all(|pair| pair[1].recorded_ns > pair[0].recorded_ns)
@@ -241,12 +226,6 @@ pub fn recording(
     })
 }
 
-/// An error about message `index` of a topic.
-fn message_error(file: &str, topic: &str, index: usize, found: String, hint: &str) -> IngestError {
-    let place = Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
-    IngestError::content(place, found, "stamps at equal steps", hint)
-}
-
 /// The channels of one topic: one for each component that every message has.
 fn track_channels(
     file: &str,
@@ -255,11 +234,15 @@ fn track_channels(
     start_ns: i64,
     settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<ReadChannel>, IngestError> {
+) -> Result<Vec<ReadChannel>> {
+    let place = |index: usize| Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
+    let message_error = |index: usize, found: &str, hint: &str| {
+        IngestError::content(place(index), found, "stamps at equal steps", hint)
+    };
     let times: Vec<f64> = track.samples.iter().map(|s| s.stamp_ns.wrapping_sub(start_ns) as f64 / 1e9).collect();
     if times.len() < 2 {
         let found = format!("{} messages with data", times.len());
-        return Err(message_error(file, topic, 0, found, "give a longer recording"));
+        return Err(message_error(0, &found, "give a longer recording"));
     }
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
         let (found, hint) = if times[k + 1] == times[k] {
@@ -268,9 +251,8 @@ fn track_channels(
             let hint = "sort the messages by their stamps, or split the recording there if another one begins";
             ("its stamp is earlier than the one before", hint)
         };
-        return Err(message_error(file, topic, k + 1, found.to_owned(), hint));
+        return Err(message_error(k + 1, found, hint));
     }
-    let place = |index: usize| Place::file(&format!("{file}, topic {topic}, message {}", index + 1));
     let OnGrid { grid, interpolation, words, lacks_a_rate } = time::on_grid(&times, 1e-9, settings, place)?;
     let jitter = grid.jitter;
     let comment =
@@ -293,7 +275,7 @@ fn track_channels(
                 Some(interpolation) => interpolation.apply(track.samples.len(), read),
             };
             let wave = Sampled::new(grid.t0_s, grid.dt_s, samples).map_err(|error| {
-                message_error(file, topic, 0, format!("{}: {error}", component.name), "cut the recording before it")
+                message_error(0, &format!("{}: {error}", component.name), "cut the recording before it")
             })?;
             let name: String =
                 component.name.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
@@ -301,11 +283,7 @@ fn track_channels(
             channel.location = format!("sensor of topic {topic}");
             channel.axis = component.axis;
             channel.comment = comment.clone();
-            let fitness = (component.quantity == QuantityKind::Acceleration).then_some(Fitness {
-                redundant: false,
-                place: 0,
-                why: "the only acceleration",
-            });
+            let fitness = Fitness::of_only(component.quantity, "the only acceleration");
             let aliases = vec![component.name.clone(), format!("{topic}:{}", component.name)];
             Ok(ReadChannel { wave: Some(wave), jitter: grid.jitter, fitness, aliases, ..ReadChannel::new(channel) })
         })
@@ -318,12 +296,9 @@ pub mod tests {
 
     /// An IMU message as ROS 2 writes it.
     pub fn cdr_imu(stamp_ns: i64, frame: &str, linear: [f64; 3]) -> Vec<u8> {
-        let mut body = Vec::new();
-        body.extend_from_slice(&((stamp_ns / 1_000_000_000) as u32).to_le_bytes());
-        body.extend_from_slice(&((stamp_ns % 1_000_000_000) as u32).to_le_bytes());
-        body.extend_from_slice(&(frame.len() as u32 + 1).to_le_bytes());
-        body.extend_from_slice(frame.as_bytes());
-        body.push(0);
+        let head = [stamp_ns / 1_000_000_000, stamp_ns % 1_000_000_000, 1 + i64::try_from(frame.len()).unwrap()];
+        let mut body: Vec<u8> = head.iter().flat_map(|x| (*x as u32).to_le_bytes()).collect();
+        body.extend(format!("{frame}\0").as_bytes());
         body.resize(body.len().next_multiple_of(8), 0);
         let numbers = [vec![0.0; 13], vec![0.1, 0.2, 0.3], vec![0.0; 9], linear.to_vec(), vec![0.0; 9]].concat();
         body.extend(numbers.iter().flat_map(|x: &f64| x.to_le_bytes()));

@@ -9,7 +9,6 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A field: its number in the type, and its value.
 pub type WireField<'a> = (u32, WireValue<'a>);
 
 /// A value by its wire type.
@@ -26,12 +25,10 @@ pub enum WireValue<'a> {
 }
 
 impl<'a> WireValue<'a> {
-    /// The bytes of a text or a message.
     pub fn bytes(self) -> Option<&'a [u8]> {
         if let Self::Bytes(bytes) = self { Some(bytes) } else { None }
     }
 
-    /// The bits of a varint.
     pub fn varint(self) -> Option<u64> {
         if let Self::Varint(bits) = self { Some(bits) } else { None }
     }
@@ -102,27 +99,20 @@ const NESTING: usize = 32;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Types(BTreeMap<String, Vec<Field>>);
 
-/// A field of a message type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Field {
-    /// Its name.
     pub name: String,
-    /// Its number in the bytes.
     pub number: u32,
     /// Whether there may be several.
     pub repeated: bool,
     /// Whether "not sent" differs from 0: `optional`, members of a `oneof`, all fields of proto2.
     pub presence: bool,
-    /// What it holds.
     pub kind: Kind,
 }
 
-/// What a field holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
-    /// A number.
     Number(NumberType),
-    /// A message of this type.
     Message(String),
     /// Text, bytes, a truth value, an enumeration.
     Other,
@@ -159,7 +149,6 @@ impl Types {
         Some(types)
     }
 
-    /// The fields of a type.
     pub fn fields(&self, name: &str) -> Option<&[Field]> {
         self.0.get(name).map(Vec::as_slice)
     }
@@ -244,7 +233,6 @@ fn text(bytes: &[u8]) -> Option<String> {
 
 /// Fields of fields that are looked into for a list of numbers.
 const DEPTH: usize = 4;
-/// Most numbers listed.
 const LISTED: usize = 20;
 /// Most fields looked at for that list: types that hold each other have paths without end and may have no number.
 const LOOKED_AT: usize = 2_000;
@@ -262,7 +250,6 @@ pub struct Path {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Step {
-    /// Number of the field.
     field: u32,
     /// Which of a repeated field.
     index: Option<usize>,
@@ -352,7 +339,6 @@ pub fn number(message: &[u8], path: &Path) -> Option<f64> {
     })
 }
 
-/// A number as it was sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Value {
     Whole(i128),

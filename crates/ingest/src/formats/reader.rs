@@ -6,50 +6,54 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::recording::content::Recording;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestSettings, Result, refuse_size};
 
 /// Largest file that is read, bytes.
 pub const FILE_LIMIT: u64 = 1 << 30;
 /// Most memory the files of one record may take, bytes.
 const TOTAL_LIMIT: u64 = 2 << 30;
 
-/// A format that is read. To add one: a file with a type that implements this, and a line in
+/// A format that is read. To add one: a file with a constant of this type, and a line in
 /// [`READERS`](crate::formats::registry::READERS).
-pub trait Reader: Sync {
+#[derive(Clone, Copy)]
+pub struct Reader {
     /// Name in artifacts: `csv`, `nhtsa-ev5`.
-    fn format(&self) -> &'static str;
-
-    /// Whether a file that starts with `head` (up to 8192 bytes) is of this format.
-    fn recognises(&self, head: &[u8]) -> bool;
-
+    pub format: &'static str,
+    /// Whether a file that starts with these bytes (up to 8192) is of this format.
+    pub recognises: fn(head: &[u8]) -> bool,
     /// Whether the file `name` beside the main file `main` belongs to the same record.
-    fn companion(&self, _main: &str, _name: &str) -> bool {
-        false
-    }
-
+    pub companion: fn(main: &str, name: &str) -> bool,
     /// Whether files of the record may also lie in the folder `Channel` beside the main file, or in its parent.
-    fn spans_folders(&self) -> bool {
-        false
-    }
-
-    /// Whether a file that starts with `head` can be read piece by piece, when it is too long for memory.
-    fn streams(&self, _head: &[u8]) -> bool {
-        false
-    }
-
-    /// Flags about the form of a file that have an effect here, by their names, `--unit`; others given are warned
-    /// about.
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &[]
-    }
-
+    pub spans_folders: bool,
+    /// Whether a file that starts with these bytes can be read piece by piece, when it is too long for memory.
+    pub streams: fn(head: &[u8]) -> bool,
+    /// Flags about the form of a file that have an effect here, `--unit`; others given are warned about.
+    pub relevant_flags: &'static [&'static str],
     /// Whether mass and impact speed can be stated in comment lines of the file.
-    fn has_comments(&self) -> bool {
-        false
-    }
-
+    pub has_comments: bool,
     /// Reads the record. Sees bytes only; the same bytes and settings give the same recording.
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError>;
+    pub read: fn(&Bundle, &IngestSettings) -> Result<Recording>,
+}
+
+impl Reader {
+    /// A format of one file, which is read whole.
+    pub(crate) const fn of_one_file(
+        format: &'static str,
+        recognises: fn(&[u8]) -> bool,
+        relevant_flags: &'static [&'static str],
+        read: fn(&Bundle, &IngestSettings) -> Result<Recording>,
+    ) -> Self {
+        Self {
+            format,
+            recognises,
+            companion: |_, _| false,
+            spans_folders: false,
+            streams: |_| false,
+            relevant_flags,
+            has_comments: false,
+            read,
+        }
+    }
 }
 
 /// A file's name without folder, and its content.
@@ -72,7 +76,7 @@ pub struct Bundle {
     /// `<input>.toml` beside the input.
     pub sidecar: Option<NamedBytes>,
     /// The reader of the main file's format.
-    pub reader: &'static dyn Reader,
+    pub reader: &'static Reader,
     /// A table too long to be held in memory as text: `main` has its start only.
     pub large: Option<LargeFile>,
     /// Shows how far the reading of a large file has come.
@@ -119,6 +123,11 @@ impl LargeFile {
 }
 
 impl Bundle {
+    /// Reads the record.
+    pub fn read(&self, settings: &IngestSettings) -> Result<Recording> {
+        (self.reader.read)(self, settings)
+    }
+
     /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length
     /// (u64, little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
     pub fn digest(&self) -> String {
@@ -146,15 +155,15 @@ pub(crate) fn framed(name: &str, length: u64) -> Vec<u8> {
 }
 
 /// Refuses more than [`TOTAL_LIMIT`].
-pub fn check_total(name: &str, total: u64) -> Result<(), IngestError> {
+pub fn check_total(name: &str, total: u64) -> Result<()> {
     if total <= TOTAL_LIMIT {
         return Ok(());
     }
-    Err(IngestError::too_large(
-        Place::file(name),
+    refuse_size(
+        name,
         format!("the files of the record take more than {} MiB", TOTAL_LIMIT >> 20),
         format!("at most {} MiB for one test", TOTAL_LIMIT >> 20),
-    ))
+    )
 }
 
 /// A file's name without its last extension.

@@ -5,32 +5,32 @@ use std::collections::BTreeMap;
 use crate::error::WHAT_IS_READ;
 use crate::formats::reader::{Bundle, NamedBytes, Reader};
 use crate::formats::{ev5, iso_mme, lvm, mat, mcap, ros_bag, table, tdm, tdms, universal, workbook};
-use crate::{IngestError, Place};
+use crate::{IngestError, Result, refuse};
 
 /// All readers, the most particular first: the first that recognises a file reads it.
-pub const READERS: &[&dyn Reader] = &[
-    &mcap::Mcap,
-    &ros_bag::RosBag,
-    &tdms::Tdms,
-    &tdm::Tdm,
-    &lvm::Lvm,
-    &mat::Mat,
-    &workbook::Workbook,
-    &universal::Universal,
-    &ev5::Ev5,
-    &iso_mme::IsoMme,
-    &table::Table,
+pub const READERS: &[&Reader] = &[
+    &mcap::MCAP,
+    &ros_bag::ROS_BAG,
+    &tdms::TDMS,
+    &tdm::TDM,
+    &lvm::LVM,
+    &mat::MAT,
+    &workbook::WORKBOOK,
+    &universal::UNIVERSAL,
+    &ev5::EV5,
+    &iso_mme::ISO_MME,
+    &table::TABLE,
 ];
 
 impl Bundle {
     /// A record that is one file, already in memory.
-    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, IngestError> {
+    pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self> {
         let reader = recognise(name, &bytes)?;
         Ok(Self::with_reader(name, bytes, reader))
     }
 
     /// The same, where the reader is known.
-    pub(crate) fn with_reader(name: &str, bytes: Vec<u8>, reader: &'static dyn Reader) -> Self {
+    pub(crate) fn with_reader(name: &str, bytes: Vec<u8>, reader: &'static Reader) -> Self {
         Self {
             name: name.to_owned(),
             main: NamedBytes { name: name.to_owned(), bytes },
@@ -44,130 +44,100 @@ impl Bundle {
 }
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
-pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static dyn Reader, IngestError> {
+pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static Reader> {
     if bytes.trim_ascii().is_empty() {
         let found = if bytes.is_empty() { "the file is empty" } else { "the file holds nothing but blanks" };
-        return Err(IngestError::content(
-            Place::file(file),
-            found,
-            WHAT_IS_READ,
-            "check that the export or the download is complete",
-        ));
+        return refuse(file, found, WHAT_IS_READ, "check that the export or the download is complete");
     }
     if let Some((what, instead)) = recognise_foreign(bytes) {
         return Err(IngestError::foreign(file, what, instead));
     }
     let head = &bytes[..bytes.len().min(8192)];
     let is_mme = file.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("mme"));
-    if is_mme && !iso_mme::IsoMme.recognises(head) && iso_mme::channel_file::has_keyword_lines(head) {
-        return Ok(&iso_mme::IsoMme);
+    if is_mme && !iso_mme::channel_file::recognises(head) && iso_mme::channel_file::has_keyword_lines(head) {
+        return Ok(&iso_mme::ISO_MME);
     }
-    READERS.iter().copied().find(|reader| reader.recognises(head)).ok_or_else(|| {
+    READERS.iter().copied().find(|reader| (reader.recognises)(head)).ok_or_else(|| {
         if let Some((what, instead)) = recognise_ending(file) {
             return IngestError::foreign(file, what, instead);
         }
         let start: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
         IngestError::content(
-            Place::file(file),
+            file,
             format!("binary data of an unknown kind, starting with {}", start.join(" ")),
             WHAT_IS_READ,
-            "export the channels as CSV: time and acceleration columns with their units in the header",
+            TABLE,
         )
     })
 }
 
-/// A format known by its first bytes.
-struct Foreign {
-    what: &'static str,
-    instead: &'static str,
-    matches: fn(&[u8]) -> bool,
-}
-
 const TABLE: &str = "export the channels as CSV: time and acceleration columns with their units in the header";
+const EV5: &str = "take the \"EV5 ASCII X-Y\" download of the test";
 
-/// In the order they are tried.
+/// A format that is not read: what it is, what to do instead, whether a file starts so.
+type Foreign = (&'static str, &'static str, fn(&[u8]) -> bool);
+
+/// Formats known by their first bytes, in the order they are tried.
 const FORMATS: &[Foreign] = &[
-    Foreign { what: "a PDF document", instead: TABLE, matches: |b| has_early(b, b"%PDF-") },
-    Foreign {
-        what: "a TDMS index file",
-        instead: "the samples are in the .tdms file beside it: give that",
-        matches: |b| b.starts_with(b"TDSh"),
-    },
-    Foreign {
-        what: "an NHTSA EV6 or other specification file than EV5",
-        instead: "take the \"EV5 ASCII X-Y\" download of the test",
-        matches: |b| has_early(b, b"----- EV") && !has_early(b, b"----- EV5"),
-    },
-    Foreign {
-        what: "an SQLite database (a ROS 2 bag .db3, perhaps)",
-        instead: "convert a ROS 2 bag to MCAP: write \"output_bags: [{uri: converted, storage_id: mcap, all: true}]\" \
+    ("a PDF document", TABLE, |b| has_early(b, b"%PDF-")),
+    ("a TDMS index file", "the samples are in the .tdms file beside it: give that", |b| b.starts_with(b"TDSh")),
+    ("an NHTSA EV6 or other specification file than EV5", EV5, |b| {
+        has_early(b, b"----- EV") && !has_early(b, b"----- EV5")
+    }),
+    (
+        "an SQLite database (a ROS 2 bag .db3, perhaps)",
+        "convert a ROS 2 bag to MCAP: write \"output_bags: [{uri: converted, storage_id: mcap, all: true}]\" \
             into out.yaml and run \"ros2 bag convert -i FOLDER -o out.yaml\"; of anything else export the channels as \
             CSV",
-        matches: |b| b.starts_with(b"SQLite format 3"),
-    },
-    Foreign {
-        what: "an enDAQ recording (IDE)",
-        instead: "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the \
+        |b| b.starts_with(b"SQLite format 3"),
+    ),
+    (
+        "an enDAQ recording (IDE)",
+        "export it as CSV with enDAQ Lab or idelib: time and acceleration columns with their units in the \
             header",
-        matches: |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
-    },
-    Foreign { what: "a DTS channel file (SLICE)", instead: DTS, matches: |b| b.starts_with(b"\x1F\x35\x36\x2C") },
-    Foreign { what: "a DTS setup file", instead: DTS, matches: |b| xml(b) && (has(b, b"<DTS") || has(b, b"DTS.")) },
-    Foreign {
-        what: "NHTSA test data as JSON (version 6)",
-        instead: "take the \"EV5 ASCII X-Y\" download of the test",
-        matches: |b| json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info")),
-    },
-    Foreign {
-        what: "a MATLAB 7.3 file (HDF5)",
-        instead: "save it in MATLAB as version 7: save('record.mat', '-struct', 'S', '-v7') with S = load('FILE')",
-        matches: |b| b.starts_with(b"MATLAB 7.3"),
-    },
-    Foreign { what: "an HDF5 file", instead: TABLE, matches: |b| b.starts_with(b"\x89HDF\r\n") },
-    Foreign {
-        what: "an LS-DYNA keyword file",
-        instead: "copy the rows below *DEFINE_CURVE into a text file of two columns, time and value",
-        matches: |b| text(b).starts_with(b"*KEYWORD") || has(b, b"*DEFINE_CURVE"),
-    },
-    Foreign {
-        what: "an MDF measurement file (MDF 3 or MDF4)",
-        instead: "export it as CSV with asammdf: \
+        |b| b.starts_with(b"\x1A\x45\xDF\xA3"),
+    ),
+    ("a DTS channel file (SLICE)", DTS, |b| b.starts_with(b"\x1F\x35\x36\x2C")),
+    ("a DTS setup file", DTS, |b| xml(b) && (has(b, b"<DTS") || has(b, b"DTS."))),
+    ("NHTSA test data as JSON (version 6)", EV5, |b| {
+        json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info"))
+    }),
+    (
+        "a MATLAB 7.3 file (HDF5)",
+        "save it in MATLAB as version 7: save('record.mat', '-struct', 'S', '-v7') with S = load('FILE')",
+        |b| b.starts_with(b"MATLAB 7.3"),
+    ),
+    ("an HDF5 file", TABLE, |b| b.starts_with(b"\x89HDF\r\n")),
+    (
+        "an LS-DYNA keyword file",
+        "copy the rows below *DEFINE_CURVE into a text file of two columns, time and value",
+        |b| text(b).starts_with(b"*KEYWORD") || has(b, b"*DEFINE_CURVE"),
+    ),
+    (
+        "an MDF measurement file (MDF 3 or MDF4)",
+        "export it as CSV with asammdf: \
             python -c \"import asammdf; asammdf.MDF('FILE').export('csv', 'out.csv')\"",
-        matches: |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
-    },
-    Foreign { what: "a Parquet file", instead: TABLE, matches: |b| b.starts_with(b"PAR1") },
-    Foreign {
-        what: "an old Excel or other Office document",
-        instead: TABLE,
-        matches: |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"),
-    },
+        |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
+    ),
+    ("a Parquet file", TABLE, |b| b.starts_with(b"PAR1")),
+    ("an old Excel or other Office document", TABLE, |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1")),
     // A zip archive that is given is opened before this; what comes here was in one.
-    Foreign {
-        what: "a zip archive inside an archive",
-        instead: "unpack the outer one and give the inner one",
-        matches: |b| b.starts_with(b"PK\x03\x04") && !workbook::Workbook.recognises(b),
-    },
-    Foreign { what: "a gzip archive", instead: UNPACK, matches: |b| b.starts_with(b"\x1F\x8B") },
-    Foreign { what: "a 7z archive", instead: UNPACK, matches: |b| b.starts_with(b"7z\xBC\xAF\x27\x1C") },
-    Foreign { what: "an xz archive", instead: UNPACK, matches: |b| b.starts_with(b"\xFD7zXZ") },
-    Foreign { what: "a bzip2 archive", instead: UNPACK, matches: |b| b.starts_with(b"BZh") && b.get(4) == Some(&b'1') },
-    Foreign { what: "a zstd archive", instead: UNPACK, matches: |b| b.starts_with(b"\x28\xB5\x2F\xFD") },
-    Foreign { what: "a RAR archive", instead: UNPACK, matches: |b| b.starts_with(b"Rar!\x1A\x07") },
-    Foreign { what: "a tar archive", instead: UNPACK, matches: |b| b.get(257..262) == Some(b"ustar") },
-    Foreign {
-        what: "a picture",
-        instead: TABLE,
-        matches: |b| b.starts_with(b"\x89PNG") || b.starts_with(b"\xFF\xD8\xFF") || b.starts_with(b"GIF8"),
-    },
-    Foreign { what: "a web page", instead: "download the data file itself", matches: |b| html(b) },
-    Foreign { what: "an XML document", instead: TABLE, matches: |b| xml(b) && !has(b, b"usi:tdm") },
-    Foreign { what: "JSON text", instead: TABLE, matches: |b| json(b) },
-    Foreign { what: "a RIFF file (sound or video)", instead: TABLE, matches: |b| b.starts_with(b"RIFF") },
-    Foreign {
-        what: "an executable program",
-        instead: "give the record itself",
-        matches: |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0"),
-    },
+    ("a zip archive inside an archive", "unpack the outer one and give the inner one", |b| {
+        b.starts_with(b"PK\x03\x04") && !workbook::recognises(b)
+    }),
+    ("a gzip archive", UNPACK, |b| b.starts_with(b"\x1F\x8B")),
+    ("a 7z archive", UNPACK, |b| b.starts_with(b"7z\xBC\xAF\x27\x1C")),
+    ("an xz archive", UNPACK, |b| b.starts_with(b"\xFD7zXZ")),
+    ("a bzip2 archive", UNPACK, |b| b.starts_with(b"BZh") && b.get(4) == Some(&b'1')),
+    ("a zstd archive", UNPACK, |b| b.starts_with(b"\x28\xB5\x2F\xFD")),
+    ("a RAR archive", UNPACK, |b| b.starts_with(b"Rar!\x1A\x07")),
+    ("a tar archive", UNPACK, |b| b.get(257..262) == Some(b"ustar")),
+    ("a picture", TABLE, |b| b.starts_with(b"\x89PNG") || b.starts_with(b"\xFF\xD8\xFF") || b.starts_with(b"GIF8")),
+    ("a web page", "download the data file itself", |b| html(b)),
+    ("an XML document", TABLE, |b| xml(b) && !has(b, b"usi:tdm")),
+    ("JSON text", TABLE, |b| json(b)),
+    ("a RIFF file (sound or video)", TABLE, |b| b.starts_with(b"RIFF")),
+    ("an executable program", "give the record itself", |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0")),
 ];
 
 const DTS: &str = "export the test as ISO-MME (ISO 13499) or CSV from the DTS software";
@@ -203,7 +173,7 @@ const UNPACK: &str = "unpack it and give the record itself (zip archives are rea
 /// What `bytes` are, if they are in a known format that is not read, and what to do instead.
 fn recognise_foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     let head = &bytes[..bytes.len().min(4096)];
-    FORMATS.iter().find(|format| (format.matches)(head)).map(|format| (format.what, format.instead))
+    FORMATS.iter().find(|(.., matches)| matches(head)).map(|(what, instead, _)| (*what, *instead))
 }
 
 fn has(bytes: &[u8], needle: &[u8]) -> bool {

@@ -12,7 +12,7 @@ use crumple_signal::Notes;
 use crate::formats::messages::{self, Topic, Track, imu_components, is_imu};
 use crate::formats::reader::{Bundle, Reader, check_total};
 use crate::recording::content::Recording;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestSettings, Result, check_size};
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 const MESSAGE: u8 = 2;
@@ -21,51 +21,33 @@ const CONNECTION: u8 = 7;
 /// Largest chunk that is unpacked, bytes. `rosbag record` makes them of 768 KiB.
 const CHUNK_LIMIT: u64 = 1 << 28;
 
-/// Reader of ROS 1 bags.
-pub struct RosBag;
+pub const ROS_BAG: Reader =
+    Reader::of_one_file("ros1-bag", |head| head.starts_with(b"#ROSBAG V"), &["--resample"], read);
 
-impl Reader for RosBag {
-    fn format(&self) -> &'static str {
-        "ros1-bag"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        head.starts_with(b"#ROSBAG V")
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--resample"]
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
-        let Some(body) = bytes.strip_prefix(MAGIC) else {
-            return Err(refuse(
-                file,
-                At::File(0),
-                "a bag of another version than 2.0",
-                "rewrite it: rosbag migrate, or rosbag record",
-            ));
-        };
-        let mut bag = Bag::default();
-        bag.records(file, body, At::File(MAGIC.len()))?;
-        let mut topics: BTreeMap<String, Topic> = bag
-            .connections
-            .values()
-            .map(|c| (c.topic.clone(), Topic { kind: c.kind.clone(), encoding: "ros1".to_owned(), count: 0 }))
-            .collect();
-        for connection in bag.connections.values() {
-            if let Some(topic) = topics.get_mut(&connection.topic) {
-                topic.count += connection.messages;
-            }
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
+    let Some(body) = bytes.strip_prefix(MAGIC) else {
+        let hint = "rewrite it: rosbag migrate, or rosbag record";
+        return refuse(file, At::file(0), "a bag of another version than 2.0", hint);
+    };
+    let mut bag = Bag::default();
+    bag.records(file, body, At::file(MAGIC.len()))?;
+    let mut topics: BTreeMap<String, Topic> = bag
+        .connections
+        .values()
+        .map(|c| (c.topic.clone(), Topic { kind: c.kind.clone(), encoding: "ros1".to_owned(), count: 0 }))
+        .collect();
+    for connection in bag.connections.values() {
+        if let Some(topic) = topics.get_mut(&connection.topic) {
+            topic.count += connection.messages;
         }
-        bag.tracks.retain(|_, track| !track.samples.is_empty());
-        if bag.tracks.is_empty() {
-            let hint = "export the acceleration as CSV: rostopic echo -b FILE -p TOPIC";
-            return Err(messages::refuse(file, &topics, "no topic with acceleration", hint));
-        }
-        messages::recording(file, &mut bag.tracks, settings, Notes::new())
     }
+    bag.tracks.retain(|_, track| !track.samples.is_empty());
+    if bag.tracks.is_empty() {
+        let hint = "export the acceleration as CSV: rostopic echo -b FILE -p TOPIC";
+        return Err(messages::refuse(file, &topics, "no topic with acceleration", hint));
+    }
+    messages::recording(file, &mut bag.tracks, settings, Notes::new())
 }
 
 #[derive(Default)]
@@ -83,45 +65,27 @@ struct Bag {
     unpacked: u64,
 }
 
-/// Where a record starts.
+/// Where a record starts: a byte of the file, or of what the chunk at some byte of it was packed of.
 #[derive(Debug, Clone, Copy)]
-enum At {
-    /// Byte of the file.
-    File(usize),
-    /// A chunk that was packed: its byte in the file, and the byte in what it holds.
-    Chunk(usize, usize),
+struct At {
+    chunk: Option<usize>,
+    byte: usize,
 }
 
 impl At {
-    fn further(self, bytes: usize) -> Self {
-        match self {
-            Self::File(at) => Self::File(at + bytes),
-            Self::Chunk(chunk, at) => Self::Chunk(chunk, at + bytes),
-        }
+    fn file(byte: usize) -> Self {
+        Self { chunk: None, byte }
     }
 }
 
-fn refuse(file: &str, at: At, found: impl Into<String>, hint: &str) -> IngestError {
-    let found: String = found.into();
-    let place = match at {
-        At::File(byte) => format!("byte {byte}"),
-        At::Chunk(chunk, byte) => format!("byte {byte} of the unpacked chunk at byte {chunk}"),
-    };
-    IngestError::content(
-        Place::file(file),
-        format!("{found} ({place})"),
-        "a ROS 1 bag, version 2.0, its chunks plain or packed by bz2 or lz4",
-        hint,
-    )
+fn refuse<T>(file: &str, At { chunk, byte }: At, found: impl std::fmt::Display, hint: &str) -> Result<T> {
+    let place = chunk.map_or_else(String::new, |chunk| format!(" of the unpacked chunk at byte {chunk}"));
+    let expected = "a ROS 1 bag, version 2.0, its chunks plain or packed by bz2 or lz4";
+    crate::refuse(file, format!("{found} (byte {byte}{place})"), expected, hint)
 }
 
 /// The records of a chunk, by what its header says of their packing and their length.
-fn unpack<'a>(
-    file: &str,
-    start: usize,
-    header: &BTreeMap<&[u8], &[u8]>,
-    data: &'a [u8],
-) -> Result<Cow<'a, [u8]>, IngestError> {
+fn unpack<'a>(file: &str, start: usize, header: &BTreeMap<&[u8], &[u8]>, data: &'a [u8]) -> Result<Cow<'a, [u8]>> {
     let compression = words(header, b"compression");
     let packed: Box<dyn Read + 'a> = match compression.as_str() {
         "none" | "" => return Ok(Cow::Borrowed(data)),
@@ -129,35 +93,25 @@ fn unpack<'a>(
         "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(data)),
         other => {
             let found = format!("a chunk compressed by {other:?}");
-            return Err(refuse(file, At::File(start), found, "unpack it first: rosbag decompress FILE"));
+            return refuse(file, At::file(start), found, "unpack it first: rosbag decompress FILE");
         }
     };
     let size = u64::from(number(header, b"size").unwrap_or(0));
-    if size > CHUNK_LIMIT {
-        return Err(IngestError::too_large(
-            Place::file(file),
-            format!("a chunk that claims {} MiB when unpacked (byte {start})", size >> 20),
-            format!("chunks up to {} MiB", CHUNK_LIMIT >> 20),
-        ));
-    }
+    let found = format!("a chunk that claims # MiB when unpacked (byte {start})");
+    check_size(file, size, CHUNK_LIMIT, &found, "chunks up to # MiB")?;
     // Nothing is reserved from a claim, and no more is unpacked than claimed.
     let mut bytes = Vec::new();
-    packed.take(size + 1).read_to_end(&mut bytes).map_err(|error| {
-        refuse(file, At::File(start), format!("a chunk that {compression} cannot unpack: {error}"), CUT)
-    })?;
-    if bytes.len() as u64 != size {
-        let than = if bytes.len() as u64 > size { "more than".to_owned() } else { format!("{} of", bytes.len()) };
-        return Err(refuse(
-            file,
-            At::File(start),
-            format!("a chunk that unpacks to {than} the {size} bytes it claims"),
-            CUT,
-        ));
-    }
-    Ok(Cow::Owned(bytes))
+    let found = match packed.take(size + 1).read_to_end(&mut bytes) {
+        Err(error) => format!("a chunk that {compression} cannot unpack: {error}"),
+        Ok(_) if bytes.len() as u64 == size => return Ok(Cow::Owned(bytes)),
+        Ok(_) => {
+            let than = if bytes.len() as u64 > size { "more than".to_owned() } else { format!("{} of", bytes.len()) };
+            format!("a chunk that unpacks to {than} the {size} bytes it claims")
+        }
+    };
+    refuse(file, At::file(start), found, CUT)
 }
 
-/// What to do with a damaged bag.
 const CUT: &str = "the file may be cut short or damaged: rosbag reindex, or copy it again";
 
 /// A length and as many bytes.
@@ -167,7 +121,6 @@ fn block(bytes: &[u8], at: usize) -> Option<(&[u8], usize)> {
     Some((bytes.get(at + 4..end)?, end))
 }
 
-/// The fields of a record header.
 fn fields(header: &[u8]) -> BTreeMap<&[u8], &[u8]> {
     let mut fields = BTreeMap::new();
     let mut at = 0;
@@ -190,26 +143,30 @@ fn words(fields: &BTreeMap<&[u8], &[u8]>, name: &[u8]) -> String {
 
 impl Bag {
     /// Reads all records of the file or of a chunk, which starts at `base`.
-    fn records(&mut self, file: &str, bytes: &[u8], base: At) -> Result<(), IngestError> {
+    fn records(&mut self, file: &str, bytes: &[u8], base: At) -> Result<()> {
         let mut at = 0;
         while at < bytes.len() {
-            let start = base.further(at);
-            let (header, next) = block(bytes, at).ok_or_else(|| refuse(file, start, "a record is cut short", CUT))?;
-            let (data, next) = block(bytes, next).ok_or_else(|| refuse(file, start, "a record is cut short", CUT))?;
+            let start = At { byte: base.byte + at, ..base };
+            let parts = block(bytes, at).and_then(|(header, next)| Some((header, block(bytes, next)?)));
+            let Some((header, (data, next))) = parts else {
+                return refuse(file, start, "a record is cut short", CUT);
+            };
             at = next;
             let fields = fields(header);
             match fields.get(&b"op"[..]).and_then(|op| op.first()) {
                 Some(&CHUNK) => {
-                    let At::File(byte) = start else { return Err(refuse(file, start, "a chunk inside a chunk", CUT)) };
-                    let records = unpack(file, byte, &fields, data)?;
+                    if start.chunk.is_some() {
+                        return refuse(file, start, "a chunk inside a chunk", CUT);
+                    }
+                    let records = unpack(file, start.byte, &fields, data)?;
                     self.unpacked += records.len() as u64;
                     check_total(file, self.unpacked)?;
-                    self.records(file, &records, At::Chunk(byte, 0))?;
+                    self.records(file, &records, At { chunk: Some(start.byte), byte: 0 })?;
                 }
                 Some(&CONNECTION) => self.connection(&fields, data),
                 Some(&MESSAGE) => self.message(file, start, &fields, data)?,
                 Some(_) => {}
-                None => return Err(refuse(file, start, "a record without its kind", CUT)),
+                None => return refuse(file, start, "a record without its kind", CUT),
             }
         }
         Ok(())
@@ -223,16 +180,10 @@ impl Bag {
         connection.kind = words(&about, b"type");
     }
 
-    fn message(
-        &mut self,
-        file: &str,
-        start: At,
-        header: &BTreeMap<&[u8], &[u8]>,
-        data: &[u8],
-    ) -> Result<(), IngestError> {
+    fn message(&mut self, file: &str, start: At, header: &BTreeMap<&[u8], &[u8]>, data: &[u8]) -> Result<()> {
         let connection = number(header, b"conn").and_then(|id| self.connections.get_mut(&id));
         let Some(connection) = connection else {
-            return Err(refuse(file, start, "a message of a connection that is not described before it", CUT));
+            return refuse(file, start, "a message of a connection that is not described before it", CUT);
         };
         connection.messages += 1;
         // Seconds and nanoseconds, four bytes each.

@@ -7,6 +7,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::formats::tdms::metadata::{Strided, Type, numbers, times};
+use crate::formats::tdms::segments::{MANY_SAMPLES, SAMPLE_LIMIT};
 use crate::formats::text::lines::{decode, without_mark};
 use crate::formats::text::stamps::Instant;
 use crate::formats::text::stamps::instant;
@@ -14,55 +15,31 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Result, check_size, refuse, refuse_size};
 
 /// Largest header, bytes.
-const HEADER_LIMIT: usize = 128 << 20;
+const HEADER_LIMIT: u64 = 128 << 20;
 
-/// Most samples in a file, all channels together: 2 GiB in memory.
-const SAMPLE_LIMIT: u64 = 1 << 28;
+pub const TDM: Reader = Reader { companion, ..Reader::of_one_file("tdm", recognises, conversion::FLAGS, read) };
 
-/// Reader of TDM files.
-pub struct Tdm;
-
-impl Reader for Tdm {
-    fn format(&self) -> &'static str {
-        "tdm"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        let head = without_mark(head);
-        let is_xml = head.trim_ascii_start().starts_with(b"<");
-        is_xml && head.windows(7).any(|window| window == b"usi:tdm")
-    }
-
-    fn companion(&self, main: &str, name: &str) -> bool {
-        let is_tdx = name.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("tdx"));
-        is_tdx && stem(name).to_lowercase() == stem(main).to_lowercase()
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        conversion::FLAGS
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        read(bundle, settings)
-    }
+fn recognises(head: &[u8]) -> bool {
+    let head = without_mark(head);
+    let is_xml = head.trim_ascii_start().starts_with(b"<");
+    is_xml && head.windows(7).any(|window| window == b"usi:tdm")
 }
 
-/// Reads the header and its channels.
-fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+fn companion(main: &str, name: &str) -> bool {
+    let is_tdx = name.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("tdx"));
+    is_tdx && stem(name).to_lowercase() == stem(main).to_lowercase()
+}
+
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let file = bundle.main.name.as_str();
-    if bundle.main.bytes.len() > HEADER_LIMIT {
-        return Err(IngestError::too_large(
-            Place::file(file),
-            format!("a TDM header of {} MiB", bundle.main.bytes.len() >> 20),
-            format!("headers up to {} MiB", HEADER_LIMIT >> 20),
-        ));
-    }
+    let length = bundle.main.bytes.len() as u64;
+    check_size(file, length, HEADER_LIMIT, "a TDM header of # MiB", "headers up to # MiB")?;
     let header = parse(&decode(&without_mark(&bundle.main.bytes))).map_err(|found| {
         IngestError::content(
-            Place::file(file),
+            file,
             found,
             "a TDM header as DIAdem writes it",
             "export the data from DIAdem as TDMS or CSV",
@@ -75,11 +52,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     for channel in &header.channels {
         samples = samples.saturating_add(channel.samples.as_ref().map_or(0, |sequence| sequence.most(tdx)));
         if samples > SAMPLE_LIMIT {
-            return Err(IngestError::too_large(
-                Place::file(file),
-                format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
-                format!("at most {SAMPLE_LIMIT} samples in all channels together"),
-            ));
+            return refuse_size(file, MANY_SAMPLES.0, MANY_SAMPLES.1);
         }
         waveforms.push(waveform(channel, tdx_name, tdx, header.big_endian));
     }
@@ -88,7 +61,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
 }
 
 /// The binary file: that of the header's name in any case, else the one that is named like the header.
-fn binary<'a>(bundle: &'a Bundle, header: &TdmHeader, notes: &mut Notes) -> Result<(&'a str, &'a [u8]), IngestError> {
+fn binary<'a>(bundle: &'a Bundle, header: &TdmHeader, notes: &mut Notes) -> Result<(&'a str, &'a [u8])> {
     let wanted = header.url.rsplit(['/', '\\']).next().unwrap_or(&header.url);
     let named = bundle.companions.iter().find(|(name, _)| name.to_lowercase() == wanted.to_lowercase());
     if let Some((name, bytes)) = named {
@@ -101,14 +74,14 @@ fn binary<'a>(bundle: &'a Bundle, header: &TdmHeader, notes: &mut Notes) -> Resu
         ));
         return Ok((name, bytes));
     }
-    Err(IngestError::content(
-        Place::file(&bundle.main.name),
+    refuse(
+        &bundle.main.name,
         format!("a TDM header without its samples: {wanted} is not beside it"),
         format!("the .tdx file of the same name as the .TDM file ({}.tdx)", stem(&bundle.main.name)),
         format!(
             "copy {wanted} into the same folder, with the name of the .TDM file, or export the data as TDMS or CSV"
         ),
-    ))
+    )
 }
 
 fn waveform(channel: &TdmChannel, tdx_name: &str, tdx: &[u8], big_endian: bool) -> Waveform {
@@ -130,7 +103,6 @@ fn waveform(channel: &TdmChannel, tdx_name: &str, tdx: &[u8], big_endian: bool) 
 }
 
 impl Sequence {
-    /// Samples that it makes at most.
     fn most(&self, tdx: &[u8]) -> u64 {
         match (self.form, &self.numbers) {
             (Form::ImplicitLinear { count }, _) => count,
@@ -206,9 +178,7 @@ const LONGEST_TAG: usize = 8 << 10;
 /// The numbers of a sequence and what samples are made of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sequence {
-    /// The numbers.
     pub numbers: Numbers,
-    /// What they are.
     pub form: Form,
 }
 
@@ -227,17 +197,9 @@ pub enum Form {
     /// They are the samples.
     Explicit,
     /// `offset + slope·number`.
-    RawLinear {
-        /// Added to each.
-        offset: f64,
-        /// Factor of each.
-        slope: f64,
-    },
+    RawLinear { offset: f64, slope: f64 },
     /// The numbers are start and step of so many samples.
-    ImplicitLinear {
-        /// How many there are.
-        count: u64,
-    },
+    ImplicitLinear { count: u64 },
 }
 
 /// Where the samples of a sequence lie in the binary file.
@@ -245,18 +207,13 @@ pub enum Form {
 pub struct Block {
     /// Offset of the first, bytes.
     pub offset: u64,
-    /// How many there are.
     pub length: u64,
-    /// What they are.
     pub kind: Type,
 }
 
-/// A channel.
 #[derive(Debug, Clone)]
 pub struct TdmChannel {
-    /// Name of its group.
     pub group: String,
-    /// Its name.
     pub name: String,
     /// `unit_string`, `description`, and the instance attributes.
     pub attributes: BTreeMap<String, String>,
@@ -264,7 +221,6 @@ pub struct TdmChannel {
     pub samples: Result<Sequence, String>,
 }
 
-/// What the header says.
 #[derive(Debug, Clone)]
 pub struct TdmHeader {
     /// Name of the binary file as the header has it.
@@ -273,7 +229,6 @@ pub struct TdmHeader {
     pub big_endian: bool,
     /// Name, title and attributes of the file.
     pub root: BTreeMap<String, String>,
-    /// The channels.
     pub channels: Vec<TdmChannel>,
 }
 
@@ -413,7 +368,6 @@ fn numbers_in(text: &str) -> Vec<f64> {
     text.split_whitespace().map(str::parse).collect::<Result<_, _>>().unwrap_or_default()
 }
 
-/// A block of the binary file.
 fn block(id: &str, by_id: &NodeIndex) -> Result<Block, String> {
     let block = by_id.get(id).ok_or_else(|| format!("its block {id} is not listed"))?;
     if !block.has_tag_name("block") {

@@ -7,73 +7,54 @@
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
-use crate::formats::text::lines::{decode, field, line_at, without_mark};
+use crate::formats::text::lines::{Lines, decode, field, without_mark};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::Details;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestSettings, Place, Result, refuse};
 
-/// Reader of universal files.
-pub struct Universal;
+pub const UNIVERSAL: Reader = Reader::of_one_file("uff", recognises, conversion::FLAGS, read);
 
-impl Reader for Universal {
-    fn format(&self) -> &'static str {
-        "uff"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        let mut lines =
-            without_mark(head).split(|b| *b == b'\n').map(|line| line.trim_ascii().to_vec()).collect::<Vec<_>>();
-        lines.retain(|line| !line.is_empty());
-        let is_number = |line: &Vec<u8>| matches!(line.as_slice(), b"58" | b"151" | b"164") || line.starts_with(b"58b");
-        lines.first().is_some_and(|line| line == b"-1") && lines.get(1).is_some_and(is_number)
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        conversion::FLAGS
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        let file = bundle.main.name.as_str();
-        let waveforms = data_sets(file, &without_mark(&bundle.main.bytes))?;
-        conversion::recording(file, waveforms, Details::default(), settings, Notes::new())
-    }
+fn recognises(head: &[u8]) -> bool {
+    let text = without_mark(head);
+    let mut lines = text.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
+    let is_number = |line: &[u8]| matches!(line, b"58" | b"151" | b"164") || line.starts_with(b"58b");
+    lines.next() == Some(b"-1") && lines.next().is_some_and(is_number)
 }
 
-/// The waveforms of all data sets 58.
-fn data_sets(file: &str, text: &[u8]) -> Result<Vec<Waveform>, IngestError> {
-    let (mut waveforms, mut set): (Vec<Waveform>, Vec<String>) = (Vec::new(), Vec::new());
-    let (mut offset, mut number, mut start, mut is_inside) = (0, 1, 0, false);
-    while offset < text.len() {
-        let (line, next) = line_at(text, offset, number, file)?;
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let file = bundle.main.name.as_str();
+    let waveforms = data_sets(file, &without_mark(&bundle.main.bytes))?;
+    conversion::recording(file, waveforms, Details::default(), settings, Notes::new())
+}
+
+fn data_sets(file: &str, text: &[u8]) -> Result<Vec<Waveform>> {
+    let (mut waveforms, mut set): (Vec<Waveform>, Option<(usize, Vec<String>)>) = (Vec::new(), None);
+    let mut lines = Lines::new(file, text);
+    while let Some(line) = lines.take()? {
         if line.bytes.trim_ascii() != b"-1" {
-            set.push(decode(line.bytes));
-        } else if is_inside {
-            let kind = set.first().map(|line| line.trim().to_owned()).unwrap_or_default();
-            let refuse = |found: &str, hint| {
-                Err(IngestError::content(
-                    Place::line(file, start),
-                    found,
-                    "data sets 58 of real numbers in ASCII",
-                    hint,
-                ))
-            };
-            match kind.as_str() {
-                "58" => match waveforms_of(&set[1..], waveforms.len()) {
-                    Ok(of_set) => waveforms.extend(of_set),
-                    Err(found) => return refuse(&found, "the file may be cut short or damaged: export it again"),
-                },
-                kind if kind.starts_with("58b") => {
-                    return refuse("a binary universal file (UFF 58b)", "export it in ASCII, as UFF 58");
-                }
-                _ => {}
+            if let Some((_, set)) = &mut set {
+                set.push(decode(line.bytes));
             }
-            (is_inside, set) = (false, Vec::new());
-        } else {
-            (is_inside, start, set) = (true, number, Vec::new());
+            continue;
         }
-        (offset, number) = (next, number + 1);
+        let Some((start, of_set)) = set.take() else {
+            set = Some((line.number, Vec::new()));
+            continue;
+        };
+        let refuse =
+            |found: &str, hint| refuse(Place::line(file, start), found, "data sets 58 of real numbers in ASCII", hint);
+        match of_set.first().map_or("", |line| line.trim()) {
+            "58" => match waveforms_of(&of_set[1..], waveforms.len()) {
+                Ok(of_set) => waveforms.extend(of_set),
+                Err(found) => return refuse(&found, "the file may be cut short or damaged: export it again"),
+            },
+            kind if kind.starts_with("58b") => {
+                return refuse("a binary universal file (UFF 58b)", "export it in ASCII, as UFF 58");
+            }
+            _ => {}
+        }
     }
     Ok(waveforms)
 }

@@ -14,44 +14,31 @@ use crate::formats::text::column_names::Unit;
 use crate::formats::text::stamps::stamp;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, Recording};
 use crate::recording::details::Details;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Place, Result, refuse_size};
 
-/// Reader of workbooks.
-pub struct Workbook;
+/// Workbooks.
+pub const WORKBOOK: Reader = Reader::of_one_file(
+    "xlsx",
+    recognises,
+    &["--unit", "--time-unit", "--sample-time", "--sheet", "--vehicle-number", "--resample"],
+    read,
+);
 
-impl Reader for Workbook {
-    fn format(&self) -> &'static str {
-        "xlsx"
-    }
-
-    /// Other archives do not come here with such an entry at their start.
-    fn recognises(&self, head: &[u8]) -> bool {
-        let has = |name: &[u8]| head.windows(name.len()).any(|window| window == name);
-        head.starts_with(b"PK\x03\x04") && (has(b"xl/") || has(b"[Content_Types].xml")) && !has(b"word/")
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--sample-time", "--sheet", "--vehicle-number", "--resample"]
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        read(&bundle.main.name, &bundle.main.bytes, settings)
-    }
+/// Other archives do not come here with such an entry at their start.
+pub fn recognises(head: &[u8]) -> bool {
+    let has = |name: &[u8]| head.windows(name.len()).any(|window| window == name);
+    head.starts_with(b"PK\x03\x04") && (has(b"xl/") || has(b"[Content_Types].xml")) && !has(b"word/")
 }
 
 /// The filled cells of a sheet, by row and column from 0.
 type Sheet = BTreeMap<u32, BTreeMap<u32, Data>>;
 
 fn refuse(file: &str, found: impl std::fmt::Display, hint: &str) -> IngestError {
-    IngestError::content(
-        Place::file(file),
-        found,
-        "a sheet with rows of numbers below the names of their columns",
-        hint,
-    )
+    IngestError::content(file, found, "a sheet with rows of numbers below the names of their columns", hint)
 }
 
-fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording, IngestError> {
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
     let damaged = |error: XlsxError| refuse(file, format!("the workbook cannot be read: {error}"), "save it again");
     let mut workbook: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(damaged)?;
     let names = workbook.sheet_names();
@@ -80,7 +67,7 @@ fn read(file: &str, bytes: &[u8], settings: &IngestSettings) -> Result<Recording
 }
 
 /// The cells of a sheet one by one: what a sheet states of its size reserves nothing.
-fn cells_of(file: &str, workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<Sheet, IngestError> {
+fn cells_of(file: &str, workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<Sheet> {
     let mut sheet = Sheet::new();
     // A sheet of a chart has no cells.
     let Ok(mut cells) = workbook.worksheet_cells_reader(name) else { return Ok(sheet) };
@@ -91,7 +78,7 @@ fn cells_of(file: &str, workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Resul
         let (row, column) = cell.get_position();
         if column as usize >= COLUMN_LIMIT {
             let place = Place::line(file, row as usize + 1);
-            return Err(IngestError::too_large(place, "too many columns", format!("at most {COLUMN_LIMIT} columns")));
+            return refuse_size(place, "too many columns", format!("at most {COLUMN_LIMIT} columns"));
         }
         if !matches!(cell.get_value(), DataRef::Empty | DataRef::Error(_)) {
             sheet.entry(row).or_default().insert(column, Data::from(cell.get_value().clone()));
@@ -128,7 +115,7 @@ fn first_row(sheet: &Sheet, settings: &IngestSettings) -> Option<u32> {
 }
 
 /// The table whose rows start at `first`: the lines above are names and units, words below end it.
-fn table(file: &str, sheet: &Sheet, first: u32, settings: &IngestSettings) -> Result<Recording, IngestError> {
+fn table(file: &str, sheet: &Sheet, first: u32, settings: &IngestSettings) -> Result<Recording> {
     let columns = counted(&sheet[&first]);
     let line = |row: u32| row as usize + 1;
     let text = |cell: Option<&Data>| cell.map_or_else(String::new, Data::to_string);

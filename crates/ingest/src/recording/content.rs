@@ -1,10 +1,12 @@
 //! What a reader makes of a file: channels, their waves, their quality, where they stand.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crumple_artifact::records::QualityV1;
 use crumple_signal::{
-    Channel, ChannelStatus, FreeFall, Notes, PreEvent, PreEventWindow, QuantityKind, Sampled, free_fall, pre_event,
+    About, Channel, ChannelStatus, FreeFall, Notes, PreEvent, PreEventWindow, QuantityKind, Sampled, Weight, free_fall,
+    pre_event,
 };
 
 use crate::recording::details::Details;
@@ -89,6 +91,54 @@ pub struct Fitness {
     pub place: u8,
     /// Why the place ranks as it does, in words.
     pub why: &'static str,
+}
+
+impl Fitness {
+    /// That of an acceleration which has no rival; none of another quantity.
+    pub(crate) fn of_only(quantity: QuantityKind, why: &'static str) -> Option<Self> {
+        (quantity == QuantityKind::Acceleration).then_some(Self { redundant: false, place: 0, why })
+    }
+}
+
+/// Ids of channels, each once: the second `a` is `a-2`.
+#[derive(Default)]
+pub(crate) struct Ids {
+    taken: BTreeSet<String>,
+    next_copy: BTreeMap<String, usize>,
+}
+
+impl Ids {
+    /// The id, or one with a number behind it.
+    pub(crate) fn unique(&mut self, base: &str) -> String {
+        let mut id = base.to_owned();
+        let copy = self.next_copy.entry(id.clone()).or_insert(2);
+        while !self.taken.insert(id.clone()) {
+            id = format!("{base}-{copy}");
+            *copy += 1;
+        }
+        id
+    }
+}
+
+/// Names with commas between, at most 12.
+pub(crate) fn list<S: AsRef<str>>(names: &[S]) -> String {
+    list_of(names, 12)
+}
+
+/// Names with commas between, at most so many.
+pub(crate) fn list_of<S: AsRef<str>>(names: &[S], most: usize) -> String {
+    let shown: Vec<&str> = names.iter().take(most).map(AsRef::as_ref).collect();
+    let more = names.len() - shown.len();
+    if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }
+}
+
+/// Says that its laboratory doubts a channel.
+pub(crate) fn note_doubts(channel: &Channel, notes: &mut Notes) {
+    if matches!(channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
+        let comment = channel.comment.as_deref().unwrap_or("without a comment");
+        let text = format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status);
+        notes.concern(About::Channel(channel.id.clone()), Weight::Slight, text);
+    }
 }
 
 /// A channel's samples and what was measured on them.

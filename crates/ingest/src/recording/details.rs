@@ -5,7 +5,7 @@ use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 use crumple_signal::{About, Notes, QuantityKind, Weight};
 
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 /// A fact and where it is stated.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +66,7 @@ pub fn from_comments<'a>(
     file: &str,
     comments: impl Iterator<Item = (usize, &'a str)>,
     over: &IngestSettings,
-) -> Result<CommentFacts, IngestError> {
+) -> Result<CommentFacts> {
     let mut facts = CommentFacts::default();
     for (line, text) in comments {
         let Some((key, value)) = text.split_once(':') else { continue };
@@ -139,62 +139,57 @@ fn state_once(
     is_over: bool,
     place: impl Fn() -> Place,
     flag: &str,
-) -> Result<(), IngestError> {
+) -> Result<()> {
     if let Some(old) = slot.as_ref().filter(|old| old.value != stated.value && !is_over) {
-        return Err(IngestError::content(
+        return refuse(
             place(),
             format!("{}, but {} says {}", stated.value, old.from, old.value),
             "one value for each fact",
             format!("remove the line that is wrong, or {flag} says which counts"),
-        ));
+        );
     }
     *slot = Some(stated);
     Ok(())
 }
 
-/// One layer of statements over another; a differing value below is noted. `show` writes a value for people.
-pub fn overrule<T: PartialEq>(
-    below: &mut Option<Stated<T>>,
-    value: Option<T>,
-    from: &str,
-    what: &str,
-    show: impl Fn(&T) -> String,
-    notes: &mut Notes,
-) {
-    let Some(value) = value else { return };
-    if let Some(old) = below.as_ref().filter(|old| old.value != value) {
-        notes.info(format!("{what} is {} by {from}; {} says {}", show(&value), old.from, show(&old.value)));
+/// A layer of statements, and where the remarks on it go.
+struct Layer<'a> {
+    from: &'a str,
+    notes: &'a mut Notes,
+}
+
+impl Layer<'_> {
+    /// Puts a value over the one below; one that differs is noted. `show` writes a value for people.
+    fn put<T: PartialEq>(
+        &mut self,
+        below: &mut Option<Stated<T>>,
+        value: Option<T>,
+        what: &str,
+        show: fn(&T) -> String,
+    ) {
+        let (Some(value), from) = (value, self.from) else { return };
+        if let Some(old) = below.as_ref().filter(|old| old.value != value) {
+            self.notes.info(format!("{what} is {} by {from}; {} says {}", show(&value), old.from, show(&old.value)));
+        }
+        *below = Some(Stated { value, from: from.to_owned() });
     }
-    *below = Some(Stated { value, from: from.to_owned() });
 }
 
 /// Puts the statements of a sidecar or of flags over those of the record.
 pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
-    let text = |t: &String| format!("{t:?}");
-    overrule(&mut details.title, settings.title.clone(), from, "title", text, notes);
-    overrule(&mut details.vehicle, settings.vehicle.clone(), from, "vehicle", text, notes);
-    overrule(&mut details.barrier, settings.barrier.clone(), from, "barrier", text, notes);
-    overrule(&mut details.mass_kg, settings.mass.map(Mass::si), from, "mass", |kg| format!("{kg} kg"), notes);
-    overrule(
-        &mut details.impact_speed_m_per_s,
-        settings.impact_speed.map(Speed::si),
-        from,
-        "impact speed",
-        |v| format!("{} km/h", (3.6e3 * v).round() / 1e3),
-        notes,
-    );
-    overrule(
-        &mut details.time_zero_s,
-        settings.time_zero.map(Time::si),
-        from,
-        "time zero",
-        |t| format!("{t} s"),
-        notes,
-    );
+    let (mut layer, text): (_, fn(&String) -> String) = (Layer { from, notes }, |text| format!("{text:?}"));
+    let (speed, zero) = (settings.impact_speed.map(Speed::si), settings.time_zero.map(Time::si));
+    let km_per_h = |v: &f64| format!("{} km/h", (3.6e3 * v).round() / 1e3);
+    layer.put(&mut details.title, settings.title.clone(), "title", text);
+    layer.put(&mut details.vehicle, settings.vehicle.clone(), "vehicle", text);
+    layer.put(&mut details.barrier, settings.barrier.clone(), "barrier", text);
+    layer.put(&mut details.mass_kg, settings.mass.map(Mass::si), "mass", |kg| format!("{kg} kg"));
+    layer.put(&mut details.impact_speed_m_per_s, speed, "impact speed", km_per_h);
+    layer.put(&mut details.time_zero_s, zero, "time zero", |t| format!("{t} s"));
 }
 
 /// Checks that mass and impact speed are usable where they are stated. A speed of 0 is one: the vehicle stands.
-pub fn check(file: &str, details: &Details) -> Result<(), IngestError> {
+pub fn check(file: &str, details: &Details) -> Result<()> {
     let mass = details.mass_kg.as_ref();
     let speed = details.impact_speed_m_per_s.as_ref();
     let wrong_mass = mass.filter(|s| !(s.value > 0.0 && s.value.is_finite()));
@@ -273,7 +268,7 @@ pub fn question_mass(details: &Details) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn facts(lines: &[&str]) -> Result<CommentFacts, IngestError> {
+    fn facts(lines: &[&str]) -> Result<CommentFacts> {
         let lines = lines.iter().enumerate().map(|(k, line)| (k + 1, *line));
         from_comments("a.csv", lines, &IngestSettings::default())
     }

@@ -129,31 +129,24 @@ pub struct IngestSettings {
     pub listing: bool,
 }
 
-impl IngestSettings {
-    /// These settings where they say something, else those below.
-    pub fn over(&self, below: &Self) -> Self {
-        Self {
-            mass: self.mass.or(below.mass),
-            impact_speed: self.impact_speed.or(below.impact_speed),
-            channel: self.channel.clone().or_else(|| below.channel.clone()),
-            unit: self.unit.clone().or_else(|| below.unit.clone()),
-            time_unit: self.time_unit.clone().or_else(|| below.time_unit.clone()),
-            time_zero: self.time_zero.or(below.time_zero),
-            sign: self.sign.or(below.sign),
-            sample_time: self.sample_time.or(below.sample_time),
-            profile: self.profile.or(below.profile),
-            field: self.field.clone().or_else(|| below.field.clone()),
-            resample: self.resample.or(below.resample),
-            skip_to: self.skip_to.clone().or_else(|| below.skip_to.clone()),
-            sheet: self.sheet.clone().or_else(|| below.sheet.clone()),
-            place: self.place.or(below.place),
-            vehicle_number: self.vehicle_number.or(below.vehicle_number),
-            vehicle: self.vehicle.clone().or_else(|| below.vehicle.clone()),
-            title: self.title.clone().or_else(|| below.title.clone()),
-            barrier: self.barrier.clone().or_else(|| below.barrier.clone()),
-            allow_missing: self.allow_missing.or(below.allow_missing),
-            listing: self.listing,
+/// What is said of each field once: its key, and that the settings above beat those below.
+macro_rules! layers {
+    ($($field:ident)*) => {
+        /// The names a sidecar may use.
+        pub const KEYS: &[&str] = &[$(stringify!($field)),*];
+
+        /// These settings where they say something, else those below.
+        pub fn over(&self, below: &Self) -> Self {
+            let (above, below) = (self.clone(), below.clone());
+            Self { $($field: above.$field.or(below.$field),)* listing: above.listing }
         }
+    };
+}
+
+impl IngestSettings {
+    layers! {
+        mass impact_speed channel unit time_unit time_zero sign sample_time profile skip_to sheet place field resample
+        vehicle_number vehicle title barrier allow_missing
     }
 
     /// The same, a bare number in place of the vehicle's description taken for its number: `--vehicle 2`.
@@ -165,34 +158,12 @@ impl IngestSettings {
             None => self.clone(),
         }
     }
-
-    /// The names a sidecar may use.
-    pub const KEYS: [&'static str; 19] = [
-        "mass",
-        "impact_speed",
-        "channel",
-        "unit",
-        "time_unit",
-        "time_zero",
-        "sign",
-        "sample_time",
-        "profile",
-        "skip_to",
-        "sheet",
-        "place",
-        "field",
-        "resample",
-        "vehicle_number",
-        "vehicle",
-        "title",
-        "barrier",
-        "allow_missing",
-    ];
 }
 
-/// Flags about the form of a file that are given. Facts about the test (mass, speed, time zero ...) and the choice of
-/// the pulse count for every format.
-fn given(settings: &IngestSettings) -> Vec<&'static str> {
+/// Warns of every flag about the form of a file that is given and not among the `relevant` ones. `why` says what
+/// settles the matter instead. Facts about the test (mass, speed, time zero ...) and the choice of the pulse count for
+/// every format.
+pub fn warn_except(settings: &IngestSettings, relevant: &[&str], why: &str, notes: &mut Notes) {
     let flags = [
         ("--unit", settings.unit.is_some()),
         ("--time-unit", settings.time_unit.is_some()),
@@ -204,12 +175,7 @@ fn given(settings: &IngestSettings) -> Vec<&'static str> {
         ("--resample", settings.resample.is_some()),
         ("--vehicle-number", settings.vehicle_number.is_some()),
     ];
-    flags.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag).collect()
-}
-
-/// Warns of every flag given that is not among the `relevant` ones. `why` says what settles the matter instead.
-pub fn warn_except(settings: &IngestSettings, relevant: &[&str], why: &str, notes: &mut Notes) {
-    for flag in given(settings).into_iter().filter(|flag| !relevant.contains(flag)) {
+    for (flag, _) in flags.into_iter().filter(|(flag, is_given)| *is_given && !relevant.contains(flag)) {
         warn(flag, why, notes);
     }
 }

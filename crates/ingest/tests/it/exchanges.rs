@@ -1,9 +1,11 @@
 //! Units, speeds, times and signs taken for others: one question, first, with the flag that mends it. And a fall before
 //! contact.
 
-use crumple_ingest::{Bundle, IngestSettings, Ingested, Sign, ingest};
+use crumple_ingest::{Bundle, Ingested, ingest};
 use crumple_signal::{About, STANDARD_GRAVITY_M_PER_S2 as G, Severity};
 use crumple_testkit::shared;
+
+use crate::{given, notes, read_as};
 
 /// A table of a half sine of 100 ms at 2 kHz from -50 ms: from 50 km/h with a restitution of 0.1, in g and s. The head
 /// names the columns; times and accelerations are multiplied.
@@ -19,23 +21,8 @@ fn table(head: &str, of_time: f64, of_acceleration: f64) -> String {
     head.to_owned() + &(-100..500).map(row).collect::<String>()
 }
 
-fn settings(flags: &[(&str, &str)]) -> IngestSettings {
-    let mut settings = IngestSettings { mass: Some("1200kg".parse().unwrap()), ..IngestSettings::default() };
-    for (flag, value) in flags {
-        match *flag {
-            "--impact-speed" => settings.impact_speed = Some(value.parse().unwrap()),
-            "--unit" => settings.unit = Some((*value).to_owned()),
-            "--time-unit" => settings.time_unit = Some((*value).to_owned()),
-            "--sample-time" => settings.sample_time = Some(value.parse().unwrap()),
-            "--sign" => settings.sign = Some(if *value == "flip" { Sign::Flip } else { Sign::Keep }),
-            other => panic!("{other}"),
-        }
-    }
-    settings
-}
-
-fn read(text: &str, flags: &[(&str, &str)]) -> Ingested {
-    ingest(&Bundle::from_bytes("t.csv", text.as_bytes().to_vec()).unwrap(), &settings(flags)).unwrap()
+fn read(text: &str, flags: &str) -> Ingested {
+    read_as("t.csv", text, &given(&format!("--mass 1200kg {flags}"))).unwrap()
 }
 
 fn questions(ingested: &Ingested) -> Vec<String> {
@@ -43,72 +30,67 @@ fn questions(ingested: &Ingested) -> Vec<String> {
     ingested.notes.to_texts().iter().filter(is_question).cloned().collect()
 }
 
-/// The first note asks and ends with `flag`; with it nothing is asked any more.
+/// The first note asks and ends with `flag`; with it instead of `spoilt` nothing is asked any more.
 #[track_caller]
-fn is_asked_and_answered(text: &str, flags: &[(&str, &str)], flag: (&str, &str)) {
-    let spoilt = read(text, flags);
-    let first = spoilt.notes.iter().next().unwrap();
+fn is_asked_and_answered(text: &str, flags: &str, spoilt: &str, flag: &str) {
+    let (asked, mended) = (read(text, &format!("{flags} {spoilt}")), read(text, &format!("{flags} {flag}")));
+    let first = asked.notes.iter().next().unwrap();
     assert_eq!(first.severity, Severity::Warning, "{first}");
-    assert!(first.text.ends_with(&format!("add {} {}", flag.0, flag.1)), "{first}");
-    assert!(
-        first.text.contains("stops") && first.text.contains("crush 643 mm, restitution 0.10, peak 24 g"),
-        "{first}"
-    );
-    let mended: Vec<(&str, &str)> = flags.iter().filter(|other| other.0 != flag.0).copied().chain([flag]).collect();
-    let mended = read(text, &mended);
-    assert!(spoilt.test.exchange_asked && !mended.test.exchange_asked);
+    assert!(first.text.ends_with(&format!("add {flag}")), "{first}");
+    let figures = "crush 643 mm, restitution 0.10, peak 24 g";
+    assert!(first.text.contains("stops") && first.text.contains(figures), "{first}");
+    assert!(asked.test.exchange_asked && !mended.test.exchange_asked);
     assert_eq!(questions(&mended), Vec::<String>::new());
     assert!((mended.test.impact_speed_m_per_s.unwrap() * 3.6 - 50.0).abs() < 0.01);
 }
 
+const SPEED: &str = "--impact-speed 50km/h";
+
 #[test]
 fn a_right_record_is_not_asked_about() {
-    let right = read(&table("time_s,accel_g\n", 1.0, 1.0), &[("--impact-speed", "50km/h")]);
-    assert_eq!(questions(&right), Vec::<String>::new());
+    assert_eq!(questions(&read(&table("time_s,accel_g\n", 1.0, 1.0), SPEED)), Vec::<String>::new());
 }
 
 #[test]
 fn the_unit_of_the_acceleration_is_asked() {
-    let speed = ("--impact-speed", "50km/h");
-    is_asked_and_answered(&table("time_s,accel\n", 1.0, 1.0), &[speed, ("--unit", "m/s^2")], ("--unit", "g"));
-    is_asked_and_answered(&table("time_s,accel\n", 1.0, G), &[speed, ("--unit", "g")], ("--unit", "m/s^2"));
+    let (in_g, in_si) = ("--unit g", "--unit m/s^2");
+    is_asked_and_answered(&table("time_s,accel\n", 1.0, 1.0), SPEED, in_si, in_g);
+    is_asked_and_answered(&table("time_s,accel\n", 1.0, G), SPEED, in_g, in_si);
     // A flag overrules the header.
-    is_asked_and_answered(&table("time_s,accel_m_per_s2\n", 1.0, 1.0), &[speed], ("--unit", "g"));
-    is_asked_and_answered(&table("time_s,accel_g\n", 1.0, G), &[speed], ("--unit", "m/s^2"));
+    is_asked_and_answered(&table("time_s,accel_m_per_s2\n", 1.0, 1.0), SPEED, "", in_g);
+    is_asked_and_answered(&table("time_s,accel_g\n", 1.0, G), SPEED, "", in_si);
 }
 
 #[test]
 fn the_impact_speed_is_asked() {
     let text = table("time_s,accel_g\n", 1.0, 1.0);
-    is_asked_and_answered(&text, &[("--impact-speed", "50mph")], ("--impact-speed", "50km/h"));
-    is_asked_and_answered(&text, &[("--impact-speed", "31.069km/h")], ("--impact-speed", "31.069mph"));
-    is_asked_and_answered(&text, &[("--impact-speed", "13.889km/h")], ("--impact-speed", "13.889m/s"));
-    is_asked_and_answered(&text, &[("--impact-speed", "50m/s")], ("--impact-speed", "50km/h"));
-    is_asked_and_answered(&format!("# impact speed: 50 mph\n{text}"), &[], ("--impact-speed", "50km/h"));
+    for (spoilt, meant) in
+        [("50mph", "50km/h"), ("31.069km/h", "31.069mph"), ("13.889km/h", "13.889m/s"), ("50m/s", "50km/h")]
+    {
+        let [spoilt, meant] = [spoilt, meant].map(|speed| format!("--impact-speed {speed}"));
+        is_asked_and_answered(&text, "", &spoilt, &meant);
+    }
+    is_asked_and_answered(&format!("# impact speed: 50 mph\n{text}"), "", "", SPEED);
 }
 
 #[test]
 fn the_unit_of_the_time_is_asked() {
-    let speed = ("--impact-speed", "50km/h");
     // At 2 samples a second no filter would take it: the question is the refusal.
     let slow = table("time_s,accel_g\n", 1e3, 1.0);
-    let bundle = Bundle::from_bytes("t.csv", slow.as_bytes().to_vec()).unwrap();
-    let error = ingest(&bundle, &settings(&[speed])).unwrap_err();
+    let error = read_as("t.csv", slow.as_str(), &given(&format!("--mass 1200kg {SPEED}"))).unwrap_err();
     assert!(error.to_string().contains("with times 1000 times shorter this pulse stops the car"), "{error}");
     assert_eq!(error.hint(), "add --time-unit ms");
-    assert_eq!(questions(&read(&slow, &[speed, ("--time-unit", "ms")])), Vec::<String>::new());
-    is_asked_and_answered(&table("time_ms,accel_g\n", 1.0, 1.0), &[speed], ("--time-unit", "s"));
-    is_asked_and_answered(&table("time,accel_g\n", 1e3, 1.0), &[speed, ("--time-unit", "us")], ("--time-unit", "ms"));
+    assert_eq!(questions(&read(&slow, &format!("{SPEED} --time-unit ms"))), Vec::<String>::new());
+    is_asked_and_answered(&table("time_ms,accel_g\n", 1.0, 1.0), SPEED, "", "--time-unit s");
+    is_asked_and_answered(&table("time,accel_g\n", 1e3, 1.0), SPEED, "--time-unit us", "--time-unit ms");
 }
 
 #[test]
 fn the_sign_is_asked_once() {
-    let speed = ("--impact-speed", "50km/h");
     let text = table("time_s,accel_g\n", 1.0, -1.0);
-    is_asked_and_answered(&text, &[speed], ("--sign", "flip"));
-    assert!(!read(&text, &[speed]).notes.to_texts().iter().any(|note| note.contains("the pulse is positive")));
-    let text = table("time_s,accel_g\n", 1.0, 1.0);
-    is_asked_and_answered(&text, &[speed, ("--sign", "flip")], ("--sign", "keep"));
+    is_asked_and_answered(&text, SPEED, "", "--sign flip");
+    assert!(!notes(&read(&text, SPEED)).contains("the pulse is positive"));
+    is_asked_and_answered(&table("time_s,accel_g\n", 1.0, 1.0), SPEED, "--sign flip", "--sign keep");
 }
 
 /// Real tests and the records of known truth.
@@ -126,10 +108,7 @@ fn nothing_is_asked_of_right_records() {
     );
     for path in paths {
         let Ok(bundle) = Bundle::open(&path) else { continue };
-        let mut flags = IngestSettings::default();
-        if path.ends_with("offset-5g-right-today.csv") {
-            flags.impact_speed = Some("50km/h".parse().unwrap());
-        }
+        let flags = given(if path.ends_with("offset-5g-right-today.csv") { SPEED } else { "" });
         let ingested = ingest(&bundle, &flags).unwrap();
         assert_eq!(questions(&ingested), Vec::<String>::new(), "{}", path.display());
     }
@@ -147,7 +126,7 @@ fn a_fall_before_contact_is_named_and_an_offset_is_not() {
         };
         format!("time_s,acc_z_g\n{}", (-250..400).map(row).collect::<String>())
     };
-    let notes_of = |text: &str| read(text, &[]).notes.iter().cloned().collect::<Vec<_>>();
+    let notes_of = |text: &str| read(text, "").notes.iter().cloned().collect::<Vec<_>>();
     for fall in [-1.0, 1.0] {
         let notes = notes_of(&text(fall));
         let words = format!("free fall before contact: its level is {fall:+.2} g off the level at rest");

@@ -1,15 +1,13 @@
 //! ISO-MME tests: folders, archives, single files, and what laboratories write into them.
 
 use std::fs;
-use std::io::{Cursor, Write};
-use std::path::Path;
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
+use crumple_ingest::{IngestError, IngestSettings, Ingested};
 use crumple_signal::{ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
+use crumple_testkit::shared;
+use tempfile::TempDir;
 
-use crate::notes;
+use crate::{given, lenient, notes, open, read_as, write, zipped};
 
 const MME: &str = "Data format edition number  :1.6\r\nTitle                       :sled 7\r\n\
     Name of test object 1       :white car\r\n\
@@ -52,21 +50,15 @@ fn files() -> Vec<(&'static str, String)> {
     ]
 }
 
-fn write(folder: &Path, files: &[(&str, String)]) {
-    for (path, content) in files {
-        let path = folder.join(path);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
-}
-
-fn read(path: &Path, settings: &IngestSettings) -> Result<Ingested, IngestError> {
-    ingest(&Bundle::open(path)?, settings)
+/// A folder with these files.
+fn folder_of(files: &[(&str, String)]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), files);
+    folder
 }
 
 fn lone(content: &str) -> Result<Ingested, IngestError> {
-    let settings = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
-    ingest(&Bundle::from_bytes("a.001", content.as_bytes().to_vec())?, &settings)
+    read_as("a.001", content, &lenient())
 }
 
 fn check(ingested: &Ingested) {
@@ -91,50 +83,39 @@ fn check(ingested: &Ingested) {
 
 #[test]
 fn a_folder_whatever_the_case_of_its_names() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &files());
-    check(&read(folder.path(), &IngestSettings::default()).unwrap());
-    check(&read(&folder.path().join("T7.MME"), &IngestSettings::default()).unwrap());
-    check(&read(&folder.path().join("Channel/t7.CHN"), &IngestSettings::default()).unwrap());
+    let folder = folder_of(&files());
+    check(&open(folder.path(), &IngestSettings::default()).unwrap());
+    check(&open(folder.path().join("T7.MME"), &IngestSettings::default()).unwrap());
+    check(&open(folder.path().join("Channel/t7.CHN"), &IngestSettings::default()).unwrap());
 }
 
 #[test]
 fn an_archive_with_one_top_folder_gives_the_same_digest_as_the_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &files());
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (path, content) in files() {
-        zip.start_file(format!("download/{path}"), SimpleFileOptions::default()).unwrap();
-        zip.write_all(content.as_bytes()).unwrap();
-    }
+    let folder = folder_of(&files());
     let archive = folder.path().join("t7.zip");
-    fs::write(&archive, zip.finish().unwrap().into_inner()).unwrap();
-    let zipped = read(&archive, &IngestSettings::default()).unwrap();
+    let inside: Vec<_> = files().into_iter().map(|(path, content)| (format!("download/{path}"), content)).collect();
+    fs::write(&archive, zipped(&inside)).unwrap();
+    let zipped = open(&archive, &IngestSettings::default()).unwrap();
     check(&zipped);
-    let unpacked = read(&folder.path().join("T7.MME"), &IngestSettings::default()).unwrap();
+    let unpacked = open(folder.path().join("T7.MME"), &IngestSettings::default()).unwrap();
     assert_eq!(zipped.test.source.digest, unpacked.test.source.digest);
 }
 
 #[test]
 fn without_test_file_and_list_the_channels_are_read_all_the_same() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &files()[2..]);
-    let stated = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
-    let ingested = read(folder.path(), &stated).unwrap();
+    let folder = folder_of(&files()[2..]);
+    let ingested = open(folder.path(), &lenient()).unwrap();
     assert_eq!((ingested.waves.len(), ingested.test.pulse.as_deref()), (3, Some("10SECMLERE00ACXP")));
     // One channel file by itself is one channel.
-    let ingested = read(&folder.path().join("Channel/T7.002"), &stated).unwrap();
+    let ingested = open(folder.path().join("Channel/T7.002"), &lenient()).unwrap();
     assert_eq!((ingested.test.channels.len(), ingested.test.pulse.as_deref()), (1, Some("10SECMRIRE00ACXP")));
 }
 
 #[test]
 fn a_code_or_a_pattern_names_the_pulse() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &files());
-    let named = |channel: &str| {
-        read(folder.path(), &IngestSettings { channel: Some(channel.to_owned()), ..IngestSettings::default() })
-            .map(|i| i.test.pulse.unwrap())
-    };
+    let folder = folder_of(&files());
+    let named =
+        |channel: &str| open(folder.path(), &given(&format!("--channel {channel}"))).map(|i| i.test.pulse.unwrap());
     assert_eq!(named("1?SECMRI*X?").unwrap(), "10SECMRIRE00ACXP");
     assert_eq!(named("002").unwrap(), "10SECMRIRE00ACXP");
     let error = named("1?SECM*X?").unwrap_err();
@@ -144,11 +125,10 @@ fn a_code_or_a_pattern_names_the_pulse() {
 
 #[test]
 fn a_broken_channel_costs_itself_and_is_named() {
-    let folder = tempfile::tempdir().unwrap();
     let mut files = files();
     files[4].1 = "Channel code :10ENGN000000ACXP\nUnit :g\nSampling interval :1e-4\n1\n\u{1}\u{2}\n".to_owned();
-    write(folder.path(), &files);
-    let ingested = read(folder.path(), &IngestSettings::default()).unwrap();
+    let folder = folder_of(&files);
+    let ingested = open(folder.path(), &IngestSettings::default()).unwrap();
     assert_eq!(ingested.waves.len(), 2);
     assert!(notes(&ingested).contains("a channel is left out: t7.003, line 5"), "{}", notes(&ingested));
 }
@@ -164,14 +144,13 @@ fn an_explicit_time_channel_gives_the_grid() {
     data = data.replace(":implicit", ":explicit\nReference channel name      :10TIRS000000TI00");
     data = data.replace("Sampling interval           :0.0001\n", "");
     write(folder.path(), &[("t.001", data), ("t.002", time)]);
-    let stated = IngestSettings { allow_missing: Some(true), ..IngestSettings::default() };
     for path in [folder.path().to_owned(), folder.path().join("t.001")] {
-        let ingested = read(&path, &stated).unwrap();
+        let ingested = open(&path, &lenient()).unwrap();
         let pulse = ingested.pulse().unwrap_or_else(|| panic!("{}", notes(&ingested)));
         assert_eq!((pulse.samples.t0_s(), pulse.samples.dt_s(), pulse.samples.len()), (-0.02, 1e-4, 1700));
     }
     fs::remove_file(folder.path().join("t.002")).unwrap();
-    let error = read(&folder.path().join("t.001"), &stated).unwrap_err();
+    let error = open(folder.path().join("t.001"), &lenient()).unwrap_err();
     assert!(error.to_string().contains("time channel 10TIRS000000TI00 is not here"), "{error}");
 }
 
@@ -220,9 +199,7 @@ fn an_unknown_unit_is_kept_as_read_until_it_is_stated() {
     let text = channel("10SECMLERE00ACXP", "", 20.0).replace("Unit                        :g\n", "");
     let ingested = lone(&text).unwrap();
     assert_eq!((ingested.waves[0].quantity, ingested.test.pulse), (QuantityKind::Other, None));
-    let settings =
-        IngestSettings { allow_missing: Some(true), unit: Some("g".to_owned()), ..IngestSettings::default() };
-    let ingested = ingest(&Bundle::from_bytes("a.001", text.into_bytes()).unwrap(), &settings).unwrap();
+    let ingested = read_as("a.001", text, &given("--allow-missing --unit g")).unwrap();
     assert!((ingested.pulse().unwrap().quality.record.minimum + 20.0 * G).abs() < 1e-2 * G);
 }
 
@@ -230,12 +207,11 @@ fn an_unknown_unit_is_kept_as_read_until_it_is_stated() {
 fn header_counts_allocate_nothing() {
     let text = channel("10SECMLERE00ACXP", "", 20.0).replace(":1700", ":999999999999999");
     assert_eq!(lone(&text).unwrap().waves[0].samples.len(), 1700);
-    let folder = tempfile::tempdir().unwrap();
     let mut files = files();
     files[1].1 = CHN.replace(":4\r\n", ":4000000000\r\n");
-    write(folder.path(), &files);
+    let folder = folder_of(&files);
     assert!(
-        notes(&read(folder.path(), &IngestSettings::default()).unwrap())
+        notes(&open(folder.path(), &IngestSettings::default()).unwrap())
             .contains("states 4000000000 channels and lists 4")
     );
 }
@@ -265,20 +241,39 @@ fn samples_beyond_the_announced_number_are_left_off() {
 
 #[test]
 fn a_test_file_without_its_edition_is_read_and_a_bare_speed_is_named() {
-    let folder = tempfile::tempdir().unwrap();
     let mut files = files();
     files[0].1 = files[0].1.replace("Data format edition number  :1.6\r\n", "");
-    write(folder.path(), &files);
-    let ingested = read(folder.path(), &IngestSettings::default()).unwrap();
+    let folder = folder_of(&files);
+    let ingested = open(folder.path(), &IngestSettings::default()).unwrap();
     assert_eq!(ingested.test.mass_kg, Some(1500.0));
     let notes = ingested.notes.to_texts().join("\n");
     assert!(notes.contains("lacks the line \"Data format edition number\""), "{notes}");
 
     files[0].1 = files[0].1.replace("50 km/h", "50");
-    write(folder.path(), &files);
-    let ingested = read(folder.path(), &IngestSettings::default()).unwrap();
+    let folder = folder_of(&files);
+    let ingested = open(folder.path(), &IngestSettings::default()).unwrap();
     let notes = ingested.notes.to_texts().join("\n");
     assert_eq!(ingested.test.impact_speed_m_per_s, None);
     assert!(notes.contains("velocity test object 1 is 50 without a unit"), "{notes}");
     assert!(notes.contains("add --impact-speed 50km/h") && !notes.contains("a header line"), "{notes}");
+}
+
+#[test]
+fn a_real_channel_by_itself() {
+    let Some(path) = shared("data/iso-mme-98_7707/98_7707.001") else { return };
+    let ingested = open(&path, &lenient()).unwrap();
+    let pulse = ingested.pulse().unwrap();
+    assert_eq!((pulse.samples.len(), pulse.samples.t0_s(), pulse.samples.dt_s()), (3001, -0.05, 1e-4));
+    assert_eq!(pulse.samples.samples()[0], -1.421_09e-13 * G);
+    let channel = &ingested.test.channels[0];
+    assert_eq!(channel.code.as_deref(), Some("11HEADCGCGH3ACXA"));
+    assert_eq!((channel.cfc, channel.filter_state.as_deref()), (Some(1000), Some("CFC 1000")));
+    let text = notes(&ingested);
+    assert!(text.contains("warning: 98_7707.001: reference channel not stated, assumed implicit"), "{text}");
+    // The stated extremes fit the samples, the time of the minimum being the end of a plateau: nothing is said.
+    assert!(!text.contains("the header states"), "{text}");
+    assert!(
+        (pulse.quality.record.maximum / G - 51.1861).abs() < 1e-9
+            && (pulse.quality.record.minimum / G + 7.035_05).abs() < 1e-9
+    );
 }

@@ -3,36 +3,43 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
-use std::process::Command;
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
+use crumple_ingest::{IngestError, IngestSettings, Ingested};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
+use mcap::Compression;
 use mcap::records::MessageHeader;
 
-/// An MCAP file with one topic; each message is its log time and its bytes.
-fn mcap_file(kind: &str, encoding: &str, messages: &[(u64, Vec<u8>)]) -> Vec<u8> {
-    let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
-    let schema = writer.add_schema(kind, "ros2msg", b"").unwrap();
-    let channel = writer.add_channel(schema, "/imu", encoding, &BTreeMap::new()).unwrap();
-    for (k, (time, data)) in messages.iter().enumerate() {
-        let header = MessageHeader { channel_id: channel, sequence: k as u32, log_time: *time, publish_time: *time };
-        writer.write_to_known_channel(&header, data).unwrap();
+use crate::{given, notes, open, program, read_as};
+
+/// An MCAP file of one topic, of a schema's name, encoding and data; each message is its log time and its bytes.
+pub fn mcap_file(
+    schema: (&str, &str, &[u8]),
+    (topic, encoding): (&str, &str),
+    packing: Option<Compression>,
+    messages: impl IntoIterator<Item = (u64, Vec<u8>)>,
+) -> Vec<u8> {
+    let mut writer = mcap::WriteOptions::new().compression(packing).create(Cursor::new(Vec::new())).unwrap();
+    let schema = writer.add_schema(schema.0, schema.1, schema.2).unwrap();
+    let channel_id = writer.add_channel(schema, topic, encoding, &BTreeMap::new()).unwrap();
+    for (time, data) in messages {
+        let header = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
+        writer.write_to_known_channel(&header, &data).unwrap();
     }
     writer.finish().unwrap();
     writer.into_inner().into_inner()
 }
 
+fn of_topic(kind: &str, encoding: &str, messages: &[(u64, Vec<u8>)]) -> Vec<u8> {
+    mcap_file((kind, "ros2msg", b""), ("/imu", encoding), Some(Compression::Zstd), messages.iter().cloned())
+}
+
 /// `sensor_msgs/Imu` as ROS 2 (`cdr`) or ROS 1 writes it.
-fn imu(cdr: bool, stamp_ns: u64, linear: [f64; 3]) -> Vec<u8> {
-    let mut body = Vec::new();
-    if !cdr {
-        body.extend(7_u32.to_le_bytes());
-    }
-    body.extend(((stamp_ns / 1_000_000_000) as u32).to_le_bytes());
-    body.extend(((stamp_ns % 1_000_000_000) as u32).to_le_bytes());
+pub fn imu(cdr: bool, stamp_ns: u64, linear: [f64; 3]) -> Vec<u8> {
+    let (seconds, rest) = ((stamp_ns / 1_000_000_000) as u32, (stamp_ns % 1_000_000_000) as u32);
     let frame = if cdr { "base\0" } else { "base" };
-    body.extend((frame.len() as u32).to_le_bytes());
+    let head = [7, seconds, rest, frame.len() as u32];
+    let mut body = head[usize::from(cdr)..].iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     body.extend(frame.as_bytes());
     if cdr {
         body.resize(body.len().next_multiple_of(8), 0);
@@ -43,11 +50,11 @@ fn imu(cdr: bool, stamp_ns: u64, linear: [f64; 3]) -> Vec<u8> {
 }
 
 fn read(bytes: Vec<u8>, settings: &IngestSettings) -> Result<Ingested, IngestError> {
-    ingest(&Bundle::from_bytes("a.mcap", bytes)?, settings)
+    read_as("a.mcap", bytes, settings)
 }
 
-fn settings(channel: &str) -> IngestSettings {
-    IngestSettings { allow_missing: Some(true), channel: Some(channel.to_owned()), ..IngestSettings::default() }
+fn settings(flags: &str) -> IngestSettings {
+    given(&format!("--allow-missing --channel {flags}"))
 }
 
 /// 200 messages at 1 kHz from 100 s on; the times of recording are late and uneven.
@@ -63,7 +70,7 @@ fn log(encode: impl Fn(u64, [f64; 3]) -> Vec<u8>) -> Vec<(u64, Vec<u8>)> {
 #[test]
 fn stamps_of_the_messages_are_the_time() {
     for (kind, encoding, cdr) in [("sensor_msgs/msg/Imu", "cdr", true), ("sensor_msgs/Imu", "ros1", false)] {
-        let file = mcap_file(kind, encoding, &log(|stamp, linear| imu(cdr, stamp, linear)));
+        let file = of_topic(kind, encoding, &log(|stamp, linear| imu(cdr, stamp, linear)));
         let ingested = read(file, &settings("acceleration_x")).unwrap();
         assert_eq!(ingested.waves.len(), 6);
         let pulse = ingested.pulse().unwrap();
@@ -76,12 +83,8 @@ fn stamps_of_the_messages_are_the_time() {
 
 #[test]
 fn several_axes_are_asked_about() {
-    let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
-    let stated = IngestSettings {
-        mass: Some("1t".parse().unwrap()),
-        impact_speed: Some("10m/s".parse().unwrap()),
-        ..IngestSettings::default()
-    };
+    let file = of_topic("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
+    let stated = given("--mass 1t --impact-speed 10m/s");
     let error = read(file, &stated).unwrap_err();
     assert!(error.to_string().contains("3 acceleration columns: imu-acceleration_x"), "{error}");
 }
@@ -97,23 +100,18 @@ fn a_field_of_json_messages_is_named_with_its_unit() {
         )
         .into_bytes()
     };
-    let file = mcap_file("Something", "json", &log(json));
+    let file = of_topic("Something", "json", &log(json));
     let error = read(file.clone(), &IngestSettings::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "a.mcap: no topic with acceleration; its topics: /imu (Something, json, 200 messages)"
     );
     assert!(error.hint().contains("--field imu.acceleration.x"));
-    let named = IngestSettings {
-        allow_missing: Some(true),
-        field: Some("imu.acceleration.x".to_owned()),
-        unit: Some("g".to_owned()),
-        ..IngestSettings::default()
-    };
+    let named = given("--allow-missing --field imu.acceleration.x --unit g");
     let ingested = read(file.clone(), &named).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!((pulse.id.as_str(), pulse.samples.samples()[2]), ("imu-imu_acceleration_x", -2.0 * G));
-    let wrong = IngestSettings { field: Some("imu.speed".to_owned()), ..named };
+    let wrong = given("--allow-missing --field imu.speed --unit g");
     assert!(
         read(file, &wrong).unwrap_err().to_string().contains("no JSON or protobuf message has a number at imu.speed")
     );
@@ -121,7 +119,7 @@ fn a_field_of_json_messages_is_named_with_its_unit() {
 
 #[test]
 fn other_encodings_are_refused_by_name() {
-    let file = mcap_file("sensor_msgs/msg/Imu", "flatbuffer", &[(1, vec![1, 2, 3])]);
+    let file = of_topic("sensor_msgs/msg/Imu", "flatbuffer", &[(1, vec![1, 2, 3])]);
     let error = read(file, &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("(sensor_msgs/msg/Imu, flatbuffer, 1 messages)"), "{error}");
     assert!(error.hint().contains("encoding is not read"), "{}", error.hint());
@@ -131,22 +129,22 @@ fn other_encodings_are_refused_by_name() {
 fn uneven_stamps_are_refused_and_resampled_only_on_request() {
     let mut messages = log(|stamp, linear| imu(true, stamp, linear));
     messages.remove(100);
-    let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &messages);
+    let file = of_topic("sensor_msgs/msg/Imu", "cdr", &messages);
     let error = read(file.clone(), &settings("acceleration_x")).unwrap_err();
     assert!(error.to_string().starts_with("a.mcap, topic /imu, message 101: a step of 0.002000000 s"), "{error}");
     assert!(error.hint().contains("--resample 1000Hz"), "{}", error.hint());
-    let asked = IngestSettings { resample: Some("1kHz".parse().unwrap()), ..settings("acceleration_x") };
+    let asked = settings("acceleration_x --resample 1kHz");
     let ingested = read(file, &asked).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();
     // The record is a straight line: interpolation gives it back but for rounding of the stamps (1e-9 s of 1e3 per s).
     assert!(samples.len() == 200 && samples.iter().enumerate().all(|(k, x)| (x + k as f64).abs() < 1e-6));
-    assert!(ingested.notes.to_texts().iter().any(|n| n.contains("199 messages are resampled to 1000 Hz")));
+    assert!(notes(&ingested).contains("199 messages are resampled to 1000 Hz"));
 }
 
 #[test]
 fn stamps_out_of_order_are_refused_with_advice_that_works() {
     let good = log(|stamp, linear| imu(true, stamp, linear));
-    let file = |messages: &[(u64, Vec<u8>)]| mcap_file("sensor_msgs/msg/Imu", "cdr", messages);
+    let file = |messages: &[(u64, Vec<u8>)]| of_topic("sensor_msgs/msg/Imu", "cdr", messages);
     let (mut twice, mut exchanged) = (good.clone(), good.clone());
     twice.insert(100, good[99].clone());
     let (a, b) = (exchanged[50].1.clone(), exchanged[51].1.clone());
@@ -163,7 +161,7 @@ fn stamps_out_of_order_are_refused_with_advice_that_works() {
 
 #[test]
 fn damaged_and_boastful_files_are_refused() {
-    let file = mcap_file("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
+    let file = of_topic("sensor_msgs/msg/Imu", "cdr", &log(|stamp, linear| imu(true, stamp, linear)));
     for length in [9, 100, file.len() / 2, file.len() - 1] {
         let error = read(file[..length].to_vec(), &IngestSettings::default()).unwrap_err();
         assert!(error.to_string().contains("the MCAP file cannot be read"), "{error}");
@@ -190,16 +188,12 @@ fn an_artifact_of_a_stage_passes_through() {
     let path = |name: &str| folder.path().join(name);
     let rows: String =
         (0..400).map(|k| format!("{:.4},{:.3},{k}\n", f64::from(k - 100) * 1e-4, -0.1 * f64::from(k))).collect();
-    fs::write(path("a.csv"), format!("# mass: 873 kg\n# impact speed: 36 km/h\ntime_s,accel_g,force [kN]\n{rows}"))
-        .unwrap();
-    let run = |input: &str, output: &str| {
-        let done =
-            Command::new(env!("CARGO_BIN_EXE_crumple-ingest")).arg(path(input)).arg("-o").arg(path(output)).output();
-        assert!(done.unwrap().status.success());
-    };
-    run("a.csv", "1.mcap");
-    run("1.mcap", "2.mcap");
-    let read = |name: &str| ingest(&Bundle::open(&path(name)).unwrap(), &IngestSettings::default()).unwrap();
+    let head = "# mass: 873 kg\n# impact speed: 36 km/h\ntime_s,accel_g,force [kN]\n";
+    fs::write(path("a.csv"), format!("{head}{rows}")).unwrap();
+    for (input, output) in [("a.csv", "1.mcap"), ("1.mcap", "2.mcap")] {
+        assert_eq!(program(&path(input), &["-o", path(output).to_str().unwrap()]).0, 0);
+    }
+    let read = |name: &str| open(path(name), &IngestSettings::default()).unwrap();
     let (first, again) = (read("a.csv"), read("2.mcap"));
     assert_eq!((again.test.pulse.as_deref(), again.test.mass_kg), (Some("accel_g"), Some(873.0)));
     assert_eq!(first.test.channels, again.test.channels);
@@ -211,14 +205,24 @@ fn an_artifact_of_a_stage_passes_through() {
 #[test]
 fn the_logged_bag_gives_gravity() {
     let Some(path) = shared("data/ros-imu-bag/tilt_laser.bag") else { return };
-    let bundle = Bundle::open(&path).unwrap();
-    let error = ingest(&bundle, &settings("acceleration_z")).unwrap_err();
+    let error = open(&path, &settings("acceleration_z")).unwrap_err();
     assert!(error.to_string().contains("a step of 0.039775"), "{error}");
-    let asked = IngestSettings { resample: Some("20Hz".parse().unwrap()), ..settings("acceleration_z") };
-    let ingested = ingest(&bundle, &asked).unwrap();
+    let ingested = open(&path, &settings("acceleration_z --resample 20Hz")).unwrap();
     let samples = ingested.pulse().unwrap().samples.samples();
     let mean = samples.iter().sum::<f64>() / samples.len() as f64;
     // The mean of the raw messages is stated as 9.796; interpolation on as many instants moves it by far less than
     // 0.01.
     assert!((mean - 9.796).abs() < 0.01, "{mean}");
+}
+
+#[test]
+fn topics_of_a_bag_and_of_an_mcap_file_are_listed() {
+    let Some(bag) = shared("data/ros-imu-bag/tilt_laser.bag") else { return };
+    let (code, table, _) = program(&bag, &["--list"]);
+    assert_eq!(code, 0);
+    assert!(table.contains("imu_data-acceleration_x") && table.contains("needs --resample"), "{table}");
+    let Some(mcap) = shared("data/mcap-json/example.mcap") else { return };
+    let (code, _, text) = program(&mcap, &["--list"]);
+    assert_eq!(code, 3);
+    assert!(text.contains("no topic with acceleration; its topics: mouse (MouseEvent, json, 111 messages)"), "{text}");
 }

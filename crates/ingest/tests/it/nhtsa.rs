@@ -1,23 +1,21 @@
 //! NHTSA test 10146 from its EV5 file, its folder and a zip.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::io::{Cursor, Write};
-use std::path::PathBuf;
+use std::io::{Cursor, Read as _};
+use std::path::{Path, PathBuf};
 
 use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Wave, ingest, list};
 use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::{TwoVehicles, shared};
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
+
+use crate::{given, lenient, notes, open, write, zipped};
 
 fn folder() -> Option<PathBuf> {
     shared("data/nhtsa-v10146-camry-frontal")
 }
 
-fn read(path: PathBuf, channel: Option<&str>) -> Result<Ingested, IngestError> {
-    let settings = IngestSettings { channel: channel.map(str::to_owned), ..IngestSettings::default() };
-    ingest(&Bundle::open(&path)?, &settings)
+fn read(path: impl AsRef<Path>, channel: Option<&str>) -> Result<Ingested, IngestError> {
+    open(path, &IngestSettings { channel: channel.map(str::to_owned), ..IngestSettings::default() })
 }
 
 fn wave<'a>(ingested: &'a Ingested, id: &str) -> &'a Wave {
@@ -25,30 +23,25 @@ fn wave<'a>(ingested: &'a Ingested, id: &str) -> &'a Wave {
 }
 
 /// The EV5 file, all signal files, and those of the barrier archive, as one zip with one folder.
-fn whole_test_as_zip(folder: &std::path::Path) -> Vec<u8> {
-    let mut files = BTreeMap::new();
+fn whole_test_as_zip(folder: &Path) -> Vec<u8> {
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         if name.starts_with("v10146.") {
-            files.insert(name, fs::read(&path).unwrap());
+            files.push((format!("v10146ascii/{name}"), fs::read(&path).unwrap()));
         }
     }
     let barrier = fs::read(folder.join("v10146_barrier_fx.zip")).unwrap();
     let mut barrier = zip::ZipArchive::new(Cursor::new(barrier)).unwrap();
     for k in 0..barrier.len() {
         let mut entry = barrier.by_index(k).unwrap();
-        let name = entry.name().unwrap().rsplit('/').next().unwrap().to_owned();
+        let name = format!("v10146ascii/{}", entry.name().unwrap().rsplit('/').next().unwrap());
         let mut bytes = Vec::new();
-        std::io::Read::read_to_end(&mut entry, &mut bytes).unwrap();
-        files.insert(name, bytes);
+        entry.read_to_end(&mut bytes).unwrap();
+        files.push((name, bytes));
     }
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in files {
-        zip.start_file(format!("v10146ascii/{name}"), SimpleFileOptions::default()).unwrap();
-        zip.write_all(&bytes).unwrap();
-    }
-    zip.finish().unwrap().into_inner()
+    zipped(&files)
 }
 
 #[test]
@@ -80,6 +73,10 @@ fn the_test_and_its_pulse() {
     assert_eq!(channel.initial_velocity_m_per_s, Some(57.09 / 3.6));
     assert!(test.channel("99").unwrap().redundant);
     assert_eq!(test.channel("7").unwrap().quantity, QuantityKind::Force);
+    assert_eq!(pulse.quantity, QuantityKind::Acceleration);
+    // Asked for by its number it is the same.
+    let asked = read(folder.join("v10146.EV5"), Some("93")).unwrap();
+    assert_eq!((asked.test.pulse.as_deref(), &asked.pulse().unwrap().samples), (Some("93"), &pulse.samples));
 }
 
 #[test]
@@ -103,6 +100,8 @@ fn the_short_engine_channel_is_read_as_it_is() {
     assert_eq!(wave(&ingested, "96").samples.len(), 1170);
     assert_eq!(ingested.test.channel("96").unwrap().status, ChannelStatus::Questionable);
     assert_eq!(ingested.test.pulse.as_deref(), Some("96"));
+    let doubt = "warning: channel 96 is questionable by its laboratory: BOTTOM OF ENGINE X: No valid data after 67ms";
+    assert!(notes(&ingested).contains(doubt));
 }
 
 #[test]
@@ -129,8 +128,13 @@ fn folder_and_zip_read_like_the_file() {
     let temporary = tempfile::tempdir().unwrap();
     let path = temporary.path().join("v10146.zip");
     fs::write(&path, whole_test_as_zip(&folder)).unwrap();
-    let zipped = read(path, None).unwrap();
-    assert_eq!(zipped.waves.len(), 13 + 176);
+    let zipped = read(&path, None).unwrap();
+    assert_eq!((zipped.test.channels.len(), zipped.waves.len()), (634, 13 + 176));
+    assert_eq!(zipped.test.pulse, file.test.pulse);
+    let listed = list(&Bundle::open(&path).unwrap(), &given("--channel LC* XG")).unwrap();
+    let listed: Vec<_> = listed.iter().filter(|c| c.samples > 0).collect();
+    assert_eq!(listed.len(), 176);
+    assert!(listed.iter().all(|c| c.quantity == "force" && c.axis.as_deref() == Some("x")));
     for wave_of_file in &file.waves {
         assert_eq!(wave(&zipped, &wave_of_file.id).samples, wave_of_file.samples);
     }
@@ -144,6 +148,7 @@ fn folder_and_zip_read_like_the_file() {
     assert!(cells.iter().all(|c| c.quantity == QuantityKind::Force));
     for dead in ["347", "500"] {
         assert_eq!(zipped.test.channel(dead).unwrap().status, ChannelStatus::Questionable);
+        assert!(notes(&zipped).contains(&format!("channel {dead} is questionable")));
     }
     // Newton's second law, as stated with the record: the cells' impulse over 0 to 300 ms is the mass times 68.0 km/h.
     let impulse: f64 = cells
@@ -159,65 +164,62 @@ fn folder_and_zip_read_like_the_file() {
     assert!((impulse / 1719.0 * 3.6 + 68.0).abs() < 0.03 * 68.0, "{} km/h", impulse / 1719.0 * 3.6);
 }
 
+/// The specification, and these of its signal files.
+fn part_of_the_test(folder: &Path, curves: &[(&str, &str)]) -> tempfile::TempDir {
+    let part = tempfile::tempdir().unwrap();
+    write(part.path(), &[("v10146.EV5", fs::read(folder.join("v10146.EV5")).unwrap())]);
+    write(part.path(), curves);
+    part
+}
+
 #[test]
 fn a_specification_without_its_files_is_refused_with_an_example() {
     let Some(folder) = folder() else { return };
-    let temporary = tempfile::tempdir().unwrap();
-    let path = temporary.path().join("v10146.EV5");
-    fs::copy(folder.join("v10146.EV5"), &path).unwrap();
-    let error = read(path, None).unwrap_err();
+    let error = read(part_of_the_test(&folder, &[]).path().join("v10146.EV5"), None).unwrap_err();
     assert_eq!(error.to_string(), "v10146.EV5: none of the 634 listed channels has its signal file here");
     assert_eq!(error.expected(), Some("files such as v10146.001 beside it"));
 }
 
 #[test]
-fn a_damaged_signal_file_costs_its_channel_only_unless_it_is_asked_for() {
+fn a_damaged_signal_file_is_named_with_its_line_and_costs_its_channel_only_unless_it_is_asked_for() {
     let Some(folder) = folder() else { return };
-    let temporary = tempfile::tempdir().unwrap();
-    for name in ["v10146.EV5", "v10146.093", "v10146.094"] {
-        fs::copy(folder.join(name), temporary.path().join(name)).unwrap();
-    }
-    let damaged = temporary.path().join("v10146.093");
-    let mut permissions = fs::metadata(&damaged).unwrap().permissions();
-    #[expect(clippy::permissions_set_readonly_false, reason = "a copy in a temporary folder")]
-    permissions.set_readonly(false);
-    fs::set_permissions(&damaged, permissions).unwrap();
-    let text = fs::read_to_string(&damaged).unwrap().replacen("-0.049900", "-0.0499xx", 1);
-    fs::write(&damaged, text).unwrap();
-    let ingested = read(temporary.path().join("v10146.EV5"), None).unwrap();
+    let [good, other] = ["093", "094"].map(|n| fs::read_to_string(folder.join(format!("v10146.{n}"))).unwrap());
+    let damaged = good.replacen("-0.049900", "-0.0499xx", 1);
+    let both = part_of_the_test(&folder, &[("v10146.093", &damaged), ("v10146.094", &other)]);
+    let path = both.path().join("v10146.EV5");
+    let ingested = read(&path, None).unwrap();
     assert_eq!(ingested.test.pulse.as_deref(), Some("94"));
-    assert!(ingested.notes.to_texts().iter().any(|n| n.contains("channel 93 is left out: v10146.093, line 2")));
-    let error = read(temporary.path().join("v10146.EV5"), Some("93")).unwrap_err().to_string();
+    assert!(notes(&ingested).contains("channel 93 is left out: v10146.093, line 2"));
+    let error = read(&path, Some("93")).unwrap_err().to_string();
     assert!(error.starts_with("v10146.093, line 2"), "{error}");
-}
 
-#[test]
-fn a_damaged_signal_file_is_named_with_its_line() {
-    let Some(folder) = folder() else { return };
-    let copy = tempfile::tempdir().unwrap();
-    fs::copy(folder.join("v10146.EV5"), copy.path().join("v10146.EV5")).unwrap();
-    let text = fs::read_to_string(folder.join("v10146.093")).unwrap();
-    let damaged: String =
-        text.lines().enumerate().map(|(k, l)| if k == 3 { "x\n".to_owned() } else { format!("{l}\n") }).collect();
-    fs::write(copy.path().join("v10146.093"), damaged).unwrap();
-    let path = copy.path().join("v10146.EV5");
-    let error = read(path.clone(), None).unwrap_err();
+    let lines = good.lines().enumerate().map(|(k, line)| if k == 3 { "x" } else { line });
+    let alone = part_of_the_test(&folder, &[("v10146.093", &lines.collect::<Vec<_>>().join("\n"))]);
+    let path = alone.path().join("v10146.EV5");
+    let error = read(&path, None).unwrap_err();
     assert!(error.to_string().contains("can be read: v10146.093, line 4"), "{error}");
     let lines = list(&Bundle::open(&path).unwrap(), &IngestSettings::default()).unwrap();
     let line = lines.iter().find(|line| line.id == "93").unwrap();
     assert!(line.comment.as_deref().unwrap().starts_with("its file is not read: v10146.093, line 4"), "{line:?}");
 }
 
-fn with_bundle<T>(of: &dyn Fn(&Bundle) -> T) -> T {
+#[test]
+fn a_signal_file_without_its_specification_is_told_from_an_iso_channel() {
+    let Some(folder) = folder() else { return };
+    let error = open(folder.join("v10146.093"), &lenient()).unwrap_err();
+    assert!(error.hint().contains("giving its .EV5 file"), "{}", error.hint());
+    let alone = open(folder.join("v10146.093"), &given("--allow-missing --unit g")).unwrap();
+    assert_eq!(alone.pulse().unwrap().samples.len(), 3500);
+}
+
+fn collision() -> Bundle {
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in TwoVehicles::STANDING.files() {
-        fs::write(folder.path().join(name), text).unwrap();
-    }
-    of(&Bundle::open(&folder.path().join("v90001.EV5")).unwrap())
+    write(folder.path(), &TwoVehicles::STANDING.files());
+    Bundle::open(&folder.path().join("v90001.EV5")).unwrap()
 }
 
 fn read_collision(flags: &IngestSettings) -> Ingested {
-    with_bundle(&|bundle| ingest(bundle, flags).unwrap())
+    ingest(&collision(), flags).unwrap()
 }
 
 #[test]
@@ -234,32 +236,28 @@ fn each_vehicle_has_its_own_mass_speed_pulse_and_channels() {
     let test = &ingested.test;
     assert_eq!((test.pulse.as_deref(), test.mass_kg), (Some("1"), Some(1200.0)));
     assert_eq!(test.vehicle.as_deref(), Some("2016 FIRST CAR SEDAN"));
-    let notes = ingested.notes.to_texts().join("\n");
+    let notes = notes(&ingested);
     assert!(notes.contains("vehicles 1 and 2 meet") && notes.contains("--vehicle 2 takes the other"), "{notes}");
 }
 
 #[test]
 fn the_other_vehicle_is_taken_by_its_number_or_by_its_channel() {
-    let by_word = IngestSettings { vehicle: Some("2".to_owned()), ..IngestSettings::default() };
-    let by_number = IngestSettings { vehicle_number: Some(2), ..IngestSettings::default() };
-    let by_channel = IngestSettings { channel: Some("4".to_owned()), ..IngestSettings::default() };
-    for flags in [by_word, by_number, by_channel] {
-        let ingested = read_collision(&flags);
+    for flags in ["--vehicle 2", "--vehicle-number 2", "--channel 4"] {
+        let ingested = read_collision(&given(flags));
         let test = &ingested.test;
-        assert_eq!(test.pulse.as_deref(), Some("4"), "{flags:?}");
-        assert_eq!((test.mass_kg, test.impact_speed_m_per_s), (Some(1600.0), Some(0.0)), "{flags:?}");
+        assert_eq!(test.pulse.as_deref(), Some("4"), "{flags}");
+        assert_eq!((test.mass_kg, test.impact_speed_m_per_s), (Some(1600.0), Some(0.0)), "{flags}");
         assert_eq!(test.vehicle.as_deref(), Some("2014 SECOND CAR HATCHBACK"));
         // The damage is that of the vehicle, or none.
         assert!(ingested.damage.is_none_or(|damage| damage.residual_crush_m[0] == 0.2));
     }
     // Words are words.
-    let words = IngestSettings { vehicle: Some("a car".to_owned()), ..IngestSettings::default() };
-    assert_eq!(read_collision(&words).test.vehicle.as_deref(), Some("a car"));
+    assert_eq!(read_collision(&given("--vehicle a car")).test.vehicle.as_deref(), Some("a car"));
 }
 
 #[test]
 fn locations_are_of_their_vehicle_and_a_comment_without_words_is_none() {
-    let listed = with_bundle(&|bundle| list(bundle, &IngestSettings::default()).unwrap());
+    let listed = list(&collision(), &IngestSettings::default()).unwrap();
     let location = |id: &str| listed.iter().find(|line| line.id == id).unwrap().location.clone();
     assert_eq!(location("1"), "vehicle, left rear seat crossmember");
     assert_eq!(location("2"), "vehicle, rear floor, right");

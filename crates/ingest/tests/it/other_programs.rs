@@ -1,11 +1,10 @@
 //! Workbooks, MATLAB and universal files, containers of parts of a record: made here as their programs write them.
 
-use std::fs;
-use std::io::{Cursor, Write};
+use std::io::Write;
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
-use zip::ZipWriter;
-use zip::write::SimpleFileOptions;
+use crumple_ingest::{IngestError, Ingested};
+
+use crate::{given, open, write, zipped};
 
 const ROWS: usize = 300;
 
@@ -17,25 +16,11 @@ fn accel(k: usize) -> f64 {
     if time_s(k) < 0.0 { 0.0 } else { -(k as f64) }
 }
 
-fn zipped(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in files {
-        zip.start_file(*name, SimpleFileOptions::default()).unwrap();
-        zip.write_all(bytes).unwrap();
-    }
-    zip.finish().unwrap().into_inner()
-}
-
 /// Reads bytes from the disk under a name.
-fn read_as(name: &str, bytes: &[u8], flags: &IngestSettings) -> Result<Ingested, IngestError> {
+fn read_as(name: &str, bytes: impl AsRef<[u8]>, flags: &str) -> Result<Ingested, IngestError> {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    fs::write(&path, bytes).unwrap();
-    ingest(&Bundle::open(&path)?, flags)
-}
-
-fn unit(unit: &str) -> IngestSettings {
-    IngestSettings { unit: Some(unit.to_owned()), ..IngestSettings::default() }
+    write(folder.path(), &[(name, bytes)]);
+    open(folder.path().join(name), &given(flags))
 }
 
 #[track_caller]
@@ -83,8 +68,6 @@ fn workbook(sheets: &[(&str, Vec<Vec<String>>)]) -> Vec<u8> {
     ));
     let root = format!("<Relationship Id=\"rId1\" Type=\"{of_office}/officeDocument\" Target=\"xl/workbook.xml\"/>");
     files.push(("_rels/.rels".to_owned(), format!("<Relationships xmlns=\"{of_package}\">{root}</Relationships>")));
-    let files: Vec<(&str, Vec<u8>)> =
-        files.iter().map(|(name, text)| (name.as_str(), text.clone().into_bytes())).collect();
     zipped(&files)
 }
 
@@ -97,23 +80,18 @@ fn sheet(above: &[&[&str]], time: impl Fn(usize) -> String) -> Vec<Vec<String>> 
 fn a_sheet_is_a_table_and_several_are_asked_about() {
     let plain = |k: usize| time_s(k).to_string();
     let named = || sheet(&[&["Time (s)", "Accel (m/s^2)"]], plain);
-    check(&read_as("a.xlsx", &workbook(&[("Sheet1", named())]), &IngestSettings::default()).unwrap());
+    check(&read_as("a.xlsx", workbook(&[("Sheet1", named())]), "").unwrap());
     let titled = sheet(&[&["Sled 12"], &[], &["Time", "Sill X"], &["s", "m/s^2"]], plain);
     let info = vec![vec!["Speed".to_owned(), "50".to_owned()]];
-    check(&read_as("a.xlsx", &workbook(&[("Info", info), ("Data", titled)]), &IngestSettings::default()).unwrap());
+    check(&read_as("a.xlsx", workbook(&[("Info", info), ("Data", titled)]), "").unwrap());
     let two = workbook(&[("One", named()), ("Two", named())]);
-    let error = read_as("a.xlsx", &two, &IngestSettings::default()).unwrap_err();
+    let error = read_as("a.xlsx", &two, "").unwrap_err();
     assert_eq!(error.hint(), "add --sheet \"One\", for example");
-    check(
-        &read_as("a.xlsx", &two, &IngestSettings { sheet: Some("two".to_owned()), ..IngestSettings::default() })
-            .unwrap(),
-    );
+    check(&read_as("a.xlsx", &two, "--sheet two").unwrap());
     // In an archive, too; stamps as words.
-    check(
-        &read_as("a.zip", &zipped(&[("b/a.xlsx", workbook(&[("One", named())]))]), &IngestSettings::default()).unwrap(),
-    );
+    check(&read_as("a.zip", zipped(&[("b/a.xlsx", workbook(&[("One", named())]))]), "").unwrap());
     let stamps = sheet(&[&["Time", "Accel (m/s^2)"]], |k| format!("10:02:03.{:04}", k * 5));
-    let ingested = read_as("a.xlsx", &workbook(&[("One", stamps)]), &IngestSettings::default()).unwrap();
+    let ingested = read_as("a.xlsx", workbook(&[("One", stamps)]), "").unwrap();
     let wave = &ingested.pulse().unwrap().samples;
     assert_eq!((wave.t0_s(), wave.dt_s()), (0.0, 5e-4));
 }
@@ -149,11 +127,11 @@ fn variables_matrices_and_structs_of_matlab_are_channels() {
     let acc = |name: &str| numbers(name, [1, ROWS], (0..ROWS).map(accel));
     let mass = numbers("mass", [1, 1], std::iter::once(1200.0));
     let vectors = matlab(&[t("t"), acc("acc"), mass]);
-    let error = read_as("a.mat", &vectors, &IngestSettings::default()).unwrap_err();
+    let error = read_as("a.mat", &vectors, "").unwrap_err();
     assert!(error.hint().contains("--unit g"), "{}", error.hint());
-    check(&read_as("a.mat", &vectors, &unit("m/s^2")).unwrap());
+    check(&read_as("a.mat", &vectors, "--unit m/s^2").unwrap());
     let matrix = numbers("data", [ROWS, 2], (0..ROWS).map(time_s).chain((0..ROWS).map(accel)));
-    check(&read_as("a.mat", &matlab(&[matrix]), &unit("m/s^2")).unwrap());
+    check(&read_as("a.mat", matlab(&[matrix]), "--unit m/s^2").unwrap());
     let names = [&b"time\0\0\0\0"[..], b"acc\0\0\0\0\0"].concat();
     let fields = [element(5, &8_i32.to_le_bytes()), element(1, &names), t(""), acc("")].concat();
     let record = variable(2, [1, 1], "rec", &fields);
@@ -162,12 +140,12 @@ fn variables_matrices_and_structs_of_matlab_are_channels() {
     let packed = packer.finish().unwrap();
     let packed = [15_u32.to_le_bytes().to_vec(), (packed.len() as u32).to_le_bytes().to_vec(), packed].concat();
     for record in [record, packed] {
-        let ingested = read_as("a.mat", &matlab(&[record]), &unit("m/s^2")).unwrap();
+        let ingested = read_as("a.mat", matlab(&[record]), "--unit m/s^2").unwrap();
         check(&ingested);
         assert_eq!(ingested.test.pulse.as_deref(), Some("rec.acc"));
     }
     let cut = &vectors[..vectors.len() - 100];
-    assert!(read_as("a.mat", cut, &unit("g")).unwrap_err().to_string().contains("longer than the file"));
+    assert!(read_as("a.mat", cut, "--unit g").unwrap_err().to_string().contains("longer than the file"));
 }
 
 #[test]
@@ -195,10 +173,10 @@ fn a_data_set_58_is_a_channel() {
     let pairs = lines((0..ROWS).flat_map(|k| [time_s(k), accel(k)]).collect());
     for text in [about(true) + &even, about(false) + &pairs] {
         let text = text + "    -1\n    -1\n   164\n         1\n    -1\n";
-        check(&read_as("a.uff", text.as_bytes(), &IngestSettings::default()).unwrap());
+        check(&read_as("a.uff", &text, "").unwrap());
     }
     let short = about(true) + "  0.00000E+00\n    -1\n";
-    let error = read_as("a.uff", short.as_bytes(), &IngestSettings::default()).unwrap_err();
+    let error = read_as("a.uff", &short, "").unwrap_err();
     assert!(error.to_string().contains("300 numbers are announced, 1 are there"), "{error}");
 }
 
@@ -208,7 +186,7 @@ fn tables_of_a_telephone_about_itself_are_no_records() {
     let data = format!("time_s,acc (m/s^2)\n{rows}").into_bytes();
     let device = b"property,value\nmodel,phone\n".to_vec();
     let export = zipped(&[("Raw Data.csv", data), ("meta/device.csv", device.clone()), ("meta/time.csv", device)]);
-    check(&read_as("export.zip", &export, &IngestSettings::default()).unwrap());
+    check(&read_as("export.zip", &export, "").unwrap());
 }
 
 #[test]
@@ -218,11 +196,8 @@ fn channels_of_a_test_may_lie_in_an_archive_beside_its_description() {
     let channel = format!(
         "Channel code :10VEHCCG0000ACXP\nUnit :m/(s*s)\nSampling interval :5e-4\nTime of first sample :-0.05\n{samples}"
     );
-    fs::write(
-        folder.path().join("T1.mme"),
-        "Data format edition number :1.6\nTitle :sled\nName of test object 1 :car\n",
-    )
-    .unwrap();
-    fs::write(folder.path().join("Channel.zip"), zipped(&[("Channel/T1.001", channel.into_bytes())])).unwrap();
-    check(&ingest(&Bundle::open(folder.path()).unwrap(), &IngestSettings::default()).unwrap());
+    let description = "Data format edition number :1.6\nTitle :sled\nName of test object 1 :car\n";
+    let channels = zipped(&[("Channel/T1.001", channel)]);
+    write(folder.path(), &[("T1.mme", description.as_bytes()), ("Channel.zip", &channels)]);
+    check(&open(folder.path(), &given("")).unwrap());
 }

@@ -1,19 +1,20 @@
 //! Numbers named in protobuf messages of MCAP files, in chunks of every packing.
 
-use std::collections::BTreeMap;
 use std::fs;
-use std::io::{Cursor, Write};
+use std::io::Write;
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
+use crumple_ingest::{IngestError, IngestSettings, Ingested};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 use mcap::Compression;
-use mcap::records::MessageHeader;
 use proptest::prelude::*;
 use prost_reflect::prost::Message as _;
 use prost_reflect::prost_types::field_descriptor_proto::{Label, Type};
 use prost_reflect::prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
 use prost_reflect::{DescriptorPool, DynamicMessage, MapKey, Value};
+
+use crate::messages::{imu, mcap_file};
+use crate::{given, read_as};
 
 fn field(name: &str, number: i32, kind: Type, of: &str) -> FieldDescriptorProto {
     FieldDescriptorProto {
@@ -81,37 +82,28 @@ fn sample(pool: &DescriptorPool, k: u64, with_stamp: bool) -> Vec<u8> {
     sensor.encode_to_vec()
 }
 
-fn mcap_file(packing: Option<Compression>, description: &[u8], with_stamp: bool) -> Vec<u8> {
+const TOPIC: (&str, &str) = ("/tunnel", "protobuf");
+
+fn mcap_of(packing: Option<Compression>, description: &[u8], with_stamp: bool) -> Vec<u8> {
     let pool = DescriptorPool::decode(self::description().as_slice()).unwrap();
-    let mut writer = mcap::WriteOptions::new().compression(packing).create(Cursor::new(Vec::new())).unwrap();
-    let schema = writer.add_schema("crash.Sensor", "protobuf", description).unwrap();
-    let channel = writer.add_channel(schema, "/tunnel", "protobuf", &BTreeMap::new()).unwrap();
-    for k in 0..200_u64 {
+    let messages = (0..200_u64).map(|k| {
         // Recorded late and, without a stamp of their own, evenly.
         let late = if with_stamp { (k * 7919) % 500_000 } else { 0 };
-        let time = 50_000_000_000 + k * 2_000_000 + late;
-        let header = MessageHeader { channel_id: channel, sequence: 0, log_time: time, publish_time: time };
-        writer.write_to_known_channel(&header, &sample(&pool, k, with_stamp)).unwrap();
-    }
-    writer.finish().unwrap();
-    writer.into_inner().into_inner()
+        (50_000_000_000 + k * 2_000_000 + late, sample(&pool, k, with_stamp))
+    });
+    mcap_file(("crash.Sensor", "protobuf", description), TOPIC, packing, messages)
 }
 
 fn read(bytes: Vec<u8>, field: &str, unit: Option<&str>) -> Result<Ingested, IngestError> {
-    let settings = IngestSettings {
-        field: Some(field.to_owned()),
-        unit: unit.map(str::to_owned),
-        allow_missing: Some(true),
-        ..IngestSettings::default()
-    };
-    ingest(&Bundle::from_bytes("a.mcap", bytes)?, &settings)
+    let unit = unit.map_or_else(String::new, |unit| format!("--unit {unit}"));
+    read_as("a.mcap", bytes, &given(&format!("--allow-missing --field {field} {unit}")))
 }
 
 #[test]
 fn named_fields_come_with_the_stamps_of_the_messages_whatever_the_packing() {
     for packing in [None, Some(Compression::Lz4), Some(Compression::Zstd)] {
         let ingested =
-            read(mcap_file(packing, &description(), true), "linear.x,linear.z,raw.1,force", Some("g")).unwrap();
+            read(mcap_of(packing, &description(), true), "linear.x,linear.z,raw.1,force", Some("g")).unwrap();
         let of = |id: &str| ingested.waves.iter().find(|w| w.id == id).unwrap();
         let x = of("tunnel-linear_x");
         assert_eq!((x.quantity, x.samples.t0_s(), x.samples.dt_s()), (QuantityKind::Acceleration, 0.0, 1e-3));
@@ -125,7 +117,7 @@ fn named_fields_come_with_the_stamps_of_the_messages_whatever_the_packing() {
 
 #[test]
 fn without_a_stamp_the_time_of_recording_counts_and_is_said() {
-    let ingested = read(mcap_file(None, &description(), false), "linear.x", None).unwrap();
+    let ingested = read(mcap_of(None, &description(), false), "linear.x", None).unwrap();
     assert_eq!((ingested.waves[0].samples.dt_s(), ingested.waves[0].quantity), (2e-3, QuantityKind::Other));
     let notes = ingested.notes.to_texts().join("\n");
     assert!(notes.contains("the time of recording is taken") && notes.contains("no unit is known"), "{notes}");
@@ -133,25 +125,25 @@ fn without_a_stamp_the_time_of_recording_counts_and_is_said() {
 
 #[test]
 fn a_wrong_path_is_answered_with_the_right_ones() {
-    let error = read(mcap_file(None, &description(), true), "linear.w", Some("g")).unwrap_err();
+    let error = read(mcap_of(None, &description(), true), "linear.w", Some("g")).unwrap_err();
     assert!(error.to_string().contains("no JSON or protobuf message has a number at linear.w"), "{error}");
     assert_eq!(error.hint(), "correct --field; numbers there: force, linear.x, linear.y, linear.z, raw.0");
-    let error = read(mcap_file(None, &description(), true), "linear", Some("g")).unwrap_err();
+    let error = read(mcap_of(None, &description(), true), "linear", Some("g")).unwrap_err();
     assert!(error.to_string().contains("has a number at linear"), "{error}");
-    let error = read(mcap_file(None, &description(), true), "linear.x", Some("parsec")).unwrap_err();
+    let error = read(mcap_of(None, &description(), true), "linear.x", Some("parsec")).unwrap_err();
     assert!(error.to_string().contains("\"parsec\", stated by --unit"), "{error}");
 }
 
 #[test]
 fn unnamed_fields_and_broken_schemas_are_refused_by_name() {
-    let bytes = mcap_file(None, &description(), true);
-    let error = ingest(&Bundle::from_bytes("a.mcap", bytes).unwrap(), &IngestSettings::default()).unwrap_err();
+    let bytes = mcap_of(None, &description(), true);
+    let error = read_as("a.mcap", bytes, &IngestSettings::default()).unwrap_err();
     assert!(error.to_string().contains("/tunnel (crash.Sensor, protobuf, 200 messages)"), "{error}");
     assert!(error.hint().contains("--field"), "{}", error.hint());
-    let error = read(mcap_file(None, b"syntax = \"proto3\";", true), "linear.x", None).unwrap_err();
+    let error = read(mcap_of(None, b"syntax = \"proto3\";", true), "linear.x", None).unwrap_err();
     assert!(error.to_string().contains("its schema is no description of protobuf types"), "{error}");
     let nothing = FileDescriptorSet::default().encode_to_vec();
-    let error = read(mcap_file(None, &nothing, true), "linear.x", None).unwrap_err();
+    let error = read(mcap_of(None, &nothing, true), "linear.x", None).unwrap_err();
     assert!(error.to_string().contains("its schema does not describe crash.Sensor"), "{error}");
 }
 
@@ -174,17 +166,12 @@ proptest! {
             bytes
         };
         let schema = if which == 0 { change(description()) } else { description() };
-        let mut writer = mcap::WriteOptions::new().compression(None).create(Cursor::new(Vec::new())).unwrap();
-        let schema = writer.add_schema("crash.Sensor", "protobuf", &schema).unwrap();
-        let channel = writer.add_channel(schema, "/tunnel", "protobuf", &BTreeMap::new()).unwrap();
-        for k in 0..60_u64 {
+        let messages = (0..60_u64).map(|k| {
             let data = sample(&pool, k, true);
-            let data = if which == 1 && k % 7 == 3 { change(data) } else { data };
-            let header = MessageHeader { channel_id: channel, sequence: 0, log_time: k, publish_time: k };
-            writer.write_to_known_channel(&header, &data).unwrap();
-        }
-        writer.finish().unwrap();
-        if let Ok(ingested) = read(writer.into_inner().into_inner(), "linear.x,raw.1", Some("g")) {
+            (k, if which == 1 && k % 7 == 3 { change(data) } else { data })
+        });
+        let file = mcap_file(("crash.Sensor", "protobuf", &schema), TOPIC, None, messages);
+        if let Ok(ingested) = read(file, "linear.x,raw.1", Some("g")) {
             prop_assert!(ingested.waves.iter().all(|w| w.samples.samples().iter().all(|x| x.is_finite())));
         }
     }
@@ -211,13 +198,9 @@ fn maps_are_no_numbers() {
     let pool = DescriptorPool::from_file_descriptor_set(set.clone()).unwrap();
     let mut row = DynamicMessage::new(pool.get_message_by_name("crash.Table").unwrap());
     row.set_field_by_name("of", Value::Map([(MapKey::String("x".to_owned()), Value::F64(1.0))].into()));
-    let mut writer = mcap::WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
-    let schema = writer.add_schema("crash.Table", "protobuf", &set.encode_to_vec()).unwrap();
-    let channel = writer.add_channel(schema, "/t", "protobuf", &BTreeMap::new()).unwrap();
-    let header = MessageHeader { channel_id: channel, sequence: 0, log_time: 1, publish_time: 1 };
-    writer.write_to_known_channel(&header, &row.encode_to_vec()).unwrap();
-    writer.finish().unwrap();
-    let error = read(writer.into_inner().into_inner(), "of.x", None).unwrap_err();
+    let schema = ("crash.Table", "protobuf", &set.encode_to_vec()[..]);
+    let error =
+        read(mcap_file(schema, ("/t", "protobuf"), None, [(1, row.encode_to_vec())]), "of.x", None).unwrap_err();
     assert_eq!(error.hint(), "correct --field; numbers there: a");
 }
 
@@ -258,43 +241,29 @@ fn chunk(packing: &str, claimed: usize, packed: &[u8]) -> Vec<u8> {
     record(&header, packed)
 }
 
-/// `sensor_msgs/Imu` of ROS 1.
-fn imu(k: u32) -> Vec<u8> {
-    let mut data = [k, 100, k * 1_000_000, 4].map(u32::to_le_bytes).concat();
-    data.extend(b"base");
-    let numbers = [vec![0.0; 13], vec![0.5; 3], vec![0.0; 9], vec![-f64::from(k), 0.0, 9.8], vec![0.0; 9]].concat();
-    data.extend(numbers.iter().flat_map(|x: &f64| x.to_le_bytes()));
-    data
-}
-
 /// 200 messages at 1 kHz, a chunk for each 50, the connection in the first.
-fn records() -> Vec<Vec<u8>> {
+pub fn records() -> Vec<Vec<u8>> {
     let conn = field_of_header("conn", &0_u32.to_le_bytes());
     let about = [field_of_header("topic", b"/imu"), field_of_header("type", b"sensor_msgs/Imu")].concat();
     let connection = record(&[field_of_header("op", &[7]), conn.clone(), field_of_header("topic", b"/imu")], &about);
     (0..4)
         .map(|c| {
+            let imu = |k: u32| imu(false, 100_000_000_000 + u64::from(k) * 1_000_000, [-f64::from(k), 0.0, 9.8]);
             let messages = (0..50).flat_map(|k| record(&[field_of_header("op", &[2]), conn.clone()], &imu(50 * c + k)));
             (if c == 0 { connection.clone() } else { Vec::new() }).into_iter().chain(messages).collect()
         })
         .collect()
 }
 
+pub const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+
 fn bag(packing: &str) -> Vec<u8> {
-    let mut bag = b"#ROSBAG V2.0\n".to_vec();
-    for records in records() {
-        bag.extend(chunk(packing, records.len(), &pack(packing, &records)));
-    }
-    bag
+    let chunks = records().into_iter().flat_map(|records| chunk(packing, records.len(), &pack(packing, &records)));
+    MAGIC.iter().copied().chain(chunks).collect()
 }
 
 fn read_bag(bytes: Vec<u8>) -> Result<Ingested, IngestError> {
-    let settings = IngestSettings {
-        allow_missing: Some(true),
-        channel: Some("acceleration_x".to_owned()),
-        ..IngestSettings::default()
-    };
-    ingest(&Bundle::from_bytes("a.bag", bytes)?, &settings)
+    read_as("a.bag", bytes, &given("--allow-missing --channel acceleration_x"))
 }
 
 #[test]
@@ -313,18 +282,10 @@ fn chunks_of_every_packing_hold_the_same_record() {
 fn a_real_bag_packed_anew_reads_alike() {
     let Some(path) = shared("data/ros-imu-bag/tilt_laser.bag") else { return };
     let bytes = fs::read(path).unwrap();
-    let settings = IngestSettings {
-        allow_missing: Some(true),
-        channel: Some("acceleration_z".to_owned()),
-        resample: Some("20Hz".parse().unwrap()),
-        ..IngestSettings::default()
-    };
-    let samples = |bytes: Vec<u8>| {
-        let ingested = ingest(&Bundle::from_bytes("a.bag", bytes).unwrap(), &settings).unwrap();
-        ingested.pulse().unwrap().samples.clone()
-    };
+    let settings = given("--allow-missing --channel acceleration_z --resample 20Hz");
+    let samples = |bytes: Vec<u8>| read_as("a.bag", bytes, &settings).unwrap().pulse().unwrap().samples.clone();
     let expected = samples(bytes.clone());
-    let magic = b"#ROSBAG V2.0\n".len();
+    let magic = MAGIC.len();
     for packing in ["bz2", "lz4"] {
         // Every chunk of the file anew; other records as they are.
         let (mut at, mut packed) = (magic, bytes[..magic].to_vec());
@@ -351,7 +312,7 @@ fn a_real_bag_packed_anew_reads_alike() {
 #[test]
 fn damaged_false_and_boastful_chunks_are_refused_at_their_byte() {
     let of = |packing: &str, claimed: usize, packed: &[u8]| {
-        let bytes = [b"#ROSBAG V2.0\n".to_vec(), chunk(packing, claimed, packed)].concat();
+        let bytes = [MAGIC.to_vec(), chunk(packing, claimed, packed)].concat();
         read_bag(bytes).unwrap_err().to_string()
     };
     let data = records().concat();
@@ -374,6 +335,6 @@ fn damaged_false_and_boastful_chunks_are_refused_at_their_byte() {
         assert!(of(packing, nested.len(), &pack(packing, &nested)).contains("a chunk inside a chunk"));
     }
     assert!(of("zstd", 4, b"abcd").contains("a chunk compressed by \"zstd\""));
-    let cut = [b"#ROSBAG V2.0\n".to_vec(), chunk("none", 4, b"abcd")[..20].to_vec()].concat();
+    let cut = [MAGIC.to_vec(), chunk("none", 4, b"abcd")[..20].to_vec()].concat();
     assert!(read_bag(cut).unwrap_err().to_string().contains("a record is cut short (byte 13)"));
 }

@@ -1,30 +1,23 @@
 //! The binary's refusals: exit code, and the words people see.
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
+
+use crate::{program, write, zipped};
 
 /// Runs the stage on a file with this content and returns exit code and stderr.
 fn run(name: &str, content: &[u8], flags: &[&str]) -> (i32, String) {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    fs::write(&path, content).unwrap();
-    run_on(&path, flags)
+    write(folder.path(), &[(name, content)]);
+    run_on(&folder.path().join(name), flags)
 }
 
 fn run_on(path: &Path, flags: &[&str]) -> (i32, String) {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("1-ingest.mcap");
-    let done = Command::new(env!("CARGO_BIN_EXE_crumple-ingest"))
-        .arg(path)
-        .arg("-o")
-        .arg(&output)
-        .args(flags)
-        .output()
-        .unwrap();
-    let code = done.status.code().unwrap();
+    let (code, _, said) = program(path, &[&["-o", output.to_str().unwrap()], flags].concat());
     assert_eq!(output.exists(), code == 0, "an artifact exists exactly if the stage succeeded");
-    (code, String::from_utf8(done.stderr).unwrap())
+    (code, said)
 }
 
 fn rows(n: usize) -> String {
@@ -37,7 +30,7 @@ const STATED: [&str; 4] = ["--mass", "873kg", "--impact-speed", "35km/h"];
 fn refused(name: &str, content: impl AsRef<[u8]>, flags: &[&str], words: &[&str]) {
     let (code, text) = run(name, content.as_ref(), flags);
     assert_eq!(code, 3, "{text}");
-    assert!(text.starts_with("error: ") && text.contains("  hint: "), "{text}");
+    assert!(text.starts_with("error: ") && text.contains("  expected: ") && text.contains("  hint: "), "{text}");
     for word in words {
         assert!(text.contains(word), "{word:?} is not in\n{text}");
     }
@@ -50,57 +43,81 @@ fn a_good_record_is_not_refused() {
     assert!(text.contains("mass 873 kg") && text.contains("300 samples at 10000 Hz"), "{text}");
 }
 
-#[test]
-fn empty_files() {
-    refused("a.csv", "", &[], &["a.csv: the file is empty"]);
-    refused("a.csv", " \n\r\n\t", &[], &["nothing but blanks"]);
-    refused("a.csv", "# only\n# comments\n", &[], &["nothing but comments"]);
+/// A good table, one text in it replaced.
+fn table_but(from: &str, to: &str) -> String {
+    format!("time_s,accel_g\n{}", rows(300)).replacen(from, to, 1)
 }
 
 #[test]
-fn no_unit() {
-    refused(
-        "a.csv",
-        format!("time_s,accel\n{}", rows(300)),
-        &STATED,
-        &["column 2 (accel): no unit is stated", "--unit g"],
-    );
-    refused("a.csv", format!("time_s,accel [xyz]\n{}", rows(300)), &STATED, &["unit \"xyz\" is not known"]);
+fn what_is_wrong_in_a_table_is_named() {
+    let good = table_but("", "");
+    let several: String = (0..100).map(|k| format!("{:.4},{k},{k}\n", f64::from(k) * 1e-4)).collect();
+    let several = format!("time_s,left_g,right_g\n{several}");
+    let commas: String = (0..100).map(|k| format!("0,{k:04},-{k},5\n")).collect();
+    let cases: [(String, &[&str], &[&str]); 19] = [
+        // Empty files.
+        (String::new(), &[], &["a.csv: the file is empty"]),
+        (" \n\r\n\t".to_owned(), &[], &["nothing but blanks"]),
+        ("# only\n# comments\n".to_owned(), &[], &["nothing but comments"]),
+        // No unit, one that is none, a bare number.
+        (table_but("accel_g", "accel"), &STATED, &["column 2 (accel): no unit is stated", "--unit g"]),
+        (table_but("accel_g", "accel [xyz]"), &STATED, &["unit \"xyz\" is not known"]),
+        (good.clone(), &["--unit", "parsec"], &["no unit of acceleration"]),
+        (format!("# mass: 873\n{good}"), &["--impact-speed", "35km/h"], &["a.csv, line 1: \"873\" has no unit"]),
+        (good.clone(), &["--mass=-5kg"], &["a usable mass", "flag gives -5"]),
+        // Two equal times, a gap in time.
+        (
+            table_but("0.0100,", "0.0099,"),
+            &STATED,
+            &["a.csv, line 102, column 1 (time_s): time 0.0099 again, as in line 101"],
+        ),
+        (
+            table_but("0.0100,-10.000\n", ""),
+            &STATED,
+            &["a.csv, line 102, column 1 (time_s): a step of 0.000200000 s", "resample"],
+        ),
+        // No finite number, a word.
+        (
+            table_but("-10.000", "NaN"),
+            &STATED,
+            &["a.csv, line 102, column 2 (accel_g): \"NaN\" is not a finite number"],
+        ),
+        (table_but("-10.000", "1e308"), &STATED, &["a.csv, line 102, column 2 (accel_g)", "inf"]),
+        (
+            table_but("-10.000", "overload"),
+            &[],
+            &["a.csv, line 102, column 2 (accel_g): \"overload\" is not a finite number"],
+        ),
+        (format!("time_s,accel_g\n{}", rows(20)), &STATED, &["a.csv: too few samples: 20", "at least 50 samples"]),
+        // Several accelerations.
+        (several.clone(), &STATED, &["2 acceleration columns: left_g, right_g", "--channel left_g"]),
+        (several, &["--channel", "middle"], &["no column \"middle\"", "left_g, right_g"]),
+        (format!("time_s,accel_g\n{commas}"), &STATED, &["decimal comma", "a.csv, line 2"]),
+        (format!("{}{good}", "# x\n".repeat(10_001)), &STATED, &["line 10001", "10000 lines of comments and blanks"]),
+        // Uneven times with their jitter: every tenth step is a fifth longer.
+        (uneven(), &STATED, &["jitter", ": 0.200)", "--resample 10000Hz"]),
+    ];
+    for (text, flags, words) in cases {
+        refused("a.csv", text, flags, words);
+    }
+}
+
+fn uneven() -> String {
+    let time = |k: usize| k as f64 * 1e-4 + if k % 10 == 5 { 2e-5 } else { 0.0 };
+    let rows = (0..400).map(|k| format!("{:.6},{:.3}\n", time(k), -0.1 * k as f64));
+    format!("time_s,accel_g\n{}", rows.collect::<String>())
 }
 
 #[test]
-fn two_equal_times() {
-    let text = format!("time_s,accel_g\n{}", rows(300)).replacen("0.0100,", "0.0099,", 1);
-    refused("a.csv", text, &STATED, &["a.csv, line 102, column 1 (time_s): time 0.0099 again, as in line 101"]);
-}
-
-#[test]
-fn a_gap_in_time() {
-    let text = format!("time_s,accel_g\n{}", rows(300)).replacen("0.0100,-10.000\n", "", 1);
-    refused("a.csv", text, &STATED, &["a.csv, line 102, column 1 (time_s): a step of 0.000200000 s", "resample"]);
-}
-
-#[test]
-fn nan_inside() {
-    let text = format!("time_s,accel_g\n{}", rows(300)).replacen("-10.000", "NaN", 1);
-    refused("a.csv", text, &STATED, &["a.csv, line 102, column 2 (accel_g): \"NaN\" is not a finite number"]);
-    let text = format!("time_s,accel_g\n{}", rows(300)).replacen("-10.000", "1e308", 1);
-    refused("a.csv", text, &STATED, &["a.csv, line 102, column 2 (accel_g)", "inf"]);
-}
-
-#[test]
-fn twenty_samples() {
-    refused(
-        "a.csv",
-        format!("time_s,accel_g\n{}", rows(20)),
-        &STATED,
-        &["a.csv: too few samples: 20", "at least 50 samples"],
-    );
+fn uneven_times_are_resampled_on_request() {
+    let (code, said) = run("a.csv", uneven().as_bytes(), &[&STATED[..], &["--resample", "10kHz"]].concat());
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("are resampled to"), "{said}");
 }
 
 #[test]
 fn mass_or_speed_missing_is_no_reason_to_refuse() {
-    let text = format!("time_s,accel_g\n{}", rows(300));
+    let text = table_but("", "");
     for (flags, words) in [
         (&STATED[2..], "mass unknown"),
         (&STATED[..2], "impact speed unknown"),
@@ -131,42 +148,14 @@ fn times_beyond_any_record_and_pipes_without_a_writer() {
 }
 
 #[test]
-fn nonsense_values() {
-    let text = format!("time_s,accel_g\n{}", rows(300));
-    refused("a.csv", &text, &["--mass=-5kg", "--impact-speed", "35km/h"], &["a usable mass", "flag gives -5"]);
-    let (code, message) = run("a.csv", text.as_bytes(), &["--mass", "873"]);
-    assert_eq!(code, 2, "{message}");
-    assert!(message.contains("has no unit"), "{message}");
+fn a_bare_number_in_a_flag_is_a_slip() {
+    let (code, message) = run("a.csv", table_but("", "").as_bytes(), &["--mass", "873"]);
+    assert!(code == 2 && message.contains("has no unit"), "{message}");
+
     for mass in ["873", "nan kg"] {
-        let text = format!("# mass: {mass}\n{text}");
-        refused("a.csv", &text, &["--impact-speed", "35km/h"], &[&format!("a.csv, line 1: \"{mass}\"")]);
+        let text = format!("# mass: {mass}\n{}", table_but("", ""));
         assert_eq!(run("a.csv", text.as_bytes(), &STATED).0, 0, "a flag stands for the line");
     }
-    refused(
-        "a.csv",
-        &text,
-        &["--mass", "873kg", "--impact-speed", "35km/h", "--unit", "parsec"],
-        &["no unit of acceleration"],
-    );
-}
-
-#[test]
-fn several_accelerations() {
-    let rows: String = (0..100).map(|k| format!("{:.4},{k},{k}\n", f64::from(k) * 1e-4)).collect();
-    let text = format!("time_s,left_g,right_g\n{rows}");
-    refused("a.csv", &text, &STATED, &["2 acceleration columns: left_g, right_g", "--channel left_g"]);
-    refused(
-        "a.csv",
-        &text,
-        &[&STATED[..], &["--channel", "middle"]].concat(),
-        &["no column \"middle\"", "left_g, right_g"],
-    );
-}
-
-#[test]
-fn broken_decimal_commas() {
-    let rows: String = (0..100).map(|k| format!("0,{k:04},-{k},5\n")).collect();
-    refused("a.csv", format!("time_s,accel_g\n{rows}"), &STATED, &["decimal comma", "a.csv, line 2"]);
 }
 
 #[test]
@@ -203,10 +192,8 @@ fn a_specification_whose_files_are_absent() {
 #[test]
 fn a_sidecar_with_a_slip() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.csv");
-    fs::write(&path, format!("time_s,accel_g\n{}", rows(300))).unwrap();
-    fs::write(folder.path().join("a.csv.toml"), "mas = \"873 kg\"\n").unwrap();
-    let (code, text) = run_on(&path, &[]);
+    write(folder.path(), &[("a.csv", table_but("", "")), ("a.csv.toml", "mas = \"873 kg\"\n".to_owned())]);
+    let (code, text) = run_on(&folder.path().join("a.csv"), &[]);
     assert!(
         code == 3 && text.contains("a.csv.toml: unknown key \"mas\"") && text.contains("did you mean \"mass\"?"),
         "{text}"
@@ -215,10 +202,9 @@ fn a_sidecar_with_a_slip() {
 
 #[test]
 fn a_closed_stderr_changes_nothing() {
-    use std::process::{Command, Stdio};
     let mut child = Command::new(env!("CARGO_BIN_EXE_crumple-ingest"))
         .args(["no-such-file.csv", "-o", "no-such-output.mcap"])
-        .stderr(Stdio::piped())
+        .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
     // The process has yet to start when its reader goes.
@@ -227,36 +213,31 @@ fn a_closed_stderr_changes_nothing() {
 }
 
 #[test]
-fn uneven_times_are_refused_with_their_jitter_and_resampled_on_request() {
-    // Every tenth step is a fifth longer.
-    let text: String = (0..400)
-        .map(|k| format!("{:.6},{:.3}\n", k as f64 * 1e-4 + f64::from(u8::from(k % 10 == 5)) * 2e-5, -0.1 * k as f64))
-        .collect();
-    let text = format!("time_s,accel_g\n{text}");
-    refused("a.csv", &text, &STATED, &["jitter", ": 0.200)", "--resample 10000Hz"]);
-    let (code, said) = run("a.csv", text.as_bytes(), &[&STATED[..], &["--resample", "10kHz"]].concat());
-    assert_eq!(code, 0, "{said}");
-    assert!(
-        said.contains("resampled to 10000 Hz by linear interpolation") || said.contains("are resampled to"),
-        "{said}"
-    );
+fn what_cannot_be_read_is_called_by_its_name() {
+    refused("a.tdx", [0_u8, 0, 1, 200, 3, 0, 0, 63].repeat(20), &[], &["TDX", ".TDM"]);
+    let inner = zipped(&[("a.csv", "0,1\n"), ("other.bin", "0,1\n")]);
+    let outer = zipped(&[("inner.zip", &inner), ("other.bin", &inner)]);
+    refused("a.zip", outer, &[], &["an archive inside the archive: inner.zip"]);
 }
 
 #[test]
-fn what_cannot_be_read_is_called_by_its_name() {
-    let comments = format!("{}time_s,accel_g\n{}", "# x\n".repeat(10_001), rows(300));
-    refused("a.csv", comments, &STATED, &["line 10001", "10000 lines of comments and blanks"]);
-    refused("a.tdx", [0_u8, 0, 1, 200, 3, 0, 0, 63].repeat(20), &[], &["TDX", ".TDM"]);
-
-    use std::io::{Cursor, Write};
-    let zipped = |name: &str, content: &[u8]| {
-        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
-        for name in [name, "other.bin"] {
-            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
-            zip.write_all(content).unwrap();
-        }
-        zip.finish().unwrap().into_inner()
-    };
-    let outer = zipped("inner.zip", &zipped("a.csv", b"0,1\n"));
-    refused("a.zip", outer, &[], &["an archive inside the archive: inner.zip"]);
+fn every_refusal_names_file_place_expectation_and_remedy() {
+    let rows: String = (0..100).map(|k| format!("{:.4},{k}\n", f64::from(k) * 1e-4)).collect();
+    let cases: [(&str, Vec<u8>, &str); 8] = [
+        (
+            "c.001",
+            b"Channel code :10VEHC000000ACX0\nUnit :g\nSampling interval :1e-4\n1\n2\nx\n".to_vec(),
+            "c.001, line 6",
+        ),
+        ("d.001", b"Channel code :10VEHC000000ACX0\nUnit :g\n1\n2\n".to_vec(), "d.001: no sampling interval"),
+        ("e.bag", b"#ROSBAG V2.0\n\x09\0\0\0".to_vec(), "e.bag: a record is cut short (byte 13)"),
+        ("f.mcap", b"\x89MCAP0\r\n".to_vec(), "f.mcap: the MCAP file cannot be read"),
+        ("g.001", rows.replace(',', "\t").into_bytes(), "g.001, column 2"),
+        ("h.EV5", b"----- EV5 -----\n----- TEST -----\nV5|T\n".to_vec(), "h.EV5: no section ----- VEHICLE -----"),
+        ("i.db3", b"SQLite format 3\0\0\0".to_vec(), "i.db3 is "),
+        ("k.dat", vec![0; 100], "k.dat: binary data of an unknown kind"),
+    ];
+    for (name, content, place) in cases {
+        refused(name, content, &["--allow-missing"], &[place, "expected: "]);
+    }
 }

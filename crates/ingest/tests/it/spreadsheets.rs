@@ -1,16 +1,12 @@
 //! Tables as people's programs write them: section by section what a reader of CSV has to stand.
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Profile, ingest, list};
+use crumple_ingest::{Bundle, IngestError, Ingested, list};
 use crumple_signal::{Axis, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
-use crate::notes;
+use crate::{given, lenient, notes, read_as};
 
 fn read(text: impl Into<Vec<u8>>) -> Result<Ingested, IngestError> {
-    read_with(text, &IngestSettings { allow_missing: Some(true), ..IngestSettings::default() })
-}
-
-fn read_with(text: impl Into<Vec<u8>>, settings: &IngestSettings) -> Result<Ingested, IngestError> {
-    ingest(&Bundle::from_bytes("a.txt", text.into())?, settings)
+    read_as("a.txt", text, &lenient())
 }
 
 /// Rows of time (ms) and acceleration (g) in words of `line`.
@@ -32,9 +28,10 @@ fn milliseconds_without_a_unit_are_told_by_their_step_and_said() {
     let ingested = read(text.clone()).unwrap();
     check(&ingested);
     assert!(notes(&ingested).contains("ms is assumed, because the steps are 0.100000. --time-unit overrides"));
-    let seconds =
-        IngestSettings { allow_missing: Some(true), time_unit: Some("s".to_owned()), ..IngestSettings::default() };
-    assert_eq!(read_with(text, &seconds).unwrap().pulse().unwrap().samples.dt_s(), 0.1);
+    assert_eq!(
+        read_as("a.txt", text, &given("--allow-missing --time-unit s")).unwrap().pulse().unwrap().samples.dt_s(),
+        0.1
+    );
     // Steps of 100 are neither: asked.
     let odd: String = (0..100).map(|k| format!("{},{k}\n", k * 100)).collect();
     let error = read(format!("t,a [g]\n{odd}")).unwrap_err();
@@ -164,17 +161,13 @@ fn report() -> String {
     text
 }
 
-fn read_report(text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
-    ingest(&Bundle::from_bytes("edr.csv", text.as_bytes().to_vec())?, settings)
-}
-
-fn edr() -> IngestSettings {
-    IngestSettings { profile: Some(Profile::Edr), ..IngestSettings::default() }
+fn read_report(text: &str, flags: &str) -> Result<Ingested, IngestError> {
+    read_as("edr.csv", text, &given(flags))
 }
 
 #[test]
 fn the_longitudinal_table_of_the_first_event_is_taken_and_the_others_are_named() {
-    let ingested = read_report(&report(), &edr()).unwrap();
+    let ingested = read_report(&report(), "--profile edr").unwrap();
     assert_eq!(ingested.test.pulse.as_deref(), Some("Velocity_Change-2"));
     let channel = ingested.test.channel("Velocity_Change-2").unwrap();
     assert_eq!((channel.quantity, channel.axis), (QuantityKind::VelocityChange, Some(Axis::X)));
@@ -196,21 +189,22 @@ fn the_longitudinal_table_of_the_first_event_is_taken_and_the_others_are_named()
 
 #[test]
 fn a_channel_or_a_title_picks_another_table() {
-    let settings = IngestSettings { channel: Some("*Event Record 2*".to_owned()), ..edr() };
-    assert_eq!(read_report(&report(), &settings).unwrap().test.pulse.as_deref(), Some("Velocity_Change-3"));
-    let settings = IngestSettings { skip_to: Some("lateral crash".to_owned()), ..edr() };
-    let ingested = read_report(&report(), &settings).unwrap();
+    assert_eq!(
+        read_report(&report(), "--profile edr --channel *Event Record 2*").unwrap().test.pulse.as_deref(),
+        Some("Velocity_Change-3")
+    );
+    let ingested = read_report(&report(), "--profile edr --skip-to lateral crash").unwrap();
     assert_eq!((ingested.waves.len(), ingested.test.pulse), (1, None));
-    let error = read_report(&report(), &IngestSettings { channel: Some("Velocity*".to_owned()), ..edr() }).unwrap_err();
+    let error = read_report(&report(), "--profile edr --channel Velocity*").unwrap_err();
     assert!(error.to_string().contains("means 3 channels"), "{error}");
-    let error = read_report(&report(), &IngestSettings { skip_to: Some("Rollover".to_owned()), ..edr() }).unwrap_err();
+    let error = read_report(&report(), "--profile edr --skip-to Rollover").unwrap_err();
     assert_eq!(error.to_string(), "edr.csv: no line holds \"Rollover\"");
 }
 
 #[test]
 fn the_list_shows_every_table() {
     let bundle = Bundle::from_bytes("edr.csv", report().into_bytes()).unwrap();
-    let lines = list(&bundle, &edr()).unwrap();
+    let lines = list(&bundle, &given("--profile edr")).unwrap();
     let shown: Vec<_> = lines.iter().map(|l| (l.id.as_str(), l.quantity.as_str(), l.samples)).collect();
     assert_eq!(
         shown,
@@ -227,15 +221,15 @@ fn the_list_shows_every_table() {
 #[test]
 fn units_that_disagree_are_named_with_their_line() {
     let wrong = report().replacen("-37 [-60]", "-37 [-50]", 1);
-    let notes = read_report(&wrong, &edr()).unwrap().notes.to_texts().join("\n");
+    let notes = read_report(&wrong, "--profile edr").unwrap().notes.to_texts().join("\n");
     assert!(notes.contains("1 cells of column Velocity Change say two different things in MPH and km/h"), "{notes}");
 }
 
 #[test]
 fn without_the_profile_the_refusal_names_it() {
-    let error = read_report(&report(), &IngestSettings::default()).unwrap_err();
+    let error = read_report(&report(), "").unwrap_err();
     assert!(error.hint().contains("--profile edr"), "{error}: {}", error.hint());
     let rows: String = (0..60).map(|k| format!("{},{}\n", 10 * k, -(k.min(50)))).collect();
-    let error = read_report(&format!("Time (msec),Delta-V (km/h)\n{rows}"), &IngestSettings::default()).unwrap_err();
+    let error = read_report(&format!("Time (msec),Delta-V (km/h)\n{rows}"), "").unwrap_err();
     assert!(error.hint().contains("--profile edr"), "{error}: {}", error.hint());
 }

@@ -3,30 +3,27 @@
 use std::fs;
 use std::path::Path;
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, Sign, ingest};
+use crumple_ingest::{Bundle, IngestError, IngestSettings, Ingested, ingest};
 use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
-use crate::notes;
+use crate::{given, lenient, notes, open, read_as};
 
 fn from_text(text: &str, settings: &IngestSettings) -> Result<Ingested, IngestError> {
-    ingest(&Bundle::from_bytes("crash.csv", text.as_bytes().to_vec())?, settings)
+    read_as("crash.csv", text, settings)
 }
 
 fn from_path(path: &Path, settings: &IngestSettings) -> Ingested {
-    ingest(&Bundle::open(path).unwrap(), settings).unwrap()
+    open(path, settings).unwrap()
+}
+
+/// Mass and impact speed, and further flags.
+fn stated_with(flags: &str) -> IngestSettings {
+    given(&format!("--mass 873kg --impact-speed 13.4m/s {flags}"))
 }
 
 fn stated() -> IngestSettings {
-    IngestSettings {
-        mass: Some("873kg".parse().unwrap()),
-        impact_speed: Some("13.4m/s".parse().unwrap()),
-        ..IngestSettings::default()
-    }
-}
-
-fn identification_only() -> IngestSettings {
-    IngestSettings { allow_missing: Some(true), ..IngestSettings::default() }
+    stated_with("")
 }
 
 /// `n` rows at 10 kHz from -20 ms, in g, quiet before t = 0 and -20 g sin after.
@@ -66,8 +63,7 @@ fn every_known_truth_record_is_read_on_its_exact_grid() {
 #[test]
 fn prose_in_comments_states_nothing() {
     let Some(path) = shared("reference/known-truth/kelvin-underdamped/accel.csv") else { return };
-    let bundle = Bundle::open(&path).unwrap();
-    let ingested = ingest(&bundle, &IngestSettings::default()).unwrap();
+    let ingested = from_path(&path, &IngestSettings::default());
     assert!(notes(&ingested).contains("no impact speed is stated") && notes(&ingested).contains("no mass is stated"));
     assert_eq!((ingested.test.mass_kg, ingested.test.impact_speed_m_per_s), (None, None));
 }
@@ -76,9 +72,10 @@ fn prose_in_comments_states_nothing() {
 fn the_accord_record_without_header_asks_for_its_unit() {
     let Some(path) = shared("data/iihs-cep1705-accord/CEP1705_ACXD.csv") else { return };
     let bundle = Bundle::open(&path).unwrap();
-    let error = ingest(&bundle, &identification_only()).unwrap_err();
+    let error = ingest(&bundle, &lenient()).unwrap_err();
     assert_eq!(error.to_string(), "CEP1705_ACXD.csv, column 2 (column 2): no unit is stated");
-    let settings = IngestSettings { unit: Some("g".to_owned()), ..identification_only() };
+    assert!(error.hint().contains("--unit g"), "{}", error.hint());
+    let settings = given("--allow-missing --unit g");
     let ingested = ingest(&bundle, &settings).unwrap();
     let pulse = ingested.pulse().unwrap();
     assert_eq!(pulse.samples.len(), 6000);
@@ -98,14 +95,14 @@ fn the_accord_record_without_header_asks_for_its_unit() {
 #[test]
 fn repeated_shock_records_with_odd_headers_are_read() {
     let Some(folder) = shared("data/pcb-shock-txt") else { return };
-    let base = from_path(&folder.join("acc_base_a0.txt"), &identification_only());
+    let base = from_path(&folder.join("acc_base_a0.txt"), &lenient());
     let pulse = base.pulse().unwrap();
     assert_eq!((pulse.id.as_str(), pulse.samples.len()), ("acceleration", 1439));
     // The interval is an artefact of the source and kept: 20.00278 us, to the digits stated with the record.
     assert!((pulse.samples.dt_s() - 2.000_278e-5).abs() < 5e-12, "{}", pulse.samples.dt_s());
     assert!((pulse.quality.record.maximum / G - 485.972).abs() < 5e-4);
 
-    let board = from_path(&folder.join("acc_pcb_a0.txt"), &identification_only());
+    let board = from_path(&folder.join("acc_pcb_a0.txt"), &lenient());
     let pulse = board.pulse().unwrap();
     assert_eq!((pulse.samples.len(), pulse.samples.dt_s()), (5500, 2e-5));
     assert!(
@@ -120,12 +117,12 @@ fn repeated_shock_records_with_odd_headers_are_read() {
 fn kilo_g_and_surplus_names_of_the_drop_tower() {
     let Some(path) = shared("data/drop-tower-csv/accel_1.csv") else { return };
     let bundle = Bundle::open(&path).unwrap();
-    let unnamed = ingest(&bundle, &identification_only()).unwrap();
+    let unnamed = ingest(&bundle, &lenient()).unwrap();
     assert_eq!((unnamed.test.pulse.as_deref(), unnamed.waves.len()), (None, 5));
     assert!(notes(&unnamed).contains("no pulse is named (--channel names one): accel_1.csv: 5 acceleration columns"));
     let error = ingest(&bundle, &stated()).unwrap_err();
     assert_eq!(error.to_string(), "accel_1.csv: 5 acceleration columns: accel_1, accel_2, accel_3, accel_4, accel_top");
-    let settings = IngestSettings { channel: Some("accel 3".to_owned()), ..identification_only() };
+    let settings = given("--allow-missing --channel accel 3");
     let ingested = ingest(&bundle, &settings).unwrap();
     assert_eq!(ingested.test.pulse.as_deref(), Some("accel_3"));
     let text = notes(&ingested);
@@ -161,7 +158,7 @@ fn a_sidecar_beats_comments_and_a_flag_beats_both() {
     fs::write(folder.path().join("crash.csv.toml"), "mass = \"900 kg\"\nunit = \"g\"\n").unwrap();
     let bundle = Bundle::open(&path).unwrap();
     assert_eq!(ingest(&bundle, &IngestSettings::default()).unwrap().test.mass_kg, Some(900.0));
-    let settings = IngestSettings { mass: Some("1t".parse().unwrap()), ..IngestSettings::default() };
+    let settings = given("--mass 1t");
     let ingested = ingest(&bundle, &settings).unwrap();
     assert_eq!(ingested.test.mass_kg, Some(1000.0));
     let text = notes(&ingested);
@@ -170,7 +167,7 @@ fn a_sidecar_beats_comments_and_a_flag_beats_both() {
 
 #[test]
 fn time_zero_shifts_the_axis_and_sign_turns_the_pulse() {
-    let settings = IngestSettings { time_zero: Some("5ms".parse().unwrap()), sign: Some(Sign::Flip), ..stated() };
+    let settings = stated_with("--time-zero 5ms --sign flip");
     let text = pulse("time_s,accel_g\n", 800);
     let ingested = from_text(&text, &settings).unwrap();
     let plain = from_text(&text, &stated()).unwrap();
@@ -242,11 +239,7 @@ fn recorder_report() -> String {
 
 #[test]
 fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
-    let settings = IngestSettings {
-        profile: Some(crumple_ingest::Profile::Edr),
-        skip_to: Some("longitudinal crash pulse".to_owned()),
-        ..IngestSettings::default()
-    };
+    let settings = given("--profile edr --skip-to longitudinal crash pulse");
     let ingested = from_text(&recorder_report(), &settings).unwrap();
     assert_eq!((ingested.test.pulse.as_deref(), ingested.waves.len()), (Some("Delta-V_longitudinal"), 1));
     let wave = &ingested.waves[0];
@@ -254,7 +247,7 @@ fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
     assert!((wave.quality.record.minimum + 15.0).abs() < 1e-12, "54 km/h are 15 m/s");
     assert!(notes(&ingested).contains("event data recorder table"));
     // Without its title the crash table is found all the same.
-    let found = from_text(&recorder_report(), &IngestSettings { skip_to: None, ..settings.clone() }).unwrap();
+    let found = from_text(&recorder_report(), &given("--profile edr")).unwrap();
     assert_eq!(found.waves[0].samples, wave.samples);
     assert!(notes(&found).contains("other tables of the report, not read: \"Pre-Crash Data\""), "{}", notes(&found));
     let error = from_text(&recorder_report().replace("(km/h)", ""), &settings).unwrap_err();
@@ -264,9 +257,9 @@ fn a_table_of_an_event_data_recorder_is_a_change_of_velocity() {
 #[test]
 fn a_table_without_a_time_column_needs_its_interval() {
     let rows: String = (0..100).map(|k| format!("{} {}\n", (k * 37) % 11, (k * 17) % 7)).collect();
-    let error = from_text(&rows, &identification_only()).unwrap_err();
+    let error = from_text(&rows, &lenient()).unwrap_err();
     assert!(error.hint().contains("--sample-time"), "{}", error.hint());
-    let settings = IngestSettings { sample_time: Some("2ms".parse().unwrap()), ..identification_only() };
+    let settings = given("--allow-missing --sample-time 2ms");
     let ingested = from_text(&rows, &settings).unwrap();
     assert_eq!((ingested.waves.len(), ingested.waves[1].samples.dt_s()), (2, 2e-3));
     let one: String = (0..100).map(|k| format!("{}\n", (k * 37) % 11)).collect();
@@ -279,9 +272,7 @@ fn a_table_without_a_time_column_needs_its_interval() {
 fn a_pattern_means_one_column_or_is_refused() {
     let rows: String = (0..100).map(|k| format!("{:.4},{k},{k}\n", f64::from(k) * 1e-4)).collect();
     let text = format!("time_s,left_g,right_g\n{rows}");
-    let named = |channel: &str| {
-        from_text(&text, &IngestSettings { channel: Some(channel.to_owned()), ..identification_only() })
-    };
+    let named = |channel: &str| from_text(&text, &given(&format!("--allow-missing --channel {channel}")));
     assert_eq!(named("le*").unwrap().test.pulse.as_deref(), Some("left_g"));
     let error = named("*_g").unwrap_err();
     assert!(error.to_string().contains("--channel *_g means 2 columns: left_g, right_g"), "{error}");
@@ -307,7 +298,7 @@ fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() 
     let bare = header.replace(" (g)", "");
     let error = from_text(&(bare.clone() + &rows), &stated()).unwrap_err();
     assert!(error.to_string().contains("no unit is stated"), "{error}");
-    let settings = IngestSettings { unit: Some("g".to_owned()), ..stated() };
+    let settings = stated_with("--unit g");
     let ingested = from_text(&(bare + &rows), &settings).unwrap();
     assert!(ingested.test.channels.iter().all(|c| c.quantity == QuantityKind::Acceleration));
 }
@@ -315,7 +306,7 @@ fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() 
 #[test]
 fn a_unit_by_flag_serves_all_columns_named_as_accelerations() {
     let rows: String = (0..400).map(|k| format!("{:.4},{},{},{}\n", f64::from(k) * 1e-4, -k, -2 * k, 3 * k)).collect();
-    let settings = IngestSettings { unit: Some("g".to_owned()), channel: Some("acc_left".to_owned()), ..stated() };
+    let settings = stated_with("--unit g --channel acc_left");
     let ingested = from_text(&format!("time_s,acc_left,acc_right,force\n{rows}"), &settings).unwrap();
     let quantities: Vec<QuantityKind> = ingested.waves.iter().map(|wave| wave.quantity).collect();
     assert_eq!(quantities, [QuantityKind::Acceleration, QuantityKind::Acceleration, QuantityKind::Other]);
@@ -331,8 +322,7 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
         format!("time_s,accel_g\n{}", rows.collect::<String>())
     };
     let run = |peak: f64, speed: &str| {
-        let settings =
-            IngestSettings { impact_speed: Some(speed.parse().unwrap()), sign: Some(Sign::Auto), ..stated() };
+        let settings = given(&format!("--mass 873kg --impact-speed {speed} --sign auto"));
         let ingested = from_text(&text(peak), &settings).unwrap();
         (ingested.pulse().unwrap().samples.samples()[950] < 0.0, notes(&ingested))
     };
@@ -349,8 +339,10 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
 fn what_states_time_zero_travels_with_the_test() {
     let text = pulse("time_s,accel_g\n", 600);
     assert_eq!(from_text(&text, &stated()).unwrap().test.time_zero, None);
-    let settings = IngestSettings { time_zero: Some("0s".parse().unwrap()), ..stated() };
-    assert_eq!(from_text(&text, &settings).unwrap().test.time_zero.as_deref(), Some("stated by flag"));
+    assert_eq!(
+        from_text(&text, &stated_with("--time-zero 0s")).unwrap().test.time_zero.as_deref(),
+        Some("stated by flag")
+    );
 }
 
 #[test]
@@ -366,4 +358,18 @@ fn columns_of_heads_leave_the_vehicle_as_the_pulse_and_alone_they_need_no_mass_a
     assert_eq!(heads.test.pulse.as_deref(), Some("head_x_g"));
     assert_eq!((heads.test.mass_kg, heads.test.impact_speed_m_per_s), (None, None));
     assert!(notes(&heads).contains("the criteria of an occupant need neither") && !notes(&heads).contains("--sign"));
+}
+
+#[test]
+fn records_for_identification_need_neither_time_column_nor_crash() {
+    let Some(folder) = shared("data/sysid") else { return };
+    let stated = |interval: &str| given(&format!("--allow-missing --sample-time {interval}"));
+    let dryer = from_path(&folder.join("hair-dryer/dryer.dat"), &stated("0.08s"));
+    assert_eq!((dryer.waves.len(), dryer.test.pulse.as_deref()), (2, None));
+    let input = &dryer.waves[0];
+    assert_eq!((input.quantity, input.samples.len(), input.samples.dt_s()), (QuantityKind::Other, 1000, 0.08));
+    assert_eq!(input.samples.samples()[..2], [6.41, 3.41]);
+    let frame = folder.join("steel-subframe-a/steel_subframe_u1u2_y01-y06.csv");
+    let frame = from_path(&frame, &stated("0.0009765625s"));
+    assert_eq!((frame.waves.len(), frame.waves[0].id.as_str(), frame.waves[7].samples.rate_hz()), (8, "u1", 1024.0));
 }

@@ -32,7 +32,7 @@ const ANY_TEXT: &str = "csv";
 #[derive(Clone, Copy)]
 pub(crate) enum Contents {
     /// A record of a format that is recognised.
-    Record(&'static dyn Reader),
+    Record(&'static Reader),
     /// A record by its ending.
     NamedRecord,
     /// No record.
@@ -48,8 +48,8 @@ pub(crate) fn contents(path: &Path) -> io::Result<Contents> {
     if head.trim_ascii().is_empty() {
         return Ok(by_name);
     }
-    Ok(match READERS.iter().copied().find(|reader| reader.recognises(&head)) {
-        Some(reader) if reader.format() != ANY_TEXT => Contents::Record(reader),
+    Ok(match READERS.iter().copied().find(|reader| (reader.recognises)(&head)) {
+        Some(reader) if reader.format != ANY_TEXT => Contents::Record(reader),
         Some(reader) if TABLES.contains(&ending.as_str()) && has_rows_of_numbers(&head) => Contents::Record(reader),
         _ => by_name,
     })
@@ -126,13 +126,13 @@ fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) ->
         below.records.push(path.clone());
         let main = file_name(path);
         let mut places = files.clone();
-        if reader.spans_folders() {
+        if reader.spans_folders {
             for channels in folders.iter().filter(|folder| file_name(folder).eq_ignore_ascii_case("channel")) {
                 let channels = fs::read_dir(channels).into_iter().flatten().flatten();
                 places.extend(channels.map(|entry| entry.path()));
             }
         }
-        companions.extend(places.into_iter().filter(|p| p != path && reader.companion(&main, &file_name(p))));
+        companions.extend(places.into_iter().filter(|p| p != path && (reader.companion)(&main, &file_name(p))));
     }
     for folder in folders {
         if walk(&folder, companions, below).is_err() {

@@ -4,43 +4,23 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::VehicleV1;
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{About, Channel, ChannelStatus, Notes, QuantityKind, Sampled, Weight};
+use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::ev5::specification::{Curve, Specification, Vehicle};
 use crate::formats::reader::{Bundle, Reader, stem};
 use crate::formats::text::lines::scan;
-use crate::recording::content::{PulseRule, ReadChannel, Recording};
+use crate::recording::content::{PulseRule, ReadChannel, Recording, note_doubts};
 use crate::recording::details::Details;
 use crate::time::{Grid, GridError};
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
 
 pub mod sensor;
 pub mod specification;
 
-/// Reader of EV5 sets.
-pub struct Ev5;
-
-impl Reader for Ev5 {
-    fn format(&self) -> &'static str {
-        "nhtsa-ev5"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        specification::recognises(head)
-    }
-
-    fn companion(&self, main: &str, name: &str) -> bool {
-        stem(name).eq_ignore_ascii_case(stem(main)) && curve_number(name).is_some()
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--vehicle-number"]
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        read(&bundle.main.name, &bundle.main.bytes, &bundle.companions, settings)
-    }
-}
+pub const EV5: Reader = Reader {
+    companion: |main, name| stem(name).eq_ignore_ascii_case(stem(main)) && curve_number(name).is_some(),
+    ..Reader::of_one_file("nhtsa-ev5", specification::recognises, &["--vehicle-number"], read)
+};
 
 /// The curve a signal file holds: `v10146.093` is 93.
 fn curve_number(name: &str) -> Option<u32> {
@@ -50,18 +30,14 @@ fn curve_number(name: &str) -> Option<u32> {
 }
 
 /// Reads a test from its EV5 text and its signal files by name.
-pub fn read(
-    file: &str,
-    bytes: &[u8],
-    companions: &BTreeMap<String, Vec<u8>>,
-    settings: &IngestSettings,
-) -> Result<Recording, IngestError> {
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes, companions) = (bundle.main.name.as_str(), &bundle.main.bytes, &bundle.companions);
     let specification = specification::parse(file, bytes)?;
     let number = settings.vehicle_number.unwrap_or(1);
     let vehicle = specification.vehicles.iter().find(|v| v.number == number).ok_or_else(|| {
         let known: Vec<String> = specification.vehicles.iter().map(|v| v.number.to_string()).collect();
         IngestError::content(
-            Place::file(file),
+            file,
             format!("no vehicle {number} in the section VEHICLE"),
             format!("one of {}", known.join(", ")),
             "give its number by --vehicle-number",
@@ -141,7 +117,7 @@ fn no_files(file: &str, specification: &Specification) -> IngestError {
     let example = specification.curves.iter().find(|c| c.channel_status() != ChannelStatus::NotInstalled);
     let number = example.map_or(1, |c| c.number);
     IngestError::content(
-        Place::file(file),
+        file,
         format!("none of the {} listed channels has its signal file here", specification.curves.len()),
         format!("files such as {}.{number:03} beside it", stem(file)),
         "unpack the whole \"EV5 ASCII X-Y\" archive of the test, or give the .zip itself",
@@ -167,14 +143,7 @@ fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
     if !not_installed.is_empty() {
         notes.info(format!("{} listed channels were not installed: {}", not_installed.len(), ranges(&not_installed)));
     }
-    for read in channels.iter().filter(|f| f.wave.is_some()) {
-        let channel = &read.channel;
-        if matches!(channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
-            let comment = channel.comment.as_deref().unwrap_or("without a comment");
-            let text = format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status);
-            notes.concern(About::Channel(channel.id.clone()), Weight::Slight, text);
-        }
-    }
+    channels.iter().filter(|f| f.wave.is_some()).for_each(|read| note_doubts(&read.channel, notes));
 }
 
 fn unit_note(specification: &Specification, notes: &mut Notes) {
@@ -223,7 +192,7 @@ pub fn channel(
     vehicle: u32,
     wanted: bool,
     notes: &mut Notes,
-) -> Result<ReadChannel, IngestError> {
+) -> Result<ReadChannel> {
     let (quantity, factor) = signal_unit(&curve.y_unit).unwrap_or((QuantityKind::Other, 1.0));
     let id = curve.number.to_string();
     let mut channel = Channel::new(id.clone(), quantity);
@@ -272,13 +241,7 @@ pub fn channel(
     Ok(ReadChannel { fitness, aliases, attachment, ..read })
 }
 
-fn samples(
-    curve: &Curve,
-    file: &str,
-    bytes: &[u8],
-    factor: f64,
-    notes: &mut Notes,
-) -> Result<(Sampled, f64), IngestError> {
+fn samples(curve: &Curve, file: &str, bytes: &[u8], factor: f64, notes: &mut Notes) -> Result<(Sampled, f64)> {
     let refuse = |place: Place, found: String| {
         IngestError::content(
             place,
@@ -354,19 +317,17 @@ fn reconcile(
     printed
 }
 
-/// The numbers of a signal file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SignalFile {
     /// X column, empty where the file has none.
     pub x: Vec<f64>,
     /// Most significant digits printed in it.
     pub x_digits: u32,
-    /// Y column.
     pub y: Vec<f64>,
 }
 
 /// Reads the file. The first line decides whether there is an X column.
-pub fn parse(file: &str, bytes: &[u8]) -> Result<SignalFile, IngestError> {
+pub fn parse(file: &str, bytes: &[u8]) -> Result<SignalFile> {
     let mut signal = SignalFile { y: Vec::with_capacity(bytes.len() / 16), ..SignalFile::default() };
     for (index, line) in bytes.split(|b| *b == b'\n').enumerate() {
         let line = line.trim_ascii();
@@ -413,12 +374,12 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<SignalFile, IngestError> {
         }
     }
     if signal.y.len() < 2 {
-        return Err(IngestError::content(
-            Place::file(file),
+        return refuse(
+            file,
             format!("{} samples", signal.y.len()),
             "one sample a line",
             "the file may be cut short: download the test again",
-        ));
+        );
     }
     Ok(signal)
 }
@@ -443,7 +404,7 @@ mod tests {
             ("v10146.1", false),
             ("v10146", false),
         ] {
-            assert_eq!(Ev5.companion("v10146.EV5", name), belongs, "{name}");
+            assert_eq!((EV5.companion)("v10146.EV5", name), belongs, "{name}");
         }
     }
 

@@ -53,30 +53,33 @@ fn words_of_comment(comment: &str, curve: &Curve) -> Option<String> {
     (!words.is_empty()).then(|| words.join(" ").to_lowercase())
 }
 
-/// Attachment codes of the guide that are met on vehicle structures and dummies.
+/// Attachment codes of the guide that are met on vehicle structures and dummies: in words; main and fine locations of
+/// ISO/TS 13499, empty where the tables have no counterpart.
+const ATTACHMENTS: [(&str, &str, &str, [&str; 3]); 18] = [
+    ("FLLR", "rear floor, left", "FORA", ["LE", "RE", "00"]),
+    ("FLRR", "rear floor, right", "FORA", ["RI", "RE", "00"]),
+    ("FLLF", "front floor, left", "", [""; 3]),
+    ("FLRF", "front floor, right", "", [""; 3]),
+    ("DSLF", "left front sill", "SILB", ["LE", "FR", "00"]),
+    ("DSRF", "right front sill", "SILB", ["RI", "FR", "00"]),
+    ("DSLR", "left rear sill", "SILB", ["LE", "RE", "00"]),
+    ("DSRR", "right rear sill", "SILB", ["RI", "RE", "00"]),
+    ("VECG", "vehicle centre of gravity", "VEHC", ["CG", "00", "00"]),
+    ("ENGN", "engine", "ENGN", ["00", "00", "00"]),
+    ("HDCG", "head", "HEAD", ["CG", "00", "00"]),
+    ("NEKU", "upper neck", "NECK", ["UP", "00", "00"]),
+    ("CHST", "chest", "CHST", ["00", "00", "00"]),
+    ("PVCN", "pelvis", "PELV", ["00", "00", "00"]),
+    ("FMRL", "left femur", "FEMR", ["LE", "00", "00"]),
+    ("FMRR", "right femur", "FEMR", ["RI", "00", "00"]),
+    ("SHBT", "shoulder belt", "", [""; 3]),
+    ("LPBO", "lap belt", "", [""; 3]),
+];
+
 fn attachment(code: &str) -> Option<String> {
-    let words = match code {
-        "FLLR" => "rear floor, left",
-        "FLRR" => "rear floor, right",
-        "FLLF" => "front floor, left",
-        "FLRF" => "front floor, right",
-        "DSLF" => "left front sill",
-        "DSRF" => "right front sill",
-        "DSLR" => "left rear sill",
-        "DSRR" => "right rear sill",
-        "VECG" => "vehicle centre of gravity",
-        "ENGN" => "engine",
-        "HDCG" => "head",
-        "NEKU" => "upper neck",
-        "CHST" => "chest",
-        "PVCN" => "pelvis",
-        "FMRL" => "left femur",
-        "FMRR" => "right femur",
-        "SHBT" => "shoulder belt",
-        "LPBO" => "lap belt",
-        _ => return code.strip_prefix("LC").filter(|cell| !cell.is_empty()).map(|cell| format!("load cell {cell}")),
-    };
-    Some(words.to_owned())
+    let words = ATTACHMENTS.iter().find(|(other, ..)| *other == code).map(|(_, words, ..)| (*words).to_owned());
+    let cell = || code.strip_prefix("LC").filter(|cell| !cell.is_empty()).map(|cell| format!("load cell {cell}"));
+    words.or_else(cell)
 }
 
 /// Manufacturer and range of the transducer.
@@ -173,28 +176,17 @@ pub fn code(curve: &Curve) -> Option<IsoCode> {
 
 fn place(curve: &Curve) -> Option<(&'static str, [&str; 3])> {
     let comment = curve.comment.as_deref().unwrap_or_default().to_ascii_uppercase();
-    Some(match curve.attachment.as_str() {
-        "FLLR" => ("FORA", ["LE", "RE", "00"]),
-        "FLRR" => ("FORA", ["RI", "RE", "00"]),
-        "DSLF" => ("SILB", ["LE", "FR", "00"]),
-        "DSRF" => ("SILB", ["RI", "FR", "00"]),
-        "DSLR" => ("SILB", ["LE", "RE", "00"]),
-        "DSRR" => ("SILB", ["RI", "RE", "00"]),
-        "VECG" => ("VEHC", ["CG", "00", "00"]),
-        "ENGN" if comment.contains("TOP") => ("ENGN", ["TP", "00", "00"]),
-        "ENGN" if comment.contains("BOTTOM") => ("ENGN", ["BO", "00", "00"]),
-        "ENGN" => ("ENGN", ["00", "00", "00"]),
-        "HDCG" => ("HEAD", ["CG", "00", "00"]),
-        "NEKU" => ("NECK", ["UP", "00", "00"]),
-        "CHST" => ("CHST", ["00", "00", "00"]),
-        "PVCN" => ("PELV", ["00", "00", "00"]),
-        "FMRL" => ("FEMR", ["LE", "00", "00"]),
-        "FMRR" => ("FEMR", ["RI", "00", "00"]),
-        cell => {
-            let digits = cell.strip_prefix("LC").filter(|d| d.len() == 4 && d.bytes().all(|b| b.is_ascii_digit()))?;
-            ("LOMA", [&digits[..2], &digits[2..], "00"])
-        }
-    })
+    let code = curve.attachment.as_str();
+    if let Some((_, _, main, fine)) = ATTACHMENTS.iter().find(|(other, ..)| *other == code) {
+        let fine = match code {
+            "ENGN" if comment.contains("TOP") => ["TP", "00", "00"],
+            "ENGN" if comment.contains("BOTTOM") => ["BO", "00", "00"],
+            _ => *fine,
+        };
+        return (!main.is_empty()).then_some((*main, fine));
+    }
+    let digits = code.strip_prefix("LC").filter(|d| d.len() == 4 && d.bytes().all(|b| b.is_ascii_digit()))?;
+    Some(("LOMA", [&digits[..2], &digits[2..], "00"]))
 }
 
 #[cfg(test)]

@@ -7,18 +7,16 @@ use crumple_signal::{ANOTHER_VEHICLE, ChannelStatus};
 
 use crate::formats::text::lines::decode;
 use crate::recording::details::{Details, Stated};
-use crate::{IngestError, Place};
+use crate::{Place, Result, refuse};
 
 /// What is read of an EV5 file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Specification {
-    /// The test.
     pub test: Test,
-    /// Its vehicles, one or two.
+    /// One or two.
     pub vehicles: Vec<Vehicle>,
-    /// The barrier, if there is one.
     pub barrier: Option<Barrier>,
-    /// All listed curves, in the order of the file.
+    /// All that are listed, in the order of the file.
     pub curves: Vec<Curve>,
     /// Lines of the instrumentation section that cannot be read, with the reason.
     pub unread_lines: Vec<(usize, String)>,
@@ -46,7 +44,7 @@ pub fn recognises(head: &[u8]) -> bool {
 
 /// Reads the text. Tolerant of missing fields, blanks and unknown sections; the sections TEST, VEHICLE and
 /// INSTRUMENTATION must be there.
-pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
+pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification> {
     let text = decode(bytes);
     let mut specification = Specification::default();
     let mut current = "";
@@ -66,80 +64,92 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<Specification, IngestError> {
             }
             continue;
         }
-        let fields = Fields::split(line);
+        let record = Fields(line.split('|').collect());
         match current {
-            "TEST" => specification.test = Test::new(&fields),
+            "TEST" => specification.test = Test::new(&record),
             "VEHICLE" => {
-                let next = specification.vehicles.len() + 1;
-                specification.vehicles.push(Vehicle::new(&fields, next));
+                let next = specification.vehicles.len() as u32 + 1;
+                specification.vehicles.push(Vehicle::new(&record, record.parsed(1, "VEHNO").unwrap_or(next)));
             }
-            "BARRIER" => specification.barrier = Some(Barrier::new(&fields)),
-            "INSTRUMENTATION" => match Curve::new(&fields) {
-                Ok(curve) if !numbers.insert(curve.number) => {
-                    specification.unread_lines.push((line_number, format!("curve {} is listed again", curve.number)));
+            "BARRIER" => specification.barrier = Some(Barrier::new(&record)),
+            "INSTRUMENTATION" => match record.parsed(2, "CURNO") {
+                None => {
+                    let found = record.words(2, "CURNO").unwrap_or_default();
+                    let reason = format!("curve number {found:?} is no whole number");
+                    specification.unread_lines.push((line_number, reason));
                 }
-                Ok(curve) => specification.curves.push(curve),
-                Err(reason) => specification.unread_lines.push((line_number, reason)),
+                Some(number) if !numbers.insert(number) => {
+                    specification.unread_lines.push((line_number, format!("curve {number} is listed again")));
+                }
+                Some(number) => {
+                    let vehicle = record.parsed(1, "VEHNO").unwrap_or(1);
+                    specification.curves.push(Curve::new(&record, vehicle, number));
+                }
             },
             _ => {}
         }
     }
     for key in ["TEST", "VEHICLE", "INSTRUMENTATION"] {
         if !seen.contains(&key) {
-            return Err(IngestError::content(
-                Place::file(file),
-                format!("no section ----- {key} -----"),
-                "an EV5 file with the sections TEST, VEHICLE and INSTRUMENTATION",
-                "the file may be cut short: download it again",
-            ));
+            let expected = "an EV5 file with the sections TEST, VEHICLE and INSTRUMENTATION";
+            let hint = "the file may be cut short: download it again";
+            return refuse(file, format!("no section ----- {key} -----"), expected, hint);
         }
     }
     if specification.curves.is_empty() {
         let (line, reason) =
             specification.unread_lines.first().cloned().unwrap_or((0, "the section is empty".to_owned()));
         let place = if line > 0 { Place::line(file, line) } else { Place::file(file) };
-        return Err(IngestError::content(
-            place,
-            format!("no curve in the section INSTRUMENTATION: {reason}"),
-            "a line of 20 fields for each curve, split by |",
-            "the file may be damaged: download it again",
-        ));
+        let found = format!("no curve in the section INSTRUMENTATION: {reason}");
+        let hint = "the file may be damaged: download it again";
+        return refuse(place, found, "a line of 20 fields for each curve, split by |", hint);
     }
     Ok(specification)
 }
 
-/// Fields of one record, counted from 1 as in the guide; blanks and missing fields are `None`.
-pub struct Fields<'a>(Vec<&'a str>);
-
-impl<'a> Fields<'a> {
-    /// The fields of a line, split at `|`.
-    pub fn split(line: &'a str) -> Self {
-        Self(line.split('|').collect())
-    }
-
-    /// Field `position`, from 1, if it holds something.
-    pub fn text(&self, position: usize) -> Option<&'a str> {
-        self.0.get(position.checked_sub(1)?).map(|f| f.trim()).filter(|f| !f.is_empty())
-    }
-
-    /// The same as owned words.
-    pub fn words(&self, position: usize) -> Option<String> {
-        self.text(position).map(str::to_owned)
-    }
+/// A record of the guide. A field has a position, from 1, and a name: EV5 files go by the one, others by the other.
+pub trait Record {
+    /// A field that holds something.
+    fn words(&self, position: usize, name: &str) -> Option<String>;
 
     /// A finite number.
-    pub fn number(&self, position: usize) -> Option<f64> {
-        self.text(position)?.parse().ok().filter(|x: &f64| x.is_finite())
-    }
+    fn number(&self, position: usize, name: &str) -> Option<f64>;
+
+    /// A code, in capitals; empty where there is none.
+    fn code(&self, position: usize, name: &str) -> String;
+
+    /// A comment that says something.
+    fn comment(&self, position: usize, name: &str) -> Option<String>;
 
     /// A length, mass or speed: zero means not recorded.
-    pub fn positive(&self, position: usize) -> Option<f64> {
-        self.number(position).filter(|x| *x > 0.0)
+    fn positive(&self, position: usize, name: &str) -> Option<f64> {
+        self.number(position, name).filter(|x| *x > 0.0)
     }
 
-    /// A whole number.
-    pub fn integer(&self, position: usize) -> Option<i64> {
-        self.text(position)?.parse().ok()
+    /// A field that is a number of some kind.
+    fn parsed<T: std::str::FromStr>(&self, position: usize, name: &str) -> Option<T> {
+        self.words(position, name)?.parse().ok()
+    }
+}
+
+/// The fields of a line, split at `|`.
+struct Fields<'a>(Vec<&'a str>);
+
+impl Record for Fields<'_> {
+    fn words(&self, position: usize, _: &str) -> Option<String> {
+        self.0.get(position - 1).map(|f| f.trim().to_owned()).filter(|f| !f.is_empty())
+    }
+
+    fn number(&self, position: usize, name: &str) -> Option<f64> {
+        self.parsed(position, name).filter(|x: &f64| x.is_finite())
+    }
+
+    fn code(&self, position: usize, name: &str) -> String {
+        self.words(position, name).unwrap_or_default().to_ascii_uppercase()
+    }
+
+    fn comment(&self, position: usize, name: &str) -> Option<String> {
+        self.words(position, name).filter(|c| !says_nothing(c))
     }
 }
 
@@ -155,38 +165,31 @@ pub fn says_nothing(comment: &str) -> bool {
 /// TEST.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Test {
-    /// 2 TITLE.
     pub title: Option<String>,
-    /// 4 TSTDAT, as written: `03/OCT/2017`.
+    /// As written: `03/OCT/2017`.
     pub date: Option<String>,
-    /// 5 TSTPRF.
     pub laboratory: Option<String>,
-    /// 7 TSTREF.
     pub reference: Option<String>,
-    /// 9 TSTCFN: VTB vehicle to barrier, VTV vehicle to vehicle, ITV impactor to vehicle.
+    /// VTB vehicle to barrier, VTV vehicle to vehicle, ITV impactor to vehicle.
     pub configuration: Option<String>,
-    /// 15 CLSSPD, km/h.
     pub closing_speed_km_per_h: Option<f64>,
-    /// 16 IMPANG, degrees.
     pub impact_angle_deg: Option<f64>,
-    /// 17 OFFSET, mm.
     pub offset_mm: Option<f64>,
-    /// 20 TSTCOM.
     pub comment: Option<String>,
 }
 
 impl Test {
-    pub fn new(fields: &Fields) -> Self {
+    pub fn new(record: &impl Record) -> Self {
         Self {
-            title: fields.words(2),
-            date: fields.words(4),
-            laboratory: fields.words(5),
-            reference: fields.words(7),
-            configuration: fields.words(9),
-            closing_speed_km_per_h: fields.positive(15),
-            impact_angle_deg: fields.number(16),
-            offset_mm: fields.number(17),
-            comment: fields.words(20).filter(|c| !says_nothing(c)),
+            title: record.words(2, "TITLE"),
+            date: record.words(4, "TSTDAT"),
+            laboratory: record.words(5, "TSTPRF"),
+            reference: record.words(7, "TSTREF"),
+            configuration: record.words(9, "TSTCFN"),
+            closing_speed_km_per_h: record.positive(15, "CLSSPD"),
+            impact_angle_deg: record.number(16, "IMPANG"),
+            offset_mm: record.number(17, "OFFSET"),
+            comment: record.comment(20, "TSTCOM"),
         }
     }
 }
@@ -194,54 +197,44 @@ impl Test {
 /// VEHICLE.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Vehicle {
-    /// 1 VEHNO.
     pub number: u32,
-    /// 2 MAKE and 3 MODEL, codes.
-    pub make_and_model: [Option<String>; 2],
-    /// 4 YEAR.
     pub year: Option<String>,
-    /// 11 VEHTWT, kg.
     pub test_mass_kg: Option<f64>,
-    /// 15 VEHWID, mm.
     pub width_mm: Option<f64>,
-    /// 42 VEHSPD, km/h; 0 may be a vehicle that stands, or not recorded.
+    /// 0 may be a vehicle that stands, or not recorded.
     pub speed_km_per_h: Option<f64>,
-    /// 48-53 DPD1-DPD6, crush profile, mm; may be negative.
+    /// Six stations across the front; may be negative.
     pub crush_profile_mm: Vec<f64>,
-    /// 54 VDI, collision deformation classification.
     pub damage_classification: Option<String>,
-    /// 43 CRBANG, angle of the vehicle's axis to its path, degrees.
+    /// Angle of the vehicle's axis to its path.
     pub crab_angle_deg: Option<f64>,
-    /// 44 PDOF, principal direction of force, degrees.
     pub principal_direction_deg: Option<f64>,
-    /// 56 DAMDST, distance of the damage's middle from that of the vehicle, mm.
+    /// Distance of the damage's middle from that of the vehicle.
     pub damage_offset_mm: Option<f64>,
-    /// 55 LENCNT, length of the contact damage, mm.
+    /// Length of the contact damage.
     pub damage_width_mm: Option<f64>,
-    /// 57 CRHDST, largest static crush, mm.
     pub static_crush_mm: Option<f64>,
-    /// 81 VEHCOM.
     pub comment: Option<String>,
 }
 
 impl Vehicle {
-    pub fn new(fields: &Fields, next: usize) -> Self {
+    pub fn new(record: &impl Record, number: u32) -> Self {
+        let not_zero = |position, name| record.number(position, name).filter(|x| *x != 0.0);
         Self {
-            number: fields.integer(1).and_then(|n| u32::try_from(n).ok()).unwrap_or(next as u32),
-            make_and_model: [fields.words(2), fields.words(3)],
-            year: fields.words(4),
-            test_mass_kg: fields.positive(11),
-            width_mm: fields.positive(15),
-            speed_km_per_h: fields.number(42).filter(|v| *v >= 0.0),
-            crush_profile_mm: (48..=53).filter_map(|k| fields.number(k)).collect(),
-            damage_classification: fields.words(54),
-            crab_angle_deg: fields.number(43).filter(|a| *a != 0.0),
-            principal_direction_deg: fields.number(44).filter(|a| *a != 0.0),
-            damage_offset_mm: fields.number(56).filter(|x| *x != 0.0),
-            damage_width_mm: fields.positive(55),
-            static_crush_mm: fields.positive(57),
+            number,
+            year: record.words(4, "YEAR"),
+            test_mass_kg: record.positive(11, "VEHTWT"),
+            width_mm: record.positive(15, "VEHWID"),
+            speed_km_per_h: record.number(42, "VEHSPD").filter(|v| *v >= 0.0),
+            crush_profile_mm: (1..=6).filter_map(|k| record.number(47 + k, &format!("DPD{k}"))).collect(),
+            damage_classification: record.words(54, "VDI"),
+            crab_angle_deg: not_zero(43, "CRBANG"),
+            principal_direction_deg: not_zero(44, "PDOF"),
+            damage_offset_mm: not_zero(56, "DAMDST"),
+            damage_width_mm: record.positive(55, "LENCNT"),
+            static_crush_mm: record.positive(57, "CRHDST"),
             // A lone 0 is "nothing recorded" here, too.
-            comment: fields.words(81).filter(|c| c != "0" && !says_nothing(c)),
+            comment: record.words(81, "VEHCOM").filter(|c| c != "0" && !says_nothing(c)),
         }
     }
 }
@@ -249,26 +242,23 @@ impl Vehicle {
 /// BARRIER.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Barrier {
-    /// 1 BARRIG: R rigid, D deformable.
-    pub rigidity: Option<String>,
-    /// 2 BARSHP: LCB load-cell barrier, FLB flat, POL pole.
-    pub shape: Option<String>,
-    /// 3 BARANG, degrees.
-    pub angle_deg: Option<f64>,
-    /// 4 BARDIA, mm.
-    pub diameter_mm: Option<f64>,
-    /// 5 BARCOM.
-    pub comment: Option<String>,
+    /// R rigid, D deformable.
+    rigidity: Option<String>,
+    /// LCB load-cell barrier, FLB flat, POL pole.
+    shape: Option<String>,
+    angle_deg: Option<f64>,
+    diameter_mm: Option<f64>,
+    comment: Option<String>,
 }
 
 impl Barrier {
-    pub fn new(fields: &Fields) -> Self {
+    pub fn new(record: &impl Record) -> Self {
         Self {
-            rigidity: fields.words(1),
-            shape: fields.words(2),
-            angle_deg: fields.positive(3),
-            diameter_mm: fields.positive(4),
-            comment: fields.words(5).filter(|c| !says_nothing(c)),
+            rigidity: record.words(1, "BARRIG"),
+            shape: record.words(2, "BARSHP"),
+            angle_deg: record.positive(3, "BARANG"),
+            diameter_mm: record.positive(4, "BARDIA"),
+            comment: record.comment(5, "BARCOM"),
         }
     }
 
@@ -288,15 +278,9 @@ impl Barrier {
             _ => "barrier".to_owned(),
         };
         let mut words = format!("{rigidity}{shape}");
-        if let Some(angle) = self.angle_deg {
-            words.push_str(&format!(", {angle} deg"));
-        }
-        if let Some(diameter) = self.diameter_mm {
-            words.push_str(&format!(", diameter {diameter} mm"));
-        }
-        if let Some(comment) = &self.comment {
-            words.push_str(&format!(" ({})", comment.to_lowercase()));
-        }
+        words.extend(self.angle_deg.map(|angle| format!(", {angle} deg")));
+        words.extend(self.diameter_mm.map(|diameter| format!(", diameter {diameter} mm")));
+        words.extend(self.comment.as_ref().map(|comment| format!(" ({})", comment.to_lowercase())));
         (words != "barrier").then_some(words)
     }
 }
@@ -304,71 +288,60 @@ impl Barrier {
 /// INSTRUMENTATION: one curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
-    /// 1 VEHNO; 0: on the barrier.
+    /// 0: on the barrier.
     pub vehicle: u32,
-    /// 2 CURNO, the extension of the signal file.
+    /// The extension of the signal file.
     pub number: u32,
-    /// 3 SENTYP: AC, LC, DS, AV...
+    /// AC, LC, DS, AV...
     pub sensor: String,
-    /// 4 SENLOC: 01 driver..., NA structure.
+    /// 01 driver..., NA structure.
     pub location: String,
-    /// 5 SENATT: FLLR, ENGN, LC0116...
+    /// FLLR, ENGN, LC0116...
     pub attachment: String,
-    /// 6 AXIS: XG, XL...
+    /// XG, XL...
     pub axis: String,
-    /// 7 XUNITS.
     pub x_unit: String,
-    /// 8 YUNITS.
     pub y_unit: String,
-    /// 9 PREFIL, -3 dB frequency of the recorder's filter, Hz.
+    /// -3 dB frequency of the recorder's filter.
     pub prefilter_hz: Option<f64>,
-    /// 10 INSMAN, manufacturer of the sensor.
     pub manufacturer: Option<String>,
-    /// 12 INSRAT, range of the sensor in the unit of the curve.
+    /// Of the sensor, in the unit of the curve.
     pub range: Option<f64>,
-    /// 14 INIVEL, km/h along the sensor axis at time zero.
+    /// Along the sensor axis at time zero.
     pub initial_velocity_km_per_h: Option<f64>,
-    /// 15 NFP, index of the first sample, 0 being time zero.
+    /// Index of the first sample, 0 being time zero.
     pub first: Option<i64>,
-    /// 16 NLP, index of the last sample.
     pub last: Option<i64>,
-    /// 17 DELT, whole microseconds by the guide.
+    /// Whole microseconds by the guide.
     pub interval_us: Option<f64>,
-    /// 18 DASTAT.
     pub status: String,
-    /// 19 CHSTAT: P primary, R redundant.
+    /// P primary, R redundant.
     pub channel_status: String,
-    /// 20 INSCOM.
     pub comment: Option<String>,
 }
 
 impl Curve {
-    pub fn new(fields: &Fields) -> Result<Self, String> {
-        let text = |k| fields.text(k).unwrap_or_default().to_ascii_uppercase();
-        let number = fields
-            .integer(2)
-            .and_then(|n| u32::try_from(n).ok())
-            .ok_or_else(|| format!("curve number {:?} is no whole number", fields.text(2).unwrap_or_default()))?;
-        Ok(Self {
-            vehicle: fields.integer(1).and_then(|n| u32::try_from(n).ok()).unwrap_or(1),
+    pub fn new(record: &impl Record, vehicle: u32, number: u32) -> Self {
+        Self {
+            vehicle,
             number,
-            sensor: text(3),
-            location: text(4),
-            attachment: text(5),
-            axis: text(6),
-            x_unit: text(7),
-            y_unit: fields.text(8).unwrap_or_default().to_owned(),
-            prefilter_hz: fields.positive(9),
-            manufacturer: fields.words(10),
-            range: fields.positive(12),
-            initial_velocity_km_per_h: fields.number(14),
-            first: fields.integer(15),
-            last: fields.integer(16),
-            interval_us: fields.positive(17),
-            status: text(18),
-            channel_status: text(19),
-            comment: fields.words(20).filter(|c| !says_nothing(c)),
-        })
+            sensor: record.code(3, "SENTYP"),
+            location: record.code(4, "SENLOC"),
+            attachment: record.code(5, "SENATT"),
+            axis: record.code(6, "AXIS"),
+            x_unit: record.code(7, "XUNITS"),
+            y_unit: record.words(8, "YUNITS").unwrap_or_default(),
+            prefilter_hz: record.positive(9, "PREFIL"),
+            manufacturer: record.words(10, "INSMAN"),
+            range: record.positive(12, "INSRAT"),
+            initial_velocity_km_per_h: record.number(14, "INIVEL"),
+            first: record.parsed(15, "NFP"),
+            last: record.parsed(16, "NLP"),
+            interval_us: record.positive(17, "DELT"),
+            status: record.code(18, "DASTAT"),
+            channel_status: record.code(19, "CHSTAT"),
+            comment: record.comment(20, "INSCOM"),
+        }
     }
 
     /// DASTAT in the vocabulary of channels.
@@ -383,7 +356,6 @@ impl Curve {
     }
 }
 
-/// Stations of a crush profile.
 const STATIONS: usize = 6;
 
 /// Facts of the test from its records.
@@ -399,13 +371,10 @@ pub fn details(test: &Test, barrier: Option<&Barrier>, vehicle: &Vehicle, vehicl
         },
         mass_kg: vehicle.test_mass_kg.map(|value| Stated { value, from: "VEHTWT".to_owned() }),
         impact_speed_m_per_s: speed.map(|(v, from)| Stated { value: v / 3.6, from: from.to_owned() }),
-        time_zero_s: None,
         damage: damage(vehicle),
-        vehicles: Vec::new(),
         closing_speed_m_per_s: test.closing_speed_km_per_h.map(|v| v / 3.6),
-        speed_not_taken: None,
-        no_pulse: false,
         facts: facts(test, vehicle),
+        ..Details::default()
     }
 }
 

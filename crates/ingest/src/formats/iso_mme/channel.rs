@@ -1,46 +1,21 @@
 //! A channel file as a channel in SI on its time grid.
 
-use std::collections::BTreeSet;
-
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::unit::{signal_unit, without_brackets};
 use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::iso_mme::channel_file::{ChannelFile, Header};
 use crate::formats::iso13499::describe_by_code;
-use crate::recording::content::ReadChannel;
+use crate::recording::content::{Ids, ReadChannel};
 use crate::time::Grid;
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
 
 /// Keywords that have a place of their own in a channel, or are checked here.
-const READ: [&str; 26] = [
-    "channel code",
-    "name of the channel",
-    "laboratory channel code",
-    "customer channel code",
-    "unit",
-    "sampling interval",
-    "time of first sample",
-    "number of samples",
-    "reference channel",
-    "reference channel name",
-    "channel frequency class",
-    "data status",
-    "transducer type",
-    "transducer id",
-    "first global maximum value",
-    "first global minimum value",
-    "time of maximum value",
-    "time of minimum value",
-    "test object number",
-    "direction",
-    "dimension",
-    "location",
-    "bit resolution",
-    "channel amplitude class",
-    "cut off frequency",
-    "pre-filter type",
-];
+const READ: &str = "channel code|name of the channel|laboratory channel code|customer channel code|unit|\
+    sampling interval|time of first sample|number of samples|reference channel|reference channel name|\
+    channel frequency class|data status|transducer type|transducer id|first global maximum value|\
+    first global minimum value|time of maximum value|time of minimum value|test object number|direction|dimension|\
+    location|bit resolution|channel amplitude class|cut off frequency|pre-filter type";
 
 /// Makes the channel of one file. `all` are the files of the test, for explicit time channels.
 pub fn channel_of_file(
@@ -48,9 +23,9 @@ pub fn channel_of_file(
     file: &ChannelFile,
     all: &[(&str, ChannelFile)],
     settings: &IngestSettings,
-    taken: &mut BTreeSet<String>,
+    ids: &mut Ids,
     notes: &mut Notes,
-) -> Result<ReadChannel, IngestError> {
+) -> Result<ReadChannel> {
     let header = &file.header;
     let number = name.rsplit_once('.').map_or(name, |(_, e)| e);
     let code = header.text("channel code").and_then(|text| match IsoCode::parse(text) {
@@ -63,7 +38,7 @@ pub fn channel_of_file(
             None
         }
     });
-    let id = unique_id(code.as_ref().map_or(number, IsoCode::as_str), taken);
+    let id = unique_id(code.as_ref().map_or(number, IsoCode::as_str), ids);
     let mut channel = match &code {
         Some(code) => channel_of_code(code, id),
         None => Channel::new(id, QuantityKind::Other),
@@ -78,12 +53,7 @@ pub fn channel_of_file(
     let t0_s = if file.gaps_before == 0 { grid.t0_s } else { grid.t0_s + file.gaps_before as f64 * grid.dt_s };
     let samples = file.samples.iter().map(|x| x * factor).collect();
     let wave = Sampled::new(t0_s, grid.dt_s, samples).map_err(|error| {
-        IngestError::content(
-            Place::file(name),
-            error.to_string(),
-            "finite samples at a positive interval",
-            "export the test again",
-        )
+        IngestError::content(name, error.to_string(), "finite samples at a positive interval", "export the test again")
     })?;
     let mut aliases = vec![number.to_owned(), number.trim_start_matches('0').to_owned(), name.to_owned()];
     for keyword in ["channel code", "name of the channel", "laboratory channel code", "customer channel code"] {
@@ -101,15 +71,8 @@ pub fn channel_of_code(code: &IsoCode, id: String) -> Channel {
 }
 
 /// An id fit for a topic, each once.
-pub fn unique_id(text: &str, taken: &mut BTreeSet<String>) -> String {
-    let base: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    let mut id = base.clone();
-    let mut copy = 2;
-    while !taken.insert(id.clone()) {
-        id = format!("{base}-{copy}");
-        copy += 1;
-    }
-    id
+pub fn unique_id(text: &str, ids: &mut Ids) -> String {
+    ids.unique(&text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect::<String>())
 }
 
 fn describe(channel: &mut Channel, header: &Header, code: Option<&IsoCode>, name: &str, notes: &mut Notes) {
@@ -146,7 +109,7 @@ fn describe(channel: &mut Channel, header: &Header, code: Option<&IsoCode>, name
     comment.extend(
         header.text("data status").filter(|s| !s.eq_ignore_ascii_case("ok")).map(|s| format!("data status: {s}")),
     );
-    comment.extend(header.others(&READ));
+    comment.extend(header.others(&READ.split('|').collect::<Vec<_>>()));
     channel.comment = (!comment.is_empty()).then(|| comment.join("; "));
 }
 
@@ -209,12 +172,11 @@ fn stated_unit(header: &Header) -> Option<String> {
     header.text("unit").map(|u| without_brackets(u).to_owned())
 }
 
-/// Whether the header states a unit, and it is one known here.
 pub fn states_a_known_unit(header: &Header) -> bool {
     stated_unit(header).as_deref().and_then(signal_unit).is_some()
 }
 
-fn grid(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)], notes: &mut Notes) -> Result<Grid, IngestError> {
+fn grid(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)], notes: &mut Notes) -> Result<Grid> {
     let header = &file.header;
     let reference = header.text("reference channel").map(str::to_lowercase);
     if reference.as_deref() == Some("explicit") {
@@ -222,21 +184,21 @@ fn grid(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)], notes: &mut
     }
     let Some(dt_s) = header.number("sampling interval") else {
         let place = header.line("sampling interval").map_or_else(|| Place::file(name), |line| Place::line(name, line));
-        return Err(IngestError::content(
+        return refuse(
             place,
             "no sampling interval is stated, and no time channel",
             "a line such as \"Sampling interval           :0.0001\"",
             "add the line with the interval in seconds: a sample number is not taken for time",
-        ));
+        );
     };
     if dt_s <= 0.0 {
         let line = header.line("sampling interval").unwrap_or(1);
-        return Err(IngestError::content(
+        return refuse(
             Place::line(name, line),
             format!("sampling interval {dt_s} s"),
             "a positive number of seconds",
             "correct the line",
-        ));
+        );
     }
     match reference.as_deref() {
         Some("implicit") => {}
@@ -251,7 +213,7 @@ fn grid(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)], notes: &mut
 }
 
 /// The grid of the channel whose code is the reference channel's name.
-fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Result<Grid, IngestError> {
+fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Result<Grid> {
     let refuse = |found: String, hint: &str| {
         let line = file.header.line("reference channel name").or(file.header.line("reference channel")).unwrap_or(1);
         IngestError::content(Place::line(name, line), found, "the code of a time channel with as many samples", hint)

@@ -1,7 +1,7 @@
 //! A channel file of ISO-MME: header lines, values.
 
-use crate::formats::text::lines::{decode, field, is_gap, line_at, without_mark};
-use crate::{IngestError, Place};
+use crate::formats::text::lines::{Lines, decode, field, is_gap, without_mark};
+use crate::{GAPS_ARE_NOT_FILLED, IngestError, Place, Result, refuse, refuse_size};
 
 /// More lines before the first sample than this are no header.
 const LINE_COUNT_LIMIT: usize = 10_000;
@@ -42,7 +42,6 @@ pub fn has_keyword_lines(head: &[u8]) -> bool {
     keywords >= 3 && 2 * keywords >= lines().count()
 }
 
-/// One line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Entry {
     line: usize,
@@ -61,26 +60,24 @@ pub struct Header {
 
 impl Header {
     /// Reads a file that is nothing but such lines. Others are left out.
-    pub fn parse(file: &str, bytes: &[u8]) -> Result<Self, IngestError> {
+    pub fn parse(file: &str, bytes: &[u8]) -> Result<Self> {
         let text = without_mark(bytes);
         let mut header = Self::default();
-        let (mut offset, mut number) = (0, 1);
-        while offset < text.len() {
-            let (line, next) = line_at(&text, offset, number, file)?;
-            header.push(file, number, line.bytes)?;
-            (offset, number) = (next, number + 1);
+        let mut lines = Lines::new(file, &text);
+        while let Some(line) = lines.take()? {
+            header.push(file, line.number, line.bytes)?;
         }
         Ok(header)
     }
 
     /// Takes a line, split at its first colon. Returns whether there was one.
-    pub fn push(&mut self, file: &str, line: usize, bytes: &[u8]) -> Result<bool, IngestError> {
+    pub fn push(&mut self, file: &str, line: usize, bytes: &[u8]) -> Result<bool> {
         if line > LINE_COUNT_LIMIT {
-            return Err(IngestError::too_large(
+            return refuse_size(
                 Place::line(file, line),
                 format!("more than {LINE_COUNT_LIMIT} lines of keywords"),
                 "a header of some thirty lines, then one number a line",
-            ));
+            );
         }
         let Some(colon) = bytes.iter().position(|b| *b == b':') else { return Ok(false) };
         let title = decode(bytes[..colon].trim_ascii());
@@ -94,7 +91,6 @@ impl Header {
         self.entries.iter().filter(|e| e.keyword == keyword).find_map(|e| stated_value(&e.value))
     }
 
-    /// The line of a keyword.
     pub fn line(&self, keyword: &str) -> Option<usize> {
         self.entries.iter().find(|e| e.keyword == keyword).map(|e| e.line)
     }
@@ -132,7 +128,6 @@ fn stated_value(value: &str) -> Option<&str> {
 /// A channel file, its samples as written.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ChannelFile {
-    /// Keyword lines.
     pub header: Header,
     /// Samples; gaps (`NOVALUE`) at the ends are left off.
     pub samples: Vec<f64>,
@@ -150,18 +145,15 @@ pub struct ChannelFile {
 
 impl ChannelFile {
     /// Reads a file. The header ends at the first line without a colon that is a number or `NOVALUE`.
-    pub fn parse(file: &str, bytes: &[u8]) -> Result<Self, IngestError> {
+    pub fn parse(file: &str, bytes: &[u8]) -> Result<Self> {
         let text = without_mark(bytes);
         let mut parsed = Self::default();
-        let (mut offset, mut number, mut in_header) = (0, 1, true);
-        let mut first_blank = None;
+        let mut lines = Lines::new(file, &text);
+        let (mut in_header, mut first_blank) = (true, None);
         // Gaps since the last number: at the end they are left off, before a number they are an error.
         let mut gap: Option<(usize, usize)> = None;
-        while offset < text.len() {
-            let (line, next) = line_at(&text, offset, number, file)?;
-            let bytes = line.bytes.trim_ascii();
-            let at = number;
-            (offset, number) = (next, number + 1);
+        while let Some(line) = lines.take()? {
+            let (bytes, at) = (line.bytes.trim_ascii(), line.number);
             if bytes.is_empty() || bytes == [0x1A] {
                 first_blank = first_blank.or((!in_header).then_some(at));
                 continue;
@@ -202,12 +194,12 @@ impl ChannelFile {
         parsed.gaps_after = gap.map_or(0, |(_, count)| count);
         if parsed.samples.is_empty() {
             let found = if parsed.gaps_after > 0 { "nothing but NOVALUE" } else { "no samples" };
-            return Err(IngestError::content(
-                Place::line(file, number.saturating_sub(1).max(1)),
+            return refuse(
+                lines.place(),
                 found,
                 "a header, then one number a line",
                 "the channel holds no data: choose another, or export the test again",
-            ));
+            );
         }
         parsed.keep_announced();
         Ok(parsed)
@@ -259,7 +251,7 @@ fn inner_gap(file: &str, line: usize, count: usize) -> IngestError {
         Place::line(file, line),
         format!("{count} samples are NOVALUE, with numbers before and after"),
         "samples without gaps",
-        "cut the record before the gap, or fill it in the program that made it: gaps are not filled here",
+        GAPS_ARE_NOT_FILLED,
     )
 }
 

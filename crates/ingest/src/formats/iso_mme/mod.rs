@@ -1,51 +1,31 @@
 //! ISO/TS 13499 (ISO-MME): a test file `.mme`, a channel list `.chn`, channel files `.001`; or one channel file alone.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::unit::{Dimension, parse_value};
-use crumple_signal::{About, Channel, ChannelStatus, Notes, QuantityKind, Weight};
+use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
 
 use crate::formats::iso_mme::channel_file::{ChannelFile, Header, number};
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
+use crate::recording::content::{Fitness, Ids, PulseRule, ReadChannel, Recording, note_doubts};
 use crate::recording::details::{Details, Stated};
 use crate::recording::settings;
-use crate::{IngestError, IngestSettings, Place, pulse};
+use crate::{IngestError, IngestSettings, Result, pulse};
 
 mod channel;
 pub mod channel_file;
 
-/// Reader of ISO-MME tests and single channel files.
-pub struct IsoMme;
-
-impl Reader for IsoMme {
-    fn format(&self) -> &'static str {
-        "iso-mme"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        channel_file::recognises(head)
-    }
-
-    fn companion(&self, main: &str, name: &str) -> bool {
+/// ISO-MME tests and single channel files.
+pub const ISO_MME: Reader = Reader {
+    companion: |main, name| {
         stem(name).eq_ignore_ascii_case(stem(main)) && (is_channel_name(name) || is_text_part(name))
-    }
+    },
+    spans_folders: true,
+    ..Reader::of_one_file("iso-mme", channel_file::recognises, &["--unit", "--vehicle-number"], read)
+};
 
-    fn spans_folders(&self) -> bool {
-        true
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--vehicle-number"]
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        read(bundle, settings)
-    }
-}
-
-fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let mut notes = Notes::new();
     let main = &bundle.main;
     let main_is_channel = !is_text_part(&main.name);
@@ -61,17 +41,16 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
             .find(|(name, _)| name.to_ascii_lowercase().ends_with(extension))
             .map(|(name, bytes)| (*name, *bytes))
     };
-    let details = match part(".mme") {
-        Some((name, bytes)) if !channel_file::recognises(bytes) => {
+    let mut details = Details::default();
+    if let Some((name, bytes)) = part(".mme") {
+        if !channel_file::recognises(bytes) {
             notes.warning(format!(
                 "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword \
                  lines"
             ));
-            details(name, &Header::parse(name, bytes)?, settings, &mut notes)
         }
-        Some((name, bytes)) => details(name, &Header::parse(name, bytes)?, settings, &mut notes),
-        None => Details::default(),
-    };
+        details = details_of(name, &Header::parse(name, bytes)?, settings, &mut notes);
+    }
 
     let mut channels = Vec::new();
     let mut parsed: Vec<(&str, ChannelFile)> = Vec::new();
@@ -94,12 +73,12 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     if settings.unit.is_some() && parsed.iter().all(|(_, file)| channel::states_a_known_unit(&file.header)) {
         settings::warn("--unit", "every channel file states a unit that is known", &mut notes);
     }
-    let mut taken = BTreeSet::new();
+    let mut ids = Ids::default();
     for (name, file) in &parsed {
         if single && *name != main.name {
             continue;
         }
-        match channel::channel_of_file(name, file, &parsed, settings, &mut taken, &mut notes) {
+        match channel::channel_of_file(name, file, &parsed, settings, &mut ids, &mut notes) {
             Ok(read) => channels.push(read),
             Err(error) if single => return Err(error),
             Err(error) => channels.push(unread_channel(name, &error, &mut notes)),
@@ -107,9 +86,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
     }
     if single {
         for read in &mut channels {
-            if read.channel.quantity == QuantityKind::Acceleration {
-                read.fitness = Some(Fitness { redundant: false, place: 0, why: "the only channel of the file" });
-            }
+            read.fitness = Fitness::of_only(read.channel.quantity, "the only channel of the file");
         }
     } else {
         let vehicle = settings.vehicle_number.unwrap_or(1);
@@ -119,9 +96,9 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestE
         }
         channels.extend(unread);
         if let Some((name, bytes)) = part(".chn") {
-            add_listed_channels(name, &Header::parse(name, bytes)?, &mut channels, &mut taken, &mut notes);
+            add_listed_channels(name, &Header::parse(name, bytes)?, &mut channels, &mut ids, &mut notes);
         }
-        warn_of_doubtful(&channels, &mut notes);
+        channels.iter().filter(|f| f.wave.is_some()).for_each(|read| note_doubts(&read.channel, &mut notes));
     }
     let pulse_rule = if single { PulseRule::OnlyOne } else { PulseRule::Fittest };
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: true, notes })
@@ -136,13 +113,7 @@ fn unread_channel(name: &str, error: &IngestError, notes: &mut Notes) -> ReadCha
 }
 
 /// Channels of the list that have no file. The list's numbers are not reliable, its codes are compared.
-fn add_listed_channels(
-    name: &str,
-    list: &Header,
-    channels: &mut Vec<ReadChannel>,
-    taken: &mut BTreeSet<String>,
-    notes: &mut Notes,
-) {
+fn add_listed_channels(name: &str, list: &Header, channels: &mut Vec<ReadChannel>, ids: &mut Ids, notes: &mut Notes) {
     let mut absent = 0;
     let mut listed = 0_usize;
     for (keyword, value) in list.entries().filter(|(keyword, _)| keyword.starts_with("name of channel")) {
@@ -155,7 +126,7 @@ fn add_listed_channels(
         if channels.iter().any(|f| f.channel.code.as_deref() == Some(code.as_str())) {
             continue;
         }
-        let mut channel = channel::channel_of_code(&code, channel::unique_id(code.as_str(), taken));
+        let mut channel = channel::channel_of_code(&code, channel::unique_id(code.as_str(), ids));
         channel.status = ChannelStatus::Absent;
         channels.push(ReadChannel::new(channel));
         absent += 1;
@@ -168,24 +139,13 @@ fn add_listed_channels(
     }
 }
 
-fn warn_of_doubtful(channels: &[ReadChannel], notes: &mut Notes) {
-    for read in channels.iter().filter(|f| f.wave.is_some()) {
-        if matches!(read.channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
-            let comment = read.channel.comment.as_deref().unwrap_or("without a comment");
-            let id = read.channel.id.clone();
-            let text = format!("channel {id} is {} by its laboratory: {comment}", read.channel.status);
-            notes.concern(About::Channel(id), Weight::Slight, text);
-        }
-    }
-}
-
 fn no_channels(bundle: &Bundle, main: &str, unread: usize) -> IngestError {
     let found = match unread {
         0 => format!("none of the channel files of {main} is here"),
         n => format!("none of the {n} channel files can be read"),
     };
     IngestError::content(
-        Place::file(&bundle.name),
+        &bundle.name,
         found,
         format!("files such as {}.001 beside it or in the folder Channel", stem(main)),
         "give the folder of the whole test, or its zip archive",
@@ -199,7 +159,7 @@ const FACT_LIMIT: usize = 100;
 
 /// Title, vehicle, mass and speed of the test object asked for, everything else as facts. Mass and speed are found by
 /// words in the keyword, since keywords differ between laboratories; what was taken is noted.
-pub fn details(file: &str, header: &Header, settings: &IngestSettings, notes: &mut Notes) -> Details {
+fn details_of(file: &str, header: &Header, settings: &IngestSettings, notes: &mut Notes) -> Details {
     let object = settings.vehicle_number.unwrap_or(1);
     let words = |keyword: &str| {
         header.text(keyword).map(|v| Stated { value: v.to_owned(), from: format!("{file}, {keyword}") })
@@ -303,7 +263,7 @@ mod tests {
     fn read(text: &str) -> (Details, Vec<String>) {
         let mut notes = Notes::new();
         let header = Header::parse("t.mme", text.as_bytes()).unwrap();
-        (details("t.mme", &header, &IngestSettings::default(), &mut notes), notes.to_texts())
+        (details_of("t.mme", &header, &IngestSettings::default(), &mut notes), notes.to_texts())
     }
 
     #[test]

@@ -1,25 +1,21 @@
 //! Columns of a table as channels: quantity, unit, identity.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crumple_signal::iso13499::wildcard;
-use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, Weight};
 
 use crate::formats::iso13499;
 use crate::formats::table::header::{Column, TableHeader};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::time_axis::TimeAxis;
-use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change};
+use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change, stated_factor};
 use crate::formats::waveform::channel;
-use crate::recording::content::{Fitness, ReadChannel};
+use crate::recording::content::{Fitness, Ids, ReadChannel, list};
 use crate::recording::details::Stated;
-use crate::recording::settings;
-use crate::recording::settings::is_pattern;
-use crate::{IngestError, IngestSettings, Place, Profile, pulse};
-
-const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
+use crate::recording::settings::{self, is_pattern};
+use crate::{IngestError, IngestSettings, Place, Profile, Result, pulse, refuse_channel};
 
 /// Turns every column but the time into a channel in SI.
 pub fn channels(
@@ -30,7 +26,7 @@ pub fn channels(
     settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
-) -> Result<Vec<ReadChannel>, IngestError> {
+) -> Result<Vec<ReadChannel>> {
     let is_data = |k: &usize| !time.columns.contains(k) && !rows.is_left_out(*k);
     let data: Vec<usize> = (0..header.columns.len()).filter(is_data).collect();
     let ids = ids(header, &data);
@@ -43,7 +39,7 @@ pub fn channels(
         (None, None) => None,
     };
     let stated =
-        stated.map(|(symbol, from, forced)| stated_unit(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
+        stated.map(|(symbol, from, forced)| stated_factor(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
 
     let kinds = kinds(header, &data, selected, stated, edr, notes);
     if let Some((factor, true)) = stated
@@ -89,11 +85,7 @@ pub fn channels(
         channels.push(ReadChannel {
             wave: Some(wave),
             jitter: time.grid.jitter,
-            fitness: acceleration.then_some(Fitness {
-                redundant: false,
-                place: 0,
-                why: "the only acceleration column",
-            }),
+            fitness: Fitness::of_only(quantity, "the only acceleration column"),
             aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
             lines: Some(Arc::clone(&lines)),
             ..ReadChannel::new(channel)
@@ -170,28 +162,22 @@ fn check_for_acceleration(
     kinds: &[(QuantityKind, f64)],
     selected: Option<usize>,
     is_unit_stated: bool,
-) -> Result<(), IngestError> {
+) -> Result<()> {
+    let is_named_as_acceleration = |k: &usize| names_acceleration(&header.columns[*k].title);
     let no_unit = |k: usize| {
         let Column { title, unit, .. } = &header.columns[k];
-        let place = Place::file(file).in_column(format!("{} ({title})", k + 1));
-        let found = match unit {
-            Unit::Unknown(symbol) => format!("unit {symbol:?} is not known"),
-            _ => "no unit is stated".to_owned(),
-        };
+        let place = Place::file(file).in_nth_column(k, title);
         let is_curve =
             file.rsplit_once('.').is_some_and(|(_, e)| e.len() == 3 && e.bytes().all(|b| b.is_ascii_digit()));
         let hint = if is_curve {
             "a signal file of an NHTSA test is read by giving its .EV5 file; else add --unit g"
-        } else if selected.is_none()
-            && data.len() > 1
-            && !data.iter().any(|k| names_acceleration(&header.columns[*k].title))
-        {
+        } else if selected.is_none() && data.len() > 1 && !data.iter().any(is_named_as_acceleration) {
             "if it is a crash, add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is; inputs and outputs that are \
              no crash need none: --allow-missing, and then the stage identify"
         } else {
             "add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is: a unit is never guessed from the numbers"
         };
-        IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
+        unit.refuse(place, hint)
     };
     if let Some(selected) = selected {
         let kind = data.iter().zip(kinds).find(|(k, _)| **k == selected).map(|(_, kind)| kind.0);
@@ -203,76 +189,40 @@ fn check_for_acceleration(
     if kinds.iter().any(|(kind, _)| *kind == QuantityKind::Acceleration) {
         return Ok(());
     }
-    let mut velocities =
-        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Velocity).map(|(k, _)| &header.columns[*k]);
-    let is_named_as_acceleration = |k: &usize| names_acceleration(&header.columns[*k].title);
-    if velocities.any(|column| !names_velocity_change(&column.title)) && !data.iter().any(is_named_as_acceleration) {
+    let of_kind = |of| data.iter().zip(kinds).filter(move |(_, kind)| kind.0 == of).map(|(k, _)| *k);
+    let is_velocity = |k: usize| !names_velocity_change(&header.columns[k].title);
+    if of_kind(QuantityKind::Velocity).any(is_velocity) && !data.iter().any(is_named_as_acceleration) {
         return Ok(());
     }
-    let unknown: Vec<usize> =
-        data.iter().zip(kinds).filter(|(_, kind)| kind.0 == QuantityKind::Other).map(|(k, _)| *k).collect();
+    let unknown: Vec<usize> = of_kind(QuantityKind::Other).collect();
     // The unit that is stated serves the column that is named.
     if let Some(first) = unknown.first().filter(|_| is_unit_stated) {
-        return Err(IngestError::channel(
-            file,
-            format!("no column is named as an acceleration: {}", titles(header, data)),
-            "the name of the channel with the crash pulse",
-            pulse::which(&ids(header, &[*first])[0], unknown.len()),
-        ));
+        let found = format!("no column is named as an acceleration: {}", titles(header, data));
+        let hint = pulse::which(&ids(header, &[*first])[0], unknown.len());
+        return refuse_channel(file, found, "the name of the channel with the crash pulse", hint);
     }
-    match unknown.iter().find(|k| names_acceleration(&header.columns[**k].title)).or(unknown.first()) {
+    match unknown.iter().find(|k| is_named_as_acceleration(k)).or(unknown.first()) {
         Some(k) => Err(no_unit(*k)),
-        None => Err(IngestError::channel(
-            file,
-            format!("no column is an acceleration: {}", titles(header, data)),
-            "an acceleration column",
-            "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h",
-        )),
+        None => {
+            let hint = "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h";
+            let found = format!("no column is an acceleration: {}", titles(header, data));
+            refuse_channel(file, found, "an acceleration column", hint)
+        }
     }
 }
 
 /// An event data recorder's table has a change of velocity.
-fn check_for_velocity(
-    file: &str,
-    header: &TableHeader,
-    data: &[usize],
-    kinds: &[(QuantityKind, f64)],
-) -> Result<(), IngestError> {
+fn check_for_velocity(file: &str, header: &TableHeader, data: &[usize], kinds: &[(QuantityKind, f64)]) -> Result<()> {
     if kinds.iter().any(|(kind, _)| matches!(kind, QuantityKind::VelocityChange | QuantityKind::Acceleration)) {
         return Ok(());
     }
-    Err(IngestError::channel(
-        file,
-        format!("no column is a change of velocity with its unit: {}", titles(header, data)),
-        "a column such as \"Delta-V (km/h)\"",
-        "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several",
-    ))
-}
-
-fn stated_unit(file: &str, symbol: &str, from: &str, edr: bool) -> Result<f64, IngestError> {
-    let (dimension, what, hint) = if edr {
-        (Dimension::Signal(QuantityKind::Velocity), "speed", "use --unit km/h or --unit mph")
-    } else {
-        (ACCELERATION, "acceleration", "use --unit g or --unit m/s^2")
-    };
-    factor(symbol, dimension).ok_or_else(|| {
-        IngestError::content(
-            Place::file(file),
-            format!("{symbol:?}, stated by {from}, is no unit of {what}"),
-            format!("one of {}", choices(dimension)),
-            hint,
-        )
-    })
+    let found = format!("no column is a change of velocity with its unit: {}", titles(header, data));
+    let hint = "add --unit km/h or --unit mph, and --skip-to with the title of the crash table if there are several";
+    refuse_channel(file, found, "a column such as \"Delta-V (km/h)\"", hint)
 }
 
 /// The column a person means by its id, its name with or without unit, or its number from 1.
-pub fn select(
-    file: &str,
-    wanted: &str,
-    header: &TableHeader,
-    data: &[usize],
-    ids: &[String],
-) -> Result<usize, IngestError> {
+pub fn select(file: &str, wanted: &str, header: &TableHeader, data: &[usize], ids: &[String]) -> Result<usize> {
     let wanted = wanted.trim();
     let matches = |k: usize, id: &str, fold: bool| {
         let same = |name: &str| if fold { name.to_lowercase() == wanted.to_lowercase() } else { name == wanted };
@@ -284,12 +234,9 @@ pub fn select(
     let named = Some(all(false)).filter(|exact| !exact.is_empty()).unwrap_or_else(|| all(true));
     if let [first, _, ..] = named.as_slice() {
         let numbers: Vec<String> = named.iter().map(|k| (k + 1).to_string()).collect();
-        return Err(IngestError::channel(
-            file,
-            format!("columns {} are all named {wanted:?}", numbers.join(", ")),
-            "one column as the crash pulse",
-            format!("give its number, such as --channel {}", first + 1),
-        ));
+        let found = format!("columns {} are all named {wanted:?}", numbers.join(", "));
+        let hint = format!("give its number, such as --channel {}", first + 1);
+        return refuse_channel(file, found, "one column as the crash pulse", hint);
     }
     let by_number = || wanted.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).filter(|k| data.contains(k));
     if is_pattern(wanted) && named.is_empty() {
@@ -303,32 +250,27 @@ pub fn select(
             .map(|(k, _)| *k)
             .collect();
         if let [first, _, ..] = fits.as_slice() {
-            return Err(IngestError::channel(
-                file,
-                format!("--channel {wanted} means {} columns: {}", fits.len(), titles(header, &fits)),
-                "one column as the crash pulse",
-                format!("give the name of one, such as --channel {:?}", header.columns[*first].title),
-            ));
+            let found = format!("--channel {wanted} means {} columns: {}", fits.len(), titles(header, &fits));
+            let hint = format!("give the name of one, such as --channel {:?}", header.columns[*first].title);
+            return refuse_channel(file, found, "one column as the crash pulse", hint);
         }
         if let [one] = fits.as_slice() {
             return Ok(*one);
         }
     }
-    named.first().copied().or_else(by_number).ok_or_else(|| {
-        IngestError::channel(
-            file,
-            format!("no column {wanted:?}"),
-            format!("one of {}", titles(header, data)),
-            "give --channel a name from the header, or the number of the column",
-        )
-    })
+    named.first().copied().or_else(by_number).map_or_else(
+        || {
+            let hint = "give --channel a name from the header, or the number of the column";
+            refuse_channel(file, format!("no column {wanted:?}"), format!("one of {}", titles(header, data)), hint)
+        },
+        Ok,
+    )
 }
 
 pub fn titles(header: &TableHeader, data: &[usize]) -> String {
-    channel::list(&data.iter().map(|k| header.columns[*k].title.as_str()).collect::<Vec<_>>())
+    list(&data.iter().map(|k| header.columns[*k].title.as_str()).collect::<Vec<_>>())
 }
 
-/// Notes which ids columns of the same title get.
 fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut Notes) {
     let mut by_title: BTreeMap<&str, Vec<(usize, &str)>> = BTreeMap::new();
     for (k, id) in data.iter().zip(ids) {
@@ -342,17 +284,10 @@ fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut
 
 /// Names fit for topics and file names, each once.
 pub fn ids(header: &TableHeader, data: &[usize]) -> Vec<String> {
-    let mut taken = BTreeSet::new();
+    let mut ids = Ids::default();
     let id = |k: &usize| {
         let clean = channel::clean(&header.columns[*k].name);
-        let base = if clean.is_empty() { format!("column_{}", k + 1) } else { clean };
-        let mut id = base.clone();
-        let mut copy = 2;
-        while !taken.insert(id.clone()) {
-            id = format!("{base}-{copy}");
-            copy += 1;
-        }
-        id
+        ids.unique(&if clean.is_empty() { format!("column_{}", k + 1) } else { clean })
     };
     data.iter().map(id).collect()
 }

@@ -1,12 +1,9 @@
-//! A report of an event data recorder as a recording: the crash tables become channels, the others are named.
-//!
-//! Reports of event data recorders: several tables in one text, cells in two units at once.
+//! A report of an event data recorder, several tables in one text, as a recording: the crash tables become channels,
+//! the others are named.
 //!
 //! A table is a run of rows that begin with a number, under a line of names, under lines of text of which the last is
 //! its title. `-2 [-3]` under `Velocity Change (MPH [km/h])` says one thing twice: the way of writing that is the finer
 //! one is kept, and both are compared.
-
-use std::collections::BTreeSet;
 
 use crumple_signal::unit::signal_unit;
 use crumple_signal::{About, Notes, QuantityKind, Weight};
@@ -15,18 +12,13 @@ use crate::formats::reader::Bundle;
 use crate::formats::table::layout::Delimiter;
 use crate::formats::table::{OneTable, TextAbove, header, one_table};
 use crate::formats::text::column_names::{axis, names_acceleration, names_velocity_change};
-use crate::formats::text::lines::{comment, decode, field, is_gap, line_at, unquoted};
-use crate::recording::content::{PulseRule, ReadChannel, Recording};
+use crate::formats::text::lines::{Line, Lines, comment, decode, field, is_gap, unquoted};
+use crate::recording::content::{Ids, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Details;
-use crate::{IngestError, IngestSettings, Refusal};
+use crate::{IngestError, IngestSettings, Refusal, Result};
 
 /// Reads a text that holds several tables, or cells in two units. `None`: it is a table like any other.
-pub fn read(
-    file: &str,
-    text: &[u8],
-    bundle: &Bundle,
-    settings: &IngestSettings,
-) -> Result<Option<Recording>, IngestError> {
+pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &IngestSettings) -> Result<Option<Recording>> {
     let mut sections = report_tables(text, file)?;
     if sections.len() < 2 && !sections.iter().any(|section| section.rewritten) {
         return Ok(None);
@@ -51,7 +43,7 @@ pub fn read(
     let mut notes = Notes::new();
     let mut details = Details::default();
     let mut channels: Vec<ReadChannel> = Vec::new();
-    let mut ids = BTreeSet::new();
+    let mut ids = Ids::default();
     let mut left_out = Vec::new();
     let table_settings = IngestSettings { channel: None, skip_to: None, ..settings.clone() };
     for (k, section) in sections.iter().enumerate() {
@@ -99,20 +91,14 @@ fn is_change(read: &ReadChannel) -> bool {
     read.channel.quantity == QuantityKind::VelocityChange
 }
 
-/// What the heading of its table says of a channel.
-fn describe_by_heading(read: &mut ReadChannel, section: &ReportTable, number: usize, ids: &mut BTreeSet<String>) {
+fn describe_by_heading(read: &mut ReadChannel, section: &ReportTable, number: usize, ids: &mut Ids) {
     let channel = &mut read.channel;
     // A speed before the crash is no change of velocity.
     if !section.is_pulse && channel.quantity == QuantityKind::VelocityChange {
         channel.quantity = QuantityKind::Velocity;
     }
     channel.axis = channel.axis.or_else(|| section.axis());
-    let base = channel.id.clone();
-    let mut copy = 2;
-    while !ids.insert(channel.id.clone()) {
-        channel.id = format!("{base}-{copy}");
-        copy += 1;
-    }
+    channel.id = ids.unique(&channel.id);
     // The number of a column says nothing where there are several tables.
     read.aliases.retain(|alias| alias.parse::<usize>().is_err());
     if !section.title.is_empty() {
@@ -141,8 +127,8 @@ pub fn edr_notes(channels: &[ReadChannel], details: &mut Details, notes: &mut No
         About::Motion,
         Weight::Marked,
         "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), \
-         and how the recorder \
-         filtered it is not stated: peak acceleration and force cannot be taken from it, crush roughly",
+         and how the recorder filtered it is not stated: peak acceleration and force cannot be taken from it, crush \
+         roughly",
     );
 }
 
@@ -164,7 +150,6 @@ pub struct ReportTable {
     pub is_pulse: bool,
     /// It names a change of velocity and no acceleration.
     pub only_a_change: bool,
-    /// What was found on the way.
     pub notes: Notes,
     /// Whether its text differs from that of the file.
     pub rewritten: bool,
@@ -182,21 +167,10 @@ impl ReportTable {
     }
 }
 
-/// A line as far as the search for tables needs it.
-struct NumberedLine<'a> {
-    bytes: &'a [u8],
-    number: usize,
-}
-
 /// The tables of a report that have a line of names, in its order.
-fn report_tables(text: &[u8], file: &str) -> Result<Vec<ReportTable>, IngestError> {
-    let mut lines = Vec::new();
-    let (mut offset, mut number) = (0, 1);
-    while offset < text.len() {
-        let (line, next) = line_at(text, offset, number, file)?;
-        lines.push(NumberedLine { bytes: line.bytes, number });
-        (offset, number) = (next, number + 1);
-    }
+fn report_tables(text: &[u8], file: &str) -> Result<Vec<ReportTable>> {
+    let mut all = Lines::new(file, text);
+    let lines: Vec<Line> = std::iter::from_fn(|| all.take().transpose()).collect::<Result<_>>()?;
     let mut sections = Vec::new();
     let mut words: Vec<usize> = Vec::new();
     let mut at = 0;
@@ -226,23 +200,22 @@ fn report_tables(text: &[u8], file: &str) -> Result<Vec<ReportTable>, IngestErro
 }
 
 /// What the report says of its own completeness: `Complete File Recorded, No`, with the title above it.
-fn incompleteness(text: &[u8], file: &str) -> Result<Vec<String>, IngestError> {
-    let mut lines = Vec::new();
-    let (mut offset, mut number) = (0, 1);
-    while offset < text.len() {
-        let (line, next) = line_at(text, offset, number, file)?;
+fn incompleteness(text: &[u8], file: &str) -> Result<Vec<String>> {
+    let mut incomplete = Vec::new();
+    let mut lines = Lines::new(file, text);
+    while let Some(line) = lines.take()? {
         let words = decode(line.bytes);
-        if words.to_lowercase().contains("complete file recorded") {
-            // The answer is the last word; `(Yes, No)` in the name of the field is none.
-            let answer = words.rsplit(|c: char| !c.is_alphanumeric()).find(|word| !word.is_empty());
-            let question_alone = words.trim_end().ends_with(')');
-            if !question_alone && answer.is_some_and(|word| word.eq_ignore_ascii_case("no")) {
-                lines.push(format!("line {number}: {}", words.trim()));
-            }
+        // The answer is the last word; `(Yes, No)` in the name of the field is none.
+        let answer = words.rsplit(|c: char| !c.is_alphanumeric()).find(|word| !word.is_empty());
+        let is_question_alone = words.trim_end().ends_with(')');
+        if words.to_lowercase().contains("complete file recorded")
+            && !is_question_alone
+            && answer.is_some_and(|word| word.eq_ignore_ascii_case("no"))
+        {
+            incomplete.push(format!("line {}: {}", line.number, words.trim()));
         }
-        (offset, number) = (next, number + 1);
     }
-    Ok(lines)
+    Ok(incomplete)
 }
 
 /// The delimiter of a row: two fields and more, of which the first is a number.
@@ -290,7 +263,6 @@ fn dual_unit(title: &str) -> Option<(String, [String; 2])> {
     })
 }
 
-/// Decimals printed of a number.
 fn decimals(printed: &[u8], decimal: u8) -> i32 {
     let at = printed.iter().position(|b| *b == decimal);
     at.and_then(|at| i32::try_from(printed.len() - at - 1).ok()).unwrap_or(0)
@@ -303,7 +275,7 @@ struct Column {
 }
 
 fn report_table(
-    lines: &[NumberedLine<'_>],
+    lines: &[Line],
     header: usize,
     rows: std::ops::Range<usize>,
     delimiter: u8,
@@ -454,7 +426,7 @@ fn finer_of_two_units(
 
 /// Lines at their numbers: comments stay, names and rows are those of `columns`, all else is empty.
 fn plain_text(
-    lines: &[NumberedLine<'_>],
+    lines: &[Line],
     header: usize,
     rows: std::ops::Range<usize>,
     delimiter: u8,
@@ -462,22 +434,12 @@ fn plain_text(
 ) -> Vec<u8> {
     let mut text = Vec::new();
     for (at, line) in lines[..rows.end].iter().enumerate() {
-        if at == header {
-            for (k, column) in columns.iter().enumerate() {
-                if k > 0 {
-                    text.push(delimiter);
-                }
-                text.push(b'"');
-                text.extend(column.title.replace('"', "'").bytes());
-                text.push(b'"');
-            }
-        } else if rows.contains(&at) {
-            for (k, column) in columns.iter().enumerate() {
-                if k > 0 {
-                    text.push(delimiter);
-                }
-                text.extend(&column.cells[at - rows.start]);
-            }
+        if at == header || rows.contains(&at) {
+            let cell = |column: &Column| match at.checked_sub(rows.start) {
+                Some(row) => column.cells[row].clone(),
+                None => format!("\"{}\"", column.title.replace('"', "'")).into_bytes(),
+            };
+            text.extend(columns.iter().map(cell).collect::<Vec<_>>().join(&delimiter));
         } else if comment(line.bytes).is_some() {
             text.extend(line.bytes);
         }

@@ -9,7 +9,7 @@ use crate::formats::table::{columns, layout::Cells};
 use crate::formats::text::column_names::{Unit, axis, names_acceleration};
 use crate::formats::text::lines::ParsedNumber;
 use crate::recording::content::LineNumbers;
-use crate::{IngestError, IngestSettings, Place};
+use crate::{IngestError, IngestSettings, Place, Result};
 
 /// Leaves out columns of words, and those with gaps that are not needed. The column asked for must be whole, without
 /// one the accelerations and velocities, and the times: where one has no number in a tenth of the rows and more, it is
@@ -20,7 +20,7 @@ pub fn settle(
     rows: &mut Rows,
     settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<(), IngestError> {
+) -> Result<()> {
     let count = header.columns.len();
     let words: Vec<usize> = (0..count).filter(|k| rows.cells[*k] == Cells::Words).collect();
     words.iter().for_each(|k| rows.columns[*k] = Vec::new());
@@ -88,7 +88,6 @@ impl Rows {
         })
     }
 
-    /// Whether a column is left out.
     pub fn is_left_out(&self, k: usize) -> bool {
         self.columns[k].is_empty()
     }
@@ -100,7 +99,7 @@ impl Rows {
 
     /// The refusal of a gap in a column that is needed.
     fn refuse_gap(&self, file: &str, k: usize, title: &str, row: usize) -> IngestError {
-        let place = Place::line(file, self.lines.of_row(row)).in_column(format!("{} ({title})", k + 1));
+        let place = Place::line(file, self.lines.of_row(row)).in_nth_column(k, title);
         IngestError::content(place, "no number in a column that is needed", "a finite number in every row", GAPS)
     }
 

@@ -4,9 +4,9 @@ use crumple_signal::unit;
 
 use crate::formats::table::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
-use crate::formats::text::lines::{Line, decode, field, line_at, unquoted};
+use crate::formats::text::lines::{Line, Lines, decode, field, unquoted};
 use crate::formats::text::stamps::stamp;
-use crate::{IngestError, Place};
+use crate::{Result, refuse};
 
 /// Name and stated unit of a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,16 +15,12 @@ pub struct Column {
     pub name: String,
     /// The name in the header, whole.
     pub title: String,
-    /// The stated unit.
     pub unit: Unit,
 }
 
-/// What the header lines say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableHeader {
-    /// One for each column of numbers.
     pub columns: Vec<Column>,
-    /// Names are given at all.
     pub named: bool,
     /// More names than columns: how many there are.
     pub surplus_names: Option<usize>,
@@ -41,7 +37,6 @@ pub struct TableHeader {
 /// Two units of one column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contradiction {
-    /// Index of the column.
     pub column: usize,
     /// The line of the names, and the name with its unit.
     pub name: (usize, String),
@@ -95,8 +90,7 @@ pub fn of_lines(mut lines: Vec<(usize, Vec<String>)>, count: usize) -> TableHead
             let (name, mut unit) = split_unit(&title);
             if let Some((units_line, cell)) = units.as_ref().and_then(|(line, cells)| Some((*line, cells.get(k)?))) {
                 let stated = unit_cell(cell, &title);
-                let is_unit = |unit: &Unit| matches!(unit, Unit::Time(_) | Unit::Signal(..));
-                if is_unit(&stated) && is_unit(&unit) && stated != unit && contradiction.is_none() {
+                if stated.is_known() && unit.is_known() && stated != unit && contradiction.is_none() {
                     let (name, unit) = ((names_line, title.clone()), (units_line, cell.clone()));
                     contradiction = Some(Contradiction { column: k, name, unit });
                 }
@@ -144,10 +138,7 @@ fn units_line(lines: &[(usize, Vec<String>)], count: usize) -> Option<usize> {
         return Some(last);
     }
     let names_above = |k: usize| lines[k - 1].1.len() == count && lines[k - 1].1.iter().any(|cell| is_time_name(cell));
-    let all_units = |cells: &[String]| {
-        cells.len() == count
-            && cells.iter().all(|cell| !matches!(unit_cell(cell, ""), Unit::Unstated | Unit::Unknown(_)))
-    };
+    let all_units = |cells: &[String]| cells.len() == count && cells.iter().all(|cell| unit_cell(cell, "").is_known());
     (last >= 2 && all_units(&lines[last - 1].1) && names_above(last - 1)).then(|| last - 1)
 }
 
@@ -204,7 +195,7 @@ fn cells_between_blanks(line: &str, count: usize) -> Option<Vec<String>> {
     let cells: Vec<String> = cells.iter().map(|cell| cell.trim().to_owned()).filter(|cell| !cell.is_empty()).collect();
     // The names of a table without brackets, each followed by its unit.
     let pairs = || -> Option<Vec<String>> {
-        let is_unit = |word: &str| !matches!(unit_cell(word, ""), Unit::Unstated | Unit::Unknown(_));
+        let is_unit = |word: &str| unit_cell(word, "").is_known();
         let pairs = words.chunks_exact(2).map(|pair| is_unit(pair[1]).then(|| pair.join(" ")));
         (words.len() == 2 * count).then(|| pairs.collect())?
     };
@@ -218,7 +209,7 @@ fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> b
     let above_is_names = above.len() >= count && above.iter().any(|cell| is_time_name(cell));
     let has_both = |cell: &String| {
         let (name, unit) = split_unit(cell);
-        name != *cell && matches!(unit, Unit::Time(_) | Unit::Signal(..))
+        name != *cell && unit.is_known()
     };
     filled == count && !above_is_names && (last.iter().all(has_both) || last.iter().any(|cell| is_time_name(cell)))
 }
@@ -226,7 +217,7 @@ fn is_header_below_a_title(last: &[String], above: &[String], count: usize) -> b
 /// A line under the names is one of units if some cell is a unit and no cell is a bare name.
 fn is_unit_line(cells: &[String]) -> bool {
     let kinds: Vec<Unit> = cells.iter().map(|cell| unit_cell(cell, "")).collect();
-    kinds.iter().any(|unit| matches!(unit, Unit::Time(_) | Unit::Signal(..)))
+    kinds.iter().any(Unit::is_known)
         && cells.iter().zip(&kinds).all(|(cell, unit)| {
             !matches!(unit, Unit::Unstated) || matches!(cell.as_str(), "" | "-" | "1") || !is_time_name(cell)
         })
@@ -236,7 +227,7 @@ fn is_unit_line(cells: &[String]) -> bool {
 fn unit_cell(cell: &str, title: &str) -> Unit {
     let cell = cell.trim();
     let whole = symbol(unit::without_brackets(cell), title);
-    if !matches!(whole, Unit::Unstated | Unit::Unknown(_)) {
+    if whole.is_known() {
         return whole;
     }
     if let Some((name, rest)) = cell.split_once(" - ") {
@@ -255,28 +246,26 @@ const LINE_LIMIT: usize = 9_000;
 
 /// The text from the line after the first one that holds `title` (any case) up to the first blank line or line without
 /// a leading number after its rows. Everything before becomes empty lines, so that line numbers stay.
-pub fn cut(text: &[u8], title: &str, file: &str) -> Result<Vec<u8>, IngestError> {
+pub fn cut(text: &[u8], title: &str, file: &str) -> Result<Vec<u8>> {
     let wanted = title.trim().to_lowercase();
-    let (mut offset, mut number) = (0, 1);
+    let mut lines = Lines::new(file, text);
     let mut cut = Vec::new();
     let (mut inside, mut rows) = (false, false);
-    while offset < text.len() {
-        let (line, next) = line_at(text, offset, number, file)?;
+    while let Some(line) = lines.take()? {
         if inside {
             let is_row = starts_with_a_number(line.bytes);
             if rows && !is_row {
                 break;
             }
             rows |= is_row;
-            cut.extend_from_slice(&text[offset..next]);
+            cut.extend_from_slice(&text[line.offset..lines.offset]);
         } else {
             cut.push(b'\n');
             inside = decode(line.bytes).to_lowercase().contains(&wanted);
-            if !inside && number > LINE_LIMIT {
+            if !inside && line.number > LINE_LIMIT {
                 break;
             }
         }
-        (offset, number) = (next, number + 1);
     }
     if rows {
         return Ok(cut);
@@ -286,7 +275,7 @@ pub fn cut(text: &[u8], title: &str, file: &str) -> Result<Vec<u8>, IngestError>
     } else {
         format!("no line holds {title:?}")
     };
-    Err(IngestError::content(Place::file(file), found, "the title of a table in this file", "correct --skip-to"))
+    refuse(file, found, "the title of a table in this file", "correct --skip-to")
 }
 
 fn starts_with_a_number(line: &[u8]) -> bool {

@@ -2,11 +2,10 @@
 
 use crate::formats::text::lines::{Line, NumberStyle, comment, decode, is_gap, line_at, unquoted};
 use crate::formats::text::stamps::{Instant, stamp};
-use crate::{IngestError, Place};
+use crate::{IngestError, Place, Result, refuse, refuse_size};
 
 /// Lines looked at, comments and blank lines aside.
 const SAMPLE_LINES: usize = 120;
-/// Lines looked at in all.
 const LINES_LOOKED_AT: usize = 10_000;
 /// Rows after the first that must agree with it.
 const AGREEING_ROWS: usize = 3;
@@ -23,7 +22,6 @@ pub enum Delimiter {
 }
 
 impl Delimiter {
-    /// In words, for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Byte(b'\t') => "tab",
@@ -49,10 +47,8 @@ impl Delimiter {
     }
 }
 
-/// What the cells of a column are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cells {
-    /// Numbers.
     Numbers,
     /// Whole numbers with more digits than a number keeps, counted from this one.
     Whole(i64),
@@ -85,21 +81,16 @@ impl Cells {
 /// How a table is written, and the lines before its rows.
 #[derive(Debug, Clone)]
 pub struct Layout<'a> {
-    /// Between fields.
     pub delimiter: Delimiter,
-    /// How numbers are written.
     pub style: NumberStyle,
     /// Fields of a row that some row fills.
     pub columns: usize,
-    /// What they hold.
     pub cells: Vec<Cells>,
     /// Fields before the last of these that every row leaves blank, by their index among all fields.
     pub blank: Vec<usize>,
     /// Blank fields at the end of every row.
     pub trailing: usize,
-    /// Offset of the first row.
     pub first_row: usize,
-    /// Line number of the first row.
     pub first_line: usize,
     /// Comment lines before the rows, marks removed.
     pub comments: Vec<Line<'a>>,
@@ -131,7 +122,6 @@ impl Layout<'_> {
     }
 }
 
-/// A way in which tables are written.
 #[derive(Debug, Clone, Copy)]
 struct Way {
     delimiter: Delimiter,
@@ -173,7 +163,6 @@ fn row_fields(line: &[u8], way: Way) -> Option<usize> {
 /// The rows under a way of writing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct FirstRow {
-    /// Index of the first among the lines.
     line: usize,
     columns: usize,
     blank: Vec<usize>,
@@ -226,7 +215,7 @@ fn fill_late<'a>(
 }
 
 /// Looks at the first lines of a table and says how it is written. Rows have `least` columns and more.
-pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>, IngestError> {
+pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>> {
     let mut comments: Vec<(usize, Line<'a>)> = Vec::new();
     let mut lines: Vec<Line<'a>> = Vec::new();
     let (mut offset, mut number) = (0, 1);
@@ -276,11 +265,8 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         fill_late(&mut row, &mut lines, way.delimiter, below.filter(|line| comment(line.bytes).is_none()));
         let FirstRow { line: first, columns, blank, trailing } = row;
         if columns > COLUMN_LIMIT {
-            return Err(IngestError::too_large(
-                Place::line(file, lines[first].number),
-                format!("{columns} columns"),
-                format!("at most {COLUMN_LIMIT} columns, one sample a row"),
-            ));
+            let expected = format!("at most {COLUMN_LIMIT} columns, one sample a row");
+            return refuse_size(Place::line(file, lines[first].number), format!("{columns} columns"), expected);
         }
         refuse_doubtful_commas(way, &lines[first..], file)?;
         let mut layout = Layout {
@@ -301,11 +287,9 @@ pub fn sniff<'a>(text: &'a [u8], file: &str, least: usize) -> Result<Layout<'a>,
         return Ok(layout);
     }
     if lines.is_empty() && offset < text.len() {
-        return Err(IngestError::too_large(
-            Place::line(file, number),
-            format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet"),
-            format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out"),
-        ));
+        let expected = format!("the first row within the first {LINES_LOOKED_AT} lines: leave comment lines out");
+        let found = format!("{LINES_LOOKED_AT} lines of comments and blanks, and no row yet");
+        return refuse_size(Place::line(file, number), found, expected);
     }
     Err(no_rows(&lines, single_column, file))
 }
@@ -361,7 +345,7 @@ fn decimal_mark(rows: &[Line], way: Way) -> Option<u8> {
 
 /// `"-50,000","-17"`: -50 or fifty thousand? Refused, unless a semicolon stands between the fields, every number has
 /// its comma, or some number shows what the comma is.
-fn refuse_doubtful_commas(way: Way, rows: &[Line], file: &str) -> Result<(), IngestError> {
+fn refuse_doubtful_commas(way: Way, rows: &[Line], file: &str) -> Result<()> {
     if way.style.decimal != b',' || way.delimiter == Delimiter::Byte(b';') || decimal_mark(rows, way).is_some() {
         return Ok(());
     }
@@ -374,16 +358,16 @@ fn refuse_doubtful_commas(way: Way, rows: &[Line], file: &str) -> Result<(), Ing
     }
     let doubtful = rows.iter().find_map(|row| Some((row.number, cells(row).into_iter().find(|c| c.contains(','))?)));
     let Some((line, cell)) = doubtful else { return Ok(()) };
-    Err(IngestError::content(
+    refuse(
         Place::line(file, line),
         format!("{cell:?} may be a whole number with its thousands apart, or one with a decimal comma"),
         "numbers that can be read in one way only",
         "export again without thousands separators and with a decimal point",
-    ))
+    )
 }
 
 /// `0,0001,-1,23`: a decimal comma in a table whose delimiter is the comma as well cannot be read back.
-fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> Result<(), IngestError> {
+fn refuse_broken_decimal_commas(layout: &Layout, rows: &[Line], file: &str) -> Result<()> {
     let whole_numbers = || {
         rows.iter().all(|row| !row.bytes.contains(&b'.') && !row.bytes.contains(&b'e') && !row.bytes.contains(&b'E'))
     };
@@ -420,31 +404,20 @@ pub fn decimal_comma(place: Place, found: String) -> IngestError {
 }
 
 fn no_rows(lines: &[Line], single_column: Option<usize>, file: &str) -> IngestError {
-    const EXPECTED: &str = "rows of numbers: a time column and at least one acceleration column";
+    let expected = "rows of numbers: a time column and at least one acceleration column";
     if let Some(line) = single_column {
-        return IngestError::content(
-            Place::line(file, line),
-            "one number in a row",
-            EXPECTED,
-            "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by giving its \
-             .EV5 file",
-        );
+        let hint = "export the time column too, or state --sample-time; a signal file of an NHTSA test is read by \
+            giving its .EV5 file";
+        return IngestError::content(Place::line(file, line), "one number in a row", expected, hint);
     }
     let Some(first) = lines.first() else {
-        return IngestError::content(
-            Place::file(file),
-            "nothing but comments and blank lines",
-            EXPECTED,
-            "check that the export is complete",
-        );
+        let found = "nothing but comments and blank lines";
+        return IngestError::content(file, found, expected, "check that the export is complete");
     };
-    let start: String = decode(&first.bytes[..first.bytes.len().min(60)]);
-    IngestError::content(
-        Place::line(file, first.number),
-        format!("no rows of numbers in the first {} lines, which start {:?}", lines.len(), start.trim()),
-        EXPECTED,
-        "export the record as CSV: one sample a row, numbers between commas, semicolons, tabs or blanks",
-    )
+    let start = decode(&first.bytes[..first.bytes.len().min(60)]);
+    let found = format!("no rows of numbers in the first {} lines, which start {:?}", lines.len(), start.trim());
+    let hint = "export the record as CSV: one sample a row, numbers between commas, semicolons, tabs or blanks";
+    IngestError::content(Place::line(file, first.number), found, expected, hint)
 }
 
 /// `-1.5 g`: a number with something behind it that has no digit.
@@ -456,7 +429,7 @@ fn number_with_unit(text: &str) -> Option<&str> {
 
 /// The rows of a table with times of the day or words in some column: five lines alike, by the way of writing that sees
 /// the most numbers in them. Refused: numbers with their unit behind them.
-fn mixed_rows(lines: &[Line], file: &str, least: usize) -> Result<Option<(Way, FirstRow)>, IngestError> {
+fn mixed_rows(lines: &[Line], file: &str, least: usize) -> Result<Option<(Way, FirstRow)>> {
     /// Rows that must look alike: as many fields, numbers, times and words in the same columns.
     const ALIKE: usize = 5;
     let with_units = |line: &Line, way: Way| {

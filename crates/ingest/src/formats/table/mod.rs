@@ -11,7 +11,7 @@ use crate::formats::text::lines::{Line, NumberStyle, decode, is_text, without_ma
 use crate::recording::content::{MINIMUM_SAMPLES, ReadChannel, Recording};
 use crate::recording::details::{Details, Stated, from_comments};
 use crate::recording::settings;
-use crate::{IngestError, IngestSettings, Place, Profile};
+use crate::{IngestError, IngestSettings, Place, Profile, Result, refuse, refuse_size};
 
 mod columns;
 mod event_data_recorder;
@@ -21,38 +21,19 @@ pub mod layout;
 pub mod numbers;
 mod time_axis;
 
-/// Reader of tables: whatever is text and nothing else.
-pub struct Table;
+/// Tables: whatever is text and nothing else. UTF-16 and old Macintosh line ends are converted as a whole, so such
+/// files must fit into memory.
+pub const TABLE: Reader = Reader {
+    streams: |head| !matches!(without_mark(head), Cow::Owned(_)),
+    has_comments: true,
+    ..Reader::of_one_file("csv", is_text, FLAGS, read)
+};
+const FLAGS: &[&str] =
+    &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--vehicle-number", "--resample"];
 
-impl Reader for Table {
-    fn format(&self) -> &'static str {
-        "csv"
-    }
-
-    fn recognises(&self, head: &[u8]) -> bool {
-        is_text(head)
-    }
-
-    /// UTF-16 and old Macintosh line ends are converted as a whole, so such files must fit into memory.
-    fn streams(&self, head: &[u8]) -> bool {
-        !matches!(without_mark(head), Cow::Owned(_))
-    }
-
-    fn relevant_flags(&self) -> &'static [&'static str] {
-        &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--vehicle-number", "--resample"]
-    }
-
-    fn has_comments(&self) -> bool {
-        true
-    }
-
-    fn read(&self, bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
-        read(&bundle.main.name, &bundle.main.bytes, bundle, settings)
-    }
-}
-
-/// Reads a table from its bytes, or from the file of which these are the start. `file` names it in messages.
-fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) -> Result<Recording, IngestError> {
+/// Reads a table from its bytes, or from the file of which these are the start.
+fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
+    let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
     let edr = settings.profile == Some(Profile::Edr);
     let mut text = without_mark(bytes);
     if edr
@@ -63,11 +44,11 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     }
     if let Some(title) = &settings.skip_to {
         if bundle.large.is_some() {
-            return Err(IngestError::too_large(
-                Place::file(file),
+            return refuse_size(
+                file,
                 "--skip-to in a table that is read piece by piece",
                 "one table to a file of this length",
-            ));
+            );
         }
         text = Cow::Owned(header::cut(&text, title, file)?);
     }
@@ -84,7 +65,6 @@ fn read(file: &str, bytes: &[u8], bundle: &Bundle, settings: &IngestSettings) ->
     Ok(recording(channels, details, settings, notes))
 }
 
-/// A recording of the columns of a table.
 pub fn recording(
     mut channels: Vec<ReadChannel>,
     mut details: Details,
@@ -103,13 +83,10 @@ const PIECE: usize = 8 << 20;
 /// Event data recorders keep 25 to 35 samples.
 const MINIMUM_EDR_SAMPLES: usize = 5;
 
-/// What one table says.
 pub struct OneTable {
     /// Its columns but that of the time.
     pub channels: Vec<ReadChannel>,
-    /// Facts of its comments.
     pub details: Details,
-    /// Remarks.
     pub notes: Notes,
 }
 
@@ -130,7 +107,7 @@ pub fn one_table(
     bundle: &Bundle,
     settings: &IngestSettings,
     text_above: TextAbove,
-) -> Result<OneTable, IngestError> {
+) -> Result<OneTable> {
     let edr = settings.profile == Some(Profile::Edr);
     let least_columns = if settings.sample_time.is_some() { 1 } else { 2 };
     let layout = layout::sniff(text, file, least_columns)?;
@@ -147,12 +124,7 @@ pub fn one_table(
         Some(large) => {
             let skipped = bytes.len() - text.len() + layout.first_row;
             let source = large.from_offset(skipped as u64).map_err(|error| {
-                IngestError::content(
-                    Place::file(file),
-                    error.to_string(),
-                    "a readable file",
-                    "check the disk and try again",
-                )
+                IngestError::content(file, error.to_string(), "a readable file", "check the disk and try again")
             })?;
             let length = usize::try_from(large.length).unwrap_or(usize::MAX).saturating_sub(skipped);
             let head = &text[layout.first_row..];
@@ -163,30 +135,30 @@ pub fn one_table(
     let samples = rows.lines.len();
     let columns = header.columns.len();
     if columns > MINIMUM_SAMPLES && samples < MINIMUM_SAMPLES {
-        return Err(IngestError::content(
+        return refuse(
             Place::line(file, layout.first_line),
             format!("{samples} rows of {columns} numbers: the samples of a channel seem to stand in one row"),
             "one sample a row, one channel a column",
             "export the transpose of this table",
-        ));
+        );
     }
     let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
     if samples < least {
-        return Err(IngestError::content(
-            Place::file(file),
+        return refuse(
+            file,
             format!("too few samples: {samples}"),
             format!("at least {least} samples, one in a row"),
             "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
-        ));
+        );
     }
     if header.lacks_a_name && time_axis::counts(&rows.columns[0]) {
-        return Err(IngestError::content(
+        return refuse(
             Place::line(file, layout.first_line),
             format!("{columns} columns, {} names, and the first column counts the rows", columns - 1),
             "a name for every column",
             "the name of the count is missing, as R leaves it out: put \"row\" in front of the names, or export \
              without the count (row.names = FALSE)",
-        ));
+        );
     }
     let mut notes = Notes::new();
     header_notes(file, &header, text_above, &mut notes);
@@ -206,7 +178,7 @@ pub fn channels_of(
     settings: &IngestSettings,
     comments: (Option<&Stated<String>>, Option<&Stated<String>>),
     notes: &mut Notes,
-) -> Result<Vec<ReadChannel>, IngestError> {
+) -> Result<Vec<ReadChannel>> {
     gaps::settle(file, header, &mut rows, settings, notes)?;
     let time = match settings.sample_time {
         Some(interval) => {
@@ -231,18 +203,18 @@ pub fn channels_of(
 }
 
 /// Refuses rows below `1.0e+03 *`, which MATLAB prints above numbers that it has divided by that.
-fn refuse_scale_factor(file: &str, layout: &layout::Layout) -> Result<(), IngestError> {
+fn refuse_scale_factor(file: &str, layout: &layout::Layout) -> Result<()> {
     let is_factor = |line: &&Line| {
         let factor = line.bytes.trim_ascii().strip_suffix(b"*").map(<[u8]>::trim_ascii);
         factor.is_some_and(|text| NumberStyle::POINT.field(text).is_some())
     };
     let Some(line) = layout.header.iter().find(is_factor) else { return Ok(()) };
-    Err(IngestError::content(
+    refuse(
         Place::line(file, line.number),
         format!("{:?}: the numbers below are divided by a common factor", decode(line.bytes.trim_ascii())),
         "numbers as they are",
         "write the table with writematrix or writetable, or multiply all columns and remove that line",
-    ))
+    )
 }
 
 fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {

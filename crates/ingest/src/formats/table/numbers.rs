@@ -10,18 +10,15 @@ use crate::formats::text::lines::{
 };
 use crate::formats::text::stamps::stamp;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES};
-use crate::{IngestError, Place};
+use crate::{IngestError, Place, Result, refuse};
 
-/// The numbers of a table.
 #[derive(Debug, Clone, Default)]
 pub struct Rows {
     /// One vector a column: of one length, NaN in a gap; empty, where the column is left out.
     pub columns: Vec<Vec<f64>>,
-    /// What the cells are.
     pub cells: Vec<Cells>,
     /// Most significant digits printed in each column.
     pub digits: Vec<u32>,
-    /// Line number of each row.
     pub lines: LineNumbers,
     /// Lines before the first row and after the last that are left out.
     pub left_out: Vec<LeftOut>,
@@ -32,9 +29,7 @@ pub struct Rows {
 /// A line that is left out, as no other row lies beyond it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Its number.
     pub line: usize,
-    /// What it is.
     pub what: Remnant,
 }
 
@@ -47,7 +42,6 @@ pub enum Remnant {
     Footer(String),
 }
 
-/// What to do about a gap.
 pub const GAPS: &str = "export without that column, cut the record before the gap, or fill the gap in the program \
 that made the file";
 
@@ -55,7 +49,7 @@ that made the file";
 ///
 /// A row in the plain form (numbers, single delimiters) is read straight from the bytes; any other line is taken apart
 /// field by field, which also finds the place of what is wrong.
-pub fn read(text: &[u8], layout: &Layout, file: &str, name: impl Fn(usize) -> String) -> Result<Rows, IngestError> {
+pub fn read(text: &[u8], layout: &Layout, file: &str, name: impl Fn(usize) -> String) -> Result<Rows> {
     let body = &text[layout.first_row..];
     let threads = if body.len() < WORTH_THREADS { 1 } else { rayon::current_num_threads() };
     read_in_parts(body, layout, file, name, threads)
@@ -71,7 +65,7 @@ fn read_in_parts(
     file: &str,
     name: impl Fn(usize) -> String,
     parts: usize,
-) -> Result<Rows, IngestError> {
+) -> Result<Rows> {
     let most_rows = (1 << 24) / layout.columns;
     let pieces = whole_lines(body, parts);
     if let [first, others @ ..] = &pieces[..]
@@ -123,7 +117,6 @@ pub struct Pieces<'a, R> {
     pub source: R,
     /// Bytes left of it.
     pub length: usize,
-    /// Its start.
     pub head: &'a [u8],
     /// Bytes read at a time.
     pub piece: usize,
@@ -137,18 +130,13 @@ pub fn read_stream(
     file: &str,
     name: impl Fn(usize) -> String,
     mut done: impl FnMut(u64),
-) -> Result<Rows, IngestError> {
+) -> Result<Rows> {
     let mut parser = Parser::new(layout, from.length, from.head, usize::MAX, file, name);
     let mut buffer = Vec::with_capacity(from.piece + LINE_LIMIT);
     loop {
         let before = buffer.len();
         let got = (&mut from.source).take(from.piece as u64).read_to_end(&mut buffer).map_err(|error| {
-            IngestError::content(
-                Place::file(file),
-                error.to_string(),
-                "a readable file",
-                "check the disk and try again",
-            )
+            IngestError::content(file, error.to_string(), "a readable file", "check the disk and try again")
         })?;
         if got == 0 {
             parser.feed(&buffer)?;
@@ -199,7 +187,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
     }
 
     /// The rows; what stands behind the last of them is left out.
-    fn finish(mut self) -> Result<Rows, IngestError> {
+    fn finish(mut self) -> Result<Rows> {
         match self.error.filter(|_| self.rows.lines.len() == 0) {
             Some(error) => Err(error),
             None => {
@@ -211,7 +199,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
 
     /// Adds the row just read. Gaps before the first row are left out; whatever stands between rows is an error.
     #[inline]
-    fn push_row(&mut self) -> Result<(), IngestError> {
+    fn push_row(&mut self) -> Result<()> {
         if self.error.is_some() {
             self.settle_remnants()?;
         }
@@ -220,7 +208,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
     }
 
     #[cold]
-    fn settle_remnants(&mut self) -> Result<(), IngestError> {
+    fn settle_remnants(&mut self) -> Result<()> {
         let is_start = self.rows.lines.len() == 0 && self.remnants.iter().all(|left_out| left_out.what == Remnant::Gap);
         match self.error.take() {
             Some(error) if !is_start => Err(self.another_table().unwrap_or(error)),
@@ -261,7 +249,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
     }
 
     /// Reads a line that is not in the plain form of a row.
-    fn feed_line(&mut self, line: &[u8]) -> Result<(), IngestError> {
+    fn feed_line(&mut self, line: &[u8]) -> Result<()> {
         let is_nothing = is_blank_row(line) || line == [0x1A];
         if is_nothing || comment(line).is_some() {
             return Ok(());
@@ -289,7 +277,7 @@ impl<'a, F: Fn(usize) -> String> Parser<'a, F> {
     }
 
     /// Reads whole lines.
-    fn feed(&mut self, text: &[u8]) -> Result<(), IngestError> {
+    fn feed(&mut self, text: &[u8]) -> Result<()> {
         let mut offset = 0;
         while offset < text.len() {
             if let Some(next) = plain_row(text, offset, self.layout, &mut self.row) {
@@ -407,13 +395,17 @@ fn end_of_line(text: &[u8], at: usize) -> Option<usize> {
 /// What to do about names of columns that stand once more between the rows.
 const REPEATED_HEADER: &str = "the names of the columns again: remove such lines between the rows";
 
+fn repeats_header(line: &[u8], layout: &Layout) -> bool {
+    layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii())
+}
+
 fn careful_row(
     line: &[u8],
     layout: &Layout,
     row: &mut [ParsedNumber],
     place: &Place,
     name: impl Fn(usize) -> String,
-) -> Result<(), IngestError> {
+) -> Result<()> {
     let mut fields = layout.without_blanks(layout.delimiter.split(line));
     if fields.len() == row.len() + layout.trailing {
         fields.truncate(row.len());
@@ -423,24 +415,23 @@ fn careful_row(
     }
     let columns = row.len();
     if fields.len() != columns {
-        let found = format!("{} fields, the first row has {columns}", fields.len());
+        let mut found = format!("{} fields, the first row has {columns}", fields.len());
         let are_numbers = fields.iter().all(|text| layout.style.field(text).is_some());
         if layout.delimiter == Delimiter::Byte(b',') && fields.len() > columns && !line.contains(&b'.') && are_numbers {
-            return Err(decimal_comma(
-                place.clone(),
-                format!("{found}: decimal commas between comma-separated fields, perhaps"),
-            ));
+            found.push_str(": decimal commas between comma-separated fields, perhaps");
+            return Err(decimal_comma(place.clone(), found));
         }
-        return Err(IngestError::content(
+        let hint = if repeats_header(line, layout) {
+            REPEATED_HEADER
+        } else {
+            "the file may be cut short or damaged there: export it again, mend the line, or end the record above"
+        };
+        return refuse(
             place.clone(),
             found,
             format!("{columns} numbers separated by {}", layout.delimiter.name()),
-            if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
-                REPEATED_HEADER
-            } else {
-                "the file may be cut short or damaged there: export it again, mend the line, or end the record above"
-            },
-        ));
+            hint,
+        );
     }
     let (mut numbers, mut gap) = (0, None);
     for (k, (cell, text)) in row.iter_mut().zip(&fields).enumerate() {
@@ -466,14 +457,14 @@ fn careful_row(
                 GAP
             }
             None => {
-                return Err(no_number(line, layout, bare, place.clone().in_column(format!("{} ({})", k + 1, name(k)))));
+                return Err(no_number(line, layout, bare, place.clone().in_nth_column(k, &name(k))));
             }
         };
         numbers += usize::from(!cell.value.is_nan());
     }
     match gap.filter(|_| numbers <= usize::from(columns > 1)) {
         Some(k) => {
-            let place = place.clone().in_column(format!("{} ({})", k + 1, name(k)));
+            let place = place.clone().in_nth_column(k, &name(k));
             Err(no_number(line, layout, unquoted(fields[k]), place))
         }
         None => Ok(()),
@@ -483,7 +474,6 @@ fn careful_row(
 /// Where no number is.
 const GAP: ParsedNumber = ParsedNumber { value: f64::NAN, digits: 0 };
 
-/// The refusal of a cell that is no number.
 fn no_number(line: &[u8], layout: &Layout, bare: &[u8], place: Place) -> IngestError {
     let found = if bare.is_empty() {
         "an empty field".to_owned()
@@ -492,7 +482,7 @@ fn no_number(line: &[u8], layout: &Layout, bare: &[u8], place: Place) -> IngestE
     };
     let hint = if is_gap(bare) {
         GAPS
-    } else if layout.header.iter().any(|name| name.bytes.trim_ascii() == line.trim_ascii()) {
+    } else if repeats_header(line, layout) {
         REPEATED_HEADER
     } else if is_negative_of_accounts(bare) {
         "export negative numbers with their sign in front: -12.5"
@@ -507,7 +497,7 @@ mod tests {
     use super::*;
     use crate::formats::table::layout::sniff;
 
-    fn rows(text: &str) -> Result<Rows, IngestError> {
+    fn rows(text: &str) -> Result<Rows> {
         let layout = sniff(text.as_bytes(), "t.csv", 2)?;
         read(text.as_bytes(), &layout, "t.csv", |k| format!("c{k}"))
     }
@@ -521,23 +511,15 @@ mod tests {
     }
 
     #[test]
-    fn a_nan_is_refused_at_its_place() {
-        let error = rows("t,a\n0,1\n1,NaN\n2,3\n").unwrap_err();
-        assert_eq!(error.to_string(), "t.csv, line 3, column 2 (c1): \"NaN\" is not a finite number");
-        let error = rows("t,a\n0,1\n1,\n2,3\n").unwrap_err().to_string();
-        assert!(error.starts_with("t.csv, line 3"), "{error}");
-    }
-
-    #[test]
-    fn no_row_is_taken_for_a_header() {
-        let error = rows("t,a\n0,1\n1,2,2.5\n2,3\n3,4\n").unwrap_err();
-        assert_eq!(error.to_string(), "t.csv, line 3: 3 fields, the first row has 2");
-    }
-
-    #[test]
-    fn a_cut_row_is_refused_at_its_line() {
-        let error = rows("t,a,b\n0,1,1\n1,2,2\n2,3,3\n3,4").unwrap_err();
-        assert_eq!(error.to_string(), "t.csv, line 5: 2 fields, the first row has 3");
+    fn no_row_is_taken_for_a_header_and_what_is_wrong_with_one_is_said_at_its_place() {
+        for (text, said) in [
+            ("t,a\n0,1\n1,NaN\n2,3\n", "t.csv, line 3, column 2 (c1): \"NaN\" is not a finite number"),
+            ("t,a\n0,1\n1,\n2,3\n", "t.csv, line 3, column 2 (c1): an empty field"),
+            ("t,a\n0,1\n1,2,2.5\n2,3\n3,4\n", "t.csv, line 3: 3 fields, the first row has 2"),
+            ("t,a,b\n0,1,1\n1,2,2\n2,3,3\n3,4", "t.csv, line 5: 2 fields, the first row has 3"),
+        ] {
+            assert_eq!(rows(text).unwrap_err().to_string(), said);
+        }
     }
 
     #[test]
@@ -546,12 +528,14 @@ mod tests {
         assert_eq!((rows.lines.of_row(0), rows.lines.of_row(1), rows.lines.of_row(2), rows.lines.len()), (3, 5, 0, 2));
     }
 
+    fn many_rows() -> String {
+        let remark = |k| if k % 90 == 7 { "# half time\n\n" } else { "" };
+        (0..500).fold("# c\nt,a\n".to_owned(), |text, k| text + &format!("{k}.5,{}\n{}", k * k, remark(k)))
+    }
+
     #[test]
     fn parts_read_at_once_give_the_same_rows_and_the_same_errors() {
-        let mut text = "# c\nt,a\n".to_owned();
-        for k in 0..500 {
-            text.push_str(&format!("{k}.5,{}\n{}", k * k, if k % 90 == 7 { "# half time\n\n" } else { "" }));
-        }
+        let text = many_rows();
         let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
         let whole = rows(&text).unwrap();
         let broken = text.replace("400.5,160000", "400.5,x");
@@ -575,11 +559,7 @@ mod tests {
 
     #[test]
     fn pieces_of_any_size_give_the_same_rows() {
-        let mut text = "# c\nt,a\n".to_owned();
-        for k in 0..500 {
-            text.push_str(&format!("{k}.5,{}\n{}", k * k, if k % 90 == 7 { "# half time\n\n" } else { "" }));
-        }
-        text.push_str("500.5,1");
+        let text = many_rows() + "500.5,1";
         let whole = rows(&text).unwrap();
         let layout = sniff(text.as_bytes(), "t.csv", 2).unwrap();
         let body = &text.as_bytes()[layout.first_row..];

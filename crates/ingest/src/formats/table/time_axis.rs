@@ -10,14 +10,12 @@ use crate::formats::text::stamps::{over_midnight, resolution_of_stamps};
 use crate::recording::details::Stated;
 use crate::recording::settings;
 use crate::time::{Grid, OnGrid};
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
 
-/// The time column and its grid.
 #[derive(Debug, Clone)]
 pub struct TimeAxis {
     /// Columns that are no channels: that of the time, and those that count the rows.
     pub columns: Vec<usize>,
-    /// The grid of its stamps, s.
     pub grid: Grid,
 }
 
@@ -26,16 +24,8 @@ const STATE_THE_INTERVAL: &str =
     "state the sampling interval, such as --sample-time 100us, or name the column that is the time: time_s";
 
 /// The grid of a table without a time column: the first row at 0 s. A column that counts the rows is left out.
-pub fn stated(
-    file: &str,
-    header: &TableHeader,
-    rows: &Rows,
-    interval_s: f64,
-    notes: &mut Notes,
-) -> Result<TimeAxis, IngestError> {
-    let refuse = |found: String, hint: &str| {
-        Err(IngestError::content(Place::file(file), found, "an interval for a table without time column", hint))
-    };
+pub fn stated(file: &str, header: &TableHeader, rows: &Rows, interval_s: f64, notes: &mut Notes) -> Result<TimeAxis> {
+    let refuse = |found: String, hint: &str| refuse(file, found, "an interval for a table without time column", hint);
     if !(interval_s > 0.0 && interval_s.is_finite()) {
         return refuse(format!("--sample-time is {interval_s} s"), "give a positive time, such as --sample-time 100us");
     }
@@ -80,7 +70,7 @@ fn counters(header: &TableHeader, rows: &Rows, may_count: impl Fn(usize) -> bool
 /// The column of the time: the one named for it, rather with its unit, else the one with a unit of time. Where no name
 /// says so, the first is it if a person states its unit, or if the table has no names and its numbers grow by other
 /// steps than one.
-fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bool) -> Result<usize, IngestError> {
+fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bool) -> Result<usize> {
     let times: Vec<usize> = (0..header.columns.len()).filter(|k| is_time_column(header, rows, *k)).collect();
     let is_named = |k: &usize| header.named && is_time_name(&header.columns[*k].title);
     let says_its_unit =
@@ -95,23 +85,14 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
     let title = &header.columns[column].title;
     let numbers = &rows.columns[column];
     let expected = "times in a column that is named for it, with its unit: time_s";
-    let refuse = |found: String, hint: String| {
-        Err(IngestError::content(
-            Place::file(file).in_column(format!("{} ({title})", column + 1)),
-            found,
-            expected,
-            hint,
-        ))
-    };
+    let place = || Place::file(file).in_nth_column(column, title);
     let has_unit = is_unit_stated || says_its_unit(&column);
     if found.is_some() {
         if !has_unit && counts(numbers) {
-            return refuse(
-                "whole numbers that grow by one, without a unit: times, or a count of the rows".to_owned(),
-                "if they are times, --time-unit ms (or s, us) says in what; if they count the rows, state the sampling \
-                 interval, such as --sample-time 100us"
-                    .to_owned(),
-            );
+            let found = "whole numbers that grow by one, without a unit: times, or a count of the rows";
+            let hint = "if they are times, --time-unit ms (or s, us) says in what; if they count the rows, state the \
+                sampling interval, such as --sample-time 100us";
+            return refuse(place(), found, expected, hint);
         }
         return Ok(column);
     }
@@ -119,31 +100,24 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
         header.columns.iter().all(|c| matches!(c.unit, Unit::Signal(..)) || names_acceleration(&c.title));
     if only_signals && header.named {
         let titles: Vec<&str> = header.columns.iter().take(12).map(|c| c.title.as_str()).collect();
-        return Err(IngestError::content(
-            Place::file(file),
-            format!("no column is the time: {}", titles.join(", ")),
-            expected,
-            STATE_THE_INTERVAL,
-        ));
+        return refuse(file, format!("no column is the time: {}", titles.join(", ")), expected, STATE_THE_INTERVAL);
     }
     if (header.named && is_counter_name(title)) || (!is_unit_stated && counts(numbers)) {
-        return refuse("it counts rows, and no column is named as time".to_owned(), STATE_THE_INTERVAL.to_owned());
+        return refuse(place(), "it counts rows, and no column is named as time", expected, STATE_THE_INTERVAL);
     }
-    if is_unit_stated || (!header.named && numbers.windows(2).all(|pair| pair[1] > pair[0])) {
+    let is_increasing = numbers.windows(2).all(|pair| pair[1] > pair[0]);
+    if is_unit_stated || (!header.named && is_increasing) {
         return Ok(column);
     }
-    let not_a_crash = if header.columns.iter().any(|c| names_acceleration(&c.title)) {
-        ""
-    } else {
-        "; inputs and outputs that are no crash also take --allow-missing, and then the stage identify"
-    };
-    let is_increasing = numbers.windows(2).all(|pair| pair[1] > pair[0]);
+    let not_a_crash = "; inputs and outputs that are no crash also take --allow-missing, and then the stage identify";
+    let is_of_a_crash = header.columns.iter().any(|c| names_acceleration(&c.title));
     let hint = if is_increasing {
         format!("if it is the time, --time-unit s (or ms, us) says so; if there is none, {STATE_THE_INTERVAL}")
     } else {
         STATE_THE_INTERVAL.to_owned()
     };
-    refuse("no column is named as time, nor is the first certain to be it".to_owned(), hint + not_a_crash)
+    let hint = hint + if is_of_a_crash { "" } else { not_a_crash };
+    refuse(place(), "no column is named as time, nor is the first certain to be it", expected, hint)
 }
 
 /// Finds the time column, its unit and its grid. The stamps are taken out of `rows`.
@@ -154,7 +128,7 @@ pub fn find(
     settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
-) -> Result<TimeAxis, IngestError> {
+) -> Result<TimeAxis> {
     let column = time_column(file, header, rows, settings.time_unit.is_some() || comment.is_some())?;
     // A column without a name beside others with names counts the rows, as pandas and R write them.
     let is_nameless = |k: usize| header.named && header.columns[k].title == format!("column {}", k + 1);
@@ -167,7 +141,7 @@ pub fn find(
     let cells = rows.cells[column];
     if times.len() < 2 {
         let place = Place::file(file).in_column(title);
-        return Err(IngestError::content(place, "no times", "a time in every row", STATE_THE_INTERVAL));
+        return refuse(place, "no times", "a time in every row", STATE_THE_INTERVAL);
     }
     if let Cells::Stamps(_) = cells {
         over_midnight(&mut times);
@@ -244,13 +218,7 @@ fn order(place: Place, times: &[f64], k: usize, line_before: usize) -> IngestErr
 
 /// Further columns of time, which repeat the first but for where they start, to half a step; others are refused, as
 /// their channels have times of their own.
-fn same_times(
-    file: &str,
-    header: &TableHeader,
-    rows: &Rows,
-    column: usize,
-    notes: &mut Notes,
-) -> Result<Vec<usize>, IngestError> {
+fn same_times(file: &str, header: &TableHeader, rows: &Rows, column: usize, notes: &mut Notes) -> Result<Vec<usize>> {
     let is_other = |k: &usize| *k != column && is_time_column(header, rows, *k);
     let others: Vec<usize> = (0..header.columns.len()).filter(is_other).collect();
     let first = &rows.columns[column];
@@ -266,12 +234,12 @@ fn same_times(
         let slack = 0.5 * time::median_step(first).abs();
         let is_apart = |row: &usize| ((times[*row] - times[0]) * ratio - (first[*row] - first[0])).abs() > slack;
         if let Some(row) = (0..times.len()).find(is_apart).filter(|_| !is_still) {
-            return Err(IngestError::content(
-                Place::line(file, rows.lines.of_row(row)).in_column(format!("{} ({title})", k + 1)),
+            return refuse(
+                Place::line(file, rows.lines.of_row(row)).in_nth_column(k, title),
                 format!("another time than in column {of_first}: which channel has which?"),
                 "one column of time for all channels",
                 format!("export the channels of {title} into a file of their own, or leave that column out"),
-            ));
+            );
         }
         notes.info(format!("column {} ({title}) repeats the times of column {of_first}: left out", k + 1));
     }
@@ -287,7 +255,7 @@ fn unit(
     settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
-) -> Result<f64, IngestError> {
+) -> Result<f64> {
     let place = || Place::file(file).in_column(title);
     if let Some(symbol) = &settings.time_unit {
         let flag = time::stated_unit(place(), symbol, "--time-unit")?;
@@ -319,15 +287,15 @@ fn unit(
 }
 
 /// Refuses a comment that states another unit of time than the header.
-fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>) -> Result<(), IngestError> {
+fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>) -> Result<()> {
     let of_comment = time::stated_unit(Place::file(file), &stated.value, &stated.from)?;
     if of_comment == factor {
         return Ok(());
     }
-    Err(IngestError::content(
+    refuse(
         Place::file(file).in_column(title),
         format!("its name states another unit of time than {}, {:?}", stated.from, stated.value),
         "one unit",
         "correct the one that is wrong, or --time-unit says which counts",
-    ))
+    )
 }

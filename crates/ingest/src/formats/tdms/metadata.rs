@@ -7,26 +7,22 @@
 
 use std::collections::BTreeMap;
 
-use crate::formats::tdms::segments::{Broken, Cursor};
+use crate::Result;
+use crate::formats::tdms::segments::Cursor;
 use crate::formats::text::stamps::Instant;
 
-/// A property's value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Property {
-    /// A text.
     Text(String),
     /// A number or a truth value (0, 1).
     Number(f64),
     /// A time since 1904-01-01 UTC.
     Time(Instant),
-    /// Something that is not used.
     Other,
 }
 
-/// Properties by name.
 pub type Properties = BTreeMap<String, Property>;
 
-/// Type of samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Type {
     /// Signed integer of so many bytes.
@@ -39,7 +35,6 @@ pub enum Type {
     Double,
     /// 16 bytes of time: fraction of a second, seconds since 1904.
     Time,
-    /// Texts.
     Text,
     /// Known and not a real number: what it is, and its bytes.
     Unread(&'static str, usize),
@@ -85,16 +80,13 @@ impl Type {
 pub enum RawIndex {
     /// `count` samples of a type, `bytes` bytes in all.
     Plain {
-        /// Their type.
         kind: Type,
-        /// How many a chunk has.
         count: u64,
         /// What they take.
         bytes: u64,
     },
     /// Raw values of a data-acquisition card: `count` rows of `widths[buffer]` bytes, the sample at an offset in each.
     Daqmx {
-        /// Rows of a chunk.
         count: u64,
         /// Where the sample stands in its row; `None` with the reason if it is no plain number.
         scaler: Result<Scaler, &'static str>,
@@ -109,7 +101,6 @@ impl RawIndex {
         self.count() == 0 || matches!(self, Self::Plain { bytes: 0, .. })
     }
 
-    /// Samples in a chunk.
     pub fn count(&self) -> u64 {
         match self {
             Self::Plain { count, .. } | Self::Daqmx { count, .. } => *count,
@@ -120,9 +111,7 @@ impl RawIndex {
 /// Place of a DAQmx sample in a row of its buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Scaler {
-    /// Its type.
     pub kind: Type,
-    /// Which buffer.
     pub buffer: usize,
     /// Offset in the row, bytes.
     pub offset: usize,
@@ -131,11 +120,9 @@ pub struct Scaler {
 /// What the entry of an object says of raw data in this segment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SegmentData {
-    /// There is none.
     None,
     /// As in the last segment that described it.
     AsBefore,
-    /// As described here.
     New(RawIndex),
 }
 
@@ -144,14 +131,12 @@ pub enum SegmentData {
 pub struct Entry {
     /// `/'group'/'channel'`.
     pub path: String,
-    /// Its raw data.
     pub raw: SegmentData,
     /// New or changed properties.
     pub properties: Vec<(String, Property)>,
 }
 
-/// Reads one entry.
-pub fn entry(cursor: &mut Cursor) -> Result<Entry, Broken> {
+pub fn entry(cursor: &mut Cursor) -> Result<Entry> {
     let path = cursor.text()?;
     let raw = raw(cursor)?;
     let count = cursor.u32()?;
@@ -163,8 +148,8 @@ pub fn entry(cursor: &mut Cursor) -> Result<Entry, Broken> {
     Ok(Entry { path, raw, properties })
 }
 
-fn raw(cursor: &mut Cursor) -> Result<SegmentData, Broken> {
-    let at = cursor.at();
+fn raw(cursor: &mut Cursor) -> Result<SegmentData> {
+    let at = cursor.at;
     match cursor.u32()? {
         0xFFFF_FFFF => Ok(SegmentData::None),
         0 => Ok(SegmentData::AsBefore),
@@ -172,10 +157,10 @@ fn raw(cursor: &mut Cursor) -> Result<SegmentData, Broken> {
         // NI writes the second; the first is met in files, too.
         0x126A | 0x1369 => daqmx(cursor, true).map(SegmentData::New),
         20 | 28 => {
-            let type_at = cursor.at();
+            let type_at = cursor.at;
             let code = cursor.u32()?;
             let Some(kind) = Type::from_code(code) else {
-                return Cursor::broken(type_at, format!("samples of an unknown type, code {code:#x}"));
+                return cursor.broken(type_at, format!("samples of an unknown type, code {code:#x}"));
             };
             dimension(cursor)?;
             let count = cursor.u64()?;
@@ -186,22 +171,22 @@ fn raw(cursor: &mut Cursor) -> Result<SegmentData, Broken> {
             };
             match bytes {
                 Some(bytes) => Ok(SegmentData::New(RawIndex::Plain { kind, count, bytes })),
-                None => Cursor::broken(type_at, format!("an impossible count of samples, {count}")),
+                None => cursor.broken(type_at, format!("an impossible count of samples, {count}")),
             }
         }
-        other => Cursor::broken(at, format!("a description of raw data of unknown length {other:#x}")),
+        other => cursor.broken(at, format!("a description of raw data of unknown length {other:#x}")),
     }
 }
 
-fn dimension(cursor: &mut Cursor) -> Result<(), Broken> {
-    let at = cursor.at();
+fn dimension(cursor: &mut Cursor) -> Result<()> {
+    let at = cursor.at;
     match cursor.u32()? {
         1 => Ok(()),
-        other => Cursor::broken(at, format!("an array of {other} dimensions, 1 is the only valid one")),
+        other => cursor.broken(at, format!("an array of {other} dimensions, 1 is the only valid one")),
     }
 }
 
-fn daqmx(cursor: &mut Cursor, digital: bool) -> Result<RawIndex, Broken> {
+fn daqmx(cursor: &mut Cursor, digital: bool) -> Result<RawIndex> {
     cursor.u32()?;
     dimension(cursor)?;
     let count = cursor.u64()?;
@@ -230,8 +215,8 @@ fn daqmx(cursor: &mut Cursor, digital: bool) -> Result<RawIndex, Broken> {
     Ok(RawIndex::Daqmx { count, scaler, widths })
 }
 
-fn property(cursor: &mut Cursor) -> Result<Property, Broken> {
-    let at = cursor.at();
+fn property(cursor: &mut Cursor) -> Result<Property> {
+    let at = cursor.at;
     let code = cursor.u32()?;
     let number = Property::Number;
     Ok(match code {
@@ -259,15 +244,15 @@ fn property(cursor: &mut Cursor) -> Result<Property, Broken> {
             cursor.take(8)?;
             Property::Other
         }
-        other => return Cursor::broken(at, format!("a property of an unknown type, code {other:#x}")),
+        other => return cursor.broken(at, format!("a property of an unknown type, code {other:#x}")),
     })
 }
 
 /// Fraction of a second, and whole seconds since 1904-01-01 UTC. The whole 16 bytes change their order with the byte
 /// order.
-pub fn time(cursor: &mut Cursor) -> Result<(f64, i64), Broken> {
+pub fn time(cursor: &mut Cursor) -> Result<(f64, i64)> {
     const PER_S: f64 = 18_446_744_073_709_551_616.0;
-    let big_endian = cursor.is_big_endian();
+    let big_endian = cursor.big_endian;
     let (first, second) = (cursor.u64()?, cursor.u64()?);
     let (fraction, seconds) = if big_endian { (second, first) } else { (first, second) };
     Ok((fraction as f64 / PER_S, seconds.cast_signed()))
@@ -302,14 +287,8 @@ pub fn names(path: &str) -> Option<Vec<String>> {
     Some(names)
 }
 
-/// `y = slope·x + intercept`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Linear {
-    /// Slope.
-    pub slope: f64,
-    /// Intercept.
-    pub intercept: f64,
-}
+/// Slope and intercept.
+pub type Linear = (f64, f64);
 
 /// The scales to apply, in order; none if the values are final. `layers`: properties of the channel, its group, the
 /// file.
@@ -336,7 +315,7 @@ pub fn chain(layers: &[&Properties], is_daqmx: bool) -> Result<Vec<Linear>, Stri
             let name = format!("NI_Scale[{scale}]_Linear_{part}");
             number(&name).filter(|x| x.is_finite()).ok_or_else(|| format!("its property {name} is not a number"))
         };
-        scales.push(Linear { slope: part("Slope")?, intercept: part("Y_Intercept")? });
+        scales.push((part("Slope")?, part("Y_Intercept")?));
         if scales.len() > 64 {
             return Err("its scales refer to each other in a circle".to_owned());
         }
@@ -353,7 +332,6 @@ pub struct Strided<'a> {
     pub raw: &'a [u8],
     /// Bytes from one sample to the next.
     pub stride: usize,
-    /// How many there are.
     pub count: usize,
 }
 
@@ -398,7 +376,7 @@ pub fn numbers(raw: Strided, kind: Type, big_endian: bool, out: &mut Vec<f64>) {
 pub fn times(raw: Strided, big_endian: bool, first: &mut Option<Instant>, out: &mut Vec<f64>) {
     out.reserve(raw.count.min(raw.raw.len()));
     for sample in raw.raw.chunks(raw.stride).take(raw.count) {
-        let Ok((fraction_s, seconds)) = time(&mut Cursor::new(sample, 0, big_endian)) else { continue };
+        let Ok((fraction_s, seconds)) = time(&mut Cursor::new("", sample, 0, big_endian)) else { continue };
         let instant = Instant { seconds, fraction_s };
         out.push(instant.since(*first.get_or_insert(instant)));
     }
@@ -452,8 +430,7 @@ mod tests {
             ("NI_Scale[2]_Linear_Y_Intercept", Number(0.0)),
             ("NI_Scale[2]_Linear_Input_Source", Number(1.0)),
         ]);
-        let linear = |slope, intercept| Linear { slope, intercept };
-        let both = vec![linear(2.0, 1.0), linear(10.0, 0.0)];
+        let both = vec![(2.0, 1.0), (10.0, 0.0)];
         assert_eq!(chain(&[&all], false), Ok(both.clone()));
         assert_eq!(chain(&[&Properties::new(), &all], true), Ok(both));
         all.insert("NI_Scale[1]_Linear_Input_Source".to_owned(), Number(2.0));

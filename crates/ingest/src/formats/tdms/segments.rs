@@ -6,14 +6,16 @@
 
 use std::collections::BTreeMap;
 
-use crate::formats::tdms::metadata;
-use crate::formats::tdms::metadata::{Properties, RawIndex, SegmentData, Type, entry};
+use crate::formats::tdms::metadata::{self, Properties, RawIndex, SegmentData, Type, entry};
 use crate::formats::text::stamps::Instant;
+use crate::{Refusal, Result, refuse, refuse_size};
 
-/// Most objects in a file.
 const OBJECT_LIMIT: usize = 100_000;
 /// Most samples in a file, all channels together: 2 GiB in memory.
-const SAMPLE_LIMIT: u64 = 1 << 28;
+pub const SAMPLE_LIMIT: u64 = 1 << 28;
+/// What is found and expected where there are more.
+pub const MANY_SAMPLES: (&str, &str) =
+    ("more than 268 million samples", "at most 268435456 samples in all channels together");
 /// Most objects looked at in all segments together. A segment costs its number of objects, so that a small file could
 /// keep a reader busy for days.
 const WORK_LIMIT: u64 = 1 << 30;
@@ -46,30 +48,15 @@ pub struct Object {
 /// Objects in the order in which they first appear, and remarks.
 #[derive(Debug, Clone, Default)]
 pub struct Content {
-    /// The objects.
     pub objects: Vec<Object>,
     /// Oddities that did not stop the reading.
     pub warnings: Vec<String>,
 }
 
-/// Why a file is not read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum SegmentError {
-    /// Not the format.
-    Broken(Broken),
-    /// A limit is exceeded: what was found, the limit.
-    TooLarge(String, String),
-}
-
-impl From<Broken> for SegmentError {
-    fn from(broken: Broken) -> Self {
-        Self::Broken(broken)
-    }
-}
-
 /// State between segments.
-#[derive(Debug, Default)]
-struct Walk {
+#[derive(Default)]
+struct Walk<'a> {
+    file: &'a str,
     content: Content,
     by_path: BTreeMap<String, usize>,
     /// Objects of the current list, and whether they have raw data.
@@ -80,9 +67,9 @@ struct Walk {
     work: u64,
 }
 
-/// Reads all segments.
-pub fn read(bytes: &[u8]) -> Result<Content, SegmentError> {
-    let mut walk = Walk::default();
+/// All segments of a file, which is named in messages.
+pub fn read(file: &str, bytes: &[u8]) -> Result<Content> {
+    let mut walk = Walk { file, ..Walk::default() };
     let mut at = 0;
     while at < bytes.len() {
         let left = bytes.len() - at;
@@ -95,23 +82,23 @@ pub fn read(bytes: &[u8]) -> Result<Content, SegmentError> {
     Ok(walk.content)
 }
 
-impl Walk {
+impl Walk<'_> {
     /// Reads the segment at `at` and says where the next one is.
-    fn segment(&mut self, bytes: &[u8], at: usize) -> Result<usize, SegmentError> {
-        let mut cursor = Cursor::new(bytes, at, false);
+    fn segment(&mut self, bytes: &[u8], at: usize) -> Result<usize> {
+        let mut cursor = Cursor::new(self.file, bytes, at, false);
         let mark = cursor.take(4)?;
         if mark != b"TDSm" {
-            return Ok(Cursor::broken(at, "no segment starts here (no TDSm)")?);
+            return broken(self.file, at, "no segment starts here (no TDSm)");
         }
         let toc = cursor.u32()?;
         let big_endian = toc & BIG_ENDIAN != 0;
-        let mut cursor = Cursor::new(bytes, cursor.at(), big_endian);
+        let mut cursor = Cursor::new(self.file, bytes, cursor.at, big_endian);
         let version = cursor.u32()?;
         if !matches!(version, 4712 | 4713) {
-            return Ok(Cursor::broken(at + 8, format!("version {version} of TDMS, 4712 and 4713 are known"))?);
+            return broken(self.file, at + 8, format!("version {version} of TDMS, 4712 and 4713 are known"));
         }
         let (length, raw_offset) = (cursor.u64()?, cursor.u64()?);
-        let body = cursor.at();
+        let body = cursor.at;
         let end = usize::try_from(length).ok().and_then(|length| body.checked_add(length));
         let whole = end.filter(|end| length != u64::MAX && *end <= bytes.len());
         let end = whole.unwrap_or(bytes.len());
@@ -123,11 +110,11 @@ impl Walk {
         }
         let mut metadata_end = body;
         if toc & METADATA != 0 {
-            let mut metadata = Cursor::new(&bytes[..end], body, big_endian);
+            let mut metadata = Cursor::new(self.file, &bytes[..end], body, big_endian);
             match self.metadata(&mut metadata, toc & NEW_LIST != 0) {
-                Ok(()) => metadata_end = metadata.at(),
+                Ok(()) => metadata_end = metadata.at,
                 // The first segment must say something at least.
-                Err(SegmentError::Broken(_)) if whole.is_none() && at > 0 => return Ok(bytes.len()),
+                Err(error) if error.refusal == Refusal::Content && whole.is_none() && at > 0 => return Ok(bytes.len()),
                 Err(error) => return Err(error),
             }
         }
@@ -137,10 +124,7 @@ impl Walk {
                 Some(start) => start,
                 None if whole.is_none() => metadata_end,
                 None => {
-                    return Ok(Cursor::broken(
-                        at + 20,
-                        format!("raw data from byte {raw_offset} of a shorter segment"),
-                    )?);
+                    return broken(self.file, at + 20, format!("raw data from byte {raw_offset} of a shorter segment"));
                 }
             };
             self.raw_data(&bytes[start..end], start, toc & INTERLEAVED != 0, big_endian)?;
@@ -148,23 +132,21 @@ impl Walk {
         Ok(end)
     }
 
-    fn metadata(&mut self, cursor: &mut Cursor, new_list: bool) -> Result<(), SegmentError> {
+    fn metadata(&mut self, cursor: &mut Cursor, new_list: bool) -> Result<()> {
         if new_list {
             self.list.clear();
             self.place.clear();
         }
         for _ in 0..cursor.u32()? {
-            let at = cursor.at();
+            let at = cursor.at;
             let entry = entry(cursor)?;
             let index = match self.by_path.get(&entry.path) {
                 Some(index) => *index,
                 None => {
                     let index = self.content.objects.len();
                     if index == OBJECT_LIMIT {
-                        return Err(SegmentError::TooLarge(
-                            format!("more than {OBJECT_LIMIT} objects"),
-                            format!("at most {OBJECT_LIMIT} groups and channels"),
-                        ));
+                        let limit = format!("at most {OBJECT_LIMIT} groups and channels");
+                        return refuse_size(self.file, format!("more than {OBJECT_LIMIT} objects"), limit);
                     }
                     self.content.objects.push(Object { path: entry.path.clone(), ..Object::default() });
                     self.by_path.insert(entry.path, index);
@@ -176,10 +158,7 @@ impl Walk {
             let has_data = match entry.raw {
                 SegmentData::None => false,
                 SegmentData::AsBefore if object.index.is_none() => {
-                    return Ok(Cursor::broken(
-                        at,
-                        format!("raw data of {} as before, but there was none", object.path),
-                    )?);
+                    return broken(self.file, at, format!("raw data of {} as before, but there was none", object.path));
                 }
                 SegmentData::AsBefore => true,
                 SegmentData::New(index) => {
@@ -197,7 +176,7 @@ impl Walk {
         Ok(())
     }
 
-    fn raw_data(&mut self, raw: &[u8], start: usize, interleaved: bool, big_endian: bool) -> Result<(), SegmentError> {
+    fn raw_data(&mut self, raw: &[u8], start: usize, interleaved: bool, big_endian: bool) -> Result<()> {
         self.work(self.list.len())?;
         let objects = &self.content.objects;
         let active: Vec<(usize, RawIndex)> = self
@@ -225,36 +204,24 @@ impl Walk {
     }
 
     /// Takes note of `steps` that are not paid for by bytes of the file.
-    fn work(&mut self, steps: usize) -> Result<(), SegmentError> {
+    fn work(&mut self, steps: usize) -> Result<()> {
         self.work = self.work.saturating_add(steps as u64 + 1);
         if self.work <= WORK_LIMIT {
             return Ok(());
         }
-        Err(SegmentError::TooLarge(
-            "very many segments with very many channels".to_owned(),
-            "files as a recorder writes them".to_owned(),
-        ))
+        refuse_size(self.file, "very many segments with very many channels", "files as a recorder writes them")
     }
 
     /// Takes note of `count` more samples, before there is memory for them.
-    fn count(&mut self, count: u64) -> Result<(), SegmentError> {
+    fn count(&mut self, count: u64) -> Result<()> {
         self.samples = self.samples.saturating_add(count);
         if self.samples <= SAMPLE_LIMIT {
             return Ok(());
         }
-        Err(SegmentError::TooLarge(
-            format!("more than {} million samples", SAMPLE_LIMIT / 1_000_000),
-            format!("at most {SAMPLE_LIMIT} samples in all channels together"),
-        ))
+        refuse_size(self.file, MANY_SAMPLES.0, MANY_SAMPLES.1)
     }
 
-    fn push(
-        &mut self,
-        object: usize,
-        kind: Type,
-        big_endian: bool,
-        raw: metadata::Strided,
-    ) -> Result<(), SegmentError> {
+    fn push(&mut self, object: usize, kind: Type, big_endian: bool, raw: metadata::Strided) -> Result<()> {
         if let Type::Unread(what, _) = kind {
             self.content.objects[object].unread = Some(what);
             return Ok(());
@@ -270,7 +237,7 @@ impl Walk {
     }
 
     /// Chunks of all samples of one channel, then of the next. True if the last chunk is not whole.
-    fn contiguous(&mut self, active: &[(usize, RawIndex)], raw: &[u8], big_endian: bool) -> Result<bool, SegmentError> {
+    fn contiguous(&mut self, active: &[(usize, RawIndex)], raw: &[u8], big_endian: bool) -> Result<bool> {
         let mut rest = raw;
         loop {
             let before = rest.len();
@@ -303,14 +270,14 @@ impl Walk {
         raw: &[u8],
         start: usize,
         big_endian: bool,
-    ) -> Result<bool, SegmentError> {
+    ) -> Result<bool> {
         let mut stride = 0;
         for (object, index) in active {
             let RawIndex::Plain { kind, count, .. } = index else { continue };
             if *kind == Type::Text || *count != active[0].1.count() {
                 let path = &self.content.objects[*object].path;
                 let found = format!("interleaved channels must have equal counts and numbers only, {path} has not");
-                return Ok(Cursor::broken(start, found)?);
+                return broken(self.file, start, found);
             }
             stride += kind.size();
         }
@@ -326,26 +293,19 @@ impl Walk {
     }
 
     /// Rows of a card's buffers, one buffer after the other in each chunk. True if the last chunk is not whole.
-    fn daqmx(
-        &mut self,
-        active: &[(usize, RawIndex)],
-        raw: &[u8],
-        start: usize,
-        big_endian: bool,
-    ) -> Result<bool, SegmentError> {
-        let mixed =
-            || Cursor::broken(start, "DAQmx channels that do not share their buffers and counts, or with others");
-        let RawIndex::Daqmx { count: rows, widths, .. } = &active[0].1 else { return Ok(mixed()?) };
+    fn daqmx(&mut self, active: &[(usize, RawIndex)], raw: &[u8], start: usize, big_endian: bool) -> Result<bool> {
+        let mixed = "DAQmx channels that do not share their buffers and counts, or with others";
+        let RawIndex::Daqmx { count: rows, widths, .. } = &active[0].1 else { return broken(self.file, start, mixed) };
         let alike = |index: &RawIndex| match index {
             RawIndex::Daqmx { count, widths: others, .. } => count == rows && others == widths,
             RawIndex::Plain { .. } => false,
         };
         if !active.iter().all(|(_, index)| alike(index)) {
-            return Ok(mixed()?);
+            return broken(self.file, start, mixed);
         }
         let widths: Vec<usize> = widths.iter().map(|w| *w as usize).collect();
         if widths.contains(&0) || widths.is_empty() {
-            return Ok(Cursor::broken(start, "a DAQmx buffer of no width")?);
+            return broken(self.file, start, "a DAQmx buffer of no width");
         }
         let rows = usize::try_from(*rows).unwrap_or(usize::MAX);
         let mut rest = raw;
@@ -367,7 +327,7 @@ impl Walk {
                         }
                         Ok(scaler) if scaler.buffer == buffer => {
                             if scaler.offset.checked_add(scaler.kind.size()).is_none_or(|end| end > *width) {
-                                return Ok(Cursor::broken(start, "a DAQmx sample outside its row")?);
+                                return broken(self.file, start, "a DAQmx sample outside its row");
                             }
                             let raw = mine.get(scaler.offset..).unwrap_or_default();
                             let strided = metadata::Strided { raw, stride: *width, count: here };
@@ -382,61 +342,47 @@ impl Walk {
     }
 }
 
-/// What does not fit the format, and where.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Broken {
-    /// Offset of the byte from which it was read.
-    pub at: usize,
-    /// What was found.
-    pub found: String,
+/// The refusal of what was read from byte `at` on.
+pub fn broken<T>(file: &str, at: usize, found: impl std::fmt::Display) -> Result<T> {
+    let hint = "the file may be cut short or damaged: copy or download it again";
+    refuse(file, format!("at byte {at}: {found}"), "a TDMS file as LabVIEW or DIAdem writes it", hint)
 }
 
 /// A reading position in bytes.
 #[derive(Debug, Clone)]
 pub struct Cursor<'a> {
+    file: &'a str,
     bytes: &'a [u8],
-    at: usize,
-    big_endian: bool,
+    /// Offset of the next byte.
+    pub at: usize,
+    /// Whether numbers are read with the high byte first.
+    pub big_endian: bool,
 }
 
 impl<'a> Cursor<'a> {
     /// Starts at offset `at`, which may lie past the end.
-    pub fn new(bytes: &'a [u8], at: usize, big_endian: bool) -> Self {
-        Self { bytes, at, big_endian }
-    }
-
-    /// Offset of the next byte.
-    pub fn at(&self) -> usize {
-        self.at
-    }
-
-    /// Whether numbers are read with the high byte first.
-    pub fn is_big_endian(&self) -> bool {
-        self.big_endian
+    pub fn new(file: &'a str, bytes: &'a [u8], at: usize, big_endian: bool) -> Self {
+        Self { file, bytes, at, big_endian }
     }
 
     /// The error of something read from offset `at`.
-    pub fn broken<T>(at: usize, found: impl Into<String>) -> Result<T, Broken> {
-        Err(Broken { at, found: found.into() })
+    pub fn broken<T>(&self, at: usize, found: impl std::fmt::Display) -> Result<T> {
+        broken(self.file, at, found)
     }
 
     /// The next `length` bytes.
-    pub fn take(&mut self, length: usize) -> Result<&'a [u8], Broken> {
+    pub fn take(&mut self, length: usize) -> Result<&'a [u8]> {
         let end = self.at.checked_add(length).filter(|end| *end <= self.bytes.len());
-        match end {
-            Some(end) => {
-                let taken = &self.bytes[self.at..end];
-                self.at = end;
-                Ok(taken)
-            }
-            None => Self::broken(
-                self.at,
-                format!("{length} bytes should follow, {} are left", self.bytes.len().saturating_sub(self.at)),
-            ),
-        }
+        let Some(end) = end else {
+            let left = self.bytes.len().saturating_sub(self.at);
+            return self.broken(self.at, format!("{length} bytes should follow, {left} are left"));
+        };
+        let taken = &self.bytes[self.at..end];
+        self.at = end;
+        Ok(taken)
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Broken> {
+    fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
         let mut array = [0; N];
         array.copy_from_slice(self.take(N)?);
         if self.big_endian {
@@ -445,28 +391,24 @@ impl<'a> Cursor<'a> {
         Ok(array)
     }
 
-    /// An unsigned byte.
-    pub fn u8(&mut self) -> Result<u8, Broken> {
+    pub fn u8(&mut self) -> Result<u8> {
         Ok(self.array::<1>()?[0])
     }
 
-    /// Two bytes.
-    pub fn u16(&mut self) -> Result<u16, Broken> {
+    pub fn u16(&mut self) -> Result<u16> {
         Ok(u16::from_le_bytes(self.array()?))
     }
 
-    /// Four bytes.
-    pub fn u32(&mut self) -> Result<u32, Broken> {
+    pub fn u32(&mut self) -> Result<u32> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    /// Eight bytes.
-    pub fn u64(&mut self) -> Result<u64, Broken> {
+    pub fn u64(&mut self) -> Result<u64> {
         Ok(u64::from_le_bytes(self.array()?))
     }
 
     /// A length in four bytes and as many bytes of UTF-8; what is none is replaced.
-    pub fn text(&mut self) -> Result<String, Broken> {
+    pub fn text(&mut self) -> Result<String> {
         let length = self.u32()? as usize;
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
     }
@@ -479,12 +421,12 @@ mod tests {
     #[test]
     fn both_byte_orders_and_the_end() {
         let bytes = [1, 0, 0, 0, 2, 0, 0, 0, b'a', b'b'];
-        assert_eq!(Cursor::new(&bytes, 0, false).u32(), Ok(1));
-        assert_eq!(Cursor::new(&bytes, 0, true).u32(), Ok(1 << 24));
-        assert_eq!(Cursor::new(&bytes, 4, false).text().as_deref(), Ok("ab"));
-        let error = Cursor::new(&bytes, 8, false).u32().unwrap_err();
-        assert_eq!((error.at, error.found.as_str()), (8, "4 bytes should follow, 2 are left"));
-        assert!(Cursor::new(&bytes, 99, false).u8().is_err());
-        assert!(Cursor::new(&[255, 255, 255, 255, 0], 0, false).text().is_err());
+        let cursor = |at, big_endian| Cursor::new("t.tdms", &bytes, at, big_endian);
+        assert_eq!((cursor(0, false).u32(), cursor(0, true).u32()), (Ok(1), Ok(1 << 24)));
+        assert_eq!(cursor(4, false).text().as_deref(), Ok("ab"));
+        let error = cursor(8, false).u32().unwrap_err();
+        assert_eq!(error.to_string(), "t.tdms: at byte 8: 4 bytes should follow, 2 are left");
+        assert!(cursor(99, false).u8().is_err());
+        assert!(Cursor::new("t.tdms", &[255, 255, 255, 255, 0], 0, false).text().is_err());
     }
 }

@@ -1,14 +1,13 @@
 //! What the name of a column says: unit, axis, filter class, kind of quantity.
 
-use crumple_signal::unit::{self, Dimension};
+use crumple_signal::unit::{self, Dimension, choices};
 use crumple_signal::{Axis, QuantityKind};
 
 use crate::formats::iso13499;
+use crate::{IngestError, Place, Result};
 
-/// A stated unit.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Unit {
-    /// None is stated.
     Unstated,
     /// Of time, with its factor to s.
     Time(f64),
@@ -16,6 +15,36 @@ pub enum Unit {
     Signal(QuantityKind, f64),
     /// Something in brackets that is no unit known here.
     Unknown(String),
+}
+
+pub const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
+
+impl Unit {
+    /// It is stated and one known here.
+    pub fn is_known(&self) -> bool {
+        matches!(self, Self::Time(_) | Self::Signal(..))
+    }
+
+    /// The refusal of a channel whose acceleration is in this unit, which is not known.
+    pub fn refuse(&self, place: Place, hint: &str) -> IngestError {
+        let found = match self {
+            Self::Unknown(symbol) => format!("unit {symbol:?} is not known"),
+            _ => "no unit is stated".to_owned(),
+        };
+        IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
+    }
+}
+
+/// The factor to SI of a unit that a person states by `from`: of acceleration, of speed where a change of it is read.
+pub fn stated_factor(file: &str, symbol: &str, from: &str, is_of_speed: bool) -> Result<f64> {
+    let (dimension, what, hint) = if is_of_speed {
+        (Dimension::Signal(QuantityKind::Velocity), "speed", "use --unit km/h or --unit mph")
+    } else {
+        (ACCELERATION, "acceleration", "use --unit g or --unit m/s^2")
+    };
+    let found = || format!("{symbol:?}, stated by {from}, is no unit of {what}");
+    let expected = || format!("one of {}", choices(dimension));
+    unit::factor(symbol, dimension).ok_or_else(|| IngestError::content(file, found(), expected(), hint))
 }
 
 /// `Acceleration [m/s^2]`, `a (g)`, `acceleration(g)`, `time_s`, `accel_m_per_s2`, `Beschleunigung in g`: the name
@@ -26,7 +55,7 @@ pub fn split_unit(title: &str) -> (String, Unit) {
         let unit = symbol(&title[start + 1..title.len() - 1], title);
         // `Acc in m/(s*s)`: the bracket belongs to the unit.
         let within = title[..start].ends_with('/').then(|| unbracketed(title));
-        if let Some(found @ (_, Unit::Time(_) | Unit::Signal(..))) = within {
+        if let Some(found) = within.filter(|(_, unit)| unit.is_known()) {
             return found;
         }
         let name = title[..start].trim();
@@ -41,7 +70,7 @@ fn unbracketed(title: &str) -> (String, Unit) {
     for separator in [" in ", " / ", " - ", ", "] {
         if let Some((name, rest)) = title.rsplit_once(separator) {
             let unit = symbol(rest, title);
-            if !matches!(unit, Unit::Unstated | Unit::Unknown(_)) {
+            if unit.is_known() {
                 return (name.trim().to_owned(), unit);
             }
         }
@@ -51,7 +80,7 @@ fn unbracketed(title: &str) -> (String, Unit) {
         let suffix = &title[at + 1..];
         let spelled = suffix.replace("_per_", "/").replace("per_", "/").replace("_s2", "/s2");
         let unit = symbol(&spelled, title);
-        if at > 0 && !matches!(unit, Unit::Unstated | Unit::Unknown(_)) {
+        if at > 0 && unit.is_known() {
             return (title.to_owned(), unit);
         }
         if at > 0 && is_kg(suffix) && names_acceleration(title) {
@@ -97,7 +126,6 @@ pub fn symbol(text: &str, title: &str) -> Unit {
     }
 }
 
-/// A quantity by the symbol of its unit.
 pub fn signal(text: &str) -> Unit {
     unit::signal_unit(text).map_or(Unit::Unstated, |(kind, factor)| Unit::Signal(kind, factor))
 }
@@ -145,7 +173,7 @@ pub fn is_counter_name(text: &str) -> bool {
     let folded = folded.replace('№', "no");
     let is_named = matches!(folded.as_str(), "i" | "n" | "k")
         || COUNTED.split(' ').chain([""]).any(|of| folded.strip_prefix(of).is_some_and(|rest| NUMBER.contains(&rest)));
-    is_named && !folded.is_empty() && !matches!(unit, Unit::Time(_) | Unit::Signal(..))
+    is_named && !folded.is_empty() && !unit.is_known()
 }
 
 /// The axis that a name states: `ax`, `accel_x`, `Acc X (g)`, `accX`.

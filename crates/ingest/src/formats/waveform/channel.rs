@@ -1,14 +1,14 @@
 //! Channels of waveforms: identity, label, one time axis for all.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crumple_signal::Notes;
 use crumple_signal::unit::{self, Dimension};
 
 use crate::formats::text::column_names::{Unit, is_time_name, split_unit};
 use crate::formats::text::stamps::Instant;
-use crate::recording::content::ReadChannel;
-use crate::{IngestError, Place, time};
+use crate::recording::content::{Ids, ReadChannel, list};
+use crate::{IngestError, Place, Result, time};
 
 /// A channel as its file has it.
 #[derive(Debug, Clone)]
@@ -29,7 +29,6 @@ pub struct Waveform {
     pub first_stamp: Option<Instant>,
     /// What the steps are steps of, if not of time.
     pub not_time: Option<String>,
-    /// A remark.
     pub comment: Option<String>,
     /// The samples, or why they are not to be had.
     pub values: Result<Vec<f64>, String>,
@@ -69,9 +68,7 @@ impl Waveform {
             }
         }
     }
-}
 
-impl Waveform {
     /// Takes the samples, times of the day, for times in s from the first one on, which is at `first`.
     pub fn set_stamps(&mut self, first: Option<Instant>) {
         let Some(first) = first else { return };
@@ -80,37 +77,16 @@ impl Waveform {
     }
 }
 
-/// Names with commas between, at most 12.
-pub fn list<S: AsRef<str>>(names: &[S]) -> String {
-    let shown: Vec<&str> = names.iter().take(12).map(AsRef::as_ref).collect();
-    let more = names.len() - shown.len();
-    if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }
-}
-
 /// `group.channel`, the unit left out, each once: letters, digits, `_`, `-` and `.`; anything else becomes `_`, so that
 /// an id can be a part of a topic and of a file name.
 pub fn ids(waveforms: &[Waveform], labels: &[Label]) -> Vec<String> {
-    let mut taken = BTreeSet::new();
-    let mut next_copy: BTreeMap<String, usize> = BTreeMap::new();
-    let mut ids = Vec::with_capacity(waveforms.len());
-    for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
-        let mut base = clean(&label.name);
-        if base.is_empty() {
-            base = format!("channel_{}", k + 1);
-        }
-        let group = clean(&waveform.group);
-        if !group.is_empty() {
-            base = format!("{group}.{base}");
-        }
-        let mut id = base.clone();
-        let copy = next_copy.entry(base.clone()).or_insert(2);
-        while !taken.insert(id.clone()) {
-            id = format!("{base}-{copy}");
-            *copy += 1;
-        }
-        ids.push(id);
-    }
-    ids
+    let mut ids = Ids::default();
+    let id = |(k, (waveform, label)): (usize, (&Waveform, &Label))| {
+        let (group, name) = (clean(&waveform.group), clean(&label.name));
+        let name = if name.is_empty() { format!("channel_{}", k + 1) } else { name };
+        ids.unique(&if group.is_empty() { name } else { format!("{group}.{name}") })
+    };
+    waveforms.iter().zip(labels).enumerate().map(id).collect()
 }
 
 /// Letters, digits, `_`, `-` and `.`; anything else becomes `_`.
@@ -128,8 +104,7 @@ pub fn clean(name: &str) -> String {
 
 /// Name with and without unit, with and without group, and the number from 1. A name that two channels have is none.
 pub fn aliases(waveforms: &[Waveform], labels: &[Label]) -> Vec<Vec<String>> {
-    let mut all: Vec<Vec<String>> = Vec::with_capacity(waveforms.len());
-    for (k, (waveform, label)) in waveforms.iter().zip(labels).enumerate() {
+    let names_of = |(k, (waveform, label)): (usize, (&Waveform, &Label))| {
         let mut names = vec![label.title.clone(), label.name.clone()];
         if !waveform.group.is_empty() {
             names.extend([&label.title, &label.name].map(|name| format!("{}/{name}", waveform.group)));
@@ -137,8 +112,9 @@ pub fn aliases(waveforms: &[Waveform], labels: &[Label]) -> Vec<Vec<String>> {
         names.push((k + 1).to_string());
         names.sort();
         names.dedup();
-        all.push(names);
-    }
+        names
+    };
+    let mut all: Vec<Vec<String>> = waveforms.iter().zip(labels).enumerate().map(names_of).collect();
     let mut uses: BTreeMap<String, usize> = BTreeMap::new();
     for name in all.iter().flatten() {
         *uses.entry(name.to_lowercase()).or_default() += 1;
@@ -160,11 +136,9 @@ pub fn find(wanted: &str, ids: &[String], aliases: &[Vec<String>]) -> Option<usi
 /// Name and unit of a waveform.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
-    /// The name, whole.
     pub title: String,
     /// The name without a unit in it.
     pub name: String,
-    /// The unit.
     pub unit: Unit,
 }
 
@@ -221,7 +195,7 @@ pub fn align(
     channels: &mut [(usize, ReadChannel)],
     origins: &[Option<Instant>],
     notes: &mut Notes,
-) -> Result<(), IngestError> {
+) -> Result<()> {
     let start = |(channel, origin): (&(usize, ReadChannel), &Option<Instant>)| {
         let t0_s = channel.1.wave.as_ref()?.t0_s();
         origin.map(|origin| (origin, origin.plus(t0_s), channel.1.channel.id.clone()))

@@ -7,9 +7,10 @@ use crumple_signal::value::Time;
 
 use crate::formats::text::column_names::Unit;
 use crate::formats::text::stamps::{Instant, resolution_of_stamps};
-use crate::formats::waveform::channel::{Label, Waveform, is_named_time, list};
+use crate::formats::waveform::channel::{Label, Waveform, is_named_time};
+use crate::recording::content::list;
 use crate::time::{Grid, LinearInterpolation, OnGrid};
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
 
 /// Longest sampling interval of a crash record, s: 50 samples a second show two or three of a pulse. A longer one is a
 /// default, as LabVIEW and DIAdem write an increment of 1 where they know none.
@@ -17,11 +18,10 @@ const LONGEST_INTERVAL_S: f64 = 0.02;
 
 /// The channel of times of a group.
 struct Clock {
-    /// Index of the waveform.
     index: usize,
     title: String,
     samples: usize,
-    grid: Result<Grid, IngestError>,
+    grid: Result<Grid>,
     /// When the grid's t = 0 is, where the file says it.
     origin: Option<Instant>,
     /// Where its channels are brought to a uniform rate.
@@ -45,22 +45,13 @@ struct Resampling {
     used: bool,
 }
 
-/// Where the time of a channel comes from.
-#[derive(Debug, Clone)]
-pub struct TimeOfChannel {
-    /// Its grid.
-    pub grid: Grid,
-    /// When its t = 0 is, where the file says it.
-    pub origin: Option<Instant>,
-}
+/// The grid of a channel, and when its t = 0 is, where the file says it.
+pub type TimeOfChannel = (Grid, Option<Instant>);
 
 /// What is asked about the time of a channel.
 pub struct Asked<'a> {
-    /// File, for messages.
     pub file: &'a str,
-    /// Id of the channel, for messages.
     pub id: &'a str,
-    /// Its group.
     pub group: &'a str,
     /// Start and interval of its own, s.
     pub steps: Option<(f64, f64)>,
@@ -76,11 +67,11 @@ pub struct Clocks {
     /// Channels of times that cannot be read, by group: title and reason.
     unread: BTreeMap<String, (String, String)>,
     /// Which waveforms hold times.
-    are_times: Vec<bool>,
+    pub are_times: Vec<bool>,
     /// Interval that a person states for channels without any, s.
     stated_interval_s: Option<f64>,
     /// Whether that was used.
-    is_stated_used: bool,
+    pub is_stated_used: bool,
     /// A record of anything, or a list: an interval is taken as the file has it.
     is_any_interval_right: bool,
 }
@@ -128,7 +119,7 @@ impl Clocks {
             }
             let fitted = grid_of(file, label, waveform.first_stamp.is_some(), values, settings, notes);
             let (grid, first, resampling) = match fitted {
-                Ok(fitted) => (Ok(fitted.grid), fitted.first, fitted.resampling),
+                Ok((grid, first, resampling)) => (Ok(grid), first, resampling),
                 Err(error) => (Err(error), None, None),
             };
             let clock = Clock {
@@ -148,25 +139,15 @@ impl Clocks {
         clocks
     }
 
-    /// Whether waveform `k` holds times.
-    pub fn is_clock(&self, k: usize) -> bool {
-        self.are_times[k]
-    }
-
     /// Whether any waveform holds times.
     pub fn are_any(&self) -> bool {
         !self.by_group.is_empty()
     }
 
-    /// Whether the interval that a person states was used.
-    pub fn is_stated_interval_used(&self) -> bool {
-        self.is_stated_used
-    }
-
     /// The time of a channel: of the channel of times in its group where that has as many samples or the channel has
     /// no steps that make sense, else its own steps, else the interval that a person states. `values` are cut to the
     /// shorter of both.
-    pub fn grid(&mut self, asked: &Asked, values: &mut Vec<f64>) -> Result<TimeOfChannel, IngestError> {
+    pub fn grid(&mut self, asked: &Asked, values: &mut Vec<f64>) -> Result<TimeOfChannel> {
         let makes_sense = |dt_s: f64| !asked.is_motion || self.is_any_interval_right || dt_s <= LONGEST_INTERVAL_S;
         let own = asked.steps.map(|(t0_s, dt_s)| Grid { t0_s, dt_s, jitter: 0.0 });
         let sensible = own.filter(|grid| makes_sense(grid.dt_s));
@@ -180,7 +161,7 @@ impl Clocks {
                     if differs {
                         clock.differ.push(asked.id.to_owned());
                     }
-                    return Ok(TimeOfChannel { grid: own, origin: asked.origin });
+                    return Ok((own, asked.origin));
                 }
                 _ if clock.grid.is_ok() || self.stated_interval_s.is_none() => {
                     let ids = if sensible.is_some() { &mut clock.overruled } else { &mut clock.defaults };
@@ -193,12 +174,12 @@ impl Clocks {
             }
         }
         if let Some(own) = sensible {
-            return Ok(TimeOfChannel { grid: own, origin: asked.origin });
+            return Ok((own, asked.origin));
         }
         if let Some(dt_s) = self.stated_interval_s {
             self.is_stated_used = true;
             let t0_s = own.map_or(0.0, |own| own.t0_s / own.dt_s * dt_s);
-            return Ok(TimeOfChannel { grid: Grid { t0_s, dt_s, jitter: 0.0 }, origin: asked.origin });
+            return Ok((Grid { t0_s, dt_s, jitter: 0.0 }, asked.origin));
         }
         Err(self.no_time(asked, own))
     }
@@ -295,7 +276,7 @@ impl Clock {
     }
 
     /// The time of a channel by this clock; `values` are cut to its length, and resampled where that is asked for.
-    fn time_of(&mut self, id: &str, values: &mut Vec<f64>) -> Result<TimeOfChannel, IngestError> {
+    fn time_of(&mut self, id: &str, values: &mut Vec<f64>) -> Result<TimeOfChannel> {
         if self.samples != values.len() {
             self.cut.entry(values.len()).or_default().push(id.to_owned());
             values.truncate(self.samples);
@@ -304,17 +285,13 @@ impl Clock {
             resampling.used = true;
             *values = resampling.interpolation.apply(values.len(), |k| values[k]);
         }
-        Ok(TimeOfChannel { grid: self.grid.clone()?, origin: self.origin })
+        Ok((self.grid.clone()?, self.origin))
     }
 }
 
-/// The grid of a channel of times.
-struct Fitted {
-    grid: Grid,
-    /// The first one, where they are times of a calendar; the grid counts from it.
-    first: Option<Instant>,
-    resampling: Option<Resampling>,
-}
+/// The grid of a channel of times; the first one, where they are times of a calendar, from which the grid counts; how
+/// its channels are brought to the rate that is asked for.
+type Fitted = (Grid, Option<Instant>, Option<Resampling>);
 
 fn grid_of(
     file: &str,
@@ -323,7 +300,7 @@ fn grid_of(
     values: &[f64],
     settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Fitted, IngestError> {
+) -> Result<Fitted> {
     let place = || Place::file(file).in_column(label.title.clone());
     let unit = match (&settings.time_unit, &label.unit) {
         // Stamps of a clock are made seconds by the reader.
@@ -337,13 +314,13 @@ fn grid_of(
     let first_s = time::from_first(&mut times, unit, &mut resolution_s);
     time::scale(&mut times, unit);
     if times.iter().any(|t| !t.is_finite()) {
-        return Err(IngestError::content(place(), "a time that is not finite", "finite times", "export it again"));
+        return refuse(place(), "a time that is not finite", "finite times", "export it again");
     }
     let of_sample = |k: usize| Place::file(&format!("{}, sample {k}", place()));
     let OnGrid { grid, interpolation, words, .. } = time::on_grid(&times, resolution_s, settings, of_sample)?;
     let resampling = interpolation.map(|interpolation| Resampling { interpolation, words, used: false });
     let whole = |s: f64| Instant { seconds: s.floor() as i64, fraction_s: s - s.floor() };
-    Ok(Fitted { grid, first: first_s.map(whole), resampling })
+    Ok((grid, first_s.map(whole), resampling))
 }
 
 /// Resolution of times that were stored in single precision; 0 if they were not.

@@ -1,17 +1,15 @@
 //! Named waveforms as channels in SI, and what is noted about them.
 
-use crumple_signal::unit::{self, Dimension, choices};
 use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, Weight};
 
 use crate::formats::iso13499;
-use crate::formats::text::column_names::{self, Unit, names_acceleration};
-use crate::formats::waveform::channel;
-use crate::formats::waveform::channel::{Label, Waveform, list};
+use crate::formats::text::column_names::{self, Unit, names_acceleration, stated_factor};
+use crate::formats::waveform::channel::{self, Label, Waveform};
 use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
-use crate::recording::content::{Fitness, ReadChannel, Recording};
+use crate::recording::content::{Fitness, ReadChannel, Recording, list};
 use crate::recording::details::Details;
 use crate::recording::settings;
-use crate::{IngestError, IngestSettings, Place, time};
+use crate::{GAPS_ARE_NOT_FILLED, IngestError, IngestSettings, Place, Result, refuse, time};
 
 /// What is noted once for many channels.
 #[derive(Debug, Default)]
@@ -29,14 +27,13 @@ struct Remarks {
 /// Flags about the form of a file that waveforms heed.
 pub const FLAGS: &[&str] = &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"];
 
-/// The recording of a file of waveforms.
 pub fn recording(
     file: &str,
     waveforms: Vec<Waveform>,
     details: Details,
     settings: &IngestSettings,
     mut notes: Notes,
-) -> Result<Recording, IngestError> {
+) -> Result<Recording> {
     let channels = to_channels(file, waveforms, settings, &mut notes)?;
     let mut channels: Vec<ReadChannel> = channels.into_iter().map(|(_, read)| read).collect();
     let pulse_rule = iso13499::pulse_rule(&mut channels, settings, &mut notes);
@@ -52,7 +49,7 @@ pub fn to_channels(
     mut waveforms: Vec<Waveform>,
     settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<(usize, ReadChannel)>, IngestError> {
+) -> Result<Vec<(usize, ReadChannel)>> {
     let labels: Vec<Label> = waveforms.iter().map(|w| channel::label(&w.name, &w.unit)).collect();
     let ids = channel::ids(&waveforms, &labels);
     let aliases = channel::aliases(&waveforms, &labels);
@@ -70,7 +67,7 @@ pub fn to_channels(
     let mut clocks = Clocks::find(file, &waveforms, &labels, settings, notes);
     // The unit is that of the channels of times; without any, that of the steps.
     if let Some(symbol) = settings.time_unit.as_deref().filter(|_| !clocks.are_any()) {
-        let unit_s = time::stated_unit(Place::file(file), symbol, "--time-unit or the sidecar")?;
+        let unit_s = time::stated_unit(file, symbol, "--time-unit or the sidecar")?;
         let is_other = |waveform: &Waveform| waveform.steps.is_some() && waveform.step_unit_s != unit_s;
         if waveforms.iter().any(is_other) {
             notes.info(format!("the steps of the channels are in {symbol} by --time-unit; the file has another unit"));
@@ -84,14 +81,14 @@ pub fn to_channels(
     for (k, waveform) in waveforms.into_iter().enumerate() {
         let (id, aliases, label, (quantity, factor)) = (&ids[k], &aliases[k], &labels[k], kinds[k]);
         let is_wanted = wanted == Some(k);
-        if clocks.is_clock(k) {
+        if clocks.are_times[k] {
             continue;
         }
         if matches!(&waveform.values, Ok(values) if values.is_empty()) && !is_wanted {
             remarks.empty.push(id.clone());
             continue;
         }
-        let (wave, time, comment) = match samples(file, id, waveform, (quantity, factor), &mut clocks) {
+        let (wave, (grid, origin), comment) = match samples(file, id, waveform, (quantity, factor), &mut clocks) {
             Ok(read) => read,
             Err(error) if is_wanted => return Err(error),
             // A list has it, without a rate.
@@ -115,18 +112,17 @@ pub fn to_channels(
         channel.cfc = column_names::cfc(&label.title).filter(|_| acceleration);
         iso13499::describe_by_name(&mut channel, &label.name, notes);
         channel.comment = comment;
-        let fitness =
-            acceleration.then_some(Fitness { redundant: false, place: 0, why: "the only acceleration channel" });
+        let fitness = Fitness::of_only(quantity, "the only acceleration channel");
         let aliases = aliases.clone();
-        origins.push(time.origin);
-        let jitter = time.grid.jitter;
+        origins.push(origin);
+        let jitter = grid.jitter;
         channels.push((k, ReadChannel { wave: Some(wave), jitter, fitness, aliases, ..ReadChannel::new(channel) }));
     }
     channel::align(file, &mut channels, &origins, notes)?;
     if channels.is_empty() {
         return Err(remarks.left_out.into_iter().next().unwrap_or_else(|| {
             IngestError::content(
-                Place::file(file),
+                file,
                 "no channel has samples",
                 "at least one channel of numbers",
                 "check that the recording was saved, not its description only",
@@ -137,13 +133,15 @@ pub fn to_channels(
         let why = "every channel states a uniform step; resample of the filter brings channels to another rate";
         settings::warn("--resample", why, notes);
     }
-    if settings.sample_time.is_some() && !clocks.is_stated_interval_used() {
+    if settings.sample_time.is_some() && !clocks.is_stated_used {
         settings::warn("--sample-time", "every channel has its time in the file", notes);
     }
     clocks.notes(notes);
     remarks.notes(notes);
     Ok(channels)
 }
+
+const MOTIONS: [QuantityKind; 3] = [QuantityKind::Acceleration, QuantityKind::Velocity, QuantityKind::VelocityChange];
 
 type Read = (Sampled, TimeOfChannel, Option<String>);
 
@@ -153,10 +151,9 @@ fn samples(
     waveform: Waveform,
     (quantity, factor): (QuantityKind, f64),
     clocks: &mut Clocks,
-) -> Result<Read, IngestError> {
-    let refuse = |found: String, expected: &str, hint: &str| {
-        Err(IngestError::content(Place::file(file).in_column(id), found, expected, hint))
-    };
+) -> Result<Read> {
+    let refuse =
+        |found: String, expected: &str, hint: &str| refuse(Place::file(file).in_column(id), found, expected, hint);
     let mut values = match waveform.values {
         Ok(values) => values,
         Err(found) => return refuse(found, "numbers", "export the channel as CSV, or as plain numbers of this format"),
@@ -174,23 +171,20 @@ fn samples(
         group: &waveform.group,
         steps: waveform.steps.map(|(start, interval)| (start * unit_s, interval * unit_s)),
         origin: waveform.origin,
-        is_motion: matches!(
-            quantity,
-            QuantityKind::Acceleration | QuantityKind::Velocity | QuantityKind::VelocityChange
-        ),
+        is_motion: MOTIONS.contains(&quantity),
     };
-    let time = clocks.grid(&asked, &mut values)?;
+    let (grid, origin) = clocks.grid(&asked, &mut values)?;
     if let Some(k) = values.iter().position(|x| !x.is_finite()) {
         let what = if values[k].is_nan() { "missing (NaN)" } else { "infinite" };
         return refuse(
             format!("sample {k} of {} is {what}", values.len()),
             "finite numbers; only missing samples at the end are cut off",
-            "cut the record before the gap, or fill it in the program that made it: gaps are not filled here",
+            GAPS_ARE_NOT_FILLED,
         );
     }
     values.iter_mut().for_each(|x| *x *= factor);
-    match Sampled::new(time.grid.t0_s, time.grid.dt_s, values) {
-        Ok(wave) => Ok((wave, time, waveform.comment)),
+    match Sampled::new(grid.t0_s, grid.dt_s, values) {
+        Ok(wave) => Ok((wave, (grid, origin), waveform.comment)),
         Err(error) => refuse(error.to_string(), "finite numbers on a uniform grid", "export the channel again"),
     }
 }
@@ -217,8 +211,6 @@ impl Remarks {
     }
 }
 
-const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
-
 /// Quantity and factor to SI of every waveform; [`QuantityKind::Other`] and 1 where no unit is known.
 ///
 /// `--unit` is for the channel asked for and for those named for acceleration, or for the only one.
@@ -230,79 +222,53 @@ pub fn quantities(
     wanted: Option<usize>,
     settings: &IngestSettings,
     notes: &mut Notes,
-) -> Result<Vec<(QuantityKind, f64)>, IngestError> {
-    let stated = settings.unit.as_deref().map(|symbol| acceleration_unit(file, symbol)).transpose()?;
-    let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.is_clock(*k)).collect();
-    let is_acceleration = |k: usize| matches!(labels[k].unit, Unit::Signal(QuantityKind::Acceleration, _));
-    let accelerations = data.iter().filter(|k| is_acceleration(**k)).count();
+) -> Result<Vec<(QuantityKind, f64)>> {
+    let stated = settings.unit.as_deref();
+    let stated = stated.map(|symbol| stated_factor(file, symbol, "--unit or the sidecar", false)).transpose()?;
+    let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.are_times[*k]).collect();
+    let is_acceleration = |k: &&usize| matches!(labels[**k].unit, Unit::Signal(QuantityKind::Acceleration, _));
+    let accelerations = data.iter().filter(is_acceleration).count();
     let is_target =
         |k: usize| speaks_of_acceleration(&labels[k].title) || wanted.map_or(data.len() == 1, |wanted| wanted == k);
     let mut kinds = vec![(QuantityKind::Other, 1.0); waveforms.len()];
     for &k in &data {
-        kinds[k] =
-            match (&labels[k].unit, stated) {
-                (Unit::Signal(QuantityKind::Acceleration, f), Some(over))
-                    if *f != over && (wanted == Some(k) || accelerations == 1) =>
-                {
-                    notes.concern(About::Pulse, Weight::Marked, format!(
-                    "the unit of channel {} is {f} m/s^2 by the file, {over} m/s^2 by the flag or sidecar: that is \
-                     used",
-                    labels[k].title
-                ));
-                    (QuantityKind::Acceleration, over)
-                }
-                (Unit::Signal(kind, f), _) => (*kind, *f),
-                (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
-                _ => (QuantityKind::Other, 1.0),
-            };
+        let title = &labels[k].title;
+        kinds[k] = match (&labels[k].unit, stated) {
+            (Unit::Signal(QuantityKind::Acceleration, f), Some(over))
+                if *f != over && (wanted == Some(k) || accelerations == 1) =>
+            {
+                let (by_file, by_flag) = (format!("{f} m/s^2 by the file"), "by the flag or sidecar: that is used");
+                let text = format!("the unit of channel {title} is {by_file}, {over} m/s^2 {by_flag}");
+                notes.concern(About::Pulse, Weight::Marked, text);
+                (QuantityKind::Acceleration, over)
+            }
+            (Unit::Signal(kind, f), _) => (*kind, *f),
+            (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
+            _ => (QuantityKind::Other, 1.0),
+        };
     }
     if let Some(factor) = stated
         && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))
     {
         settings::warn("--unit", "the channels state units of their own; --channel names the one that is meant", notes);
     }
-    let lacks_unit = |k: usize| matches!(labels[k].unit, Unit::Unstated | Unit::Unknown(_)) && stated.is_none();
+    let lacks_unit = |k: &usize| stated.is_none() && matches!(labels[*k].unit, Unit::Unstated | Unit::Unknown(_));
+    let mut named = data.iter().copied().filter(|k| lacks_unit(k) && speaks_of_acceleration(&labels[*k].title));
     let ask = match wanted {
-        Some(wanted) => Some(wanted).filter(|k| lacks_unit(*k)),
-        None if accelerations == 0 => {
-            data.iter().copied().find(|k| lacks_unit(*k) && speaks_of_acceleration(&labels[*k].title))
-        }
-        None => None,
+        Some(wanted) => Some(wanted).filter(lacks_unit),
+        None => named.next().filter(|_| accelerations == 0),
     };
-    match ask.filter(|_| !settings.listing) {
-        Some(k) => Err(no_unit(file, &labels[k])),
-        None => Ok(kinds),
-    }
+    let Some(Label { title, unit, .. }) = ask.filter(|_| !settings.listing).map(|k| &labels[k]) else {
+        return Ok(kinds);
+    };
+    let hint = "add --unit g or --unit m/s^2; units are not guessed";
+    Err(unit.refuse(Place::file(file).in_column(title), hint))
 }
 
 /// Whether a title names acceleration; `Femur (Acceptable)` does not.
 fn speaks_of_acceleration(title: &str) -> bool {
     let other_words = ["accept", "accur", "access", "accum", "accord"];
     names_acceleration(&other_words.iter().fold(title.to_lowercase(), |title, word| title.replace(word, "")))
-}
-
-fn no_unit(file: &str, label: &Label) -> IngestError {
-    let found = match &label.unit {
-        Unit::Unknown(symbol) => format!("unit {symbol:?} is not known"),
-        _ => "no unit is stated".to_owned(),
-    };
-    IngestError::content(
-        Place::file(file).in_column(label.title.clone()),
-        found,
-        format!("a unit of acceleration: {}", choices(ACCELERATION)),
-        "add --unit g or --unit m/s^2; units are not guessed",
-    )
-}
-
-fn acceleration_unit(file: &str, symbol: &str) -> Result<f64, IngestError> {
-    unit::factor(symbol, ACCELERATION).ok_or_else(|| {
-        IngestError::content(
-            Place::file(file),
-            format!("{symbol:?}, stated by --unit or the sidecar, is no unit of acceleration"),
-            format!("one of {}", choices(ACCELERATION)),
-            "use --unit g or --unit m/s^2",
-        )
-    })
 }
 
 #[cfg(test)]

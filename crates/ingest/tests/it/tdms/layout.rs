@@ -1,13 +1,13 @@
 //! Byte orders, segments, interleaving, damage.
 
-use crumple_ingest::{Bundle, IngestError, IngestSettings, Recording, ingest};
+use crumple_ingest::{IngestError, IngestSettings, Recording};
 use crumple_signal::{Axis, ChannelStatus, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
 use crate::tdms::{
-    BIG, DAQMX, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, pulse, read, read_with, segment, simple,
-    waveform,
+    BIG, DAQMX, Described, INTERLEAVED, NEW_LIST, RAW, Value, Writer, accelerometer, doubles, pulse, read, read_with,
+    segment, simple, waveform,
 };
-use crate::{has_note, lenient, samples};
+use crate::{given, grid, has_note, lenient, notes, read_as, samples};
 
 #[test]
 fn both_byte_orders_read_alike() {
@@ -123,9 +123,7 @@ fn absurd_counts_cost_nothing() {
     for count in [1_u64 << 60, 1 << 62, u64::MAX, 1 << 40] {
         let mut metadata = Writer::new(false);
         metadata.object("/'g'/'a'", Some((10, count)), &accelerometer());
-        let mut raw = Writer::new(false);
-        raw.doubles([0.0; 60]);
-        match read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)) {
+        match read(segment(NEW_LIST | RAW, 1, &metadata, &[0; 480])) {
             Ok(recording) => assert_eq!(samples(&recording.channels[0]).len(), 60),
             Err(error) => assert!(error.to_string().contains("an impossible count"), "{error}"),
         }
@@ -184,7 +182,7 @@ pub fn nhtsa() -> Vec<u8> {
 
 #[test]
 fn nhtsa_properties_give_mass_speed_and_the_pulse() {
-    let ingested = ingest(&Bundle::from_bytes("v10146.tdms", nhtsa()).unwrap(), &IngestSettings::default()).unwrap();
+    let ingested = read_as("v10146.tdms", nhtsa(), &IngestSettings::default()).unwrap();
     let test = &ingested.test;
     assert_eq!((test.mass_kg, test.impact_speed_m_per_s), (Some(1719.0), Some(57.09 / 3.6)));
     assert_eq!(test.title, "NCAP - 2018 TOYOTA CAMRY");
@@ -196,22 +194,19 @@ fn nhtsa_properties_give_mass_speed_and_the_pulse() {
     assert_eq!(test.channel("d.10ENGN000000AC1P").unwrap().status, ChannelStatus::Questionable);
     let before = ingested.pulse().unwrap().quality.pre_event.unwrap();
     assert!((before.zero_level - 0.1 * G).abs() < 1e-12, "the muted start is not counted");
-    let notes = ingested.notes.to_texts();
     for words in ["the first 20 samples of the pulse are exactly 0", "TOP OF ENGINE X"] {
-        assert!(notes.iter().any(|n| n.contains(words)), "{words}: {notes:#?}");
+        assert!(notes(&ingested).contains(words), "{words}: {}", notes(&ingested));
     }
 }
 
 #[test]
 fn a_channel_named_by_its_code_is_what_the_code_says() {
-    let mut metadata = Writer::new(false);
-    metadata
-        .object("/'R'/'10VEHC0000__ACXD_NoName1'", Some((10, 60)), &accelerometer())
-        .object("/'R'/'11HEADCG00H3ACXA (g)'", Some((10, 60)), &waveform())
-        .object("/'R'/'Acc (m/(s*s))'", Some((10, 60)), &waveform());
-    let mut raw = Writer::new(false);
-    raw.doubles((0..180).map(f64::from));
-    let recording = read(segment(NEW_LIST | RAW, 3, &metadata, &raw.bytes)).unwrap();
+    let channels: &[Described] = &[
+        ("/'R'/'10VEHC0000__ACXD_NoName1'", 60, &accelerometer()),
+        ("/'R'/'11HEADCG00H3ACXA (g)'", 60, &waveform()),
+        ("/'R'/'Acc (m/(s*s))'", 60, &waveform()),
+    ];
+    let recording = read(doubles(channels, (0..180).map(f64::from))).unwrap();
     let [body, head, plain] = recording.channels.as_slice() else { panic!("{:?}", recording.channels) };
     assert_eq!(body.channel.code.as_deref(), Some("10VEHC0000__ACXD"));
     assert_eq!((body.channel.axis, body.channel.cfc), (Some(Axis::X), Some(60)));
@@ -256,8 +251,7 @@ fn daqmx_rows_are_scaled_and_other_scales_named() {
     let expected: Vec<f64> = (0..60).map(|k| 0.5 * f64::from(k) + 3.0).collect();
     assert_eq!(samples(&recording.channels[0]), expected);
     has_note(&recording, "left out: t.tdms, column g.b: its scale 1 is of kind Thermocouple, only Linear is applied");
-    let settings = IngestSettings { channel: Some("b".to_owned()), ..IngestSettings::default() };
-    assert!(read_with(file, &settings).unwrap_err().to_string().contains("Thermocouple"));
+    assert!(read_with(file, &given("--channel b")).unwrap_err().to_string().contains("Thermocouple"));
 }
 
 #[test]
@@ -266,38 +260,30 @@ fn plain_data_are_scaled_only_where_they_are_unscaled() {
         let mut properties = scaled("Linear");
         properties.retain(|(name, _)| *name != "NI_Scaling_Status");
         properties.push(("NI_Scaling_Status", Value::Text(status)));
-        let mut metadata = Writer::new(false);
-        metadata.object("/'g'/'a'", Some((10, 60)), &properties);
-        let mut raw = Writer::new(false);
-        raw.doubles((0..60).map(f64::from));
-        let recording = read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)).unwrap();
+        let recording = read(doubles(&[("/'g'/'a'", 60, &properties)], (0..60).map(f64::from))).unwrap();
         assert_eq!(samples(&recording.channels[0])[10], 10.0 * factor + offset);
     }
 }
 
 /// A group with a channel of times of `n` samples and an accelerometer of `m` without steps of its own.
 pub fn with_times(n: usize, m: usize, step: f64) -> Vec<u8> {
-    let mut metadata = Writer::new(false);
-    metadata.object("/'g'/'Time'", Some((10, n as u64)), &[]).object("/'g'/'acc (g)'", Some((10, m as u64)), &[]);
-    let mut raw = Writer::new(false);
-    raw.doubles((0..n).map(|k| k as f64 * step - 100.0 * step)).doubles((0..m).map(pulse));
-    segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes)
+    let times = (0..n).map(|k| k as f64 * step - 100.0 * step);
+    doubles(&[("/'g'/'Time'", n, &[]), ("/'g'/'acc (g)'", m, &[])], times.chain((0..m).map(pulse)))
 }
 
 #[test]
 fn a_sibling_channel_of_times_gives_the_grid() {
     for (n, m, length) in [(601, 600, 600), (600, 600, 600), (600, 601, 600)] {
         let recording = read(with_times(n, m, 1e-4)).unwrap();
-        let wave = recording.channels[0].wave.as_ref().unwrap();
-        assert_eq!((recording.channels.len(), wave.len(), wave.t0_s(), wave.dt_s()), (1, length, -0.01, 1e-4));
+        assert_eq!((recording.channels.len(), samples(&recording.channels[0]).len()), (1, length));
+        assert_eq!(grid(&recording.channels[0]), (-0.01, 1e-4));
         has_note(&recording, "no unit of time is stated for Time: s is assumed");
         if n != m {
             has_note(&recording, &format!("has {n} samples, g.acc {m}: the shorter length is used"));
         }
     }
-    let settings = IngestSettings { time_unit: Some("ms".to_owned()), ..IngestSettings::default() };
-    let recording = read_with(with_times(600, 600, 0.1), &settings).unwrap();
-    assert_eq!(recording.channels[0].wave.as_ref().unwrap().dt_s(), 1e-4);
+    let recording = read_with(with_times(600, 600, 0.1), &given("--time-unit ms")).unwrap();
+    assert_eq!(grid(&recording.channels[0]).1, 1e-4);
 }
 
 #[test]
@@ -319,35 +305,25 @@ fn times_of_the_day_count_from_the_first() {
         raw.doubles((0..60).map(pulse));
         let toc = NEW_LIST | RAW | if big { BIG } else { 0 };
         let recording = read(segment(toc, 2, &metadata, &raw.bytes)).unwrap();
-        let wave = recording.channels[0].wave.as_ref().unwrap();
-        assert_eq!((recording.channels.len(), wave.t0_s(), wave.dt_s()), (1, 0.0, 1e-3));
+        assert_eq!((recording.channels.len(), grid(&recording.channels[0])), (1, (0.0, 1e-3)));
     }
 }
 
 #[test]
 fn no_time_is_refused_and_so_is_another_axis() {
-    let mut metadata = Writer::new(false);
-    metadata.object("/'g'/'acc (g)'", Some((10, 60)), &[]);
-    let mut raw = Writer::new(false);
-    raw.doubles([0.0; 60]);
-    let error = read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)).unwrap_err().to_string();
+    let error = read(doubles(&[("/'g'/'acc (g)'", 60, &[])], [0.0; 60])).unwrap_err().to_string();
     assert!(error.contains("no time: neither a sampling interval"), "{error}");
     let mut properties = accelerometer();
     properties.push(("wf_xname", Value::Text("Tension")));
-    let mut metadata = Writer::new(false);
-    metadata.object("/'g'/'a'", Some((10, 60)), &properties);
-    let error = read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes)).unwrap_err().to_string();
+    let error = read(doubles(&[("/'g'/'a'", 60, &properties)], [0.0; 60])).unwrap_err().to_string();
     assert!(error.contains("its X axis is \"Tension\", not time"), "{error}");
 }
 
 #[test]
 fn inner_gaps_are_refused_and_gaps_at_the_end_cut() {
     let file = |gap: std::ops::Range<usize>| {
-        let mut metadata = Writer::new(false);
-        metadata.object("/'g'/'a'", Some((10, 80)), &accelerometer());
-        let mut raw = Writer::new(false);
-        raw.doubles((0..80).map(|k| if gap.contains(&k) { f64::NAN } else { pulse(k) }));
-        read(segment(NEW_LIST | RAW, 1, &metadata, &raw.bytes))
+        let samples = (0..80).map(|k| if gap.contains(&k) { f64::NAN } else { pulse(k) });
+        read(doubles(&[("/'g'/'a'", 80, &accelerometer())], samples))
     };
     let recording = file(70..80).unwrap();
     assert_eq!(samples(&recording.channels[0]).len(), 70);
@@ -359,23 +335,20 @@ fn inner_gaps_are_refused_and_gaps_at_the_end_cut() {
 
 /// Two channels of 60 samples at 1e-4 s from -0.01 s of their own axes, the second `later` seconds after the first.
 fn apart(later: f64, second_offset: f64) -> Recording {
-    let mut metadata = Writer::new(false);
-    for (path, start, offset) in [("/'g'/'a'", 3.6e9, -0.01), ("/'g'/'b'", 3.6e9 + later, second_offset)] {
-        let properties = [
+    let properties = |start: f64, offset: f64| {
+        [
             ("wf_increment", Value::Double(1e-4)),
             ("wf_start_offset", Value::Double(offset)),
             ("unit_string", Value::Text("g")),
             ("wf_start_time", Value::Time(start)),
-        ];
-        metadata.object(path, Some((10, 60)), &properties);
-    }
-    let mut raw = Writer::new(false);
-    raw.doubles([0.5; 120]);
-    read(segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes)).unwrap()
+        ]
+    };
+    let (first, second) = (properties(3.6e9, -0.01), properties(3.6e9 + later, second_offset));
+    read(doubles(&[("/'g'/'a'", 60, &first), ("/'g'/'b'", 60, &second)], [0.5; 120])).unwrap()
 }
 
 fn starts(recording: &Recording) -> Vec<f64> {
-    recording.channels.iter().map(|read| read.wave.as_ref().unwrap().t0_s()).collect()
+    recording.channels.iter().map(|read| grid(read).0).collect()
 }
 
 #[test]
@@ -420,16 +393,12 @@ fn groups_with_stamps_of_their_own_have_one_axis() {
 /// An accelerometer with a sampling interval of `increment`, and a channel of times where it has a name.
 fn with_increment(increment: f64, times: &str, settings: &IngestSettings) -> Result<Recording, IngestError> {
     let properties = [("wf_increment", Value::Double(increment)), ("unit_string", Value::Text("g"))];
-    let mut metadata = Writer::new(false);
-    metadata.object(&format!("/'g'/'{times}'"), Some((10, 60)), &[]).object("/'g'/'acc'", Some((10, 60)), &properties);
-    let mut raw = Writer::new(false);
-    raw.doubles((0..60).map(|k| f64::from(k) * 2.5e-4)).doubles((0..60).map(pulse));
-    read_with(segment(NEW_LIST | RAW, 2, &metadata, &raw.bytes), settings)
+    let samples = (0..60).map(|k| f64::from(k) * 2.5e-4).chain((0..60).map(pulse));
+    read_with(doubles(&[(&format!("/'g'/'{times}'"), 60, &[]), ("/'g'/'acc'", 60, &properties)], samples), settings)
 }
 
-fn grid(recording: &Recording, id: &str) -> (f64, f64) {
-    let wave = recording.channels.iter().find(|read| read.channel.id == id).unwrap().wave.as_ref().unwrap();
-    (wave.t0_s(), wave.dt_s())
+fn grid_of(recording: &Recording, id: &str) -> (f64, f64) {
+    grid(recording.channels.iter().find(|read| read.channel.id == id).unwrap())
 }
 
 #[test]
@@ -439,22 +408,20 @@ fn a_channel_of_times_beats_an_increment() {
         [(1.0, "an interval that no crash is recorded at"), (1e-3, "the channel of times is used")]
     {
         let recording = with_increment(increment, "Time (s)", &default).unwrap();
-        assert_eq!(grid(&recording, "g.acc"), (0.0, 2.5e-4), "{increment}");
+        assert_eq!(grid_of(&recording, "g.acc"), (0.0, 2.5e-4), "{increment}");
         has_note(&recording, words);
     }
 }
 
 #[test]
 fn an_interval_of_a_second_is_asked_about() {
-    let wanted = IngestSettings { channel: Some("g.acc".to_owned()), ..IngestSettings::default() };
-    let error = with_increment(1.0, "other (V)", &wanted).unwrap_err();
+    let increment = |flags: &str| with_increment(1.0, "other (V)", &given(&format!("--channel g.acc {flags}")));
+    let error = increment("").unwrap_err();
     assert!(error.to_string().contains("a sampling interval of 1 s and no channel of times"), "{error}");
     assert_eq!(error.hint(), "state the sampling interval, such as --sample-time 100us");
-    let stated = IngestSettings { sample_time: Some("250us".parse().unwrap()), ..wanted.clone() };
-    assert_eq!(grid(&with_increment(1.0, "other (V)", &stated).unwrap(), "g.acc"), (0.0, 2.5e-4));
+    assert_eq!(grid_of(&increment("--sample-time 250us").unwrap(), "g.acc"), (0.0, 2.5e-4));
     // The unit of the increment may be another one.
-    let stated = IngestSettings { time_unit: Some("ms".to_owned()), ..wanted };
-    assert_eq!(grid(&with_increment(1.0, "other (V)", &stated).unwrap(), "g.acc"), (0.0, 1e-3));
+    assert_eq!(grid_of(&increment("--time-unit ms").unwrap(), "g.acc"), (0.0, 1e-3));
     // What is no crash may be that slow.
-    assert_eq!(grid(&with_increment(1.0, "other (V)", &lenient()).unwrap(), "g.acc"), (0.0, 1.0));
+    assert_eq!(grid_of(&with_increment(1.0, "other (V)", &lenient()).unwrap(), "g.acc"), (0.0, 1.0));
 }
