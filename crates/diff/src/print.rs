@@ -322,14 +322,15 @@ pub fn conclusion(report: &Comparison) -> String {
             || ", none differs".to_owned(),
             |(rel, topic)| format!(", the largest relative difference is {rel:.1e} in {topic}"),
         );
+        let count = topics().count();
         let aside = match topics().map(|topic| topic.aside.len()).sum::<usize>() {
             0 => String::new(),
             1 => "; one text differs and does not count".to_owned(),
             several => format!("; {several} texts differ and do not count"),
         };
         return format!(
-            "same within tolerance: {values} values in {} topics{places}{largest}{aside}",
-            topics().count()
+            "same within tolerance: {values} values in {count} topic{}{places}{largest}{aside}",
+            if count == 1 { "" } else { "s" }
         );
     }
     let different = topics().filter(|topic| !topic.same).count();

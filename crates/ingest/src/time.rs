@@ -358,7 +358,8 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     if largest >= IMPLAUSIBLE_M_PER_S2 && crossing(IMPLAUSIBLE_M_PER_S2).is_some() {
         let largest_g = largest / STANDARD_GRAVITY_M_PER_S2;
         let text = format!(
-            "the pulse stays above 1000 g for 3 ms (largest {largest_g:.0} g), no vehicle does: check its channel and unit"
+            "the pulse stays above 1000 g for 3 ms (largest {largest_g:.0} g), no vehicle does: check its channel and \
+             unit"
         );
         notes.concern(About::Pulse, Weight::Decisive, text);
     }

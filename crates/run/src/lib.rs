@@ -68,7 +68,10 @@ pub const VIEW: Program =
 /// Predicts again in the folder of a run, where a call of `predict` names one: `RUN --speed 40km/h`. `None`: it is one
 /// of the stage.
 pub fn predict_in_a_run(call: &Call) -> Option<ExitStatus> {
-    let folder = named::<Options>(call, None).filter(|folder| Path::new(folder).is_dir())?;
+    // A stage is told where to write.
+    let is_of_stage = call.has("-o") || call.has("--output");
+    let is_meant = |folder: &OsString| Path::new(folder).is_dir() || !(is_of_stage || Path::new(folder).exists());
+    let folder = named::<Options>(call, None).filter(is_meant)?;
     let Call { words, .. } = sorted::<Options>(call, None);
     let again = ["--again".into(), folder];
     let (own, of_stage) = words.split_at(words.iter().position(|word| word == "--")?);

@@ -330,7 +330,7 @@ fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artif
     })
 }
 
-/// Whether a result is no number of a crash: a stage that read finite numbers computed it of numbers that are too large.
+/// Whether a result is no number of a crash: a stage that read finite numbers computed it of others that are too large.
 fn is_impossible(error: &anyhow::Error) -> bool {
     matches!(find_in_chain::<WriteError>(error), Some(WriteError::Impossible { .. }))
 }

@@ -53,7 +53,8 @@ impl ArtifactBuilder {
 
     /// Adds a record under a topic.
     ///
-    /// Errors: a second record under the topic; a number that is not finite or that no crash has; a record that contradicts itself.
+    /// Errors: a second record under the topic; a number that is not finite or that no crash has; a record that
+    /// contradicts itself.
     pub fn put<R: Record>(&mut self, topic: &str, record: &R) -> Result<(), WriteError> {
         if self.records.iter().any(|r| r.topic == topic) {
             return Err(WriteError::Duplicate(topic.to_owned()));

@@ -31,7 +31,8 @@ fn of_another_run(role: &str, digests: Vec<InputDigest>) -> impl Iterator<Item =
 impl Stage for Predict {
     const NAME: &'static str = "predict";
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
-    const ABOUT: &'static str = "Predicts impacts at other speeds and masses with the candidates of a test.";
+    const ABOUT: &'static str = "Predicts impacts at other speeds and masses with the candidates of a test. \
+                                 Of a whole run: `crumple predict RUN --speed 40km/h`.";
     type Options = Options;
     type Settings = Settings;
     type Input = Read;

@@ -195,7 +195,7 @@ impl Review {
         let outside = within.iter().filter(|within| !**within).count();
         match (within.len(), outside) {
             (0, _) => format!("the same, {}", name(a)),
-            (_, 0) => format!("the same, {}; what changed of it stays in its intervals", name(a)),
+            (_, 0) => format!("the same, {}; its changes are smaller than its intervals", name(a)),
             (changed, outside) => {
                 format!("the same, {}; {outside} of {changed} changed numbers leave their intervals", name(a))
             }
@@ -259,7 +259,13 @@ fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(String, 
     let mut settings: Vec<Cause> = Vec::new();
     for name in names {
         let [from, to] = [&before, &after].map(|of| of.get(name).cloned().unwrap_or_else(|| ABSENT.to_owned()));
-        if from == to {
+        // Settings of a stage that another program stands in for are not its own.
+        let of_missing = |side: &Expected| {
+            let mut own = side.stages.iter().filter(|record| name.split('.').next() == Some(record.stage.as_str()));
+            own.any(|record| record.settings.is_empty() || record.settings == "{}" || record.settings == "null")
+        };
+        let is_version = name.ends_with(".version");
+        if from == to || (!is_version && of_missing(a) != of_missing(b)) {
             continue;
         }
         match name.strip_suffix(".version") {

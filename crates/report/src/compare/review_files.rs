@@ -161,10 +161,12 @@ pub fn to_junit(compared: &[(Review, Comparison)]) -> String {
         for file in &comparison.files {
             let apart = file.topics.iter().filter(|topic| !topic.same).count();
             let problem = match file.only_in {
-                Some(_) => "on one side only".to_owned(),
-                None => format!("{apart} of {} topics differ", file.topics.len()),
+                Some(_) => Some("on one side only".to_owned()),
+                None if apart > 0 => Some(format!("{apart} of {} topics differ", file.topics.len())),
+                // Its numbers have cases of their own.
+                None => None,
             };
-            cases.push(("files", format!("all other values of {}", file.name), (!file.same).then_some(problem)));
+            cases.push(("files", format!("all other values of {}", file.name), problem));
         }
         let failures = cases.iter().filter(|(_, _, problem)| problem.is_some()).count();
         let name = xml(&review.name);

@@ -19,8 +19,8 @@ texts! { ModelTexts
     follows: "Displacement fit {fit}.";
     one_spring:
         "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
-    by_noise_alone: "; intervals: 95\u{a0}%, by the noise alone";
-    held_by_intervals: ", longer where the value lies outside";
+    by_noise_alone: "; 95\u{a0}% intervals, by the noise alone";
+    held_by_intervals: ", stretched to hold the value";
     at_most: "at most {end}";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.";
     decided_by:

@@ -12,7 +12,7 @@ texts! { PredictionTexts
     beyond: "beyond";
     by_the_record: "{peak}*";
     peak_caption:
-        "* By the record: what it shows of the peak at this energy, not what the model makes of it.";
+        "* Peak read from the test up to this energy, not from the model.";
     all_predictions: "all predictions";
     speed: "Speed, km/h";
     mass: "Mass, kg";

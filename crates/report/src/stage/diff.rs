@@ -356,6 +356,9 @@ fn place_of(own: &Path, pipeline: Option<&str>, stage: &str, key: &str) -> Optio
 /// accepted by the name of its file.
 fn pairs(a: &Path, b: &Path) -> anyhow::Result<Vec<(String, PathBuf, PathBuf)>> {
     let is_kept = |path: &Path| is_json(path) && read_json(path).is_ok_and(|value| value["schema"] == Expected::SCHEMA);
+    for path in [a, b] {
+        fs::metadata(path).map_err(|source| DiffError::Io { path: path.to_owned(), source })?;
+    }
     if kind(a) != kind(b) && !is_kept(a) && !is_kept(b) {
         return Err(DiffError::Kinds { a: a.into(), a_is: kind(a), b: b.into(), b_is: kind(b) }.into());
     }

@@ -261,8 +261,10 @@ fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
 /// What an artifact says of how it was made.
 pub fn stage_record(artifact: &Artifact) -> StageRecord {
     let provenance = artifact.provenance();
+    // One that was packed of edited files states no stage, and stands in its place.
+    let name = artifact.path().file_stem().and_then(|name| name.to_str()?.split_once('-')).map(|(_, stage)| stage);
     StageRecord {
-        stage: artifact.stage().unwrap_or("not stated").to_owned(),
+        stage: artifact.stage().or(name).unwrap_or("not stated").to_owned(),
         version: provenance
             .map(|p| [p.stage_version.as_str(), p.made_by.as_str()].join(" ").trim_end().to_owned())
             .unwrap_or_default(),

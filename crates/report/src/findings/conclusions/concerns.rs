@@ -102,7 +102,7 @@ pub fn warnings(concerns: &[ConcernV1]) -> impl Iterator<Item = &ConcernV1> {
 }
 
 /// Of the warnings in their order those for the first screen: at most `SHOWN_FIRST`, none that is said elsewhere, none
-/// of a candidate that nobody recommends while there is any other, no failed method; and how many are left of all.
+/// of a candidate that nobody recommends, no failed method; and how many are left of all.
 pub fn first_warnings<'a>(
     concerns: &'a [ConcernV1],
     is_said: impl Fn(&ConcernV1) -> bool,
@@ -111,11 +111,8 @@ pub fn first_warnings<'a>(
 ) -> (Vec<&'a ConcernV1>, usize) {
     let is_prominent =
         |concern: &&ConcernV1| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
-    let own = || warnings(concerns).filter(|concern| !is_said(concern));
-    let mut first: Vec<&ConcernV1> = own().filter(is_prominent).take(SHOWN_FIRST).collect();
-    if first.is_empty() && !run.is_generic() {
-        first.extend(own().take(1));
-    }
+    let own = warnings(concerns).filter(|concern| !is_said(concern));
+    let first: Vec<&ConcernV1> = own.filter(is_prominent).take(SHOWN_FIRST).collect();
     let others = warnings(concerns).count() - first.len();
     (first, others)
 }

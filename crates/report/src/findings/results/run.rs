@@ -415,6 +415,9 @@ impl Run {
         let tested_m = self.tested_crush_m()?;
         let further = |p: &PredictionV1| p.dynamic_crush_m.is_none_or(|crush_m| crush_m > tested_m);
         let is_beyond = |p: &PredictionV1| p.extrapolates && (p.partner.is_none() || further(p));
+        // Who asked for a speed is told of that.
+        let is_asked = self.predictions.iter().any(|p| p.asked);
+        let is_meant = |p: &PredictionV1| is_meant(p) && (p.asked || !is_asked);
         self.predictions.iter().any(|p| is_meant(p) && is_beyond(p)).then_some(tested_m)
     }
 
