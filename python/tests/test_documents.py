@@ -43,7 +43,8 @@ def test_a_function_as_a_stage(tmp_path, monkeypatch):
     monkeypatch.setenv("CRUMPLE_FILTER", f"'{sys.executable}' '{file}'")
     run = crumple.run(RECORD)
     measured, smooth = (crumple.read(run.folder / f).waves["accel_g"] for f in ("1-ingest.mcap", "2-filter.mcap"))
-    assert smooth.samples[900] == pytest.approx(measured.samples[890:911].mean(), rel=1e-12)
+    assert smooth.samples[900] == pytest.approx(measured.samples[878:923].mean(), rel=1e-12)
+    assert run.summary["events"]["start"] == "record-start"
     assert run.verdict
 
 
