@@ -70,7 +70,10 @@ pub const VIEW: Program =
 pub fn predict_in_a_run(call: &Call) -> Option<ExitStatus> {
     // A stage is told where to write.
     let is_of_stage = call.has("-o") || call.has("--output");
-    let is_meant = |folder: &OsString| Path::new(folder).is_dir() || !(is_of_stage || Path::new(folder).exists());
+    let is_meant = |folder: &OsString| {
+        let is_flag = folder.as_encoded_bytes().starts_with(b"-");
+        Path::new(folder).is_dir() || !(is_flag || is_of_stage || Path::new(folder).exists())
+    };
     let folder = named::<Options>(call, None).filter(is_meant)?;
     let Call { words, .. } = sorted::<Options>(call, None);
     let again = ["--again".into(), folder];

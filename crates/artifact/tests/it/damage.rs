@@ -264,7 +264,7 @@ fn a_nan_is_neither_written_nor_read() {
         ..MetricV1::default()
     };
     let error = builder.put("/metrics", &MetricsV2 { metrics: vec![metric.clone()] }).unwrap_err();
-    insta::assert_snapshot!(error, @"record /metrics: metrics[0].value is NaN, only finite numbers may be written");
+    insta::assert_snapshot!(error, @"record /metrics: metrics[0].value is NaN, a finite number is needed");
 
     let payload = Codec::Bincode.encode(&MetricsV2 { metrics: vec![metric] }).unwrap();
     let error = read(&foreign(&[("/metrics", MetricsV2::SCHEMA, "bincode", &payload)], &[]))

@@ -158,12 +158,16 @@ pub fn to_junit(compared: &[(Review, Comparison)]) -> String {
             let problem = format!("{} -> {}, {}, limit {limit}", row.shown(0), row.shown(1), change(row));
             cases.push((group, row.key.clone(), row.differs(1).then_some(problem)));
         }
+        let [before, after] = &review.models;
+        if before != after {
+            cases.push(("models", "recommended model".to_owned(), Some(review.model())));
+        }
         for file in &comparison.files {
             let apart = file.topics.iter().filter(|topic| !topic.same).count();
             let problem = match file.only_in {
                 Some(_) => Some("on one side only".to_owned()),
                 None if apart > 0 => Some(format!("{apart} of {} topics differ", file.topics.len())),
-                // Its numbers have cases of their own.
+                // Its numbers and its model have cases of their own.
                 None => None,
             };
             cases.push(("files", format!("all other values of {}", file.name), problem));
@@ -316,8 +320,8 @@ mod tests {
         let comparison = Comparison::new("a".into(), "b".into(), false, vec![file]);
         let compared = [(found, comparison)];
         let text = to_junit(&compared);
-        assert!(text.contains("tests=\"3\" failures=\"2\" errors=\"0\""), "{text}");
-        assert_eq!((text.matches("<testcase").count(), text.matches("<failure").count()), (3, 2));
+        assert!(text.contains("tests=\"3\" failures=\"1\" errors=\"0\""), "{text}");
+        assert_eq!((text.matches("<testcase").count(), text.matches("<failure").count()), (3, 1));
         let mut noted = review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
         noted.causes[0].place = Some(("pipelines/default.toml".into(), 12));
         noted.name = "a,b:c\nd".into();
