@@ -94,6 +94,7 @@ impl Figure {
         let Self { work, seconds, pass_s, aim_s, peer } = self;
         let aim = aim_s.map_or_else(String::new, duration);
         let mark = if aim_s.is_some_and(|aim| *seconds > aim) { "**" } else { "" };
+        let work = work.trim();
         let (time, passes, peer) = (duration(*seconds), seconds / pass_s, peer.as_deref().unwrap_or(""));
         format!("| {work} | {mark}{time}{mark} | {aim} | {passes:.0} | {peer} |\n")
     }
