@@ -52,6 +52,15 @@ fn a_right_record_is_not_asked_about() {
 }
 
 #[test]
+fn a_pulse_that_no_vehicle_has_is_questioned() {
+    let said = |head: &str| {
+        let texts = read(&table(head, 1.0, 1.0), SPEED).notes.to_texts();
+        texts.iter().any(|text| text.contains("stays above 1000 g for 3 ms (largest 24") && text.ends_with("and unit"))
+    };
+    assert!(said("time_s,accel_kilo-g\n") && !said("time_s,accel_g\n"));
+}
+
+#[test]
 fn the_unit_of_the_acceleration_is_asked() {
     let (in_g, in_si) = ("--unit g", "--unit m/s^2");
     is_asked_and_answered(&table("time_s,accel\n", 1.0, 1.0), SPEED, in_si, in_g);
