@@ -175,11 +175,6 @@ lint:
     cargo clippy --workspace --all-targets --quiet -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 
-# Writes down the lines of crates that became shorter: crates/testkit/tests/architecture/budget.toml.
-[group('development')]
-budget:
-    CRUMPLE_WRITE_BUDGET=1 cargo test --quiet --workspace --test architecture the_house
-
 # Writes docs/schemas/, the JSON Schemas of all records and of summary.json. They are built into the programs: for a record type that is new, make an empty file first.
 [group('development')]
 schemas:

@@ -12,7 +12,7 @@ use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Result, Sign, pulse, refuse, time};
+use crate::{IngestError, IngestSettings, Result, Sign, contact, pulse, refuse};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -114,12 +114,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
     details::check(file, &recording.details)?;
 
-    set_time_zero(file, &mut recording, pulse, &mut notes)?;
+    let contact = contact::settle(file, &mut recording, (pulse, reader.format), &choices, &mut notes)?;
     times_in_range(file, &recording)?;
-    let time_zero = match &recording.details.time_zero_s {
-        Some(stated) => Some(format!("stated by {}", stated.from)),
-        None => recording.contact_at_zero.then(|| format!("the format {}", reader.format)),
-    };
     if let Some(k) = velocity {
         pulse::speed_at_contact(&mut recording, k, &mut notes);
     }
@@ -127,7 +123,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let polarity = match (is_of_occupant, is_turned) {
         (true, _) => Polarity::OfOccupant,
         (false, true) => Polarity::Turned,
-        (false, false) => Polarity::AsRead,
+        (false, false) => polarity_of_code(pulse.map(|k| &recording.channels[k].channel)),
     };
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =
@@ -135,7 +131,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let waves = take_waves(&mut recording);
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
-    let from_rest = polarity == Polarity::AsRead
+    let from_rest = matches!(polarity, Polarity::AsRead | Polarity::OfSled)
         && wave_of_pulse.is_some_and(|w| pulse::pushes_forward(&w.samples, w.quality.zero_level()));
     let held = wave_of_pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
     let plausibility = held
@@ -174,7 +170,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         channels,
         pulse: pulse_id,
         notes: details.facts,
-        time_zero,
+        contact,
         exchange_asked: false,
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
@@ -188,6 +184,15 @@ fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording> 
         pulse::place_on_body(&mut recording.channels, place);
     }
     Ok(recording)
+}
+
+/// What the ISO 13499 code of the pulse says of its sign: test object S is a sled, 1 to 9 are vehicles.
+fn polarity_of_code(pulse: Option<&Channel>) -> Polarity {
+    match pulse.and_then(|channel| channel.code.as_deref()).and_then(|code| code.chars().next()) {
+        Some('S') => Polarity::OfSled,
+        Some('1'..='9') => Polarity::OfVehicle,
+        _ => Polarity::AsRead,
+    }
 }
 
 /// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
@@ -298,36 +303,6 @@ fn speed_of_the_pulse(recording: &mut Recording, pulse: usize, notes: &mut Notes
         );
     }
     *stated = Some(Stated { value: speed, from: format!("the initial velocity of channel {}", channel.id) });
-}
-
-fn set_time_zero(file: &str, recording: &mut Recording, pulse: Option<usize>, notes: &mut Notes) -> Result<()> {
-    match &recording.details.time_zero_s {
-        Some(Stated { value, from }) => {
-            if *value != 0.0 {
-                for read in &mut recording.channels {
-                    if let Some(wave) = &read.wave {
-                        let shifted = time::shift(wave, *value).map_err(|error| overflow(file, &error.to_string()))?;
-                        read.wave = Some(shifted);
-                    }
-                }
-            }
-            notes.info(format!("time zero is {value} s of the file's axis, stated by {from}"));
-        }
-        None => {
-            if let Some(wave) = pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
-                let before = wave.index_at_or_after(0.0);
-                if before > 0 || recording.contact_at_zero {
-                    notes.info(format!("time zero is t = 0 of the file, {before} samples after its start"));
-                } else {
-                    notes.info("the record starts at t = 0, taken as time zero; --time-zero states another");
-                }
-            }
-        }
-    }
-    match pulse.and_then(|k| recording.channels[k].wave.as_ref()) {
-        Some(wave) => time::require_contact(file, wave),
-        None => Ok(()),
-    }
 }
 
 /// Refuses channels whose times no artifact can hold.

@@ -3,8 +3,8 @@
 //! [`Bundle::open`] reads the files of a record into memory (of a long table its start only); [`ingest`] makes a test
 //! description, waveforms and their quality of them, and depends on their bytes and [`IngestSettings`] alone. Formats
 //! are recognised by content: [`READERS`]. Nothing is guessed: what a record does not say is asked for by name, and
-//! what is chosen (the pulse, a unit of time) is noted. Nothing is corrected either: zero level, time zero,
-//! clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
+//! what is chosen (the pulse, contact) is noted. Contact is settled here: after it every time is in seconds from it.
+//! Nothing is corrected: zero level, clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
 
 mod checks {
     //! What is noted about the channels: quality, time grids, sensors that should agree, units and signs exchanged.
@@ -13,6 +13,7 @@ mod checks {
     pub mod channel_quality;
     pub mod exchanges;
 }
+mod contact;
 mod error;
 mod files {
     //! The disk: a record's files, folders and zip archives into memory, the sidecar beside them. Only this module uses
@@ -36,6 +37,7 @@ mod recording {
 mod stage;
 mod time;
 
+pub use contact::{ContactRule, TimeZero};
 pub(crate) use error::{GAPS_ARE_NOT_FILLED, Place, check_size, refuse, refuse_channel, refuse_path, refuse_size};
 pub use error::{IngestError, Refusal, Result};
 pub use files::digests::RecordDigests;

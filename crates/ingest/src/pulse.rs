@@ -366,6 +366,10 @@ pub fn pushes_forward(pulse: &Sampled, zero_level: Option<f64>) -> bool {
 pub enum Polarity {
     /// It is as in the file.
     AsRead,
+    /// It is as in the file, of a sled by its code: it is pushed by right.
+    OfSled,
+    /// It is as in the file, of the structure of a vehicle by its code: a frontal test, unless its speed is 0.
+    OfVehicle,
     /// It was turned.
     Turned,
     /// It is as in the file, and asked about: it fits the impact speed with the other sign.
@@ -396,7 +400,7 @@ pub fn check(
     let change = change(pulse, zero_level.unwrap_or(0.0));
     let clear = impact_speed_m_per_s.map_or(CLEAR_CHANGE_M_PER_S, |v| CLEAR_PART * v);
     // A vehicle that stands is pushed either way.
-    let is_silent = matches!(polarity, Polarity::OfOccupant | Polarity::Questioned);
+    let is_silent = matches!(polarity, Polarity::OfOccupant | Polarity::Questioned | Polarity::OfSled);
     if change <= clear || is_silent || impact_speed_m_per_s == Some(0.0) {
         return;
     }
@@ -416,7 +420,12 @@ pub fn check(
     };
     let within = format!("+{change:.2} m/s in the first {:.0} ms", pulse.end_s().min(WINDOW_S) * 1e3);
     let text = format!("the pulse is positive ({within}); a frontal impact is negative (SAE J211). {way_out}");
-    notes.concern(About::Pulse, Weight::Decisive, text);
+    // What is pushed from rest, or from behind by less than a sign turned would gain, is a motion like any other.
+    let is_pushed = match ratio {
+        None => polarity == Polarity::AsRead,
+        Some(ratio) => ratio < *CERTAIN.start(),
+    };
+    notes.concern(About::Pulse, if is_pushed { Weight::Slight } else { Weight::Decisive }, text);
 }
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.

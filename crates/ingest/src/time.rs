@@ -17,6 +17,7 @@
 //! Between two samples the signal is taken for a straight line: the error is up to h²/8 times the second derivative, h
 //! the step. Frequencies near half the rate are damped; nothing is filtered.
 
+use crumple_metrics::held_crossing;
 use crumple_signal::unit::{Dimension, choices, factor};
 use crumple_signal::value::Frequency;
 use crumple_signal::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, Weight};
@@ -296,64 +297,18 @@ pub fn scale(times: &mut [f64], factor: f64) {
 
 /// Level of the threshold rule, m/s^2 (0.5 g).
 const THRESHOLD_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
-/// Held for [`HOLD_S`] it changes the velocity by 106 km/h, over a crush of 44 mm: no structure of a vehicle does.
+/// Held for 3 ms it changes the velocity by 106 km/h, over a crush of 44 mm: no structure of a vehicle does.
 const IMPLAUSIBLE_M_PER_S2: f64 = 1e3 * STANDARD_GRAVITY_M_PER_S2;
-/// How long the level must be kept, s.
-const HOLD_S: f64 = 0.003;
-/// Difference from the record's time zero that is worth a note, s.
-const WORTH_A_NOTE_S: f64 = 0.005;
-/// Samples smoothed at a time.
-const BLOCK: usize = 1 << 18;
-/// Width of the moving mean before the check, s: its -3 dB frequency is about 100 Hz, that of CFC 60.
-pub const SMOOTHING_S: f64 = 0.0044;
-
 /// The same samples with the file's time `zero_s` as t = 0.
 pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {
     // To the picosecond, so that 0.02 - 0.012 is 0.008.
-    let t0_s = ((wave.t0_s() - zero_s) * 1e12).round() / 1e12;
-    Sampled::new(t0_s, wave.dt_s(), wave.samples().to_vec())
-}
-
-/// Refuses a pulse that does not contain t = 0.
-pub fn require_contact(file: &str, pulse: &Sampled) -> Result<()> {
-    let (start, end) = (pulse.t0_s(), pulse.end_s());
-    if start <= pulse.dt_s() && end > 0.0 {
-        return Ok(());
-    }
-    refuse(
-        file,
-        format!("the record runs from {start:.6} s to {end:.6} s and does not contain t = 0"),
-        "t = 0 at first contact",
-        format!("state the time of first contact on the file's axis, such as --time-zero {:.3}s", start.max(0.0)),
-    )
-}
-
-/// First time at which the magnitude reaches the threshold and stays there for [`HOLD_S`]: the crossing by linear
-/// interpolation, s. `None` if it never does. A rule of thumb: it lags true contact by a fraction of a millisecond.
-fn threshold_crossing(times: &Sampled, samples: &[f64], zero_level: f64, threshold_m_per_s2: f64) -> Option<f64> {
-    let hold = (HOLD_S / times.dt_s()).round().max(1.0) as usize;
-    let magnitude = |k: usize| (samples[k] - zero_level).abs();
-    let mut run = 0;
-    for k in 0..samples.len() {
-        run = if magnitude(k) >= threshold_m_per_s2 { run + 1 } else { 0 };
-        // `hold` intervals need one sample more.
-        if run > hold {
-            let first = k - hold;
-            if first == 0 {
-                return Some(times.time_s(0));
-            }
-            let (before, after) = (magnitude(first - 1), magnitude(first));
-            let part = (threshold_m_per_s2 - before) / (after - before);
-            return Some(times.time_s(first - 1) + part * times.dt_s());
-        }
-    }
-    None
+    wave.starting_at(((wave.t0_s() - zero_s) * 1e12).round() / 1e12)
 }
 
 /// A note if the smoothed pulse rises clearly before or after t = 0.
 pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     let zero_level = zero_level.unwrap_or(0.0);
-    let crossing = |m_per_s2: f64| smoothed_crossing(pulse, zero_level, m_per_s2);
+    let crossing = |m_per_s2: f64| held_crossing(pulse, zero_level, m_per_s2);
     let largest = pulse.samples().iter().fold(0.0_f64, |largest, a| largest.max((a - zero_level).abs()));
     if largest >= IMPLAUSIBLE_M_PER_S2 && crossing(IMPLAUSIBLE_M_PER_S2).is_some() {
         let largest_g = largest / STANDARD_GRAVITY_M_PER_S2;
@@ -363,51 +318,13 @@ pub fn check(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
         );
         notes.concern(About::Pulse, Weight::Decisive, text);
     }
-    let Some(crossing) = crossing(THRESHOLD_M_PER_S2) else {
+    if crossing(THRESHOLD_M_PER_S2).is_none() {
         notes.concern(
             About::Pulse,
             Weight::Decisive,
             "the pulse never exceeds 0.5 g for 3 ms: check its channel and unit",
         );
-        return;
-    };
-    if crossing.abs() > WORTH_A_NOTE_S {
-        notes.info(format!(
-            "check time zero: the pulse first exceeds 0.5 g for 3 ms at {:.1} ms. --time-zero shifts the axis",
-            crossing * 1e3
-        ));
     }
-}
-
-/// [`threshold_crossing`] of the moving mean, block by block: a long record is not copied.
-fn smoothed_crossing(pulse: &Sampled, zero_level: f64, threshold_m_per_s2: f64) -> Option<f64> {
-    // An interval of next to nothing makes them longer than any record.
-    let half = ((SMOOTHING_S / pulse.dt_s() / 2.0) as usize).min(pulse.len());
-    // A run that reaches over the start of a block is found again in it.
-    let overlap = (HOLD_S / pulse.dt_s()).round().clamp(1.0, pulse.len() as f64) as usize + 2;
-    (0..pulse.len()).step_by(BLOCK).find_map(|start| {
-        let (from, to) = (start.saturating_sub(overlap), (start + BLOCK).min(pulse.len()));
-        let (low, high) = (from.saturating_sub(half), (to + half).min(pulse.len()));
-        let smooth = moving_mean(&pulse.samples()[low..high], half);
-        threshold_crossing(&pulse.slice(from, to), &smooth[from - low..to - low], zero_level, threshold_m_per_s2)
-    })
-}
-
-/// Centred mean over `2 half + 1` samples, fewer at the ends.
-pub fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
-    let mut sums = Vec::with_capacity(samples.len() + 1);
-    let mut sum = 0.0;
-    sums.push(sum);
-    for x in samples {
-        sum += x;
-        sums.push(sum);
-    }
-    (0..samples.len())
-        .map(|k| {
-            let (from, to) = (k.saturating_sub(half), (k + half + 1).min(samples.len()));
-            (sums[to] - sums[from]) / (to - from) as f64
-        })
-        .collect()
 }
 
 #[cfg(test)]
@@ -482,7 +399,7 @@ mod tests {
         let g = STANDARD_GRAVITY_M_PER_S2;
         let at = |t: f64| if t < -0.01 && t > -0.011 { 9.0 * g } else { -t.max(0.0) * 100.0 * g };
         let wave = Sampled::new(-0.05, 3e-4, (0..500).map(|k| at(-0.05 + f64::from(k) * 3e-4)).collect()).unwrap();
-        let crossing = threshold_crossing(&wave, wave.samples(), 0.0, THRESHOLD_M_PER_S2).unwrap();
+        let crossing = held_crossing(&wave, 0.0, THRESHOLD_M_PER_S2).unwrap();
         // Exact for a ramp but for rounding.
         assert!((crossing - 0.005).abs() < 1e-12, "{crossing}");
     }
@@ -498,16 +415,7 @@ mod tests {
         let wave = Sampled::new(-0.05, 1e-4, (0..2501).map(|k| g * at(f64::from(k - 500) * 1e-4)).collect()).unwrap();
         let pre = crate::recording::content::measure(&wave, 0.0, true).pre_event.unwrap();
         assert!((pre.zero_level / g - 0.35).abs() < 1e-9 && pre.samples == 401);
-        let crossing = threshold_crossing(&wave, wave.samples(), pre.zero_level, THRESHOLD_M_PER_S2).unwrap();
+        let crossing = held_crossing(&wave, pre.zero_level, THRESHOLD_M_PER_S2).unwrap();
         assert!((crossing - 0.000_651_145_457_828).abs() < 1e-9, "{crossing}");
-    }
-
-    #[test]
-    fn a_record_without_time_zero_is_refused() {
-        let late = Sampled::new(12.0, 1e-4, vec![0.0; 100]).unwrap();
-        let error = require_contact("a.csv", &late).unwrap_err();
-        assert!(error.to_string().contains("does not contain t = 0"), "{error}");
-        assert!(error.hint().contains("--time-zero 12.000s"));
-        require_contact("a.csv", &Sampled::new(0.0, 1e-4, vec![0.0; 100]).unwrap()).unwrap();
     }
 }

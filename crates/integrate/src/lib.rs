@@ -1,4 +1,4 @@
-//! What a motion says about the crash: time zero, events in words, the force on a barrier, and how far the uncertainty
+//! What a motion says about the crash: events in words, the force on a barrier, and how far the uncertainty
 //! of the inputs moves everything. The motion is made by `crumple-signal`, events and metrics by `crumple-metrics`.
 
 mod barrier;
@@ -7,12 +7,9 @@ mod stage;
 mod uncertainty;
 
 pub use barrier::{CellSum, barrier_force, impulse_n_s, sum_of_cells};
-pub use events::{
-    TimeZeroEstimate, WRONG_SIGN, contact_edge, edr_start, events_of, findings, question_speed, threshold_crossing,
-    wrong_sign,
-};
+pub use events::{WRONG_SIGN, events_of, findings, question_speed, wrong_sign};
 pub use uncertainty::{
-    EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,
+    EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Uncertainty, event_values, perturbed, propagate,
 };
 
 /// The program.

@@ -6,7 +6,7 @@ use crumple_metrics::{
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
     Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord,
-    Motion, Signal, UsedStart, integrate_from, without_drift,
+    Motion, Signal, Spread, UsedStart, integrate_from, without_drift,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,15 +24,6 @@ pub const MOST_SAMPLES: usize = 1 << 20;
 /// Replicates worked on between two reports of progress.
 const BLOCK: usize = 64;
 
-/// Uncertainty of one input: the error has mean 0 and is independent of the errors of the other inputs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Standard deviation or half width, in the unit of the input; 0: certain.
-    pub size: f64,
-    /// Distribution.
-    pub distribution: Distribution,
-}
-
 /// Uncertainty of the inputs and how it is propagated. An input that is `None` is taken as exact, so an interval with
 /// inputs missing is too narrow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,8 +34,12 @@ pub struct Uncertainty {
     pub zero_level_m_per_s2: Option<Spread>,
     /// Of the gain, a share of it.
     pub gain: Option<Spread>,
-    /// Of time zero, s.
-    pub time_zero_s: Option<Spread>,
+    /// Of contact, s, as the test states it.
+    #[serde(skip)]
+    pub contact_s: Option<Spread>,
+    /// How much earlier a soft front may have touched, s, as the test states it.
+    #[serde(skip)]
+    pub earlier_by_s: f64,
     /// Repetitions.
     pub replicates: usize,
     /// Seed of the random numbers.
@@ -60,8 +55,8 @@ pub struct Perturbation {
     pub zero_level_m_per_s2: f64,
     /// The acceleration is multiplied by one more than this.
     pub gain: f64,
-    /// Added to time zero, s: positive is later.
-    pub time_zero_s: f64,
+    /// How much later contact is, s.
+    pub later_s: f64,
 }
 
 impl Uncertainty {
@@ -81,16 +76,25 @@ impl Uncertainty {
                 Distribution::Normal => size * normal,
             })
         };
+        let (impact_speed_m_per_s, zero_level_m_per_s2) =
+            (error(self.impact_speed_m_per_s), error(self.zero_level_m_per_s2));
+        let (gain, of_clock_s) = (error(self.gain), error(self.contact_s));
         Perturbation {
-            impact_speed_m_per_s: error(self.impact_speed_m_per_s),
-            zero_level_m_per_s2: error(self.zero_level_m_per_s2),
-            gain: error(self.gain),
-            time_zero_s: error(self.time_zero_s),
+            impact_speed_m_per_s,
+            zero_level_m_per_s2,
+            gain,
+            later_s: of_clock_s - self.earlier_by_s * soft_front(&mut random),
         }
     }
 }
 
-/// The motion with perturbed inputs: impact speed `v0 + δv0`, acceleration `(1 + δg)·a - δb`, time zero `t0 + δt`. A
+/// Share of the largest lead of a soft front, from the numbers after those of the inputs: none for half of the draws, a
+/// sensor on what was hit or a stiff front; else any.
+fn soft_front(random: &mut RandomNumbers) -> f64 {
+    (2.0 * random.uniform() - 1.0).max(0.0)
+}
+
+/// The motion with perturbed inputs: impact speed `v0 + δv0`, acceleration `(1 + δg)·a - δb`, contact δt later. A
 /// drift correction (`end`) is made again, so a stated end velocity takes an error of the zero level out.
 ///
 /// Zero level and gain act on the acceleration as it is given: a filter of gain 1 at 0 Hz changes neither. `start` of
@@ -113,15 +117,15 @@ pub fn perturbed(
 ) -> Result<Motion, IntegrateError> {
     let settings = IntegrationSettings {
         impact_speed_m_per_s: settings.impact_speed_m_per_s + by.impact_speed_m_per_s,
-        time_zero_s: settings.time_zero_s + by.time_zero_s,
         ..*settings
     };
+    let shifted = acceleration.starting_at(acceleration.t0_s() - by.later_s)?.into();
     let changed;
-    let acceleration = if by.gain == 0.0 && by.zero_level_m_per_s2 == 0.0 {
-        acceleration
+    let acceleration: &Signal<Acceleration> = if by.gain == 0.0 && by.zero_level_m_per_s2 == 0.0 {
+        &shifted
     } else {
         let (gain, zero_level) = (1.0 + by.gain, by.zero_level_m_per_s2);
-        changed = acceleration.with_samples(acceleration.samples().iter().map(|a| gain * a - zero_level).collect())?;
+        changed = shifted.with_samples(shifted.samples().iter().map(|a| gain * a - zero_level).collect())?;
         &changed
     };
     let integrate = |a: &Signal<Acceleration>| integrate_from(a, &settings, LateRecord::Held, |_| ());
@@ -198,9 +202,8 @@ pub fn propagate(
     let replicate = |index: usize| -> Option<Vec<Option<f64>>> {
         let by = uncertainty.perturbation(index);
         let motion = perturbed(acceleration, &settings, end, &by).ok()?;
-        let time_zero_s = settings.time_zero_s + by.time_zero_s;
         let v0 = settings.impact_speed_m_per_s + by.impact_speed_m_per_s;
-        let events = crash_events(&motion.velocity, &motion.displacement, time_zero_s).ok()?;
+        let events = crash_events(&motion.velocity, &motion.displacement, 0.0).ok()?;
         let metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
@@ -208,7 +211,7 @@ pub fn propagate(
             events: &events,
             impact_speed_m_per_s: Some(v0),
             mass_kg,
-            time_zero_s,
+            time_zero_s: 0.0,
         })
         .ok()?;
         Some(event_values(&events, v0).into_iter().chain(metrics.iter().map(of_metric)).collect())

@@ -32,7 +32,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
             dynamic_crush_m: events.dynamic_crush_m,
             coefficient_of_restitution: None,
-            time_zero_s: 0.0,
             time_of_rebound_s: None,
             displacement: Some(displacement),
             measurement: None,

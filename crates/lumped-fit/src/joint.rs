@@ -280,7 +280,7 @@ fn acceleration(test: &JointTest<'_>, displacement: &ObservedWave) -> Option<Obs
     let (record, measurement) = test.acceleration?;
     let window_s = (displacement.time_s(0), displacement.time_s(displacement.samples.len() - 1));
     let (what, samples) = ((displacement.mass, FitQuantity::Acceleration), displacement.samples.len());
-    ObservedWave::new(record, what, test.data.time_zero_s, measurement, window_s, samples).ok()
+    ObservedWave::new(record, what, measurement, window_s, samples).ok()
 }
 
 /// Root mean square misfits of the waves, as shares of their sizes within a factor of the mean of their quantity.
@@ -424,7 +424,6 @@ mod tests {
             time_of_dynamic_crush_s: Some(0.07),
             dynamic_crush_m: Some(crush_m),
             coefficient_of_restitution: restitution,
-            time_zero_s: 0.0,
             time_of_rebound_s: None,
             displacement: None,
             measurement: None,

@@ -27,6 +27,7 @@
 
 mod agreement;
 mod best_shift;
+mod contact;
 mod cora;
 mod crash_events;
 mod energy;
@@ -50,6 +51,10 @@ mod warping;
 
 pub use agreement::{
     Agreement, ChannelMotion, LARGEST_CRUSH_GAP, Residuals, agreement, fit_percent, over_channels, residuals, rmse,
+};
+pub use contact::{
+    Beginning, ContactEstimate, CutRise, INSIDE_M_PER_S2, Onset, SMOOTHING_S, contact_edge, edr_start, held_crossing,
+    moving_mean, onset, threshold_crossing,
 };
 pub use cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use crash_events::{

@@ -249,9 +249,9 @@ pub const SHOWN_S: f64 = 0.15;
 
 /// An acceleration over the first 150 ms after time zero, upwards as the vehicle slows down, each run to its own peak;
 /// empty where there is nothing to draw.
-pub fn pulse_line(acceleration: &Sampled, time_zero_s: f64) -> String {
+pub fn pulse_line(acceleration: &Sampled) -> String {
     let samples = acceleration.samples().iter().enumerate();
-    let points: Vec<[f64; 2]> = samples.map(|(k, a)| [acceleration.time_s(k) - time_zero_s, -a]).collect();
+    let points: Vec<[f64; 2]> = samples.map(|(k, a)| [acceleration.time_s(k), -a]).collect();
     sparkline(&points, [0.0, SHOWN_S]).unwrap_or_default()
 }
 

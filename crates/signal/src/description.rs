@@ -1,5 +1,6 @@
 //! What is known of a test beside its samples: description, channels by name, parts of a dummy's body.
 
+use crate::Spread;
 use crate::iso13499::{IsoCode, wildcard};
 use crate::{Channel, QuantityKind};
 
@@ -113,6 +114,20 @@ pub struct Source {
     pub digest: String,
 }
 
+/// First contact: the origin of every time after ingest, which are seconds from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// What settled it: `flag`, `file`, `format`, `auto`, `threshold`, `edr`, `contact:<channel>`, or words of another
+    /// program.
+    pub rule: String,
+    /// Where it lies on the time axis of the source, s.
+    pub source_time_s: f64,
+    /// How uncertain it is, s; `None`: not known, and in no interval.
+    pub uncertainty_s: Option<Spread>,
+    /// How much earlier a soft front may have touched, s, beside that: the pulse was seen, not the contact.
+    pub earlier_by_s: f64,
+}
+
 /// A crash test: title, vehicle, masses and speeds where known, and its channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TestDescription {
@@ -134,8 +149,8 @@ pub struct TestDescription {
     pub pulse: Option<String>,
     /// Remarks of the reader of the file.
     pub notes: Vec<String>,
-    /// What says that t = 0 is first contact, in words: the format, or the person who stated it; `None`: nothing.
-    pub time_zero: Option<String>,
+    /// First contact, t = 0; `None`: nothing says that it is there.
+    pub contact: Option<Contact>,
     /// Whether its reader asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
     pub exchange_asked: bool,
 }

@@ -89,16 +89,14 @@ pub enum IntegrateError {
     /// The mass, kg, is not a positive number, so that `F = -m·a` has no meaning.
     #[error("mass {0} kg is not a positive number")]
     Mass(f64),
-    /// The record does not cover time zero and what follows it: it needs two samples at or after time zero, and its
-    /// first sample may come no more than one interval late, because the speed there is known only at time zero.
+    /// The record does not cover contact and what follows it: it needs two samples at or after contact, and its first
+    /// sample may come no more than one interval late, because the speed is known at contact alone.
     #[error(
-        "time zero {time_zero_s} s needs two samples after it and a record that starts no later, \
-         the record runs from {first_s:.6} s to {last_s:.6} s"
+        "contact (0 s) needs two samples after it and a record that starts no later, the record runs from \
+         {first_s:.6} s to {last_s:.6} s"
     )]
-    TimeZero {
-        /// Time zero on the record's axis.
-        time_zero_s: f64,
-        /// First sample.
+    NoContact {
+        /// First sample, s from contact.
         first_s: f64,
         /// Last sample.
         last_s: f64,

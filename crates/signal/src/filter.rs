@@ -19,7 +19,7 @@ pub enum ZeroLevel {
     /// The mean of the pre-event samples is subtracted.
     PreEvent(PreEventWindow),
     /// Of an acceleration in free fall before the event its level at rest, which is subtracted
-    /// ([`free_fall`](crate::free_fall)).
+    /// ([`moving_start`](crate::moving_start)).
     AtRest(f64),
 }
 
@@ -213,7 +213,7 @@ fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f
         ZeroLevel::None => return Ok(0.0),
         ZeroLevel::AtRest(rest_level) => {
             notes.info(format!(
-                "free fall before contact: zero is the level at rest, {:+.2} g",
+                "it falls or brakes before contact: zero is the level at rest, {:+.2} g",
                 rest_level / STANDARD_GRAVITY_M_PER_S2
             ));
             return Ok(rest_level);
@@ -361,7 +361,7 @@ mod tests {
         };
         let (level, notes) = removed(ZeroLevel::AtRest(0.0));
         assert_eq!(level, 0.0);
-        assert_eq!(notes, ["free fall before contact: zero is the level at rest, +0.00 g"]);
+        assert_eq!(notes, ["it falls or brakes before contact: zero is the level at rest, +0.00 g"]);
         // Of a force the level before the event is zero, whatever comes after.
         let (level, notes) = removed(ZeroLevel::PreEvent(window));
         assert!((level + g).abs() < 1e-12 && notes.is_empty(), "{notes:?}");

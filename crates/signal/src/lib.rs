@@ -23,8 +23,8 @@
 //! let record = Signal::<Acceleration>::new(-0.05, 1e-4, (0..2000).map(pulse).collect())?;
 //! let filtered = filter(&record, None, &FilterSettings::default())?;
 //! let (rule, start) = (IntegrationRule::default(), IntegrationStart::default());
-//! let (time_zero_s, impact_speed_m_per_s, low_pass_filtered) = (0.0, 11.0, true);
-//! let settings = IntegrationSettings { rule, start, time_zero_s, impact_speed_m_per_s, low_pass_filtered };
+//! let (impact_speed_m_per_s, low_pass_filtered) = (11.0, true);
+//! let settings = IntegrationSettings { rule, start, impact_speed_m_per_s, low_pass_filtered };
 //! let motion = integrate(&filtered.samples.into(), &settings)?;
 //! let crush = motion.displacement.samples().iter().copied().fold(0.0, f64::max);
 //! // v0²/(2a) = 0.4113 m; CFC 60 rounds the edges of the pulse, which moves it by less than a millimetre.
@@ -66,7 +66,7 @@ pub use butterworth::{Butterworth, Design, Phase, run_sections};
 pub use cfc::{Cfc, CfcMode, Class, Coefficients, CorridorPoint, corridor};
 pub use channels::{Axis, Channel, ChannelStatus};
 pub use description::{
-    ANOTHER_VEHICLE, BodyPart, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
+    ANOTHER_VEHICLE, BodyPart, Contact, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
 };
 pub use error::{FilterError, IntegrateError};
 pub use filter::{Applied, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
@@ -78,15 +78,15 @@ pub use motion::{
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{
-    FreeFall, PreEvent, PreEventWindow, Sampled, Signal, SignalError, falls_before_event, free_fall, is_gravity,
-    pre_event,
+    Moving, MovingStart, PreEvent, PreEventWindow, Sampled, Signal, SignalError, is_gravity, moves_before_contact,
+    moving_start, pre_event,
 };
 pub use summation::{
     IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,
 };
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
-pub use units::uncertain::{Distribution, Uncertain};
+pub use units::uncertain::{Distribution, Spread, Uncertain};
 pub use units::{key_quantities, unit, value};
 pub use zero_phase::{
     TwoPassFilter, filter_both_ways, filter_both_ways_into, phaseless_low_pass, samples_added, through_class,

@@ -24,17 +24,17 @@ pub struct BeforeEvent {
 }
 
 impl BeforeEvent {
-    /// In the usual window ([`PreEventWindow`]) of a filtered acceleration, contact at `time_zero_s` of its axis.
+    /// In the usual window ([`PreEventWindow`]) of a filtered acceleration.
     ///
     /// `end_s`: what is left out of the noise at the first sample, because a filter that mirrors the record there
     /// passes more of it. `None` where less than 10 ms are left.
-    pub fn of(filtered: &Sampled, time_zero_s: f64, end_s: f64) -> Option<Self> {
+    pub fn of(filtered: &Sampled, end_s: f64) -> Option<Self> {
         let window = PreEventWindow::default();
         let whole = pre_event(filtered, window)?;
         let inner =
             pre_event(filtered, PreEventWindow { from_s: window.from_s.max(filtered.t0_s() + end_s), ..window })?;
         Some(Self {
-            from_s: whole.from_s - time_zero_s,
+            from_s: whole.from_s,
             samples: whole.samples,
             noise: inner.noise_floor,
             noise_samples: inner.samples,
@@ -86,11 +86,11 @@ impl Measurement {
         Self { filter: None, rule: None, ..self }
     }
 
-    /// Samples of a motion itself, contact at `time_zero_s` of its axis.
-    pub fn of_samples(record: &Sampled, time_zero_s: f64) -> Self {
+    /// Samples of a motion itself.
+    pub fn of_samples(record: &Sampled) -> Self {
         Self {
             dt_s: record.dt_s(),
-            first_s: record.t0_s() - time_zero_s,
+            first_s: record.t0_s(),
             samples: record.len(),
             filter: None,
             from_contact: true,

@@ -4,14 +4,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::summation::sum_twice;
-use crate::{Acceleration, Displacement, IntegrateError, IntegrationRule, Signal, Velocity, falls_before_event};
+use crate::{Acceleration, Displacement, IntegrateError, IntegrationRule, Signal, Velocity, moves_before_contact};
 
 /// Where the integration starts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntegrationStart {
     /// Record-start for a channel that carries a frequency class and has samples before time zero; time-zero otherwise,
-    /// and for what falls freely until then, whose speed is the one at contact.
+    /// and for what falls or brakes until then, whose speed is the one at contact.
     #[default]
     Auto,
     /// At time zero with the impact speed: right for an unfiltered record, whose jump at contact is at its place.
@@ -33,10 +33,10 @@ pub enum UsedStart {
 impl IntegrationStart {
     /// What `auto` means for a record. A filter without phase puts half of a jump at contact before time zero; starting
     /// there loses 0.05 m/s for a jump of 10 g at CFC 60 and, in a Kelvin model fitted to it, 2 % of the damping.
-    pub fn resolve(self, low_pass_filtered: bool, samples_before_time_zero: usize, falls: bool) -> UsedStart {
+    pub fn resolve(self, low_pass_filtered: bool, samples_before_contact: usize, moves: bool) -> UsedStart {
         match self {
             Self::RecordStart => UsedStart::RecordStart,
-            Self::Auto if low_pass_filtered && samples_before_time_zero > 0 && !falls => UsedStart::RecordStart,
+            Self::Auto if low_pass_filtered && samples_before_contact > 0 && !moves => UsedStart::RecordStart,
             Self::Auto | Self::TimeZero => UsedStart::TimeZero,
         }
     }
@@ -62,8 +62,6 @@ pub struct IntegrationSettings {
     pub rule: IntegrationRule,
     /// First sample of the sum.
     pub start: IntegrationStart,
-    /// Time zero on the record's axis, s.
-    pub time_zero_s: f64,
     /// Impact speed v0, m/s; 0 for a motion from rest.
     pub impact_speed_m_per_s: f64,
     /// Whether the acceleration went through a low-pass filter; decides what [`IntegrationStart::Auto`] means.
@@ -94,7 +92,7 @@ pub struct Motion {
 /// starting there would lose that half's change of velocity (some 0.05 m/s at CFC 60 for a jump of 10 g). The price
 /// is that a wrong zero level acts for longer: remove it first.
 ///
-/// The samples stay where they are: a time zero other than 0 s is an offset, not a new grid.
+/// Times are seconds from contact, which need not be on the grid of the samples.
 ///
 /// How wrong it is: by the rule, O(T²) and below 0.01 mm of crush for the trapezoid at 10 kHz; by the inputs as in
 /// `docs/methods/integration.md`. On four channels of a real barrier test the start with the record costs 0.5 to 0.7
@@ -135,23 +133,23 @@ pub fn integrate_from(
     late: LateRecord,
     report: impl FnMut(u64),
 ) -> Result<Motion, IntegrateError> {
-    let &IntegrationSettings { rule, time_zero_s, impact_speed_m_per_s: v0, .. } = settings;
+    let &IntegrationSettings { rule, impact_speed_m_per_s: v0, .. } = settings;
     if !(v0.is_finite() && v0 >= 0.0) {
         return Err(IntegrateError::ImpactSpeed(v0));
     }
     let dt_s = acceleration.dt_s();
-    let zero = acceleration.index_at_or_after(time_zero_s);
+    let zero = acceleration.index_at_or_after(0.0);
     // Time from time zero to the sample at or after it.
-    let gap_s = acceleration.time_s(zero) - time_zero_s;
+    let gap_s = acceleration.time_s(zero);
     let gap_s = if gap_s < ON_GRID * dt_s { 0.0 } else { gap_s };
     let too_late = gap_s > dt_s * (1.0 + ON_GRID) && (late == LateRecord::Refused || gap_s.is_infinite());
     if zero + 2 > acceleration.len() || gap_s.is_nan() || too_late {
         let (first_s, last_s) = (acceleration.t0_s(), acceleration.end_s());
-        return Err(IntegrateError::TimeZero { time_zero_s, first_s, last_s });
+        return Err(IntegrateError::NoContact { first_s, last_s });
     }
 
-    let falls = falls_before_event(acceleration);
-    let start = settings.start.resolve(settings.low_pass_filtered, zero, falls);
+    let moves = moves_before_contact(acceleration);
+    let start = settings.start.resolve(settings.low_pass_filtered, zero, moves);
     let from = match start {
         UsedStart::TimeZero => zero,
         UsedStart::RecordStart => 0,
@@ -359,11 +357,10 @@ mod tests {
         assert_eq!(IntegrationStart::Auto.resolve(true, 200, true), UsedStart::TimeZero);
     }
 
-    fn settings(start: IntegrationStart, time_zero_s: f64) -> IntegrationSettings {
+    fn settings(start: IntegrationStart) -> IntegrationSettings {
         IntegrationSettings {
             rule: IntegrationRule::Trapezoid,
             start,
-            time_zero_s,
             impact_speed_m_per_s: 4.0,
             low_pass_filtered: true,
         }
@@ -375,7 +372,7 @@ mod tests {
 
     #[test]
     fn from_time_zero_the_motion_starts_there_on_the_record_s_grid() {
-        let motion = integrate(&constant(-1.0), &settings(IntegrationStart::TimeZero, 0.0)).unwrap();
+        let motion = integrate(&constant(-1.0), &settings(IntegrationStart::TimeZero)).unwrap();
         assert_eq!((motion.velocity.t0_s(), motion.start), (0.0, UsedStart::TimeZero));
         assert_eq!(motion.velocity.samples(), [4.0, 3.0, 2.0, 1.0]);
         assert_eq!(motion.displacement.samples(), [0.0, 1.75, 3.0, 3.75]);
@@ -384,7 +381,7 @@ mod tests {
 
     #[test]
     fn from_the_record_s_start_the_displacement_is_zero_at_time_zero() {
-        let motion = integrate(&constant(-1.0), &settings(IntegrationStart::Auto, 0.0)).unwrap();
+        let motion = integrate(&constant(-1.0), &settings(IntegrationStart::Auto)).unwrap();
         assert_eq!((motion.velocity.t0_s(), motion.start), (-1.0, UsedStart::RecordStart));
         assert_eq!(motion.velocity.samples()[..3], [4.0, 3.0, 2.0]);
         assert_eq!(motion.displacement.samples()[..4], [-3.0, -1.25, 0.0, 0.75]);
@@ -392,34 +389,34 @@ mod tests {
 
     #[test]
     fn a_time_zero_between_samples_is_met_exactly_by_a_constant_acceleration() {
-        // v = 4 - 2τ, x = 4τ - τ², τ from time zero at -0.25 s; binary values throughout.
-        let motion = integrate(&constant(-1.0), &settings(IntegrationStart::TimeZero, -0.25)).unwrap();
-        assert_eq!((motion.velocity.t0_s(), motion.velocity.samples()[0]), (0.0, 3.5));
+        // v = 4 - 2t, x = 4t - t², contact between samples; binary values throughout.
+        let motion = integrate(&constant(-0.75), &settings(IntegrationStart::TimeZero)).unwrap();
+        assert_eq!((motion.velocity.t0_s(), motion.velocity.samples()[0]), (0.25, 3.5));
         assert_eq!(motion.displacement.samples()[0], 0.9375);
         // From the record's start the speed is 4 there, 2.5 at time zero, and x = 0 there.
-        let motion = integrate(&constant(-1.0), &settings(IntegrationStart::RecordStart, -0.25)).unwrap();
+        let motion = integrate(&constant(-0.75), &settings(IntegrationStart::RecordStart)).unwrap();
         assert_eq!(motion.displacement.samples()[2], 0.25 * (2.5 + 2.0) / 2.0);
     }
 
     #[test]
     fn a_record_that_starts_one_sample_late_holds_the_speed_until_then() {
-        let motion = integrate(&constant(0.5), &settings(IntegrationStart::Auto, 0.0)).unwrap();
+        let motion = integrate(&constant(0.5), &settings(IntegrationStart::Auto)).unwrap();
         assert_eq!((motion.velocity.samples()[0], motion.displacement.samples()[0]), (4.0, 2.0));
     }
 
     #[test]
     fn refuses_a_record_without_time_zero() {
-        for (t0_s, time_zero_s) in [(0.75, 0.0), (0.0, 2.25), (0.0, 99.0), (0.0, f64::NAN)] {
-            let result = integrate(&constant(t0_s), &settings(IntegrationStart::TimeZero, time_zero_s));
-            assert!(matches!(result, Err(IntegrateError::TimeZero { .. })), "{t0_s} {time_zero_s}: {result:?}");
+        for t0_s in [0.75, -2.25, -99.0] {
+            let result = integrate(&constant(t0_s), &settings(IntegrationStart::TimeZero));
+            assert!(matches!(result, Err(IntegrateError::NoContact { .. })), "{t0_s}: {result:?}");
         }
         let empty = Signal::new(0.0, 0.5, vec![]).unwrap();
-        assert!(integrate(&empty, &settings(IntegrationStart::RecordStart, 0.0)).is_err());
+        assert!(integrate(&empty, &settings(IntegrationStart::RecordStart)).is_err());
     }
 
     #[test]
     fn a_motion_from_rest_is_its_change_of_velocity() {
-        let from_rest = IntegrationSettings { impact_speed_m_per_s: 0.0, ..settings(IntegrationStart::TimeZero, 0.0) };
+        let from_rest = IntegrationSettings { impact_speed_m_per_s: 0.0, ..settings(IntegrationStart::TimeZero) };
         let motion = integrate(&constant(-1.0), &from_rest).unwrap();
         assert_eq!(motion.velocity.samples(), [0.0, -1.0, -2.0, -3.0]);
     }
@@ -427,7 +424,7 @@ mod tests {
     #[test]
     fn refuses_an_impact_speed_that_is_none() {
         for v0 in [-4.0, f64::NAN, f64::INFINITY] {
-            let settings = IntegrationSettings { impact_speed_m_per_s: v0, ..settings(IntegrationStart::Auto, 0.0) };
+            let settings = IntegrationSettings { impact_speed_m_per_s: v0, ..settings(IntegrationStart::Auto) };
             assert!(matches!(integrate(&constant(-1.0), &settings), Err(IntegrateError::ImpactSpeed(_))));
         }
     }
@@ -449,13 +446,7 @@ mod tests {
                 (IntegrationStart::RecordStart, DriftShape::Linear),
                 (IntegrationStart::TimeZero, DriftShape::Bias),
             ] {
-                let settings = IntegrationSettings {
-                    rule,
-                    start,
-                    time_zero_s: 0.0,
-                    impact_speed_m_per_s: 10.0,
-                    low_pass_filtered: true,
-                };
+                let settings = IntegrationSettings { rule, start, impact_speed_m_per_s: 10.0, low_pass_filtered: true };
                 let clean = integrate(&drifting(0.0, shape), &settings).unwrap();
                 let stated = *clean.velocity.samples().last().unwrap();
                 let end = EndCondition { velocity_m_per_s: stated, time_s: None, shape };
@@ -475,7 +466,6 @@ mod tests {
         let settings = IntegrationSettings {
             rule: IntegrationRule::Trapezoid,
             start: IntegrationStart::TimeZero,
-            time_zero_s: 0.0,
             impact_speed_m_per_s: 10.0,
             low_pass_filtered: false,
         };

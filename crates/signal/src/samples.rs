@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::{Quantity, QuantityKind, STANDARD_GRAVITY_M_PER_S2};
 
-// A free fall before the event: what is the level before contact then is no zero.
+// A free fall, or braking, before contact: what is the level before contact then is no zero.
 
 /// How far a change of level may be from 1 g and still be that of gravity, m/s²: sensors are calibrated to 2 %, gravity
 /// differs by 0.3 % on the ground, and a fall is braked by the air and by rails.
@@ -29,13 +29,28 @@ const QUIET: f64 = 1.5;
 /// Resolution of a record, m/s²: noise below it is none.
 const RESOLUTION_M_PER_S2: f64 = 0.02 * STANDARD_GRAVITY_M_PER_S2;
 
-/// A free fall before the event.
+/// Least deceleration that is braking, m/s²: three times the zero level's usual error of 0.05 g. Left in the zero level,
+/// so much is 5 mm of crush over 80 ms.
+const BRAKING_M_PER_S2: f64 = 0.15 * STANDARD_GRAVITY_M_PER_S2;
+
+/// What moves the body before contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moving {
+    /// It falls freely.
+    Falls,
+    /// It brakes, or is pulled.
+    Brakes,
+}
+
+/// A body that is accelerated before contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FreeFall {
+pub struct MovingStart {
+    /// By what.
+    pub by: Moving,
     /// Level at rest, the zero of the motion, m/s².
     pub rest_level: f64,
-    /// Level in the fall, m/s².
-    pub fall_level: f64,
+    /// Level before contact, m/s².
+    pub level: f64,
 }
 
 /// Whether a level is that of gravity, of either sign.
@@ -43,27 +58,37 @@ pub fn is_gravity(level_m_per_s2: f64) -> bool {
     (level_m_per_s2.abs() - STANDARD_GRAVITY_M_PER_S2).abs() <= SLACK_M_PER_S2
 }
 
-/// Whether an acceleration, its zero level removed, is that of a fall before t = 0.
-pub fn falls_before_event(acceleration: &Sampled) -> bool {
-    pre_event(acceleration, PreEventWindow::default()).is_some_and(|before| is_gravity(before.zero_level))
+/// Whether an acceleration, its zero level removed, is that of a body that falls or brakes before contact.
+pub fn moves_before_contact(acceleration: &Sampled) -> bool {
+    let before = pre_event(acceleration, PreEventWindow::default());
+    before.is_some_and(|before| before.zero_level.abs() >= BRAKING_M_PER_S2)
 }
 
-/// The free fall before an event, if the level of an acceleration before it, `before`, is 1 g off the level at rest.
+/// The free fall or the braking before contact, if the level of an acceleration before it, `before`, is not that at
+/// rest.
+///
+/// Braking: 0.15 g to 1 g off a steady level at the start of the record.
 ///
 /// A sensor that feels gravity reads 0 in a fall and 1 g at rest; one that was zeroed at rest reads 1 g in a fall. Of
 /// both, what the body accelerates is the reading less the level at rest. The rest is looked for at the start of the
-/// record (20 ms, before the fall) and at its end (100 ms, 50 ms after contact at least); it is steady and no noisier
-/// than the fall. `None` where no rest shows, or is the level before the event: an offset stays.
-pub fn free_fall(samples: &Sampled, before: &PreEvent) -> Option<FreeFall> {
+/// record (20 ms, before the motion) and at its end (100 ms, 50 ms after contact at least); it is steady and no noisier
+/// than the motion. `None` where no rest shows, or is the level before contact: an offset stays.
+pub fn moving_start(samples: &Sampled, before: &PreEvent) -> Option<MovingStart> {
     let (start_s, end_s) = (samples.t0_s(), samples.end_s());
     let first = (start_s + 2.0 * FIRST_S < before.from_s).then_some((start_s, start_s + FIRST_S));
     let last = (end_s - LAST_S > OVER_S).then_some((end_s - LAST_S, end_s));
     let quiet_m_per_s2 = QUIET * before.noise_floor + RESOLUTION_M_PER_S2;
-    let rest_level = [first, last].into_iter().flatten().find_map(|(from_s, to_s)| {
-        let level = steady_level(samples, from_s, to_s, quiet_m_per_s2)?;
-        is_gravity(level - before.zero_level).then_some(level)
-    })?;
-    Some(FreeFall { rest_level, fall_level: before.zero_level })
+    let steady = |part: Option<(f64, f64)>| steady_level(samples, part?.0, part?.1, quiet_m_per_s2);
+    let (first, last) = (steady(first), steady(last));
+    let start = |by: Moving, rest_level: f64| MovingStart { by, rest_level, level: before.zero_level };
+    let falls = [first, last].into_iter().flatten().find(|level| is_gravity(level - before.zero_level));
+    let brakes = || {
+        // A level that stays after the event is an offset, whatever came before it.
+        let stays = last.is_some_and(|level| (level - before.zero_level).abs() < BRAKING_M_PER_S2);
+        let off = |level: &f64| (level - before.zero_level).abs();
+        first.filter(|level| (BRAKING_M_PER_S2..STANDARD_GRAVITY_M_PER_S2).contains(&off(level)) && !stays)
+    };
+    falls.map(|level| start(Moving::Falls, level)).or_else(|| brakes().map(|level| start(Moving::Brakes, level)))
 }
 
 /// The mean of a stretch that is steady: its halves agree, and it has little noise.
@@ -381,8 +406,8 @@ mod tests {
         Sampled::new(-0.7, 1e-3, (0..1500).map(at).collect()).unwrap()
     }
 
-    fn of(samples: &Sampled) -> Option<FreeFall> {
-        free_fall(samples, &pre_event(samples, PreEventWindow::default())?)
+    fn of(samples: &Sampled) -> Option<MovingStart> {
+        moving_start(samples, &pre_event(samples, PreEventWindow::default())?)
     }
 
     #[test]
@@ -406,6 +431,19 @@ mod tests {
         let shake = |(k, a): (usize, &f64)| if k > 750 { a + 3.0 * (k as f64).sin() } else { *a };
         let shaken = Sampled::new(-0.7, 1e-3, shaken.samples().iter().enumerate().map(shake).collect()).unwrap();
         assert_eq!(of(&shaken), None);
+    }
+
+    #[test]
+    fn braking_is_no_zero_level_where_the_record_shows_the_rest_before_it() {
+        for (rest, level) in [(0.0, -0.8), (0.0, -0.2), (0.1, -0.6), (0.0, 0.5)] {
+            let found = of(&drop(rest, level, true, 0.02)).unwrap();
+            assert_eq!(found.by, Moving::Brakes);
+            assert!((found.rest_level / G - rest).abs() < 0.02, "{rest} {level}: {found:?}");
+        }
+        // Within the error of a zero level, and a level that stays after the event.
+        assert_eq!(of(&drop(0.0, 0.1, true, 0.0)), None);
+        let at = |k: u32| if k < 200 { 0.0 } else { 0.5 * G };
+        assert_eq!(of(&Sampled::new(-0.7, 1e-3, (0..1500).map(at).collect()).unwrap()), None);
     }
 
     fn ramp(t0_s: f64, dt_s: f64, n: usize) -> Sampled {

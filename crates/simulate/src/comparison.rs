@@ -100,30 +100,24 @@ pub fn is_on_engine(channel: &Channel) -> bool {
 /// as an engine does.
 ///
 /// For two dual double models this is the only figure that differs.
-pub fn beside(simulation: &Simulation, sensor: &OtherSensor, time_zero_s: f64, dt_s: f64) -> Option<SensorFit> {
+pub fn beside(simulation: &Simulation, sensor: &OtherSensor, dt_s: f64) -> Option<SensorFit> {
     if sensor.on_engine && simulation.masses.len() == 1 {
         return None;
     }
-    beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.compartment + 1 }, time_zero_s, dt_s)
+    beside_mass(simulation, sensor, if sensor.on_engine { 1 } else { simulation.compartment + 1 }, dt_s)
 }
 
 /// As [`beside`], with the mass that the sensor sits on, counted from the barrier, from 1. `None` for mass 0 and for a
 /// mass that the model does not have.
 ///
-/// The sensor is interpolated linearly at `time_zero_s + k·dt_s`, k from 0 to the end of the window, and has to cover
+/// The sensor is interpolated linearly at `k·dt_s`, k from 0 to the end of the window, and has to cover
 /// all of it. Error and fit are those of [`Comparison`](crate::Comparison), the sensor in the place of the pulse.
-pub fn beside_mass(
-    simulation: &Simulation,
-    sensor: &OtherSensor,
-    mass: usize,
-    time_zero_s: f64,
-    dt_s: f64,
-) -> Option<SensorFit> {
+pub fn beside_mass(simulation: &Simulation, sensor: &OtherSensor, mass: usize, dt_s: f64) -> Option<SensorFit> {
     let motion: &Motion = simulation.masses.get(mass.checked_sub(1)?)?;
     let compared = (simulation.comparison.to_s / dt_s).round() as usize + 1;
     let (mut x, mut xh) = (Vec::new(), Vec::new());
     for (k, modelled) in motion.displacement_m.iter().enumerate().take(compared) {
-        x.push(sensor.displacement.at(time_zero_s + k as f64 * dt_s)?);
+        x.push(sensor.displacement.at(k as f64 * dt_s)?);
         xh.push(*modelled);
     }
     Some(SensorFit { channel: sensor.channel.clone(), mass, rmse_m: rmse(&x, &xh)?, fit_percent: fit_percent(&x, &xh) })
@@ -230,8 +224,6 @@ fn rating(quantity: &'static str, metric: Metric, note: Option<String>) -> Ratin
 /// sampling interval of the simulation, and where it ends the simulation ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured<'a> {
-    /// Time zero on the axis of the records, s.
-    pub time_zero_s: f64,
     /// Speed at time zero, m/s.
     pub impact_speed_m_per_s: f64,
     /// Displacement, m, zero at time zero.

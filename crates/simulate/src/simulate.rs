@@ -12,7 +12,7 @@ use crate::error::SimulateError;
 
 // What moves the models: the impact, or a record of the test.
 
-/// What moves the models. Records are on the time axis of the test; what they say before time zero is not used, and
+/// What moves the models. Records are in seconds from contact; what they say before time zero is not used, and
 /// after their end a force or an acceleration is 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Excitation<'a> {
@@ -53,16 +53,9 @@ impl Excitation<'_> {
     /// The drive of a model of `mass_kg` in all at `k dt` after time zero, k = 0 .. `samples`; records are interpolated
     /// linearly, zero outside. Forces are in N, accelerations in m/s². `mass_kg` is used by
     /// [`Excitation::PulseAsForce`] alone, whose force is `mass_kg·a`, negative while the vehicle slows down.
-    pub(crate) fn drive(
-        &self,
-        mass_kg: f64,
-        impact_speed_m_per_s: f64,
-        time_zero_s: f64,
-        dt_s: f64,
-        samples: usize,
-    ) -> Drive {
+    pub(crate) fn drive(&self, mass_kg: f64, impact_speed_m_per_s: f64, dt_s: f64, samples: usize) -> Drive {
         let on_grid = |record: &Sampled, factor: f64| -> Vec<f64> {
-            (0..samples).map(|k| factor * record.at(time_zero_s + k as f64 * dt_s).unwrap_or(0.0)).collect()
+            (0..samples).map(|k| factor * record.at(k as f64 * dt_s).unwrap_or(0.0)).collect()
         };
         match *self {
             Self::Impact => Drive::Impact(impact_speed_m_per_s),
@@ -111,7 +104,7 @@ pub fn simulate_driven(
     let mass_kg = model.masses_kg().iter().sum();
     let free_flight = matches!(excitation, Excitation::Impact);
     let mut simulation = beside_the_test(test, window, |dt, samples| {
-        let drive = excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples);
+        let drive = excitation.drive(mass_kg, v0, dt, samples);
         Ok(if let Excitation::Impact = excitation {
             let response = model.respond(v0, dt, samples)?;
             let motion = response.compartment().clone();
@@ -140,7 +133,7 @@ pub fn simulate_chain(
     check_speed(v0, excitation)?;
     let mass_kg = chain.masses_kg().iter().sum();
     let mut simulation = beside_the_test(test, window, |dt, samples| {
-        let drive = match (excitation.drive(mass_kg, v0, test.time_zero_s, dt, samples), speed_m_per_s) {
+        let drive = match (excitation.drive(mass_kg, v0, dt, samples), speed_m_per_s) {
             (Drive::Force { mass, samples }, Some(speed_m_per_s)) => {
                 Drive::ImpactAndForce { speed_m_per_s, mass, samples }
             }
@@ -177,7 +170,7 @@ fn fit_as_measured(test: &Measured<'_>, simulation: &Simulation, v0: f64, struct
     let behind = simulation.masses.len() > simulation.compartment + 1;
     let what = (behind.then_some(simulation.compartment), FitQuantity::Displacement);
     let window_s = (0.0, simulation.comparison.to_s);
-    let wave = ObservedWave::new(test.displacement, what, test.time_zero_s, test.measurement, window_s, usize::MAX);
+    let wave = ObservedWave::new(test.displacement, what, test.measurement, window_s, usize::MAX);
     let observed = Observation { impact_speed_m_per_s: v0, waves: vec![wave.ok()?] };
     observed.fit_percent(&observed.misfit_of(structure)?)
 }
@@ -202,8 +195,8 @@ fn beside_the_test(
     window: Window,
     respond: impl FnOnce(f64, usize) -> Result<Responded, LumpedError>,
 ) -> Result<Simulation, SimulateError> {
-    let (dt, zero) = (test.displacement.dt_s(), test.time_zero_s);
-    let end_s = test.displacement.end_s() - zero;
+    let dt = test.displacement.dt_s();
+    let end_s = test.displacement.end_s();
     let to_s = window.to_s.or(test.time_of_dynamic_crush_s).unwrap_or(end_s).min(end_s);
     // Samples at 0, dt, ... up to an instant; rounding of decimal time stamps must not lose the last. A time zero long
     // before the record would ask for samples that no test has.
@@ -217,7 +210,7 @@ fn beside_the_test(
 
     // Test and model inside the window, on one grid from time zero on; a record that starts a little late gives less.
     let pairs = |record: &Sampled, modelled: &[f64]| -> Option<(Sampled, Sampled)> {
-        let at = |k: usize| record.at(zero + k as f64 * dt);
+        let at = |k: usize| record.at(k as f64 * dt);
         let first = (0..compared).find(|&k| at(k).is_some())?;
         let y: Vec<f64> = (first..compared).map_while(at).collect();
         let yh = modelled[first..first + y.len()].to_vec();

@@ -72,6 +72,13 @@ impl EventsV1 {
     }
 
     pub(crate) fn check_numbers(&self) -> Result<(), String> {
+        if self.time_zero_s != 0.0 {
+            return Err(format!(
+                "time_zero_s is {0}, expected 0: times are seconds from contact, which ingest settles (ingest with \
+                 --time-zero, {0} s later than before, makes the run anew)",
+                self.time_zero_s
+            ));
+        }
         self.dynamic_crush_m.map_or(Ok(()), |crush| at_least("dynamic_crush_m", 0.0, crush))?;
         self.intervals.iter().try_for_each(|interval| rises(&interval.name, Some(interval.low), Some(interval.high)))
     }
@@ -107,6 +114,14 @@ mod tests {
     use super::*;
     use crate::layout::record::Record;
     use crate::records::PredictedIntervalV1;
+
+    #[test]
+    fn events_that_count_from_elsewhere_than_contact_are_refused_with_what_to_do() {
+        let events = |time_zero_s| EventsV1 { time_zero_s, ..EventsV1::default() };
+        assert_eq!(events(0.0).check_numbers(), Ok(()));
+        let error = events(-0.018).check_numbers().unwrap_err();
+        assert!(error.contains("seconds from contact") && error.contains("--time-zero"), "{error}");
+    }
 
     #[test]
     fn a_record_that_contradicts_itself_says_where() {

@@ -1,7 +1,7 @@
 //! Records of ingest, filter and integrate: the test, its vehicles and damage, waveforms, filters, quality, events,
 //! metrics.
 
-use crumple_signal::{Axis, Channel, QuantityKind, Source, TestDescription};
+use crumple_signal::{Axis, Channel, Contact, Distribution, QuantityKind, Source, Spread, TestDescription};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -149,9 +149,9 @@ pub struct MissingIntervalV1 {
 pub struct EventsV1 {
     /// Channel the events were read from.
     pub channel: String,
-    /// Time zero on the record's own time axis, s.
+    /// 0: times are seconds from contact. Nobody reads it; artifacts of versions that moved it are refused.
     pub time_zero_s: f64,
-    /// How time zero was found: `file`, `flag`, ...
+    /// What settled contact: the rule of `/test`, `file` where that says nothing.
     pub time_zero_rule: String,
     /// Dynamic crush C: displacement at the first zero of velocity, m.
     pub dynamic_crush_m: Option<f64>,
@@ -198,9 +198,8 @@ pub struct EventsV1 {
 
 impl EventsV1 {
     /// End of the contact with the barrier, s after time zero: the lowest velocity, where the vehicle separates, else
-    /// the end of a record that ends at `record_end_s` on its own axis.
-    pub fn end_of_contact_s(&self, record_end_s: f64) -> f64 {
-        let end_s = record_end_s - self.time_zero_s;
+    /// the end of a record that ends at `end_s`.
+    pub fn end_of_contact_s(&self, end_s: f64) -> f64 {
         self.time_of_rebound_s.or(self.time_of_delta_v_s).map_or(end_s, |t| t.min(end_s))
     }
 }
@@ -355,12 +354,33 @@ pub struct TestV1 {
     /// Remarks of the reader of the file.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// What says that t = 0 is first contact, in words; `null`: nothing.
+    /// What says that t = 0 is first contact, in words; `null`: nothing. Of earlier versions; `contact` says more.
     #[serde(default)]
     pub time_zero: Option<String>,
+    /// First contact, t = 0; `null`: nothing says that it is there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactV1>,
     /// Whether ingest asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
     #[serde(default)]
     pub exchange_asked: bool,
+}
+
+/// First contact: every time after ingest is in seconds from it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ContactV1 {
+    /// What settled it: `flag`, `file`, `format`, `auto`, `threshold`, `edr`, `contact:<channel>`.
+    pub rule: String,
+    /// Where it lies on the time axis of the source, s.
+    pub source_time_s: f64,
+    /// Standard deviation or half width of its error, s; `null`: not known.
+    #[serde(default)]
+    pub uncertainty_s: Option<f64>,
+    /// `normal` or `uniform`, where there is an uncertainty.
+    #[serde(default)]
+    pub distribution: Option<String>,
+    /// How much earlier a soft front may have touched, s, beside that: the pulse was seen, not the contact.
+    #[serde(default)]
+    pub earlier_by_s: f64,
 }
 
 /// Origin of a record.
@@ -428,7 +448,8 @@ impl From<&TestDescription> for TestV1 {
             channels: test.channels.iter().map(ChannelV1::from).collect(),
             pulse: test.pulse.clone(),
             notes: test.notes.clone(),
-            time_zero: test.time_zero.clone(),
+            time_zero: test.contact.as_ref().map(|contact| contact.rule.clone()),
+            contact: test.contact.as_ref().map(ContactV1::from),
             exchange_asked: test.exchange_asked,
         }
     }
@@ -466,6 +487,8 @@ impl TryFrom<TestV1> for TestDescription {
         if let Some(pulse) = test.pulse.as_deref().filter(|pulse| !ids.contains(pulse)) {
             return Err(ConversionError(format!("the pulse is channel {pulse:?}, which is not listed")));
         }
+        let of_earlier = |rule| Contact { rule, source_time_s: 0.0, uncertainty_s: None, earlier_by_s: 0.0 };
+        let contact = test.contact.map(Contact::try_from).transpose()?.or_else(|| test.time_zero.map(of_earlier));
         Ok(Self {
             title: test.title,
             vehicle: test.vehicle,
@@ -476,8 +499,44 @@ impl TryFrom<TestV1> for TestDescription {
             channels: test.channels.into_iter().map(Channel::try_from).collect::<Result<_, _>>()?,
             pulse: test.pulse,
             notes: test.notes,
-            time_zero: test.time_zero,
+            contact,
             exchange_asked: test.exchange_asked,
+        })
+    }
+}
+
+impl From<&Contact> for ContactV1 {
+    fn from(contact: &Contact) -> Self {
+        Self {
+            rule: contact.rule.clone(),
+            source_time_s: contact.source_time_s,
+            uncertainty_s: contact.uncertainty_s.map(|spread| spread.size),
+            distribution: contact.uncertainty_s.map(|spread| spread.distribution.name().to_owned()),
+            earlier_by_s: contact.earlier_by_s,
+        }
+    }
+}
+
+impl TryFrom<ContactV1> for Contact {
+    type Error = ConversionError;
+
+    fn try_from(contact: ContactV1) -> Result<Self, ConversionError> {
+        let error = |what: String| ConversionError(format!("contact: {what}"));
+        let distribution = match contact.distribution.as_deref() {
+            None | Some("normal") => Distribution::Normal,
+            Some("uniform") => Distribution::Uniform,
+            Some(other) => return Err(error(format!("distribution {other:?}, expected normal or uniform"))),
+        };
+        let sizes = [contact.uncertainty_s.unwrap_or(0.0), contact.earlier_by_s];
+        if let Some(size) = sizes.into_iter().find(|size| *size < 0.0) {
+            return Err(error(format!("an uncertainty is {size} s, expected at least 0")));
+        }
+        let uncertainty_s = contact.uncertainty_s.map(|size| Spread { size, distribution });
+        Ok(Self {
+            rule: contact.rule,
+            source_time_s: contact.source_time_s,
+            uncertainty_s,
+            earlier_by_s: contact.earlier_by_s,
         })
     }
 }

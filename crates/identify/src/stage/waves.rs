@@ -415,15 +415,14 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
         let rule = "the time of the rebound velocity, when the vehicle parts from the barrier";
         return Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))));
     }
-    let zero_s = events.as_ref().map_or(0.0, |events| events.time_zero_s);
     // The crash pulse is the channel that the events were read from.
     let pulse = match &events {
         Some(events) => &events.channel,
         None => &test.pulse_channel().refuse_with_hint(format!("give the start as a time with {}", flag("from")))?.id,
     };
     let wave = &inputs.wave(pulse)?.sampled;
-    let first = wave.index_at_or_after(zero_s + settings.from_s);
-    let end = settings.to_s.map_or(wave.len(), |to| wave.index_at_or_after(zero_s + to + wave.dt_s() / 2.0));
+    let first = wave.index_at_or_after(settings.from_s);
+    let end = settings.to_s.map_or(wave.len(), |to| wave.index_at_or_after(to + wave.dt_s() / 2.0));
     let force = wave.slice(first, end);
     let Some(after) = end_of_contact(force.samples(), share) else {
         return Err(Refused::new(format!(
@@ -433,7 +432,7 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
         .hint(format!("give a larger share, a later {}, or the start as a time with {}", flag("to"), flag("from")))
         .into());
     };
-    let start = force.t0_s() + after as f64 * force.dt_s() - zero_s;
+    let start = force.t0_s() + after as f64 * force.dt_s();
     let rule = format!("after the last sample of channel {pulse} with {} % of its peak", 100.0 * share);
     Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))))
 }
@@ -454,18 +453,16 @@ pub struct Window {
     pub kept: Vec<f64>,
 }
 
-/// The part of the record that is used. The window counts from time zero, which the crash events state where they are
-/// among the inputs; without them it is the record's own zero.
+/// The part of the record that is used. The window counts from contact, as the times of the record do.
 pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
-    let Source { settings, inputs, .. } = source;
-    let zero_s = inputs.record_if::<EventsV1>("/events")?.map_or(0.0, |events| events.time_zero_s);
+    let settings = source.settings;
     // Half a sample of room for the rounding of times.
     let (from_s, rule) = window_start(source)?;
     let room_s = if rule.is_some() { record.dt_s() / 2.0 } else { 0.0 };
-    let first = record.index_at_or_after(zero_s + from_s - room_s);
+    let first = record.index_at_or_after(from_s - room_s);
     // The sample at `to` itself belongs to the window.
-    let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(zero_s + to + record.dt_s() / 2.0));
-    let by_time = settings.validate_from_s.map_or(end, |from| end.min(record.index_at_or_after(zero_s + from)));
+    let end = settings.to_s.map_or(record.len(), |to| record.index_at_or_after(to + record.dt_s() / 2.0));
+    let by_time = settings.validate_from_s.map_or(end, |from| end.min(record.index_at_or_after(from)));
     // The sample at the share is the first of those kept.
     let by_share = |share: f64| first + (share * end.saturating_sub(first) as f64).ceil() as usize;
     let used = settings.validate_from_share.map_or(by_time, |share| end.min(by_share(share)));

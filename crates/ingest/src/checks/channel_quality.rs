@@ -23,12 +23,14 @@ use std::collections::BTreeMap;
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{
-    About, Channel, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Weight, is_gravity,
+    About, Channel, Moving, MovingStart, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Weight,
+    is_gravity,
 };
+
+use crumple_metrics::{SMOOTHING_S, moving_mean};
 
 use crate::pulse::Polarity;
 use crate::recording::content::{Wave, list};
-use crate::time::{SMOOTHING_S, moving_mean};
 use crate::{pulse, time};
 
 /// Noise before the event that is too much, m/s^2.
@@ -130,12 +132,18 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     }
 }
 
-/// Names a free fall before contact, and a level that may be one: 1 g, in a record that does not show the sensor at
+/// Names a free fall or braking before contact, and a level that may be one: 1 g, in a record that does not show the sensor at
 /// rest at another level.
 fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
-    if let Some(fall) = pulse.quality.fall {
-        let off = (fall.fall_level - fall.rest_level) / G;
-        let text = format!("free fall before contact: its level is {off:+.2} g off the level at rest");
+    if let Some(MovingStart { by, rest_level, level }) = pulse.quality.moving {
+        let off = (level - rest_level) / G;
+        let text = match by {
+            Moving::Falls => format!("free fall before contact: its level is {off:+.2} g off the level at rest"),
+            Moving::Brakes => format!(
+                "it brakes before contact: the level there is {off:+.2} g off the level at the start of the record. The \
+                 impact speed is that at contact"
+            ),
+        };
         concern(Weight::Slight, text, notes);
     } else if pulse.quality.feels_gravity && is_gravity(level) {
         let text = format!(
@@ -167,7 +175,7 @@ fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
 }
 
 fn muted_samples(wave: &Wave) -> Option<usize> {
-    wave.quality.pre_event.map(|p| p.muted).filter(|muted| *muted > 0 && wave.quality.fall.is_none())
+    wave.quality.pre_event.map(|p| p.muted).filter(|muted| *muted > 0 && wave.quality.moving.is_none())
 }
 
 /// Whether the rate is too low for the lowest class.

@@ -374,5 +374,5 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording> {
         }
     }
     let pulse_rule = if test.pulse.is_some() { PulseRule::Fittest } else { PulseRule::OnlyOne };
-    Ok(Recording { details, channels, pulse_rule, contact_at_zero: test.time_zero.is_some(), notes })
+    Ok(Recording { details, channels, pulse_rule, contact_at_zero: test.contact.is_some(), notes })
 }

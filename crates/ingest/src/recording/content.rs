@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crumple_artifact::records::QualityV1;
 use crumple_signal::{
-    About, Channel, ChannelStatus, FreeFall, Notes, PreEvent, PreEventWindow, QuantityKind, Sampled, Weight, free_fall,
-    pre_event,
+    About, Channel, ChannelStatus, MovingStart, Notes, PreEvent, PreEventWindow, QuantityKind, Sampled, Weight,
+    moving_start, pre_event,
 };
 
 use crate::recording::details::Details;
@@ -166,8 +166,8 @@ pub struct Quality {
     pub pre_event: Option<PreEvent>,
     /// Whether gravity may change what it reads.
     pub feels_gravity: bool,
-    /// Of an acceleration whose level before the event is that of a free fall.
-    pub fall: Option<FreeFall>,
+    /// Of an acceleration that falls or brakes before contact.
+    pub moving: Option<MovingStart>,
     /// What stands of it in the artifact.
     pub record: QualityV1,
 }
@@ -175,7 +175,7 @@ pub struct Quality {
 impl Quality {
     /// The level that is no motion, where the record shows it: that at rest, or before the event.
     pub fn zero_level(&self) -> Option<f64> {
-        self.fall.map(|fall| fall.rest_level).or(self.pre_event.map(|before| before.zero_level))
+        self.moving.map(|moving| moving.rest_level).or(self.pre_event.map(|before| before.zero_level))
     }
 }
 
@@ -183,15 +183,15 @@ impl Quality {
 ///
 /// Zero level and noise floor: mean and standard deviation of the raw samples from -50 ms to -10 ms ([`pre_event`]).
 ///
-/// `feels_gravity`: it may be in free fall before the event.
+/// `feels_gravity`: it may fall or brake before contact.
 pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality {
     let pre_event = pre_event(wave, PreEventWindow::default());
-    let fall = pre_event.filter(|_| feels_gravity).and_then(|before| free_fall(wave, &before));
+    let moving = pre_event.filter(|_| feels_gravity).and_then(|before| moving_start(wave, &before));
     let samples = wave.samples();
     let (minimum, maximum) =
         samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
     let (minimum, maximum) = if samples.is_empty() { (0.0, 0.0) } else { (minimum, maximum) };
-    let zero = fall.map(|fall| fall.rest_level).or(pre_event.map(|p| p.zero_level)).unwrap_or(0.0);
+    let zero = moving.map(|moving| moving.rest_level).or(pre_event.map(|p| p.zero_level)).unwrap_or(0.0);
     let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero);
     let record = QualityV1 {
         zero_level: pre_event.map(|before| before.zero_level),
@@ -206,9 +206,9 @@ pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality
         constant_run: Some(constant_run),
         constant_run_from_s,
         end_level: end_level(wave, zero),
-        rest_level: fall.map(|fall| fall.rest_level),
+        rest_level: moving.map(|moving| moving.rest_level),
     };
-    Quality { pre_event, feels_gravity, fall, record }
+    Quality { pre_event, feels_gravity, moving, record }
 }
 
 /// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero

@@ -5,6 +5,7 @@ use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 use crumple_signal::{About, Notes, QuantityKind, Weight};
 
+use crate::contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 /// A fact and where it is stated.
@@ -178,7 +179,8 @@ impl Layer<'_> {
 /// Puts the statements of a sidecar or of flags over those of the record.
 pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
     let (mut layer, text): (_, fn(&String) -> String) = (Layer { from, notes }, |text| format!("{text:?}"));
-    let (speed, zero) = (settings.impact_speed.map(Speed::si), settings.time_zero.map(Time::si));
+    let (speed, zero) =
+        (settings.impact_speed.map(Speed::si), settings.time_zero.and_then(TimeZero::stated).map(Time::si));
     let km_per_h = |v: &f64| format!("{} km/h", (3.6e3 * v).round() / 1e3);
     layer.put(&mut details.title, settings.title.clone(), "title", text);
     layer.put(&mut details.vehicle, settings.vehicle.clone(), "vehicle", text);

@@ -1,9 +1,10 @@
 //! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
 
 use crumple_signal::value::{Frequency, Mass, Speed, Time};
-use crumple_signal::{Channel, Notes, resolve_channels};
+use crumple_signal::{Channel, Notes, Uncertain, resolve_channels};
 use serde::{Deserialize, Serialize};
 
+use crate::contact::{ContactRule, TimeZero};
 use crate::recording::content::ReadChannel;
 
 pub use crumple_signal::is_pattern;
@@ -73,10 +74,18 @@ pub struct IngestSettings {
     /// the header, else inferred from the sampling interval, with a note.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
-    /// Time of first contact on the file's own time axis, with its unit: 0s, 12ms. The axis is shifted so that this is
-    /// t = 0. Default: the file's t = 0.
+    /// First contact on the file's own time axis, with its unit: 0s, 12ms, -5ms; auto: where the pulse begins. The axis
+    /// is shifted so that this is t = 0. Default: as the file or its format states it, else auto.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub time_zero: Option<Time>,
+    pub time_zero: Option<TimeZero>,
+    /// How first contact is found: auto, file (t = 0 of the file), threshold (0.5 g for 3 ms), edr (49 CFR 563: 0.8
+    /// km/h in 20 ms) or contact:<channel>, the edge of a contact switch. Default: auto.
+    #[arg(long, value_name = "RULE", conflicts_with = "time_zero")]
+    pub time_zero_rule: Option<ContactRule>,
+    /// Uncertainty of first contact, "0.5 ms uniform" (half width) or "0.3 ms" (standard deviation); what auto and the
+    /// rules leave uncertain comes to it. Default: none stated.
+    #[arg(long, value_name = "TIME [normal|uniform]")]
+    pub time_zero_uncertainty: Option<Uncertain<Time>>,
     /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
     /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, with a note. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
@@ -145,7 +154,7 @@ macro_rules! layers {
 
 impl IngestSettings {
     layers! {
-        mass impact_speed channel unit time_unit time_zero sign sample_time profile skip_to sheet place field resample
+        mass impact_speed channel unit time_unit time_zero time_zero_rule time_zero_uncertainty sign sample_time profile skip_to sheet place field resample
         vehicle_number vehicle title barrier allow_missing
     }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod choices;
+mod contact;
 mod exchanges;
 mod iso_mme;
 mod lvm;

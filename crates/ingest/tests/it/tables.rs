@@ -338,11 +338,8 @@ fn the_sign_is_turned_by_auto_only_where_it_is_certainly_wrong() {
 #[test]
 fn what_states_time_zero_travels_with_the_test() {
     let text = pulse("time_s,accel_g\n", 600);
-    assert_eq!(from_text(&text, &stated()).unwrap().test.time_zero, None);
-    assert_eq!(
-        from_text(&text, &stated_with("--time-zero 0s")).unwrap().test.time_zero.as_deref(),
-        Some("stated by flag")
-    );
+    let rule = |settings| from_text(&text, &settings).unwrap().test.contact.unwrap().rule;
+    assert_eq!([rule(stated()), rule(stated_with("--time-zero 0s"))], ["file", "stated by flag"]);
 }
 
 #[test]

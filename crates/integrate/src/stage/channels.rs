@@ -127,14 +127,13 @@ fn is_of_compartment(channel: &Channel) -> bool {
 pub struct ChannelAgreement<'a> {
     channel: &'a Channel,
     pulse: &'a Integrated,
-    time_zero_s: f64,
     /// Id and metrics of each.
     others: Vec<(String, Vec<Metric>)>,
 }
 
 impl<'a> ChannelAgreement<'a> {
-    pub fn new(channel: &'a Channel, pulse: &'a Integrated, time_zero_s: f64) -> Self {
-        Self { channel, pulse, time_zero_s, others: Vec::new() }
+    pub fn new(channel: &'a Channel, pulse: &'a Integrated) -> Self {
+        Self { channel, pulse, others: Vec::new() }
     }
 
     /// Notes how far another channel is from the pulse, and takes it into the spread if both are of the compartment.
@@ -152,14 +151,13 @@ impl<'a> ChannelAgreement<'a> {
     /// Whether another channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
     pub fn agrees(&self, integrated: &Integrated) -> bool {
         let Some(crush) = self.pulse.events.crush else { return true };
-        agreement(motion(self.pulse), motion(integrated), self.time_zero_s + crush.time_s)
-            .is_ok_and(|gaps| gaps.may_be_averaged())
+        agreement(motion(self.pulse), motion(integrated), crush.time_s).is_ok_and(|gaps| gaps.may_be_averaged())
     }
 
     fn note_gaps(&self, other: &Channel, integrated: &Integrated, notes: &mut Notes) {
         let Some(crush) = self.pulse.events.crush else { return };
         let id = format!("channel {} against {}", other.id, self.channel.id);
-        let Ok(gaps) = agreement(motion(self.pulse), motion(integrated), self.time_zero_s + crush.time_s) else {
+        let Ok(gaps) = agreement(motion(self.pulse), motion(integrated), crush.time_s) else {
             return notes.info(format!("{id}: on another time grid, not compared sample by sample"));
         };
         let none = || "none".to_owned();

@@ -1,16 +1,16 @@
 //! The other vehicle of a test with two: its own motion, and what both say of their collision.
 
 use crumple_metrics::definitions::{
-    COMMON_VELOCITY, COMMON_VELOCITY_BY_MOMENTUM, MOMENTUM_GAP, RELATIVE_CRUSH, RESTITUTION_TWO,
+    COMMON_VELOCITY, COMMON_VELOCITY_BY_MOMENTUM, MOMENTUM_GAP, RELATIVE_CRUSH, RESTITUTION_TWO, STROKE,
     TIME_OF_COMMON_VELOCITY,
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
-use crumple_signal::{Channel, QuantityKind, TestDescription, part_of};
+use crumple_signal::{Channel, IntegrationRule, QuantityKind, TestDescription, integrate_twice, part_of};
 use crumple_stage::records::{MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::recorded_changes;
-use crate::stage::integration::{ChannelIntegration, Integrated, acceleration, time_zero};
+use crate::stage::integration::{ChannelIntegration, Integrated, acceleration};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::StageSettings;
 use crate::stage::records::{metric_record, metric_records, warn_unless_of_the_vehicle};
@@ -66,7 +66,7 @@ pub fn other_vehicle(
     described.impact_speed_m_per_s = other.impact_speed_m_per_s;
     let its_task = ChannelIntegration { test: &described, impact_speed_m_per_s: other.impact_speed_m_per_s, ..*task };
     let motion = its_task.integrate(channel, &acceleration(task.input, channel)?, out)?;
-    let mut metrics = metric_records(&channel.id, &motion, task.time_zero_s);
+    let mut metrics = metric_records(&channel.id, &motion);
     let velocity = &motion.motion.velocity;
     let Some(other_speed) = other.impact_speed_m_per_s else {
         out.notes().warning(format!(
@@ -81,7 +81,7 @@ pub fn other_vehicle(
         )?;
         return Ok(metrics);
     };
-    match collision(&integrated.motion.velocity, velocity, task.time_zero_s) {
+    match collision(&integrated.motion.velocity, velocity, 0.0) {
         Some(found) => {
             let masses = own.mass_kg.or(task.test.mass_kg).zip(other.mass_kg);
             let speeds = [task.impact_speed_m_per_s.unwrap_or(0.0), other_speed];
@@ -202,12 +202,11 @@ pub fn without_motion(
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     out.put("/test", &TestV1::from(test))?;
-    let time_zero_s = settings.time_zero_s.unwrap_or(0.0);
     let impact_speed_m_per_s = None;
-    let criteria = Criteria { settings, input, test, pulse, time_zero_s, impact_speed_m_per_s };
+    let criteria = Criteria { settings, input, test, pulse, impact_speed_m_per_s };
     let mut metrics = criteria.records(out)?;
     let measured = metrics.iter().any(|metric| metric.value.is_some());
-    let recorded = recorded_changes(input, test, time_zero_s, out);
+    let recorded = recorded_changes(input, test, out);
     let recorder = recorded.iter().any(|metric| metric.value.is_some());
     metrics.extend(recorded);
     if !metrics.is_empty() {
@@ -255,49 +254,87 @@ pub fn without_motion(
     Ok(Outcome::Done)
 }
 
-/// Writes the change of velocity of the pulse, the metrics that need no impact speed, and criteria. The others are
-/// absent, with this as their reason. Later stages, whose models start at the impact speed, have nothing to work on.
-pub fn without_speed(
-    settings: &StageSettings,
+/// Gain of velocity over the impact speed, up to which a pulse that pushes forward is a hit from behind: a frontal
+/// pulse of the wrong sign gains 1.0 to 1.35 times the impact speed.
+const PUSHED: f64 = 0.6;
+
+/// Whether a vehicle that moves at a stated speed gains velocity: it was struck from behind. A pulse of the wrong sign
+/// gains more, and was asked about.
+pub fn is_pushed(
     input: &Inputs,
     test: &TestDescription,
     pulse: &Channel,
+    speed_m_per_s: Option<f64>,
+) -> anyhow::Result<bool> {
+    let Some(speed) = speed_m_per_s.filter(|_| !test.exchange_asked) else { return Ok(false) };
+    let samples = acceleration(input, pulse)?;
+    let (whole, _) = integrate_twice(samples.samples(), samples.dt_s(), IntegrationRule::Trapezoid, 0.0, 0.0);
+    let v = &whole[samples.index_at_or_after(0.0).min(whole.len().saturating_sub(1))..];
+    let change = |of: fn(f64, f64) -> f64| v.iter().copied().reduce(of).map_or(0.0, |end| end - v[0]);
+    let (gain, loss) = (change(f64::max), -change(f64::min));
+    Ok(gain > loss && gain < PUSHED * speed && gain > LEAST_GAIN_M_PER_S)
+}
+
+/// Less is no pulse: 3.6 km/h.
+const LEAST_GAIN_M_PER_S: f64 = 1.0;
+
+/// Writes the change of velocity of the pulse, the metrics that need no impact, and criteria. The others are absent,
+/// with this as their reason. Of a motion from rest, velocity and displacement are known: its stroke is there. Later
+/// stages, whose models start at the impact speed, have nothing to work on.
+pub fn without_impact(
+    settings: &StageSettings,
+    input: &Inputs,
+    test: &TestDescription,
+    (pulse, speed_m_per_s): (&Channel, Option<f64>),
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let samples = acceleration(input, pulse)?;
-    let zero = time_zero(settings, input, test, pulse, &samples, 0.0, out.notes())?;
-    let task = ChannelIntegration {
-        settings,
-        input,
-        test,
-        impact_speed_m_per_s: None,
-        time_zero_s: zero.time_s,
-        most_replicates: usize::MAX,
-    };
+    let task = ChannelIntegration { settings, input, test, impact_speed_m_per_s: None, most_replicates: usize::MAX };
     let integrated = task.integrate(pulse, &samples, out)?;
     warn_unless_of_the_vehicle(pulse, out.notes());
-    let mut metrics = metric_records(&pulse.id, &integrated, zero.time_s);
-    let criteria = Criteria { settings, input, test, pulse, time_zero_s: zero.time_s, impact_speed_m_per_s: None };
-    metrics.extend(criteria.records(out)?);
-
+    let mut metrics = metric_records(&pulse.id, &integrated);
+    let is_forward = integrated.events.end_velocity_m_per_s > 0.0;
+    // What is pushed forward and has no speed stated starts from rest: a sled, a hit on a vehicle that stands.
+    let from_rest = speed_m_per_s == Some(0.0) || (speed_m_per_s.is_none() && is_forward);
     let delta_v = metrics.iter().find(|metric| metric.name == "delta_v");
     let delta_v = delta_v.and_then(|metric| Some((metric.value?, metric.to_s?)));
+    let stroke = delta_v.and_then(|(_, time_s)| integrated.motion.displacement.at(time_s)).filter(|_| from_rest);
+    if let (Some(stroke), Some((_, time_s))) = (stroke, delta_v) {
+        let stroke = Metric::with_value(&STROKE, stroke.abs()).over(0.0, time_s);
+        metrics.push(metric_record(&[&pulse.id], &stroke));
+    }
+    let criteria = Criteria { settings, input, test, pulse, impact_speed_m_per_s: None };
+    metrics.extend(criteria.records(out)?);
+
     let change = delta_v.map_or_else(String::new, |(value, time_s)| {
         format!(": change of velocity {value:.3} m/s at {:.1} ms", 1e3 * time_s)
     });
-    out.summary(format!("pulse {}{change}; no impact speed is stated", pulse.id));
-    // A vehicle pushed forward starts from rest: nobody has an impact speed to give.
-    let is_pushed = integrated.events.end_velocity_m_per_s > 0.0;
-    let reason = if is_pushed {
-        "no impact speed is stated and the pulse is positive, as of a sled or a hit from behind: a motion from rest \
-         has no crush and no crush model"
-    } else {
-        "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest"
+    let stroke_text = stroke.map_or_else(String::new, |stroke| format!(", stroke {:.0} mm", 1e3 * stroke.abs()));
+    let (speed_text, reason) = match speed_m_per_s {
+        Some(0.0) => ("; from rest", FROM_REST),
+        Some(_) => {
+            ("; it is pushed forward", "the pulse pushes the vehicle forward: it has no crush and no crush model")
+        }
+        // A vehicle pushed forward starts from rest: nobody has an impact speed to give.
+        None if is_forward => ("; no impact speed is stated", UNSTATED_AND_FORWARD),
+        None => (
+            "; no impact speed is stated",
+            "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest",
+        ),
     };
+    out.summary(format!("pulse {}{change}{stroke_text}{speed_text}", pulse.id));
     out.put("/test", &TestV1::from(test))?;
     out.put("/metrics", &MetricsV2 { metrics })?;
+    if from_rest {
+        let displacement = integrated.motion.displacement.clone().into_sampled();
+        out.wave(&format!("{}/displacement", pulse.id), QuantityKind::Displacement, displacement)?;
+    }
     let change = integrated.motion.velocity.into_sampled();
     out.wave(&format!("{}/velocity_change", pulse.id), QuantityKind::VelocityChange, change)?;
     out.nothing_for_later_stages(reason);
     Ok(Outcome::Done)
 }
+
+const FROM_REST: &str = "the motion starts from rest: it has no crush and no crush model";
+const UNSTATED_AND_FORWARD: &str = "no impact speed is stated and the pulse is positive, as of a sled or a hit from \
+    behind: a motion from rest has no crush and no crush model";

@@ -32,7 +32,6 @@ const NAMED: usize = 12;
 pub struct Pulse<'a> {
     pub id: &'a str,
     pub motion: &'a Motion,
-    pub time_zero_s: f64,
     /// Time of the lowest velocity on the record's axis, if the record shows it.
     pub separation_s: Option<f64>,
 }
@@ -78,7 +77,7 @@ pub fn barrier(
             format!("barrier force: {} on another time grid, not in the sum: {}", count(ids.len()), some(&ids)),
         );
     }
-    let as_read = as_read(input, &waves(input, listed.iter()), pulse.time_zero_s)?;
+    let as_read = as_read(input, &waves(input, listed.iter()))?;
     let metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
     out.wave("barrier/force", QuantityKind::Force, sum.force.into_sampled())?;
     Ok(metrics)
@@ -109,7 +108,7 @@ struct AsRead {
 ///
 /// A low-pass of class 60 and above leaves the impulse but for its ends. Cells on another grid are left out, as from
 /// the sum.
-fn as_read(input: &Inputs, cells: &[(&str, &Sampled)], time_zero_s: f64) -> anyhow::Result<Option<AsRead>> {
+fn as_read(input: &Inputs, cells: &[(&str, &Sampled)]) -> anyhow::Result<Option<AsRead>> {
     let Some(sum) = sum_of_cells(cells).refuse_with_hint(without_the_barrier())? else {
         return Ok(None);
     };
@@ -119,9 +118,9 @@ fn as_read(input: &Inputs, cells: &[(&str, &Sampled)], time_zero_s: f64) -> anyh
         zero_level_n += filter.map_or(0.0, |filter| filter.zero_level_removed);
     }
     let sign = if sum.turned { -1.0 } else { 1.0 };
-    let inside = sum.force.len().saturating_sub(sum.force.index_at_or_after(time_zero_s) + 1) as f64;
+    let inside = sum.force.len().saturating_sub(sum.force.index_at_or_after(0.0) + 1) as f64;
     let of_zero_level = sign * zero_level_n * inside * sum.force.dt_s();
-    let impulse = impulse_n_s(&sum.force, time_zero_s, sum.force.end_s());
+    let impulse = impulse_n_s(&sum.force, 0.0, sum.force.end_s());
     Ok(impulse.map(|impulse| AsRead { cells: sum.cells, impulse_n_s: impulse + of_zero_level }))
 }
 
@@ -133,17 +132,17 @@ fn momentum(
     pulse: &Pulse<'_>,
     out: &mut Output,
 ) -> Vec<MetricV1> {
-    let &Pulse { id, motion, time_zero_s, separation_s } = pulse;
+    let &Pulse { id, motion, separation_s } = pulse;
     let over_mass = |impulse: Option<f64>| impulse.zip(mass_kg).map(|(impulse, mass)| impulse / mass);
     let last_s = sum.force.end_s().min(motion.velocity.end_s());
     let end_s = separation_s.unwrap_or(last_s).min(last_s);
-    let impulse = impulse_n_s(&sum.force, time_zero_s, sum.force.end_s());
+    let impulse = impulse_n_s(&sum.force, 0.0, sum.force.end_s());
     let whole = over_mass(impulse);
-    let of_barrier = over_mass(impulse_n_s(&sum.force, time_zero_s, end_s));
+    let of_barrier = over_mass(impulse_n_s(&sum.force, 0.0, end_s));
     let as_read = over_mass(all.as_ref().map(|all| all.impulse_n_s));
-    let of_sensor = motion.velocity.at(time_zero_s).zip(motion.velocity.at(end_s)).map(|(start, end)| start - end);
+    let of_sensor = motion.velocity.at(0.0).zip(motion.velocity.at(end_s)).map(|(start, end)| start - end);
     let peak = sum.force.samples().iter().copied().enumerate().reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a });
-    let (highest, peak_s) = (peak.map(|(_, force)| force), peak.map_or(time_zero_s, |(k, _)| sum.force.time_s(k)));
+    let (highest, peak_s) = (peak.map(|(_, force)| force), peak.map_or(0.0, |(k, _)| sum.force.time_s(k)));
 
     let turned = if sum.turned { ", sign turned so that compression is positive" } else { "" };
     out.notes().info(format!("barrier force: sum of {} load cells along x{turned}", sum.cells));
@@ -166,7 +165,7 @@ fn momentum(
             "momentum check up to {} at {:.1} ms: impulse of the barrier over the mass {:.2} km/h \
              ({:.2} km/h over the whole record), channel {id} {:.2} km/h, {apart}",
             if separation_s.is_some() { "separation" } else { "the end" },
-            1e3 * (end_s - time_zero_s),
+            1e3 * end_s,
             3.6 * barrier,
             3.6 * whole,
             3.6 * sensor
@@ -186,20 +185,20 @@ fn momentum(
     };
     [
         Metric::of(&BARRIER_PEAK, highest, "the record has no samples").over(peak_s, peak_s),
-        Metric::of(&BARRIER_IMPULSE, impulse, few).over(time_zero_s, whole_end_s),
-        Metric::of(&BARRIER_DELTA_V, whole, over_mass_reason).over(time_zero_s, whole_end_s),
-        Metric::of(&BARRIER_DELTA_V_AS_READ, as_read, over_mass_reason).over(time_zero_s, whole_end_s),
-        ratio_metric.over(time_zero_s, end_s),
+        Metric::of(&BARRIER_IMPULSE, impulse, few).over(0.0, whole_end_s),
+        Metric::of(&BARRIER_DELTA_V, whole, over_mass_reason).over(0.0, whole_end_s),
+        Metric::of(&BARRIER_DELTA_V_AS_READ, as_read, over_mass_reason).over(0.0, whole_end_s),
+        ratio_metric.over(0.0, end_s),
     ]
     .into_iter()
-    .chain(stiffness(sum, motion, time_zero_s))
-    .map(|metric| metric_record(&[BARRIER], &metric.counted_from(time_zero_s)))
+    .chain(stiffness(sum, motion))
+    .map(|metric| metric_record(&[BARRIER], &metric))
     .collect()
 }
 
 /// KW400 and initial stiffness: the force over the displacement of the sensor, from time zero on.
-fn stiffness(sum: &CellSum, motion: &Motion, time_zero_s: f64) -> [Metric; 2] {
-    let first = sum.force.index_at_or_after(time_zero_s);
+fn stiffness(sum: &CellSum, motion: &Motion) -> [Metric; 2] {
+    let first = sum.force.index_at_or_after(0.0);
     let pairs = (first..sum.force.len())
         .map_while(|k| Some((motion.displacement.at(sum.force.time_s(k))?, sum.force.samples()[k])));
     let (displacement_m, force_n): (Vec<f64>, Vec<f64>) = pairs.unzip();
@@ -208,8 +207,8 @@ fn stiffness(sum: &CellSum, motion: &Motion, time_zero_s: f64) -> [Metric; 2] {
     let end_s = sum.force.time_s((first + reached).min(sum.force.len().saturating_sub(1)));
     let why = "the sensor does not move 400 mm from time zero on within the record of the force";
     [
-        Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), why).over(time_zero_s, end_s),
-        Metric::of(&WALL_INITIAL_STIFFNESS, stiffness.map(|s| s.initial_n_per_m), why).over(time_zero_s, end_s),
+        Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), why).over(0.0, end_s),
+        Metric::of(&WALL_INITIAL_STIFFNESS, stiffness.map(|s| s.initial_n_per_m), why).over(0.0, end_s),
     ]
 }
 
@@ -309,7 +308,7 @@ impl Criteria<'_> {
     }
 
     fn records_at_impact(&self, metrics: impl Iterator<Item = Metric>, remark: &str) -> Vec<MetricV1> {
-        let at_impact = |metric: Metric| metric.over(self.time_zero_s, self.time_zero_s);
+        let at_impact = |metric: Metric| metric.over(0.0, 0.0);
         metrics.map(|metric| self.record(&[self.pulse], at_impact(metric), &[remark.to_owned()])).collect()
     }
 }
@@ -317,7 +316,7 @@ impl Criteria<'_> {
 /// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels,
 /// first that which the pulse was derived from. Each has a line of the summary. Last what those along x and y say of
 /// energy and crush.
-pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64, out: &mut Output) -> Vec<MetricV1> {
+pub fn recorded_changes(input: &Inputs, test: &TestDescription, out: &mut Output) -> Vec<MetricV1> {
     let mut records = Vec::new();
     let mut changes: Vec<&Channel> =
         test.channels.iter().filter(|channel| channel.quantity == QuantityKind::VelocityChange).collect();
@@ -332,7 +331,8 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64
     let [x, y] = [Axis::X, Axis::Y].map(|axis| along(axis).and_then(|c| Some((c, &input.wave_if(&c.id)?.sampled))));
     let impact = x.filter(|(channel, _)| derived_from(&channel.id)).map(|(channel, along)| {
         let across = y.map(|(_, across)| across);
-        let impact = RecordedImpact { along, across, time_zero_s, impact_speed_m_per_s: test.impact_speed_m_per_s };
+        let impact =
+            RecordedImpact { along, across, time_zero_s: 0.0, impact_speed_m_per_s: test.impact_speed_m_per_s };
         let of = |metric: &Metric| match y {
             Some((across, _)) if metric.id == MAXIMUM_LATERAL_DELTA_V.id => across.id.as_str(),
             _ => channel.id.as_str(),
@@ -341,7 +341,7 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, time_zero_s: f64
     });
     for channel in changes {
         let Some(wave) = input.wave_if(&channel.id) else { continue };
-        let metrics = maximum_delta_v(&wave.sampled, time_zero_s);
+        let metrics = maximum_delta_v(&wave.sampled, 0.0);
         if let [Some(change), Some(time_s)] = [&metrics[0], &metrics[1]].map(|metric| metric.value) {
             let title = channel.comment.as_ref().map_or_else(String::new, |title| format!(" ({title})"));
             let (change_km_per_h, time_ms) = (3.6 * change, 1e3 * time_s);

@@ -1,12 +1,9 @@
-//! Integration of one channel: its time zero, its impact speed, its motion.
+//! Integration of one channel: its impact speed, its motion.
 
 use std::cell::RefCell;
 
-use crate::{
-    Intervals, MOST_SAMPLES, TimeZeroEstimate, Uncertainty, barrier_force, contact_edge, edr_start, events_of,
-    propagate, threshold_crossing,
-};
-use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, event_end_by_velocity_change, pulse_metrics};
+use crate::{Intervals, MOST_SAMPLES, Uncertainty, barrier_force, events_of, propagate};
+use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
     About, Acceleration, Channel, Drift, IntegrateError, IntegrationSettings, Motion, Notes, QuantityKind,
     STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight, integrate_reporting, integrate_without_drift,
@@ -14,7 +11,7 @@ use crumple_signal::{
 use crumple_stage::records::ChannelFilterV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option};
 
-use crate::stage::options::{StageSettings, ZeroRule};
+use crate::stage::options::StageSettings;
 
 /// A channel that was integrated.
 pub struct Integrated {
@@ -65,109 +62,6 @@ pub fn impact_speed(
     Ok(speed)
 }
 
-/// Threshold crossings this much later than the file's t = 0 are worth a warning, s.
-const LATE_S: f64 = 0.005;
-
-/// First contact on the record's axis, and the rule in the words of the artifact.
-pub struct TimeZero {
-    pub time_s: f64,
-    pub rule: String,
-}
-
-/// Time zero of the pulse. What a rule leaves uncertain is said in a note, in time and in displacement.
-pub fn time_zero(
-    settings: &StageSettings,
-    input: &Inputs,
-    test: &TestDescription,
-    channel: &Channel,
-    pulse: &Signal<Acceleration>,
-    impact_speed_m_per_s: f64,
-    notes: &mut Notes,
-) -> anyhow::Result<TimeZero> {
-    if let Some(time_s) = settings.time_zero_s {
-        return Ok(TimeZero { time_s, rule: "flag".to_owned() });
-    }
-    let Some(rule) = &settings.time_zero_rule else {
-        late_contact(test, channel, pulse, impact_speed_m_per_s, notes);
-        return Ok(TimeZero { time_s: 0.0, rule: ZeroRule::File.to_string() });
-    };
-    let zero = match rule {
-        ZeroRule::File => None,
-        ZeroRule::Threshold => threshold_crossing(pulse),
-        ZeroRule::Edr => edr_start(pulse),
-        ZeroRule::Contact(id) => contact_edge(&input.wave(id)?.sampled),
-    };
-    let Some(zero) = zero else {
-        return Err(Refused::new(format!("time zero rule {rule}: {}", nothing_found(rule, &channel.id)))
-            .hint(format!("state first contact, e.g. {}", option("integrate", "time-zero", "0s")))
-            .into());
-    };
-    if *rule == ZeroRule::Threshold && channel.cfc != Some(60) {
-        let class = channel.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("CFC {cfc}"));
-        notes.concern(
-            About::Time,
-            Weight::Slight,
-            format!("the threshold rule is meant for CFC 60, channel {} is of {class}", channel.id),
-        );
-    }
-    notes.info(uncertainty(rule, zero, impact_speed_m_per_s));
-    if *rule == ZeroRule::Edr
-        && let Some(end_s) = event_end_by_velocity_change(pulse, zero.time_s)
-    {
-        notes.info(format!("the event ends at {:.2} ms by the same rule", 1e3 * (end_s - zero.time_s)));
-    }
-    Ok(TimeZero { time_s: zero.time_s, rule: rule.to_string() })
-}
-
-/// Warns of a pulse that begins long after the file's t = 0 where nothing says that this is first contact: an NHTSA or
-/// ISO-MME test defines it so, a person may have stated it; a table does not, and its axis may begin with the
-/// recording.
-fn late_contact(
-    test: &TestDescription,
-    channel: &Channel,
-    pulse: &Signal<Acceleration>,
-    speed_m_per_s: f64,
-    notes: &mut Notes,
-) {
-    // An artifact of another program may have the format alone.
-    if test.time_zero.is_some() || matches!(test.source.format.as_str(), "nhtsa-ev5" | "iso-mme") {
-        return;
-    }
-    // What stands does not move on until contact.
-    let is_late = |zero: &TimeZeroEstimate| zero.time_s > LATE_S && speed_m_per_s > 0.0;
-    let Some(zero) = threshold_crossing(pulse).filter(is_late) else { return };
-    let late_ms = 1e3 * zero.time_s;
-    notes.concern(About::Time, Weight::Decisive, format!(
-        "channel {} first exceeds 0.5 g for 3 ms at {late_ms:.1} ms, and nothing says that contact is at the file's t \
-         = 0: the vehicle is taken to move on at the impact speed until then, up to {:.3} m that may be no crush: if \
-         contact is there, --time-zero {late_ms:.1}ms at ingest; if it is at 0, --time-zero 0s",
-        channel.id,
-        zero.time_s * speed_m_per_s
-    ));
-}
-
-fn nothing_found(rule: &ZeroRule, pulse: &str) -> String {
-    match rule {
-        ZeroRule::Contact(id) => format!("channel {id} never changes"),
-        ZeroRule::Edr => format!("the velocity of channel {pulse} never changes by 0.8 km/h in 20 ms"),
-        ZeroRule::File | ZeroRule::Threshold => format!("channel {pulse} never stays at 0.5 g for 3 ms"),
-    }
-}
-
-fn uncertainty(rule: &ZeroRule, zero: TimeZeroEstimate, impact_speed_m_per_s: f64) -> String {
-    let TimeZeroEstimate { time_s, earlier_by_s, later_by_s } = zero;
-    let side = |by_s: f64, word: &str| {
-        (by_s > 0.0).then(|| {
-            let mm = 1e3 * by_s * impact_speed_m_per_s;
-            let distance = if mm > 0.0 { format!(" ({mm:.1} mm at the impact speed)") } else { String::new() };
-            format!("{:.2} ms {word}{distance}", 1e3 * by_s)
-        })
-    };
-    let sides: Vec<String> = [side(earlier_by_s, "earlier"), side(later_by_s, "later")].into_iter().flatten().collect();
-    let tail = if sides.is_empty() { String::new() } else { format!("; contact may be {}", sides.join(", or ")) };
-    format!("time zero by rule {rule} at {:.3} ms of the record{tail}", 1e3 * time_s)
-}
-
 /// A drift larger than this is no drift, m/s² (0.5 g).
 const LARGE_DRIFT_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
 
@@ -178,7 +72,6 @@ pub struct ChannelIntegration<'a> {
     pub test: &'a TestDescription,
     /// `None`: not known; the velocity is then its change from time zero.
     pub impact_speed_m_per_s: Option<f64>,
-    pub time_zero_s: f64,
     /// Replicates that the intervals of a channel are read from, at most.
     pub most_replicates: usize,
 }
@@ -195,7 +88,6 @@ impl ChannelIntegration<'_> {
         let settings = IntegrationSettings {
             rule: self.settings.rule,
             start: self.settings.start,
-            time_zero_s: self.time_zero_s,
             impact_speed_m_per_s,
             low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
         };
@@ -215,7 +107,7 @@ impl ChannelIntegration<'_> {
                 (motion, Some(drift))
             }
         };
-        let events = events_of(&motion, self.time_zero_s, impact_speed_m_per_s)?;
+        let events = events_of(&motion, 0.0, impact_speed_m_per_s)?;
         let mut metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
@@ -223,7 +115,7 @@ impl ChannelIntegration<'_> {
             events: &events,
             impact_speed_m_per_s: self.impact_speed_m_per_s,
             mass_kg: self.test.mass_kg,
-            time_zero_s: self.time_zero_s,
+            time_zero_s: 0.0,
         })?;
         let (mut event_intervals, mut events_without, mut metrics_without) = (Vec::new(), Vec::new(), Vec::new());
         if let Some(intervals) = self.intervals(acceleration, &motion, &settings, out) {
@@ -244,6 +136,14 @@ impl ChannelIntegration<'_> {
         Ok(Integrated { motion, events, metrics, drift, event_intervals, events_without, metrics_without })
     }
 
+    /// The uncertainty of the inputs: that of the options, and that of contact as the test states it.
+    pub fn uncertainty(&self) -> Option<Uncertainty> {
+        let contact = self.test.contact.as_ref();
+        let contact_s = contact.and_then(|contact| contact.uncertainty_s);
+        let earlier_by_s = contact.map_or(0.0, |contact| contact.earlier_by_s);
+        self.settings.uncertainty.clone().map(|stated| Uncertainty { contact_s, earlier_by_s, ..stated })
+    }
+
     /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
     fn intervals(
         &self,
@@ -253,8 +153,8 @@ impl ChannelIntegration<'_> {
         out: &mut Output,
     ) -> Option<Intervals> {
         // An interval of a change of velocity from an unknown speed would have no speed to vary.
-        let stated = self.settings.uncertainty.as_ref().filter(|_| self.impact_speed_m_per_s.is_some())?;
-        let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated.clone() };
+        let stated = self.uncertainty().filter(|_| self.impact_speed_m_per_s.is_some())?;
+        let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated };
         if acceleration.len() > MOST_SAMPLES {
             out.notes().warning(format!(
                 "no intervals: {} samples, the integration is repeated for records of up to {MOST_SAMPLES}",
@@ -285,7 +185,7 @@ fn hint(error: &IntegrateError) -> String {
         IntegrateError::ImpactSpeed(_) => {
             format!("{} is right for a motion from rest", option("integrate", "impact-speed", "0m/s"))
         }
-        _ => format!("{} says where on the record's time axis first contact is", flag("integrate", "time-zero")),
+        _ => format!("{} says where on the file's time axis first contact is", flag("ingest", "time-zero")),
     }
 }
 

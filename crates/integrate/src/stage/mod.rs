@@ -12,14 +12,14 @@ use std::path::PathBuf;
 
 use crumple_signal::{About, Channel, Sampled, TestDescription, Weight};
 use crumple_stage::records::{MetricV1, MetricsV2, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
+use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
 
 use crate::stage::channels::{ChannelAgreement, channels_named, other_channels};
 use crate::stage::collision::{
-    missing_for_motion, of_one_vehicle, other_vehicle, vehicles, without_motion, without_speed,
+    is_pushed, missing_for_motion, of_one_vehicle, other_vehicle, vehicles, without_impact, without_motion,
 };
 use crate::stage::criteria::recorded_changes;
-use crate::stage::integration::{ChannelIntegration, acceleration, impact_speed, time_zero};
+use crate::stage::integration::{ChannelIntegration, acceleration, impact_speed};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{Options, StageSettings};
 use crate::stage::records::{
@@ -34,6 +34,8 @@ impl Stage for Integrate {
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and \
         rebound, and computes crash metrics.";
+    const LEFT_OUT: &'static [LeftOut] = options::LEFT_OUT;
+
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;
@@ -60,21 +62,20 @@ impl Stage for Integrate {
             return without_motion(settings, input, &test, &channel, missing, out);
         }
         refuse_left_out(&channel, input)?;
-        if speed.is_none() {
-            return without_speed(settings, input, &test, &channel, out);
+        if speed.is_none_or(|speed| speed == 0.0) || is_pushed(input, &test, &channel, speed)? {
+            return without_impact(settings, input, &test, (&channel, speed), out);
         }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;
         // What follows works with the speed the motion was made with.
         test.impact_speed_m_per_s = Some(impact_speed_m_per_s);
 
         let samples = acceleration(input, &channel)?;
-        let zero = time_zero(settings, input, &test, &channel, &samples, impact_speed_m_per_s, out.notes())?;
+        let rule = test.contact.as_ref().map_or_else(|| "file".to_owned(), |contact| contact.rule.clone());
         let task = ChannelIntegration {
             settings,
             input,
             test: &test,
             impact_speed_m_per_s: Some(impact_speed_m_per_s),
-            time_zero_s: zero.time_s,
             most_replicates: usize::MAX,
         };
         let pulse = task.integrate(&channel, &samples, out)?;
@@ -86,17 +87,17 @@ impl Stage for Integrate {
             true if test.exchange_asked && is_as_read => SpeedRule::AskedBefore,
             true => SpeedRule::New,
         };
-        note_findings(&pulse, zero.time_s, impact_speed_m_per_s, speed_rule, out.notes());
+        note_findings(&pulse, impact_speed_m_per_s, speed_rule, out.notes());
         warn_unless_of_the_vehicle(&channel, out.notes());
-        if let Some(uncertainty) = &settings.uncertainty {
-            out.notes().info(options::uncertainty_note(uncertainty, pulse.motion.start));
+        if let Some(uncertainty) = task.uncertainty() {
+            out.notes().info(options::uncertainty_note(&uncertainty, pulse.motion.start));
         }
-        let mut metrics = metric_records(&channel.id, &pulse, zero.time_s);
-        let mut others = ChannelAgreement::new(&channel, &pulse, zero.time_s);
+        let mut metrics = metric_records(&channel.id, &pulse);
+        let mut others = ChannelAgreement::new(&channel, &pulse);
 
         out.put("/test", &TestV1::from(&test))?;
-        out.put("/events", &events_record(&channel.id, settings, &zero, &pulse, impact_speed_m_per_s))?;
-        out.summary(summary(&channel.id, &pulse, zero.time_s, impact_speed_m_per_s));
+        out.put("/events", &events_record(&channel.id, settings, &rule, &pulse, impact_speed_m_per_s))?;
+        out.summary(summary(&channel.id, &pulse, impact_speed_m_per_s));
 
         let own_test = of_one_vehicle(&test, &vehicles, &channel.id);
         let own_task = ChannelIntegration { test: &own_test, ..task };
@@ -106,8 +107,7 @@ impl Stage for Integrate {
         let against = criteria::Pulse {
             id: &channel.id,
             motion: &pulse.motion,
-            time_zero_s: zero.time_s,
-            separation_s: pulse.events.rebound.map(|rebound| zero.time_s + rebound.time_s),
+            separation_s: pulse.events.rebound.map(|rebound| rebound.time_s),
         };
         metrics.extend(criteria::barrier(settings.barrier_cells, input, &test, &against, out)?);
         let criteria = Criteria {
@@ -115,12 +115,11 @@ impl Stage for Integrate {
             input,
             test: &test,
             pulse: &channel,
-            time_zero_s: zero.time_s,
             impact_speed_m_per_s: Some(impact_speed_m_per_s),
         };
         metrics.extend(criteria.records(out)?);
         metrics.extend(criteria.crush_stiffness(out.notes())?);
-        metrics.extend(recorded_changes(input, &test, zero.time_s, out));
+        metrics.extend(recorded_changes(input, &test, out));
         out.put("/metrics", &MetricsV2 { metrics })?;
         if test.mass_kg.is_none() {
             out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
@@ -173,7 +172,7 @@ fn integrate_others(
     others: &mut ChannelAgreement<'_>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
-    let ChannelIntegration { settings, input, test, time_zero_s, .. } = *task;
+    let ChannelIntegration { settings, input, test, .. } = *task;
     let impact_speed_m_per_s = task.impact_speed_m_per_s.unwrap_or(0.0);
     let mut metrics = Vec::new();
     let channels = other_channels(&settings.channels, test, &pulse.id, input, out.notes())?;
@@ -189,7 +188,7 @@ fn integrate_others(
     let task = &ChannelIntegration { most_replicates, ..*task };
     for other in channels {
         let samples = acceleration(input, other)?;
-        if !covers(&samples, time_zero_s) {
+        if !covers(&samples) {
             out.notes().concern(
                 About::Channel(other.id.clone()),
                 Weight::Slight,
@@ -218,8 +217,8 @@ fn integrate_others(
             );
             continue;
         }
-        note_warnings(&other.id, &motion, time_zero_s, impact_speed_m_per_s, out.notes());
-        metrics.extend(metric_records(&other.id, &motion, time_zero_s));
+        note_warnings(&other.id, &motion, impact_speed_m_per_s, out.notes());
+        metrics.extend(metric_records(&other.id, &motion));
         warn_unless_of_the_vehicle(other, out.notes());
         others.compare(other, &motion, out.notes());
         task.write(&other.id, motion, out)?;
@@ -228,8 +227,8 @@ fn integrate_others(
 }
 
 /// Whether a channel starts no later than one interval after time zero and goes on after it: its speed there is known.
-fn covers(samples: &Sampled, time_zero_s: f64) -> bool {
-    samples.t0_s() <= time_zero_s + samples.dt_s() && samples.index_at_or_after(time_zero_s) + 2 <= samples.len()
+fn covers(samples: &Sampled) -> bool {
+    samples.t0_s() <= samples.dt_s() && samples.index_at_or_after(0.0) + 2 <= samples.len()
 }
 
 /// Whether neither a location nor a code says where a channel sits.

@@ -24,7 +24,6 @@ pub struct Criteria<'a> {
     pub input: &'a Inputs,
     pub test: &'a TestDescription,
     pub pulse: &'a Channel,
-    pub time_zero_s: f64,
     /// `None`: not known.
     pub impact_speed_m_per_s: Option<f64>,
 }
@@ -144,8 +143,7 @@ impl Criteria<'_> {
     /// axes.
     pub(crate) fn record(&self, channels: &[&Channel], metric: Metric, remarks: &[String]) -> MetricV1 {
         let ids: Vec<&str> = channels.iter().map(|channel| channel.id.as_str()).collect();
-        let metric =
-            remarks.iter().fold(metric.counted_from(self.time_zero_s), |metric, remark| metric.remarked(remark));
+        let metric = remarks.iter().fold(metric, |metric, remark| metric.remarked(remark));
         metric_record(&ids, &metric)
     }
 
@@ -199,9 +197,9 @@ impl Criteria<'_> {
             }
             return Ok(records);
         }
-        let vehicle = self.since_time_zero(&self.acceleration(self.pulse)?);
+        let vehicle = self.since_contact(&self.acceleration(self.pulse)?);
         for chest in chests {
-            let occupant = self.since_time_zero(&self.acceleration(chest)?);
+            let occupant = self.since_contact(&self.acceleration(chest)?);
             match ride_down(&vehicle, &occupant, v0) {
                 Ok(shares) => {
                     let remarks = [format!("vehicle: channel {}", self.pulse.id)];
@@ -218,8 +216,8 @@ impl Criteria<'_> {
         Ok(records)
     }
 
-    fn since_time_zero(&self, signal: &Signal<Acceleration>) -> Signal<Acceleration> {
-        signal.slice(signal.index_at_or_after(self.time_zero_s), signal.len()).into()
+    fn since_contact(&self, signal: &Signal<Acceleration>) -> Signal<Acceleration> {
+        signal.slice(signal.index_at_or_after(0.0), signal.len()).into()
     }
 
     /// ASI over the whole record; the flights of head and occupant begin at time zero.
@@ -261,7 +259,7 @@ impl Criteria<'_> {
         let mut spatial = planar.clone();
         spatial.extend(z);
         let space = FlailSpace::default();
-        let (x_flight, y_flight) = (self.since_time_zero(&ax), self.since_time_zero(&ay));
+        let (x_flight, y_flight) = (self.since_contact(&ax), self.since_contact(&ay));
         let mut metrics: Vec<(&[&Channel], Metric)> = Vec::new();
         let limits = AsiLimits::default();
         let severity = [AsiMethod::ButterworthPerPass].map(|method| asi([&ax, &ay, &az], limits, method));
@@ -283,7 +281,7 @@ impl Criteria<'_> {
         match yaw {
             Some(yaw) => {
                 let rate = &self.input.wave(&yaw.id)?.sampled;
-                let rate = rate.slice(rate.index_at_or_after(self.time_zero_s), rate.len());
+                let rate = rate.slice(rate.index_at_or_after(0.0), rate.len());
                 match thiv_phd(&x_flight, &y_flight, &rate, space) {
                     Ok((thiv, phd)) => metrics.extend([(&with_yaw[..], thiv), (&with_yaw[..], phd)]),
                     Err(error) => notes.warning(format!("thiv: {error}")),

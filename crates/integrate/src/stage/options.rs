@@ -3,14 +3,14 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::{Spread, Uncertainty};
+use crate::Uncertainty;
 use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
 use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_signal::{
-    Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Uncertain,
-    UsedStart,
+    Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Spread,
+    Uncertain, UsedStart,
 };
-use crumple_stage::{Usage, flag};
+use crumple_stage::{LeftOut, Usage, flag};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 // Flags and pipeline keys of the stage.
@@ -36,15 +36,6 @@ pub struct Options {
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     pub channels: Vec<String>,
 
-    /// First contact on the record's time axis, e.g. 1.2ms [default: 0 s, as the file has it]
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub time_zero: Option<Time>,
-
-    /// How first contact is found: file, threshold (0.5 g for 3 ms), edr (49 CFR 563: 0.8 km/h in 20 ms) or
-    /// contact:<channel>, the edge of a contact switch [default: file]
-    #[arg(long, value_name = "RULE")]
-    pub time_zero_rule: Option<ZeroRule>,
-
     /// Speed just before contact, e.g. 57.09km/h, instead of the one in the test description
     #[arg(long, value_name = "SPEED")]
     pub impact_speed: Option<Speed>,
@@ -53,7 +44,7 @@ pub struct Options {
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub end_velocity: Option<EndVelocity>,
 
-    /// When the known velocity holds, on the record's time axis [default: at the last sample]
+    /// When the known velocity holds, counted from contact [default: at the last sample]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub end_time: Option<Time>,
 
@@ -73,10 +64,6 @@ pub struct Options {
     /// Uncertainty of the gain of the channel, e.g. "1 % uniform" [default: none stated]
     #[arg(long, value_name = "PERCENT [normal|uniform]")]
     pub gain_uncertainty: Option<Uncertain<Share>>,
-
-    /// Uncertainty of first contact, e.g. "0.5 ms uniform" [default: none stated]
-    #[arg(long, value_name = "TIME [normal|uniform]")]
-    pub time_zero_uncertainty: Option<Uncertain<Time>>,
 
     /// How often the integration is repeated with perturbed inputs, 0 for no intervals [default: 400]
     #[arg(long, value_name = "N")]
@@ -107,6 +94,17 @@ pub struct Options {
     #[arg(long, value_name = "SPEED")]
     pub no_damage_speed: Option<Speed>,
 }
+
+/// Contact is settled where the record is read, for all stages.
+const GIVE_IT_TO_INGEST: &str = "give it to ingest, which settles contact for every stage: in the table [ingest], or \
+    as a flag of ingest and run";
+
+/// Options of earlier versions.
+pub const LEFT_OUT: &[LeftOut] = &[
+    LeftOut { option: "time_zero", value: "", instead: GIVE_IT_TO_INGEST },
+    LeftOut { option: "time_zero_rule", value: "", instead: GIVE_IT_TO_INGEST },
+    LeftOut { option: "time_zero_uncertainty", value: "", instead: GIVE_IT_TO_INGEST },
+];
 
 /// Groups of metrics of occupants and of roadside hardware.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -139,46 +137,6 @@ pub enum BarrierCells {
     All,
     /// None: no barrier force.
     None,
-}
-
-/// How first contact is found.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ZeroRule {
-    /// At 0 s of the record.
-    File,
-    /// By threshold.
-    Threshold,
-    /// By the rule for event data recorders.
-    Edr,
-    /// From a contact switch: id of its channel.
-    Contact(String),
-}
-
-impl FromStr for ZeroRule {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.trim() {
-            "file" => Ok(Self::File),
-            "threshold" => Ok(Self::Threshold),
-            "edr" => Ok(Self::Edr),
-            other => match other.strip_prefix("contact:").map(str::trim) {
-                Some(id) if !id.is_empty() => Ok(Self::Contact(id.to_owned())),
-                _ => Err(format!("unknown rule {text:?}, expected file, threshold, edr or contact:<channel>")),
-            },
-        }
-    }
-}
-
-impl fmt::Display for ZeroRule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File => f.write_str("file"),
-            Self::Threshold => f.write_str("threshold"),
-            Self::Edr => f.write_str("edr"),
-            Self::Contact(id) => write!(f, "contact:{id}"),
-        }
-    }
 }
 
 /// A velocity along x, m/s; `standstill` is 0.
@@ -218,7 +176,7 @@ macro_rules! as_text {
     )*};
 }
 
-as_text!(ZeroRule, EndVelocity);
+as_text!(EndVelocity);
 
 // The settings that the options come to.
 
@@ -232,11 +190,6 @@ pub struct StageSettings {
     /// Further channels.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub channels: Vec<String>,
-    /// `None`: by the rule.
-    pub time_zero_s: Option<f64>,
-    /// `None`: 0 s, where the file has it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time_zero_rule: Option<ZeroRule>,
     /// `None`: that of the test.
     pub impact_speed_m_per_s: Option<f64>,
     /// `None`: no drift is taken out.
@@ -278,9 +231,6 @@ impl TryFrom<Options> for StageSettings {
     type Error = Usage;
 
     fn try_from(options: Options) -> Result<Self, Usage> {
-        if options.time_zero.is_some() && options.time_zero_rule.is_some() {
-            return Err(Usage::new("both time-zero and time-zero-rule are given").hint("leave out either"));
-        }
         if options.end_velocity.is_none() {
             let given = [("end-time", options.end_time.is_some()), ("drift", options.drift.is_some())];
             if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
@@ -311,8 +261,6 @@ impl TryFrom<Options> for StageSettings {
             start: options.start.unwrap_or_default(),
             channel: options.channel,
             channels: options.channels,
-            time_zero_s: options.time_zero.map(Time::si),
-            time_zero_rule: options.time_zero_rule.filter(|rule| *rule != ZeroRule::File),
             impact_speed_m_per_s: options.impact_speed.map(Speed::si),
             end_condition: options.end_velocity.map(|EndVelocity(speed)| EndCondition {
                 velocity_m_per_s: speed.si(),
@@ -354,23 +302,29 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
         impact_speed_m_per_s: options.speed_uncertainty.map(|u| spread(u, Speed::si)),
         zero_level_m_per_s2: options.zero_level_uncertainty.map(|u| spread(u, Level::si)),
         gain: options.gain_uncertainty.map(|u| spread(u, Share::si)),
-        time_zero_s: options.time_zero_uncertainty.map(|u| spread(u, Time::si)),
+        contact_s: None,
+        earlier_by_s: 0.0,
         replicates: replicates as usize,
         seed: options.uncertainty_seed.unwrap_or(1),
     };
-    let inputs = [stated.impact_speed_m_per_s, stated.zero_level_m_per_s2, stated.gain, stated.time_zero_s];
+    let inputs = [stated.impact_speed_m_per_s, stated.zero_level_m_per_s2, stated.gain];
     Ok((replicates > 0 && inputs.into_iter().any(|input| input.is_some())).then_some(stated))
 }
 
 /// What the intervals rest on, in words.
 pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
-    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, time_zero_s, replicates, seed } = uncertainty;
+    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, contact_s, earlier_by_s, replicates, seed } =
+        uncertainty;
     let inputs = [
         ("impact speed", impact_speed_m_per_s, 3.6, "km/h"),
         ("zero level", zero_level_m_per_s2, 1.0 / STANDARD_GRAVITY_M_PER_S2, "g"),
         ("gain", gain, 1e2, "%"),
-        ("time zero", time_zero_s, 1e3, "ms"),
+        ("contact", contact_s, 1e3, "ms"),
     ];
+    let soft_front = match *earlier_by_s {
+        0.0 => String::new(),
+        lead_s => format!(", contact up to {:.0} ms earlier for a soft front", 1e3 * lead_s),
+    };
     let stated = inputs.into_iter().filter_map(|(name, spread, factor, unit)| {
         let Spread { size, distribution } = (*spread)?;
         // Rounded to what was typed: 0.1 km/h is not 0.09999999999999999.
@@ -380,18 +334,21 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
             Distribution::Uniform => format!("{name} +-{size} {unit} (uniform)"),
         })
     });
-    let moved = match (time_zero_s, start) {
+    let moved = match (contact_s, start) {
         (None, _) => "",
         (Some(_), UsedStart::RecordStart) => {
-            ". An error of time zero moves the crush by v0 times the error and all times by the error. Delta-v and \
+            ". An error of contact moves the crush by v0 times the error and all times by the error. Delta-v and \
              rebound speed stay"
         }
         (Some(_), UsedStart::TimeZero) => {
-            ". An error of time zero moves the crush by v0 times the error, and the velocity by the pulse in between"
+            ". An error of contact moves the crush by v0 times the error, and the velocity by the pulse in between"
         }
     };
     let stated: Vec<String> = stated.collect();
-    format!("intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}", stated.join(", "))
+    format!(
+        "intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{soft_front}{moved}",
+        stated.join(", ")
+    )
 }
 
 #[cfg(test)]

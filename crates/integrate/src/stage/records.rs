@@ -5,13 +5,13 @@ use crumple_metrics::{IntervalBy, Metric, centroid_time_from_crush, definitions}
 use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
 use crumple_stage::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1, MissingIntervalV1};
 
-use crate::stage::integration::{Integrated, TimeZero};
+use crate::stage::integration::Integrated;
 use crate::stage::options::StageSettings;
 
 pub fn events_record(
     channel: &str,
     settings: &StageSettings,
-    zero: &TimeZero,
+    rule: &str,
     pulse: &Integrated,
     impact_speed_m_per_s: f64,
 ) -> EventsV1 {
@@ -35,8 +35,8 @@ pub fn events_record(
     });
     EventsV1 {
         channel: channel.to_owned(),
-        time_zero_s: zero.time_s,
-        time_zero_rule: zero.rule.clone(),
+        time_zero_s: 0.0,
+        time_zero_rule: rule.to_owned(),
         dynamic_crush_m: events.crush.map(|crush| crush.displacement_m),
         time_of_dynamic_crush_s: events.crush.map(|crush| crush.time_s),
         centroid_time_s: events.crush.map(|c| centroid_time_from_crush(c.displacement_m, impact_speed_m_per_s)),
@@ -57,7 +57,7 @@ pub fn events_record(
 }
 
 /// The metrics of a channel, and the drift taken out of it.
-pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) -> Vec<MetricV1> {
+pub fn metric_records(channel: &str, integrated: &Integrated) -> Vec<MetricV1> {
     let record_of = |(k, metric): (usize, &Metric)| {
         let mut record = metric_record(&[channel], metric);
         // A check of the arithmetic has no interval, and a missing value none to give a reason for.
@@ -68,9 +68,9 @@ pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) 
     };
     let mut records: Vec<MetricV1> = integrated.metrics.iter().enumerate().map(record_of).collect();
     if let Some(drift) = integrated.drift {
-        let from_s = integrated.motion.velocity.t0_s() - time_zero_s;
+        let from_s = integrated.motion.velocity.t0_s();
         let metric = Metric::with_value(&definitions::DRIFT, drift.acceleration_m_per_s2)
-            .over(from_s, drift.time_s - time_zero_s)
+            .over(from_s, drift.time_s)
             .remarked(&format!("{}, met at {:.6} s of the record", drift.shape.name(), drift.time_s));
         records.push(metric_record(&[channel], &metric));
     }
@@ -81,15 +81,9 @@ pub fn metric_records(channel: &str, integrated: &Integrated, time_zero_s: f64) 
 /// most other notes follow from that.
 ///
 /// Where the stage that read the record asked for an exchange that explains it, nothing more is asked.
-pub fn note_findings(
-    pulse: &Integrated,
-    time_zero_s: f64,
-    impact_speed_m_per_s: f64,
-    speed_rule: SpeedRule,
-    notes: &mut Notes,
-) {
-    let of_pulse = findings(&pulse.motion, &pulse.events, time_zero_s, impact_speed_m_per_s);
-    if wrong_sign(&pulse.motion.velocity, time_zero_s, impact_speed_m_per_s) {
+pub fn note_findings(pulse: &Integrated, impact_speed_m_per_s: f64, speed_rule: SpeedRule, notes: &mut Notes) {
+    let of_pulse = findings(&pulse.motion, &pulse.events, 0.0, impact_speed_m_per_s);
+    if wrong_sign(&pulse.motion.velocity, 0.0, impact_speed_m_per_s) {
         let before = std::mem::replace(notes, of_pulse);
         notes.extend(before);
         return;
@@ -122,8 +116,8 @@ fn is_decisive(note: &Note) -> bool {
 }
 
 /// Notes the warnings of the motion of another channel, under its name.
-pub fn note_warnings(id: &str, channel: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64, notes: &mut Notes) {
-    for note in findings(&channel.motion, &channel.events, time_zero_s, impact_speed_m_per_s).iter() {
+pub fn note_warnings(id: &str, channel: &Integrated, impact_speed_m_per_s: f64, notes: &mut Notes) {
+    for note in findings(&channel.motion, &channel.events, 0.0, impact_speed_m_per_s).iter() {
         if note.severity == Severity::Warning {
             notes.concern(About::Channel(id.to_owned()), Weight::Marked, format!("channel {id}: {}", note.text));
         }
@@ -143,12 +137,12 @@ pub fn warn_unless_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
 }
 
 /// The line of the summary.
-pub fn summary(channel: &str, pulse: &Integrated, time_zero_s: f64, impact_speed_m_per_s: f64) -> String {
+pub fn summary(channel: &str, pulse: &Integrated, impact_speed_m_per_s: f64) -> String {
     if impact_speed_m_per_s == 0.0 {
         let change = pulse.events.end_velocity_m_per_s;
         return format!("pulse {channel}: from rest, change of velocity {change:.3} m/s at the end, no crash events");
     }
-    if wrong_sign(&pulse.motion.velocity, time_zero_s, impact_speed_m_per_s) {
+    if wrong_sign(&pulse.motion.velocity, 0.0, impact_speed_m_per_s) {
         return format!("pulse {channel}: no crash events, {WRONG_SIGN}");
     }
     match (pulse.events.crush, pulse.events.rebound) {

@@ -1,7 +1,8 @@
 //! Records made from known models: crush and its time come back.
 
-use crumple_integrate::{edr_start, threshold_crossing};
-use crumple_metrics::{CrashEvents, DynamicCrush, Pulse, crash_events, peak, pulse_metrics};
+use crumple_metrics::{
+    CrashEvents, DynamicCrush, Pulse, crash_events, edr_start, peak, pulse_metrics, threshold_crossing,
+};
 use crumple_signal::{
     Acceleration, IntegrationRule, IntegrationSettings, IntegrationStart, Motion, STANDARD_GRAVITY_M_PER_S2, Signal,
     UsedStart, integrate, integrate_twice,
@@ -34,7 +35,6 @@ fn motion(a: &Signal<Acceleration>, v0: f64, rule: IntegrationRule, start: Integ
     let settings = IntegrationSettings {
         rule,
         start,
-        time_zero_s: 0.0,
         impact_speed_m_per_s: v0,
         low_pass_filtered: start == IntegrationStart::Auto,
     };
@@ -266,7 +266,6 @@ fn crush_and_rebound_are_those_published_with_the_record() {
         let settings = IntegrationSettings {
             rule: IntegrationRule::Trapezoid,
             start: IntegrationStart::Auto,
-            time_zero_s: 0.0,
             impact_speed_m_per_s: V0_M_PER_S,
             low_pass_filtered: false,
         };
@@ -299,7 +298,6 @@ fn motion_of_case(case: &Case, a: Vec<f64>, t0_s: f64, dt_s: f64) -> (Motion, Cr
     let settings = IntegrationSettings {
         rule: IntegrationRule::Trapezoid,
         start: IntegrationStart::TimeZero,
-        time_zero_s: 0.0,
         impact_speed_m_per_s: number(&case["params"]["v0_ms"]),
         low_pass_filtered: false,
     };

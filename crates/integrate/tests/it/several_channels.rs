@@ -153,35 +153,6 @@ fn the_barrier_force_is_the_sum_of_its_living_cells_and_its_impulse_is_the_chang
 }
 
 #[test]
-fn time_zero_is_found_by_the_rule_asked_for_and_its_uncertainty_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = test_folder(folder.path());
-    let found = |rule: &str| {
-        let artifact = result(&input, &["--time-zero-rule", rule]);
-        let zero = events(&artifact);
-        (zero.time_zero_s, zero.time_zero_rule, notes(&artifact))
-    };
-    let (time_s, rule, _) = found("file");
-    assert_eq!((time_s, rule.as_str()), (0.0, "file"));
-    // 0.5 g of a ramp of 120 m/s² in 1 ms, linear between samples.
-    let (time_s, rule, said) = found("threshold");
-    assert!((time_s - 4.903_325 / 120e3).abs() < 1e-12, "{time_s}");
-    assert_eq!(rule, "threshold");
-    assert!(said.iter().any(|note| note.contains("contact may be 0.04 ms earlier (0.6 mm")), "{said:?}");
-    let (time_s, _, said) = found("edr");
-    assert!((-0.02..0.0).contains(&time_s), "{time_s}");
-    assert!(said.iter().any(|note| note.contains("contact may be 20.00 ms later")), "{said:?}");
-    // The switch opens between samples 519 and 520, 1.9 and 2.0 ms.
-    let (time_s, rule, _) = found("contact:5");
-    assert!((time_s - 1.95e-3).abs() < 1e-9, "{time_s}");
-    assert_eq!(rule, "contact:5");
-
-    assert_eq!(run(&input, &["--time-zero-rule", "contact:nope"]).status.code(), Some(3));
-    assert_eq!(run(&input, &["--time-zero-rule", "guess"]).status.code(), Some(2));
-    assert_eq!(run(&input, &["--time-zero-rule", "edr", "--time-zero", "0s"]).status.code(), Some(2));
-}
-
-#[test]
 fn a_stated_end_velocity_is_met_and_what_it_took_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let input = test_folder(folder.path());

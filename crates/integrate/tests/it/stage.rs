@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV2, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_signal::{Axis, Channel, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, TestDescription};
+use crumple_signal::{Axis, Channel, Contact, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, TestDescription};
 use crumple_testkit::write_filtered;
 
 use crate::{PROGRAM, events, result, run};
@@ -104,17 +104,20 @@ fn a_missing_impact_speed_leaves_the_pulse_and_a_flag_gives_it() {
 }
 
 #[test]
-fn a_time_zero_from_a_flag_is_an_offset_and_one_outside_the_record_is_refused() {
+fn a_time_zero_is_for_ingest_and_one_that_was_moved_here_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let input = filtered(folder.path(), &constant(Some(20.0), None, None));
-    let artifact = result(&input, &["--time-zero=-10ms"]);
-    let events = events(&artifact);
-    assert_eq!((events.time_zero_s, events.time_zero_rule.as_str()), (-0.01, "flag"));
-    // Ten milliseconds at speed before the pulse: 0.2 m more. The step of 200 m/s², counted as a ramp of one sample,
-    // takes T/2 of it, 0.01 m/s, for the 0.1 s of the pulse: 1 mm less.
-    assert!((events.time_of_dynamic_crush_s.unwrap() - 0.11).abs() < 1e-4);
-    assert!((events.dynamic_crush_m.unwrap() - 1.2).abs() < 1.1e-3, "{events:?}");
-    assert_eq!(run(&input, &["--time-zero", "9s"]).status.code(), Some(3));
+    for flags in [["--time-zero", "0s"], ["--time-zero-rule", "edr"], ["--time-zero-uncertainty", "1 ms"]] {
+        let output = run(&input, &flags);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("give it to ingest"), "{output:?}");
+    }
+    // What the test says of contact is what the events say.
+    let mut test = constant(Some(20.0), None, None);
+    test.contact =
+        Some(Contact { rule: "auto".to_owned(), source_time_s: 0.7, uncertainty_s: None, earlier_by_s: 0.0 });
+    let events = events(&result(&filtered(folder.path(), &test), &[]));
+    assert_eq!((events.time_zero_s, events.time_zero_rule.as_str()), (0.0, "auto"));
 }
 
 #[test]
@@ -188,38 +191,6 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
         std::fs::read(output).unwrap()
     };
     assert_eq!(written("1"), written("3"));
-}
-
-#[test]
-fn a_pulse_that_begins_long_after_an_unstated_zero_is_warned_about_with_the_remedy() {
-    let folder = tempfile::tempdir().unwrap();
-    let input = |name: &str, format: &str, time_zero: Option<&str>| {
-        let mut test = constant(Some(14.0), None, None);
-        test.time_zero = time_zero.map(str::to_owned);
-        test.source.format = format.to_owned();
-        // At rest for 60 ms, then the pulse.
-        let samples = (0..3000).map(|k| if k < 600 { 0.0 } else { -200.0 }).collect();
-        let mut builder = ArtifactBuilder::new();
-        builder.put("/test", &TestV1::from(&test)).unwrap();
-        builder.wave("a", QuantityKind::Acceleration, Sampled::new(0.0, 1e-4, samples).unwrap()).unwrap();
-        let path = folder.path().join(name);
-        builder.write(&path, &Provenance::new("filter", "0", "{}".to_owned(), vec![]), Compression::None).unwrap();
-        path
-    };
-    let notes = |input: &Path, flags: &[&str]| {
-        result(input, flags).record::<NotesV1>("/notes").unwrap().map_or(String::new(), |notes| notes.notes.join("\n"))
-    };
-    let table = input("table.mcap", "csv", None);
-    // The crossing is interpolated between the last sample at rest, 59.9 ms, and the first of the pulse.
-    let found = notes(&table, &[]);
-    assert!(found.contains("warning: channel a first exceeds 0.5 g for 3 ms at 59.9 ms"), "{found}");
-    assert!(found.contains("0.839 m") && found.contains("--time-zero 59.9ms at ingest"), "{found}");
-    for flags in [["--time-zero", "0s"], ["--time-zero", "60ms"]] {
-        assert!(!notes(&table, &flags).contains("first exceeds"), "{flags:?}");
-    }
-    assert!(!notes(&input("test.mcap", "nhtsa-ev5", None), &[]).contains("first exceeds"));
-    let stated = input("stated.mcap", "tdms", Some("the format tdms"));
-    assert!(!notes(&stated, &[]).contains("first exceeds"));
 }
 
 #[test]

@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Spread, Uncertainty, perturbed, propagate};
+use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, perturbed, propagate};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{
     Acceleration, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationSettings, IntegrationStart,
-    STANDARD_GRAVITY_M_PER_S2, Signal, integrate,
+    STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate,
 };
 
 const V0: f64 = 14.0;
@@ -27,18 +27,12 @@ fn half_sine() -> Signal<Acceleration> {
 }
 
 fn settings(start: IntegrationStart) -> IntegrationSettings {
-    IntegrationSettings {
-        rule: IntegrationRule::Trapezoid,
-        start,
-        time_zero_s: 0.0,
-        impact_speed_m_per_s: V0,
-        low_pass_filtered: true,
-    }
+    IntegrationSettings { rule: IntegrationRule::Trapezoid, start, impact_speed_m_per_s: V0, low_pass_filtered: true }
 }
 
 fn events(a: &Signal<Acceleration>, start: IntegrationStart, by: Perturbation) -> CrashEvents {
     let motion = perturbed(a, &settings(start), None, &by).unwrap();
-    crash_events(&motion.velocity, &motion.displacement, by.time_zero_s).unwrap()
+    crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap()
 }
 
 /// Crush, its time and delta-v with an error less those without.
@@ -120,7 +114,7 @@ fn an_error_of_the_gain_moves_the_crush_by_its_share_of_what_the_pulse_took() {
 fn an_error_of_time_zero_moves_what_its_place_in_the_record_moves() {
     let a = half_sine();
     let dt = 0.5e-3;
-    let by = |time_zero_s| Perturbation { time_zero_s, ..Perturbation::default() };
+    let by = |later_s| Perturbation { later_s, ..Perturbation::default() };
     // Integrated from the record's start the velocity does not know time zero: only the label moves. The crush counts
     // from the label. Before contact, at rest, exactly; after it but for what the pulse took in 0.5 ms: A·π/D·δ³/6 =
     // 2e-7 m.
@@ -153,13 +147,33 @@ fn an_error_of_time_zero_moves_what_its_place_in_the_record_moves() {
     close(time, dt, 1e-9, "before the record");
 }
 
+#[test]
+fn a_soft_front_moves_contact_to_the_earlier_side_alone() {
+    let certain = Uncertainty {
+        impact_speed_m_per_s: None,
+        zero_level_m_per_s2: None,
+        gain: None,
+        contact_s: None,
+        earlier_by_s: 4e-3,
+        ..uncertainty(Distribution::Uniform)
+    };
+    let leads: Vec<f64> = (0..N).map(|k| -certain.perturbation(k).later_s).collect();
+    assert!(leads.iter().all(|lead| (0.0..=4e-3).contains(lead)));
+    // Half of the draws have none, the others are uniform: their mean is a quarter of the largest lead. Deviation of
+    // the mean: sqrt(E[u²] - E[u]²) = sqrt(1/6 - 1/16) of it over sqrt(N); four of them.
+    let (mean, none) = (leads.iter().sum::<f64>() / N as f64, leads.iter().filter(|lead| **lead == 0.0).count());
+    close(mean, 1e-3, 4.0 * 4e-3 * 0.323 / (N as f64).sqrt(), "mean lead");
+    close(none as f64 / N as f64, 0.5, 4.0 * 0.5 / (N as f64).sqrt(), "none");
+}
+
 fn uncertainty(distribution: Distribution) -> Uncertainty {
     let of = |size| Some(Spread { size, distribution });
     Uncertainty {
         impact_speed_m_per_s: of(0.1 / 3.6),
         zero_level_m_per_s2: of(0.05 * STANDARD_GRAVITY_M_PER_S2),
         gain: of(0.01),
-        time_zero_s: of(0.5e-3),
+        contact_s: of(0.5e-3),
+        earlier_by_s: 0.0,
         replicates: N,
         seed: 1,
     }
@@ -191,7 +205,7 @@ fn one_uncertain_input_gives_its_own_quantiles() {
             impact_speed_m_per_s: None,
             zero_level_m_per_s2: None,
             gain: None,
-            time_zero_s: None,
+            contact_s: None,
             ..all.clone()
         };
         // A quantile of N replicates has the standard deviation sqrt(0.05·0.95/N)/density; four of them are allowed,
@@ -205,7 +219,7 @@ fn one_uncertain_input_gives_its_own_quantiles() {
                 0.05 * STANDARD_GRAVITY_M_PER_S2 * (t * t / 2.0 + BEFORE_S * t),
             ),
             (Uncertainty { gain: all.gain, ..nothing.clone() }, 0.01 * (V0 * t - crush.displacement_m)),
-            (Uncertainty { time_zero_s: all.time_zero_s, ..nothing.clone() }, V0 * 0.5e-3),
+            (Uncertainty { contact_s: all.contact_s, ..nothing.clone() }, V0 * 0.5e-3),
         ] {
             let [[low, high], _] = of_crush(&stated);
             let within = (noise + 0.02 * quantile) * effect;
@@ -267,7 +281,7 @@ fn a_known_velocity_takes_the_zero_level_out_of_the_intervals() {
     let end = |velocity_m_per_s| EndCondition { velocity_m_per_s, time_s: None, shape: DriftShape::Bias };
     let only = |zero_level_m_per_s2, gain| Uncertainty {
         impact_speed_m_per_s: None,
-        time_zero_s: None,
+        contact_s: None,
         zero_level_m_per_s2,
         gain,
         replicates: 100,

@@ -21,8 +21,6 @@ pub struct SingleMassFitOptions {
     pub crush_m: f64,
     /// Time of dynamic crush, s after contact.
     pub time_of_dynamic_crush_s: f64,
-    /// Contact on the record's time axis, s.
-    pub time_zero_s: f64,
     /// Start of the window, s after contact.
     pub from_s: f64,
     /// End of the window; `None`: end of the record.
@@ -43,10 +41,10 @@ impl SingleMassFitOptions {
 
     /// The samples of the window, for a search on the motion itself. Errors: a window that is not inside the record.
     pub(crate) fn observed(&self, displacement: &Signal<Displacement>) -> Result<Observation, SolveError> {
-        let measurement = Measurement::of_samples(displacement, self.time_zero_s);
-        let to_s = self.to_s.unwrap_or(displacement.end_s() - self.time_zero_s);
+        let measurement = Measurement::of_samples(displacement);
+        let to_s = self.to_s.unwrap_or(displacement.end_s());
         let (v0, window_s) = (self.impact_speed_m_per_s, (self.from_s, to_s));
-        let observed = Observation::new(displacement, self.time_zero_s, measurement, v0, window_s, self.samples)?;
+        let observed = Observation::new(displacement, measurement, v0, window_s, self.samples)?;
         Ok(observed.limited(1))
     }
 

@@ -157,7 +157,6 @@ impl ObservedWave {
     pub fn new(
         wave: &Sampled,
         (mass, quantity): (Option<usize>, FitQuantity),
-        time_zero_s: f64,
         measurement: Measurement,
         (from_s, to_s): (f64, f64),
         limit: usize,
@@ -165,12 +164,12 @@ impl ObservedWave {
         let dt = measurement.dt_s;
         let index = |t: f64| (t - measurement.first_s) / dt;
         // The record may start later than the acceleration: integrated from contact.
-        let offset = index(wave.t0_s() - time_zero_s).round().max(0.0) as usize;
+        let offset = index(wave.t0_s()).round().max(0.0) as usize;
         let first = (index(from_s) - 1e-6).ceil().max(0.0) as usize;
-        let last_s = wave.end_s() - time_zero_s;
-        let error = SolveError::Window { from_s, to_s, first_s: wave.t0_s() - time_zero_s, last_s };
+        let last_s = wave.end_s();
+        let error = SolveError::Window { from_s, to_s, first_s: wave.t0_s(), last_s };
         // A record may begin up to one interval after contact.
-        let late = wave.t0_s() - time_zero_s > from_s + (1.0 + 1e-6) * dt;
+        let late = wave.t0_s() > from_s + (1.0 + 1e-6) * dt;
         if !(from_s.is_finite() && to_s.is_finite() && 0.0 <= from_s && from_s < to_s) || late {
             return Err(error);
         }
@@ -195,7 +194,7 @@ impl ObservedWave {
             FitQuantity::Displacement => resolution_m,
             _ => resolution_m / USUAL_CRUSH_M * largest(&samples),
         };
-        let first_s = wave.t0_s() - time_zero_s;
+        let first_s = wave.t0_s();
         let record = Arc::new(WholeWave { first_s, dt_s: wave.dt_s(), samples: all.to_vec() });
         let (weight, noise) = (1.0, None);
         let (impact, work) = (None, Work::default());
@@ -292,14 +291,13 @@ impl Observation {
     /// as far as it goes. Errors: a window that leaves the record, or fewer than 12 samples.
     pub fn new(
         displacement: &Signal<Displacement>,
-        time_zero_s: f64,
         measurement: Measurement,
         impact_speed_m_per_s: f64,
         window_s: (f64, f64),
         limit: usize,
     ) -> Result<Self, SolveError> {
         let what = (None, FitQuantity::Displacement);
-        let wave = ObservedWave::new(displacement, what, time_zero_s, measurement, window_s, limit)?;
+        let wave = ObservedWave::new(displacement, what, measurement, window_s, limit)?;
         Ok(Self { impact_speed_m_per_s, waves: vec![wave] })
     }
 

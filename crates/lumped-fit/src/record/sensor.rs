@@ -254,8 +254,6 @@ pub struct TestData<'a> {
     pub dynamic_crush_m: Option<f64>,
     /// Coefficient of restitution, if the record shows the rebound.
     pub coefficient_of_restitution: Option<f64>,
-    /// Time zero on the axis of the displacement record, s.
-    pub time_zero_s: f64,
     /// Time of rebound after time zero, s, if the record shows it.
     pub time_of_rebound_s: Option<f64>,
     /// Displacement of the compartment.
@@ -319,9 +317,9 @@ pub struct WallForce {
 impl WallForce {
     /// The force, N, up to `to_s` after contact; `measurement`: how it was measured. Errors: a window that leaves the
     /// record, or fewer than 12 samples.
-    pub fn new(force: &Sampled, time_zero_s: f64, measurement: Measurement, to_s: f64) -> Result<Self, SolveError> {
+    pub fn new(force: &Sampled, measurement: Measurement, to_s: f64) -> Result<Self, SolveError> {
         let what = (None, FitQuantity::Force);
-        let wave = ObservedWave::new(force, what, time_zero_s, measurement, (0.0, to_s), usize::MAX)?;
+        let wave = ObservedWave::new(force, what, measurement, (0.0, to_s), usize::MAX)?;
         Ok(Self { wave })
     }
 

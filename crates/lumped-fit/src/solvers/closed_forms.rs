@@ -188,10 +188,10 @@ struct Loading {
 impl Loading {
     /// By differences of the displacement, which is a sum of sums: the second difference is a mean of neighbours of the
     /// acceleration. `None` with too few samples, or where the vehicle does not move towards the barrier.
-    fn of(displacement: &Signal<Displacement>, time_zero_s: f64, to_s: f64) -> Option<Self> {
+    fn of(displacement: &Signal<Displacement>, to_s: f64) -> Option<Self> {
         let x = displacement.samples();
-        let from = displacement.index_at_or_after(time_zero_s);
-        let to = displacement.index_at_or_after(time_zero_s + to_s).min(x.len());
+        let from = displacement.index_at_or_after(0.0);
+        let to = displacement.index_at_or_after(to_s).min(x.len());
         let stride = (to.saturating_sub(from) / SAMPLES.end).max(1);
         let (first, last) = (from.max(stride), to.min(x.len().saturating_sub(stride)));
         let each = |of: &dyn Fn(usize) -> f64| (first..last).step_by(stride).map(of).collect::<Vec<f64>>();
@@ -230,7 +230,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         notes.warning(format!("{}: not fitted, there is no displacement", task.model));
         return Ok(Vec::new());
     };
-    let loading = Loading::of(displacement, task.test.time_zero_s, extent.time_s);
+    let loading = Loading::of(displacement, extent.time_s);
     let mut candidates = Vec::new();
     for knots in knot_counts(extent.time_s) {
         let minimum = loading.as_ref().and_then(|loading| curve(task, loading, knots, &extent, &mut fitting));

@@ -143,13 +143,12 @@ impl<'a> FitTask<'a> {
     fn new(task: &'a Task<'a>, sensors: Vec<(usize, Sensor<'a>)>, to_s: Option<f64>) -> Result<Self, SolveError> {
         let (test, settings) = (task.test, task.settings);
         let wave = |(mass, sensor): &(usize, Sensor<'a>)| -> Result<ObservedWave, SolveError> {
-            let end_s = to_s.unwrap_or(sensor.record.end_s() - test.time_zero_s);
-            let measurement =
-                sensor.measurement.unwrap_or_else(|| Measurement::of_samples(sensor.record, test.time_zero_s));
+            let end_s = to_s.unwrap_or(sensor.record.end_s());
+            let measurement = sensor.measurement.unwrap_or_else(|| Measurement::of_samples(sensor.record));
             let what = (Some(*mass), sensor.quantity);
             let window_s = (settings.fit_from_s, end_s);
             let samples = settings.fit_samples;
-            let wave = ObservedWave::new(sensor.record, what, test.time_zero_s, measurement, window_s, samples)?;
+            let wave = ObservedWave::new(sensor.record, what, measurement, window_s, samples)?;
             Ok(ObservedWave { noise: sensor.noise, ..wave })
         };
         let waves = sensors.iter().map(wave).collect::<Result<Vec<_>, _>>()?;

@@ -116,12 +116,11 @@ impl Motions {
     /// By differences of the displacements, which are sums of sums: the second difference is a mean of neighbours of
     /// the acceleration. `None` with too few samples.
     fn of(task: &Task<'_>, compartment: &Signal<Displacement>, engine: &Sampled, to_s: f64) -> Option<Self> {
-        let zero = task.test.time_zero_s;
         let (dt_s, count) = (compartment.dt_s(), compartment.len());
         let filter = task.test.measurement.and_then(|measurement| measurement.filter);
         let beyond = filter.map_or(0, |filter| filter.memory_samples());
-        let contact = compartment.index_at_or_after(zero);
-        let end = compartment.index_at_or_after(zero + to_s + 0.5 * dt_s);
+        let contact = compartment.index_at_or_after(0.0);
+        let end = compartment.index_at_or_after(to_s + 0.5 * dt_s);
         let last = end.saturating_add(beyond).min(count.checked_sub(2)?);
         let differences = |at: &dyn Fn(usize) -> Option<f64>| -> Option<[Vec<f64>; 3]> {
             let x: Vec<f64> = (0..last + 2).map(at).collect::<Option<_>>()?;
@@ -140,7 +139,7 @@ impl Motions {
         let wall_n = wall.map(|wall| (0..=last).map(|k| wall.record.at(t(k)).unwrap_or(0.0)).collect());
         let window = (contact + 2, end.min(last));
         let enough = window.1 >= window.0 + FEWEST_SAMPLES;
-        let (of, first_s) = ([of_engine, of_compartment], compartment.t0_s() - zero);
+        let (of, first_s) = ([of_engine, of_compartment], compartment.t0_s());
         enough.then_some(Self { dt_s, first_s, window, of, wall_n, filter })
     }
 
@@ -243,17 +242,17 @@ impl Motions {
         let window_s = (after_contact_s(self.window.0), after_contact_s(self.window.1));
         let wave = |mass: usize| {
             let from = self.window.0 - 1;
-            let first_s = task.test.time_zero_s + after_contact_s(from);
+            let first_s = after_contact_s(from);
             let wave = Sampled::new(first_s, self.dt_s, self.of[mass][2][from..].to_vec()).ok()?;
             let measurement = task.test.measurement?;
             let what = (Some(mass), FitQuantity::Acceleration);
-            ObservedWave::new(&wave, what, task.test.time_zero_s, measurement, window_s, usize::MAX).ok()
+            ObservedWave::new(&wave, what, measurement, window_s, usize::MAX).ok()
         };
         let wall = task.test.sensors.iter().find(|sensor| sensor.place == SensorPlace::Wall).and_then(|wall| {
             let measurement = wall.measurement?;
             let window_s = (measurement.time_s(measurement.contact_index()), window_s.1);
             let what = (Some(2), FitQuantity::Force);
-            ObservedWave::new(wall.record, what, task.test.time_zero_s, measurement, window_s, usize::MAX).ok()
+            ObservedWave::new(wall.record, what, measurement, window_s, usize::MAX).ok()
         });
         let waves = [wave(0)?, wave(1)?].into_iter().chain(wall).collect();
         Some(Observation { impact_speed_m_per_s: task.test.impact_speed_m_per_s, waves }.limited(1))

@@ -186,7 +186,6 @@ fn given_starts(task: &Task<'_>, coordinates: &Coordinates, masses_kg: &[f64], t
                 impact_speed_m_per_s: v0,
                 crush_m: c,
                 time_of_dynamic_crush_s: t,
-                time_zero_s: e.time_zero_s,
                 from_s: task.settings.fit_from_s,
                 to_s,
                 samples: task.settings.fit_samples,

@@ -183,7 +183,6 @@ fn start_of<'a>(
         impact_speed_m_per_s: test.impact_speed_m_per_s,
         crush_m: extent.crush_m,
         time_of_dynamic_crush_s: extent.time_s,
-        time_zero_s: test.time_zero_s,
         from_s: settings.fit_from_s,
         to_s,
         samples: settings.fit_samples,

@@ -126,10 +126,10 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
         notes.warning(format!("{kind}: not fitted, there is no displacement"));
         return None;
     };
-    let end_s = displacement.end_s() - test.time_zero_s;
+    let end_s = displacement.end_s();
     let time_s = task.settings.fit_to_s.unwrap_or(end_s);
-    let first = displacement.index_at_or_after(test.time_zero_s);
-    let after = displacement.index_at_or_after(test.time_zero_s + time_s + 0.5 * displacement.dt_s());
+    let first = displacement.index_at_or_after(0.0);
+    let after = displacement.index_at_or_after(time_s + 0.5 * displacement.dt_s());
     let window = displacement.samples().get(first..after.min(displacement.len())).unwrap_or_default();
     let crush_m = window.iter().copied().fold(0.0, f64::max);
     if crush_m <= 0.0 || time_s <= 0.0 {

@@ -444,7 +444,6 @@ fn repeat_conditioned(
         impact_speed_m_per_s: v0,
         crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
-        time_zero_s: 0.0,
         from_s: record.time_s(0),
         to_s: None,
         samples: record.samples.len(),

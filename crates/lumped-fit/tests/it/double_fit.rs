@@ -21,7 +21,6 @@ fn candidates(
         time_of_dynamic_crush_s: None,
         dynamic_crush_m: None,
         coefficient_of_restitution: None,
-        time_zero_s: 0.0,
         time_of_rebound_s: None,
         displacement: Some(record),
         measurement: None,

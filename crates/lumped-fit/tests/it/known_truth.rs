@@ -94,7 +94,6 @@ fn candidates(
         time_of_dynamic_crush_s: truth.t_m.map(|_| events.time_of_dynamic_crush_s),
         dynamic_crush_m: truth.t_m.map(|_| events.dynamic_crush_m),
         coefficient_of_restitution: truth.restitution.map(|_| events.coefficient_of_restitution),
-        time_zero_s: 0.0,
         time_of_rebound_s: truth.t_rebound.filter(|_| measurement.is_some()),
         displacement: Some(&displacement),
         measurement,

@@ -252,7 +252,6 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
                 impact_speed_m_per_s: V0,
                 crush_m: events.dynamic_crush_m,
                 time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
-                time_zero_s: 0.0,
                 from_s,
                 to_s: Some(events.time_of_dynamic_crush_s),
                 samples: 250,

@@ -30,7 +30,6 @@ fn test(displacement: &Signal<Displacement>) -> TestData<'_> {
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         dynamic_crush_m: events.dynamic_crush_m,
         coefficient_of_restitution: Some(0.15),
-        time_zero_s: 0.0,
         time_of_rebound_s: None,
         displacement: Some(displacement),
         measurement: None,

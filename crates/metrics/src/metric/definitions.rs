@@ -75,6 +75,8 @@ catalogue! {
          Mechanics (2002)";
     DELTA_V = "delta-v" "delta_v" "m/s" Checked
         "v0 - v_s, impact speed minus the lowest velocity after t_m" "definition";
+    STROKE = "stroke" "stroke" "m" Checked
+        "displacement of a motion from rest at its largest velocity, from time zero" "definition";
     MAXIMUM_DELTA_V = "edr-maximum-delta-v" "maximum_delta_v" "m/s" FromMemory
         "sample of largest magnitude of the recorded change of velocity, from time zero to 300 ms, with its sign" "49 \
          CFR 563.5";

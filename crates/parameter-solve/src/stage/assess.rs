@@ -51,9 +51,9 @@ pub fn assess_all(
         );
     }
     settings.assessment.check(Some(record.mass_kg), record.impact_speed_m_per_s)?;
-    let end = (0.0, displacement.end_s() - events.time_zero_s);
+    let end = (0.0, displacement.end_s());
     let speed = record.impact_speed_m_per_s;
-    let whole = Observation::new(displacement, events.time_zero_s, *measurement, speed, end, usize::MAX).ok();
+    let whole = Observation::new(displacement, *measurement, speed, end, usize::MAX).ok();
     if measurement.is_exact() {
         out.notes().info(
             "the filter of the record is not known here (the artifact of filter is not given, or the channel \

@@ -226,12 +226,12 @@ fn waves(
         };
         let wave = sensor_wave(settings, input, events, sensor, mass_kg)?;
         let record = &wave.record;
-        let end_s = record.end_s() - events.time_zero_s;
+        let end_s = record.end_s();
         let to_s = settings.solve.fit_to_s.or(events.time_of_dynamic_crush_s).unwrap_or(end_s);
         let window = (settings.solve.fit_from_s, to_s);
         let what = (Some(mass), quantity);
         let samples = settings.solve.fit_samples;
-        let observed = ObservedWave::new(record, what, events.time_zero_s, wave.measurement, window, samples)
+        let observed = ObservedWave::new(record, what, wave.measurement, window, samples)
             .refuse_with_hint(see(&["fit-from", "fit-to"]))?;
         waves.push(observed);
         sensors.push(Sensor { channel: wave.channel, place });

@@ -85,7 +85,7 @@ impl Comparison {
         let Some(acceleration) = acceleration_of(channel) else { return Ok(None) };
         let as_measured = |wave: &Sampled, measurement: Measurement, quantity: FitQuantity| {
             let (window, what) = ((settings.solve.fit_from_s, to_s), (None, quantity));
-            let wave = ObservedWave::new(wave, what, events.time_zero_s, measurement, window, usize::MAX).ok()?;
+            let wave = ObservedWave::new(wave, what, measurement, window, usize::MAX).ok()?;
             Some(Observation { impact_speed_m_per_s, waves: vec![wave] })
         };
         let observe = |channel: &str, wave: &Sampled| -> anyhow::Result<Option<Observation>> {
@@ -113,9 +113,9 @@ impl Comparison {
                 .and_then(|(wave, measurement)| as_measured(&wave, measurement, FitQuantity::Displacement));
             others.push(OtherSensor { channel: channel.clone(), place: *place, displacement });
         }
-        let wall = input.wall_force(events)?.and_then(|(force, steps)| {
+        let wall = input.wall_force()?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
-            WallForce::new(&force, events.time_zero_s, steps, to_s).ok()
+            WallForce::new(&force, steps, to_s).ok()
         });
         Ok(acceleration.zip(displacement).map(|(acceleration, displacement)| Self {
             tests: vec![ComparedTest {

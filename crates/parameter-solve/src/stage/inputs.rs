@@ -58,7 +58,7 @@ pub fn sensor_wave(
     mass_kg: f64,
 ) -> anyhow::Result<SensorWave> {
     if place == SensorPlace::Wall {
-        let Some((record, steps)) = input.wall_force(events)? else {
+        let Some((record, steps)) = input.wall_force()? else {
             return Err(Refused::new("sensors names the wall, and the inputs hold no force on it")
                 .expected("barrier/force, which the stage integrate sums from the load cells of the barrier")
                 .hint("leave wall out of sensors")
@@ -225,7 +225,7 @@ pub fn see(names: &[&str]) -> String {
 pub fn not_slowed(displacement: Option<&Displaced>, events: &EventsV1) -> Option<(&'static str, String)> {
     let (displacement, _) = displacement?;
     let (speed, end_m) = (events.impact_speed_m_per_s?, displacement.samples().last()?);
-    let part = end_m / (speed * (displacement.end_s() - events.time_zero_s));
+    let part = end_m / (speed * (displacement.end_s()));
     match part {
         _ if events.coefficient_of_restitution.is_some_and(|restitution| restitution > REBOUNDS) => Some((
             "the vehicle rebounds at more than ten times its impact speed: no spring or damper does that",
@@ -299,7 +299,6 @@ pub fn test_data<'a>(record: &'a Record, events: &EventsV1, sensors: &'a [Sensor
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
         dynamic_crush_m: events.dynamic_crush_m,
         coefficient_of_restitution: restitution(events),
-        time_zero_s: events.time_zero_s,
         time_of_rebound_s: events.time_of_rebound_s,
         displacement: record.displacement.as_ref().map(|(x, _)| x),
         measurement: record.displacement.as_ref().map(|(_, measurement)| *measurement),

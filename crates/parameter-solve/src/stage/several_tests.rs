@@ -135,7 +135,7 @@ fn joint_test(tests: &[OneTest<'_>], reference: &OneTest<'_>) -> TestV1 {
         channels: Vec::new(),
         pulse: None,
         notes: vec![format!("mass and impact speed are those of {}, the deepest crush", reference.name)],
-        time_zero: None,
+        contact: None,
         ..TestV1::from(&reference.described)
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{Candidate, HALF_WIDTH, MadeTest, ParameterSpread, Prediction, Quantity, TestedImpact};
 use crumple_lumped::Model;
-use crumple_signal::{Sampled, TestDescription};
+use crumple_signal::TestDescription;
 use crumple_stage::records::{AgainstTestV1, CandidateV1, EventsV1, MetricsV2, RecommendationV1, TestsV1};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, errors_in_words, load_artifacts, unknown_name};
 
@@ -160,16 +160,13 @@ pub fn measured(
 ) -> anyhow::Result<MadeTest> {
     let metrics = input.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
     let peak = metrics.iter().find(|metric| metric.name == "peak_acceleration" && metric.channel == events.channel);
-    let from_time_zero =
-        |wave: &Sampled| Sampled::new(wave.t0_s() - events.time_zero_s, wave.dt_s(), wave.samples().to_vec()).ok();
     let made = MadeTest {
         peak_m_per_s2: peak.and_then(|metric| metric.value).map(f64::abs),
-        acceleration: input.wave_if(&events.channel).and_then(|wave| from_time_zero(&wave.sampled)),
+        acceleration: input.wave_if(&events.channel).map(|wave| wave.sampled.clone()),
         ..of_events(events)
     };
     let class = test.channels.iter().find(|channel| channel.id == events.channel).and_then(|channel| channel.cfc);
-    let velocity =
-        input.wave_if(&format!("{}/velocity", events.channel)).and_then(|wave| from_time_zero(&wave.sampled));
+    let velocity = input.wave_if(&format!("{}/velocity", events.channel)).map(|wave| wave.sampled.clone());
     Ok(match velocity {
         Some(velocity) => made.with_velocity(speed_m_per_s, &velocity, class == Some(60)),
         None => made,

@@ -195,7 +195,7 @@ fn fitted(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<FittedR
         })
     };
     let (vehicle, chest) = (velocity(&events.channel)?, velocity(channel)?);
-    let ride = ride(vehicle, chest, events.time_zero_s);
+    let ride = ride(vehicle, chest);
     let restraint = ride.restraint(mass_kg).ok_or_else(|| {
         Refused::new(format!("no restraint follows {channel}: it does not move ahead of the compartment and back"))
     })?;
@@ -203,8 +203,8 @@ fn fitted(input: &Inputs, channel: &str, mass_kg: f64) -> anyhow::Result<FittedR
 }
 
 /// Both motions from contact on, as far as both go.
-fn ride(vehicle: &Sampled, chest: &Sampled, time_zero_s: f64) -> MeasuredRide {
-    let times = (0..=(LONGEST_S / SPACING_S) as usize).map(|k| time_zero_s + k as f64 * SPACING_S);
+fn ride(vehicle: &Sampled, chest: &Sampled) -> MeasuredRide {
+    let times = (0..=(LONGEST_S / SPACING_S) as usize).map(|k| k as f64 * SPACING_S);
     let both = times.map_while(|t| vehicle.at(t).zip(chest.at(t)));
     let (compartment_m_per_s, chest_m_per_s) = both.unzip();
     MeasuredRide { dt_s: SPACING_S, compartment_m_per_s, chest_m_per_s }

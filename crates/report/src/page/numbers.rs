@@ -263,7 +263,6 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
         ),
         row("delta_v_m_per_s", texts.change_name, e.delta_v_m_per_s, "m/s", &change),
         row("impact_speed_m_per_s", texts.speed_name, e.impact_speed_m_per_s, "m/s", texts.speed_definition),
-        row("time_zero_s", texts.zero_name, Some(e.time_zero_s), "s", texts.zero_definition),
     ];
     if e.end_of_event_s.is_some() {
         let rule = e.end_of_event_rule.as_deref().unwrap_or(texts.no_rule);

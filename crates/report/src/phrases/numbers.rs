@@ -70,9 +70,6 @@ texts! { NumberTexts
     change_name: "change of velocity";
     speed_name: "impact speed";
     speed_definition: "Speed the integration started from.";
-    zero_name: "time zero on the record's axis";
-    zero_definition:
-        "Offset of time zero on the time axis of the file.";
     change_time_name: "time of the change of velocity";
     change_time_definition: "Time of the lowest velocity.";
     end_name: "end of the event";

@@ -28,18 +28,16 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     }
     run.joint = inputs.record_if::<TestsV1>("/tests")?.map(JointTests::new);
     run.events = inputs.record_if("/events")?;
-    // The page counts every time from time zero; the artifacts keep the record's own axis.
-    let time_zero_s = run.events.as_ref().map_or(0.0, |events| events.time_zero_s);
     run.metrics = inputs.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
     if let Some(id) = run.channel_id().map(str::to_owned) {
         run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;
-        run.measured = measured(inputs, &id, time_zero_s);
-        run.other_sensors = other_sensors(inputs, &run.test, &id, time_zero_s);
+        run.measured = measured(inputs, &id);
+        run.other_sensors = other_sensors(inputs, &run.test, &id);
     }
     let changes = run.test.channels.iter().filter(|channel| channel.quantity == QuantityKind::VelocityChange);
-    let change = |c: &Channel| Some((c.id.clone(), after(&inputs.wave_if(&c.id)?.sampled, time_zero_s)));
+    let change = |c: &Channel| Some((c.id.clone(), inputs.wave_if(&c.id)?.sampled.clone()));
     run.recorded_changes = changes.filter_map(change).collect();
-    run.models = models(inputs, time_zero_s)?;
+    run.models = models(inputs)?;
     run.selections = inputs.records("/selection/")?.into_iter().map(|(_, record)| record).collect();
     let stabilizations = inputs.records::<StabilizationV1>("/stabilisation/")?;
     run.stabilizations = stabilizations.into_iter().map(|(_, record)| record).collect();
@@ -49,7 +47,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     let simulations: BTreeMap<String, SimulationV1> = inputs.records("/simulation/")?.into_iter().collect();
     let stage_ran = inputs.artifacts().iter().any(|artifact| artifact.stage() == Some("simulate"));
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
-    run.candidates = candidates(inputs, &simulations, time_zero_s)?;
+    run.candidates = candidates(inputs, &simulations)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
     collect_notes(inputs, &mut run)?;
     run.concerns = concerns(inputs)?;
@@ -83,7 +81,7 @@ fn predictions(inputs: &Inputs) -> anyhow::Result<Vec<PredictionV1>> {
 
 /// The pulse channel's waves. Which acceleration is raw and which filtered follows from the stage that wrote it; where
 /// an artifact does not name a known stage, the later of two is the filtered one, and a lone one with a filter record.
-fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> MeasuredWaves {
+fn measured(inputs: &Inputs, id: &str) -> MeasuredWaves {
     let filter_topic = format!("/filter/{id}");
     let (mut raw, mut filtered) = (None, None);
     for artifact in inputs.artifacts() {
@@ -95,22 +93,22 @@ fn measured(inputs: &Inputs, id: &str, time_zero_s: f64) -> MeasuredWaves {
         };
         let is_filtered = known
             .unwrap_or_else(|| raw.is_some() || artifact.records().iter().any(|record| record.topic == filter_topic));
-        *(if is_filtered { &mut filtered } else { &mut raw }) = Some(after(&wave.sampled, time_zero_s));
+        *(if is_filtered { &mut filtered } else { &mut raw }) = Some(wave.sampled.clone());
     }
-    let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s));
+    let of_motion = |what: &str| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.clone());
     MeasuredWaves {
         raw,
         filtered,
         velocity: of_motion("velocity"),
         displacement: of_motion("displacement"),
         force: of_motion("force"),
-        barrier_force: inputs.wave_if("barrier/force").map(|wave| after(&wave.sampled, time_zero_s)),
+        barrier_force: inputs.wave_if("barrier/force").map(|wave| wave.sampled.clone()),
     }
 }
 
 /// Channels of the test beside the pulse that were integrated.
-fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero_s: f64) -> Vec<SensorMotion> {
-    let wave = |id: String| inputs.wave_if(&id).map(|wave| after(&wave.sampled, time_zero_s));
+fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str) -> Vec<SensorMotion> {
+    let wave = |id: String| inputs.wave_if(&id).map(|wave| wave.sampled.clone());
     let others = test.channels.iter().filter(|channel| channel.id != pulse);
     others
         .filter_map(|channel| {
@@ -123,7 +121,7 @@ fn other_sensors(inputs: &Inputs, test: &TestDescription, pulse: &str, time_zero
         .collect()
 }
 
-fn models(inputs: &Inputs, time_zero_s: f64) -> anyhow::Result<Vec<Model>> {
+fn models(inputs: &Inputs) -> anyhow::Result<Vec<Model>> {
     let mut models: BTreeMap<String, Model> = BTreeMap::new();
     let mut with_model = |id: &str, put: &mut dyn FnMut(&mut Model)| {
         let model = models.entry(id.to_owned()).or_insert_with(|| Model { id: id.to_owned(), ..Model::default() });
@@ -161,7 +159,7 @@ fn models(inputs: &Inputs, time_zero_s: f64) -> anyhow::Result<Vec<Model>> {
             }
         });
     }
-    let wave = |id: &str| inputs.wave_if(id).map(|wave| after(&wave.sampled, time_zero_s));
+    let wave = |id: &str| inputs.wave_if(id).map(|wave| wave.sampled.clone());
     // Of several outputs that which is worst on unseen samples counts.
     for (topic, evidence) in inputs.records::<EvidenceV1>("/evidence/")? {
         let (id, number) = split(&topic);
@@ -176,7 +174,7 @@ fn models(inputs: &Inputs, time_zero_s: f64) -> anyhow::Result<Vec<Model>> {
             quantity: inputs.wave_if(&channel).map(|wave| wave.quantity),
             measured: wave(&channel),
             simulated,
-            unseen_from_s: evidence.validation_from_s.map(|from| from - time_zero_s),
+            unseen_from_s: evidence.validation_from_s,
             evidence: Some(evidence.clone()),
             channel,
         });
@@ -195,20 +193,9 @@ fn models(inputs: &Inputs, time_zero_s: f64) -> anyhow::Result<Vec<Model>> {
     Ok(models.into_values().collect())
 }
 
-/// The signal with its times counted from `time_zero_s`.
-fn after(signal: &Sampled, time_zero_s: f64) -> Sampled {
-    let shifted = Sampled::new(signal.t0_s() - time_zero_s, signal.dt_s(), signal.samples().to_vec());
-    // Both times are finite, so their difference is; only an overflow could object.
-    shifted.unwrap_or_else(|_| signal.clone())
-}
-
-fn candidates(
-    inputs: &Inputs,
-    simulations: &BTreeMap<String, SimulationV1>,
-    time_zero_s: f64,
-) -> anyhow::Result<Vec<CandidateResult>> {
+fn candidates(inputs: &Inputs, simulations: &BTreeMap<String, SimulationV1>) -> anyhow::Result<Vec<CandidateResult>> {
     let wave = |id: &str, what: &str| -> Option<Sampled> {
-        inputs.wave_if(&format!("{id}/{what}")).map(|wave| after(&wave.sampled, time_zero_s))
+        inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.clone())
     };
     let mut candidates: Vec<CandidateResult> = inputs
         .records::<CandidateV1>("/parameters/")?
@@ -218,7 +205,7 @@ fn candidates(
             displacement: wave(&id, "displacement"),
             velocity: wave(&id, "velocity"),
             acceleration: wave(&id, "acceleration"),
-            elements: elements(inputs, &id, time_zero_s),
+            elements: elements(inputs, &id),
             masses: (1..)
                 .map_while(|i| Some((wave(&id, &format!("m{i}/displacement"))?, wave(&id, &format!("m{i}/velocity")))))
                 .collect(),
@@ -231,7 +218,7 @@ fn candidates(
 }
 
 /// Forces below `<id>/force/` with the deflection that belongs to each.
-fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
+fn elements(inputs: &Inputs, id: &str) -> Vec<Element> {
     let prefix = format!("{id}/force/");
     let samples = |what: String| inputs.wave_if(&format!("{id}/{what}")).map(|wave| wave.sampled.samples());
     // Of mass i from 1; the last mass is the compartment, which has no number.
@@ -248,7 +235,7 @@ fn elements(inputs: &Inputs, id: &str, time_zero_s: f64) -> Vec<Element> {
             };
             (deflection.len() == wave.sampled.len()).then(|| Element {
                 name: name.to_owned(),
-                force: after(&wave.sampled, time_zero_s),
+                force: wave.sampled.clone(),
                 deflection,
             })
         })

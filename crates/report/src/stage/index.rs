@@ -147,6 +147,5 @@ fn read(path: &Path) -> anyhow::Result<Summary> {
 fn pulse(folder: &Path, summary: &Summary) -> String {
     let Some(channel) = summary.test.channel.as_deref() else { return String::new() };
     let Ok(artifact) = Artifact::open(&folder.join("2-filter.mcap")) else { return String::new() };
-    let time_zero_s = summary.events.as_ref().map_or(0.0, |events| events.time_zero_s);
-    artifact.waves().get(channel).map(|wave| pulse_line(&wave.sampled, time_zero_s)).unwrap_or_default()
+    artifact.waves().get(channel).map(|wave| pulse_line(&wave.sampled)).unwrap_or_default()
 }

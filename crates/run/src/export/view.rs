@@ -189,15 +189,13 @@ impl<'a> ViewedRun<'a> {
     }
 
     /// Log time of a time on the axis of a waveform.
-    fn log_time(&self, source: Source, t_ns: i64) -> i64 {
-        let zero_s = self.events.as_ref().map_or(0.0, |events| events.time_zero_s);
-        self.origin_ns() + t_ns - if source == Source::Prediction { 0 } else { to_ns(zero_s) }
+    fn log_time(&self, t_ns: i64) -> i64 {
+        self.origin_ns() + t_ns
     }
 
     /// Time zero on the clock of the file, ns: one second, or as many as the longest record has before it.
     fn origin_ns(&self) -> i64 {
-        let zero_s = self.events.as_ref().map_or(0.0, |events| events.time_zero_s);
-        let starts = self.bodies.iter().flat_map(|(_, waves)| waves).map(|wave| wave.time_ns(0) - to_ns(zero_s));
+        let starts = self.bodies.iter().flat_map(|(_, waves)| waves).map(|wave| wave.time_ns(0));
         let before = starts.min().unwrap_or(0).saturating_neg().max(1);
         (before + ZERO_NS - 1) / ZERO_NS * ZERO_NS
     }
@@ -224,7 +222,7 @@ impl<'a> ViewedRun<'a> {
         }
         let longest = waves.iter().map(|wave| wave.sampled.len()).max().unwrap_or(0);
         let message = |k: usize| {
-            let time = self.log_time(waves[0].source, waves[0].time_ns(k));
+            let time = self.log_time(waves[0].time_ns(k));
             let values = waves.iter().map(|wave| wave.sampled.samples().get(k).copied().map(Value::Double));
             (time as u64, values.collect())
         };
@@ -240,7 +238,7 @@ impl<'a> ViewedRun<'a> {
     fn events(&self, events: &EventsV1) -> Topic {
         let rebound = events.rebound_velocity_m_per_s;
         let at = [
-            ("time zero", Some(0.0), Some(events.time_zero_s), "s"),
+            ("time zero", Some(0.0), Some(0.0), "s"),
             ("dynamic crush", events.time_of_dynamic_crush_s, events.dynamic_crush_m, "m"),
             ("rebound", events.time_of_rebound_s, rebound, "m/s"),
             ("separation", events.time_of_rebound_s, events.coefficient_of_restitution, "1"),

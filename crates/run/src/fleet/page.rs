@@ -190,7 +190,7 @@ fn line(fleet: &Path, row: &Row) -> Option<String> {
     let summary = row.summary.as_ref()?;
     let artifact = Artifact::open(&fleet.join(&row.run.folder).join(FILTERED)).ok()?;
     let wave = &artifact.waves().get(summary.test.channel.as_deref()?)?.sampled;
-    Some(pulse_line(wave, summary.events.as_ref().map_or(0.0, |events| events.time_zero_s)))
+    Some(pulse_line(wave))
 }
 
 // Quantities over each other, a point a run; outliers lead to their reports.

@@ -28,6 +28,15 @@ impl Distribution {
     }
 }
 
+/// How far an input may be off: the error has mean 0 and is independent of the errors of other inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Standard deviation or half width, in the unit of the input; 0: certain.
+    pub size: f64,
+    /// Which of the two.
+    pub distribution: Distribution,
+}
+
 /// `0.05 g uniform` is a half width, `0.1 km/h normal` and `0.1 km/h` are standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uncertain<V> {

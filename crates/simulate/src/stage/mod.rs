@@ -68,7 +68,6 @@ impl Stage for Simulate {
             input.wave_if(&format!("{channel}/velocity")).map(Wave::signal::<Velocity>).transpose().refuse()?;
         let acceleration = input.wave_if(channel).map(Wave::signal::<Acceleration>).transpose().refuse()?;
         let measured = Measured {
-            time_zero_s: events.time_zero_s,
             impact_speed_m_per_s,
             displacement: &displacement,
             measurement: input.recording_steps(&events, channel, &displacement)?,
@@ -108,7 +107,6 @@ impl Stage for Simulate {
         let simulations = || results.iter().chain(&chains).flatten();
         let comparison = ComparisonWithTest {
             displacement: &displacement,
-            time_zero_s: events.time_zero_s,
             // The most that any candidate's error is worth: a smooth error makes no candidate good.
             effective_samples: simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max),
             others: other_sensors(input, &test, channel)?,
@@ -120,17 +118,17 @@ impl Stage for Simulate {
             let record = &candidate.record;
             simulated += comparison.write(candidate, result, drive.clone(), out, |simulation, sensor, dt_s| {
                 if let Some(mass) = mass_of_occupant(record, &sensor.channel, simulation.compartment + 1) {
-                    return beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s);
+                    return beside_mass(simulation, sensor, mass, dt_s);
                 }
                 let seen = was_fitted(record, &sensor.channel);
-                if seen { None } else { beside(simulation, sensor, events.time_zero_s, dt_s) }
+                if seen { None } else { beside(simulation, sensor, dt_s) }
             })?;
         }
         for (stated, result) in settings.chain.iter().zip(chains) {
             let candidate = write_stated(stated, &test, out)?;
             simulated += comparison.write(&candidate, result, stated.words(), out, |simulation, sensor, dt_s| {
                 let mass = if sensor.on_engine { stated.engine()? } else { simulation.masses.len() };
-                beside_mass(simulation, sensor, mass, events.time_zero_s, dt_s)
+                beside_mass(simulation, sensor, mass, dt_s)
             })?;
         }
         Ok(if simulated == 0 {
@@ -217,15 +215,14 @@ fn write_stated(stated: &ChainSettings, test: &TestDescription, out: &mut Output
 
 /// The force on the wall from contact to separation; without separation to the end of the record.
 fn wall_force(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<WallForce>> {
-    let Some((force, measurement)) = input.wall_force(events)? else { return Ok(None) };
+    let Some((force, measurement)) = input.wall_force()? else { return Ok(None) };
     let to_s = events.end_of_contact_s(force.end_s());
-    Ok(WallForce::new(&force, events.time_zero_s, measurement, to_s).ok())
+    Ok(WallForce::new(&force, measurement, to_s).ok())
 }
 
 /// What every simulation of a test is compared with.
 struct ComparisonWithTest<'a> {
     displacement: &'a Sampled,
-    time_zero_s: f64,
     /// Independent samples of the displacement error, one number for all candidates.
     effective_samples: Option<f64>,
     others: Vec<OtherSensor>,
@@ -271,8 +268,7 @@ impl ComparisonWithTest<'_> {
             impact_speed_m_per_s: self.impact_speed_m_per_s,
             drive,
         };
-        let grid = (self.displacement, self.time_zero_s);
-        write_simulation(id, record, simulation, beside_test, grid, out)?;
+        write_simulation(id, record, simulation, beside_test, self.displacement, out)?;
         Ok(1)
     }
 }

@@ -25,12 +25,12 @@ pub fn write_simulation(
     candidate: &CandidateV1,
     simulation: Simulation,
     beside: BesideTest,
-    (grid, time_zero_s): (&Sampled, f64),
+    grid: &Sampled,
     out: &mut Output,
 ) -> anyhow::Result<()> {
     let BesideTest { information, other_sensors, force_misfit_percent, impact_speed_m_per_s, drive } = beside;
     let Simulation { motion, mut events, comparison, compartment, dynamics, .. } = simulation;
-    let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid, time_zero_s);
+    let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid);
     let rebound = events.rebound_velocity_m_per_s.filter(|_| drive.is_none());
     let record = SimulationV1 {
         dynamic_crush_m: events.dynamic_crush_m,
@@ -64,7 +64,7 @@ pub fn write_simulation(
     };
     out.put(&format!("/simulation/{id}"), &record)?;
     let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {
-        out.wave(&format!("{id}/{what}"), quantity, Sampled::new(time_zero_s, grid.dt_s(), samples)?)
+        out.wave(&format!("{id}/{what}"), quantity, Sampled::new(0.0, grid.dt_s(), samples)?)
     };
     let mut write_motion = |prefix: &str, motion: Motion| {
         wave(&format!("{prefix}displacement"), QuantityKind::Displacement, motion.displacement_m)?;
@@ -85,15 +85,9 @@ pub fn write_simulation(
 }
 
 /// What a reader of the simulation should know. A crush beyond the end of the record is taken out of the events.
-fn notes_on(
-    candidate: &CandidateV1,
-    events: &mut CrushEvents,
-    dynamics: Option<&Dynamics>,
-    grid: &Sampled,
-    time_zero_s: f64,
-) -> Notes {
+fn notes_on(candidate: &CandidateV1, events: &mut CrushEvents, dynamics: Option<&Dynamics>, grid: &Sampled) -> Notes {
     let mut notes = Notes::new();
-    let end_s = grid.end_s() - time_zero_s;
+    let end_s = grid.end_s();
     if let (Some(t), Some(crush)) = (events.time_of_dynamic_crush_s, events.dynamic_crush_m)
         && t > end_s + grid.dt_s()
     {

@@ -24,7 +24,6 @@ fn displacement(t: f64) -> f64 {
 fn measured<'a>(displacement: &'a Sampled, velocity: Option<&'a Sampled>) -> Measured<'a> {
     let events = model().events(9.7);
     Measured {
-        time_zero_s: 0.0,
         impact_speed_m_per_s: 9.7,
         displacement,
         measurement: Measurement::of_samples(displacement, 0.0),
@@ -150,7 +149,6 @@ fn every_model_kind_is_simulated_from_its_named_parameters() {
         let parameters = kind.parameter_names().iter().map(|name| ((*name).to_owned(), value(name))).collect();
         let model = Model::from_parameters(kind, &parameters).unwrap();
         let measured = Measured {
-            time_zero_s: 0.0,
             impact_speed_m_per_s: 10.0,
             displacement: &zero,
             measurement: Measurement::of_samples(&zero, 0.0),

@@ -397,10 +397,10 @@ impl Inputs {
         };
         let known = acceleration.is_some() && as_sampled && (filter.is_some() || unfiltered);
         let end_s = filter.map_or(0.0, |filter| filter.samples_added as f64 * dt_s);
-        let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, events.time_zero_s, end_s));
+        let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, end_s));
         let measurement = Measurement {
             dt_s,
-            first_s: t0_s - events.time_zero_s,
+            first_s: t0_s,
             samples,
             filter,
             from_contact: events.start.as_deref() != Some("record-start"),
@@ -417,7 +417,7 @@ impl Inputs {
     ///
     /// The measurement is known where all cells with data went through one filter at their own rate, else exact.
     /// Errors: a record that cannot be read.
-    pub fn wall_force(&self, events: &EventsV1) -> anyhow::Result<Option<(Sampled, Measurement)>> {
+    pub fn wall_force(&self) -> anyhow::Result<Option<(Sampled, Measurement)>> {
         let Some(wave) = self.wave_if("barrier/force") else { return Ok(None) };
         let force = wave.sampled.clone();
         let test = self.test()?;
@@ -436,7 +436,7 @@ impl Inputs {
         known &= filters.len() == 1;
         let measurement = Measurement {
             dt_s: force.dt_s(),
-            first_s: force.t0_s() - events.time_zero_s,
+            first_s: force.t0_s(),
             samples: force.len(),
             filter: filters.pop(),
             from_contact: false,

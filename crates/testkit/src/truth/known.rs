@@ -209,11 +209,10 @@ impl Counts {
 pub fn fit_percent(made: &Made, candidate: &str) -> Option<f64> {
     let simulation = &made.candidate(candidate)?["simulation"];
     let (from_s, to_s) = (simulation["from_s"].as_f64()?, simulation["to_s"].as_f64()?);
-    let zero_s = made.number("/events/time_zero_s")?;
     let channel = made.summary.pointer("/events/channel")?.as_str()?;
     let record = made.waves.get(&format!("{channel}/displacement"))?.sampled.clone();
     let model = made.waves.get(&format!("{candidate}/displacement"))?.sampled.clone();
-    let window = (0..record.len()).map(|k| record.t0_s() + k as f64 * record.dt_s() - zero_s);
+    let window = (0..record.len()).map(|k| record.t0_s() + k as f64 * record.dt_s());
     let pairs: Vec<(f64, f64)> = window
         .zip(record.samples())
         .filter(|(time_s, _)| (from_s - 1e-9..=to_s + 1e-9).contains(time_s))

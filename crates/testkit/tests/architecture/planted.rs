@@ -1,8 +1,6 @@
 //! Every rule finds what breaks it.
 
-use std::collections::BTreeMap;
-
-use crate::sizes::{Budget, Exception, FILE_LINES, FUNCTION_LINES, WIDTH};
+use crate::sizes::{FILE_LINES, FUNCTION_LINES, WIDTH};
 use crate::{Package, paths, sizes};
 
 fn package(name: &str, manifest: &str, files: &[(&str, &str)]) -> Package {
@@ -64,32 +62,4 @@ fn files_functions_and_lines_are_short() {
     assert_broken(&check(&format!("//! {}", "ä".repeat(WIDTH - 4))), "");
     assert_broken(&check(&format!("//! {}", "ä".repeat(WIDTH - 3))), "main.rs:1: 121 characters");
     assert_broken(&check("fn f() {}"), "does not open");
-}
-
-#[test]
-fn crates_stay_in_their_budget_and_it_only_falls() {
-    let packages = [package("a", "", &[("src/lib.rs", "//! A.\n\n"), ("build.rs", "//! B.\n")])];
-    let exception = |lines, reason: &str, adr| Exception { lines, reason: reason.to_owned(), adr };
-    let budget = |lines: &[(&str, usize)], exceptions: Vec<Exception>| Budget {
-        lines: lines.iter().map(|(name, lines)| ((*name).to_owned(), *lines)).collect(),
-        exceptions: exceptions.into_iter().map(|exception| ("a".to_owned(), exception)).collect::<BTreeMap<_, _>>(),
-    };
-    let reason = "The new format needs it.";
-    let check = |lines: &[(&str, usize)], exceptions| budget(lines, exceptions).broken(&packages, &[4]);
-    assert_broken(&check(&[("a", 3)], vec![]), "");
-    assert_broken(&check(&[("a", 2)], vec![]), "crate a has 3 lines, its budget is 2");
-    assert_broken(&check(&[], vec![]), "crate a has no budget");
-    assert_broken(&check(&[("a", 3), ("b", 1)], vec![]), "b is no crate");
-    assert_broken(&check(&[("a", 2)], vec![exception(3, reason, 4)]), "");
-    assert_broken(&check(&[("a", 2)], vec![exception(3, "No.", 4)]), "needs a reason");
-    assert_broken(&check(&[("a", 2)], vec![exception(3, reason, 5)]), "number of an ADR");
-    assert_broken(&check(&[("a", 4)], vec![exception(4, reason, 4)]), "needs no exception");
-
-    let lowered = |lines: usize, exceptions| {
-        let mut budget = budget(&[("a", lines)], exceptions);
-        budget.lower(&packages);
-        (budget.lines["a"], budget.exceptions.get("a").map(|exception| exception.lines))
-    };
-    assert_eq!(lowered(5, vec![exception(6, reason, 4)]), (3, None));
-    assert_eq!(lowered(2, vec![exception(9, reason, 4)]), (2, Some(3)));
 }

@@ -2,6 +2,7 @@
 
 use crumple_signal::{About, Notes, Weight};
 
+use crate::contact::TimeZero;
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
@@ -179,7 +180,8 @@ pub fn find(
         }
     }
     // A time zero by the calendar counts on the calendar.
-    let is_absolute = settings.time_zero.is_some_and(|zero| zero.si().abs() > time::CALENDAR_S);
+    let is_absolute =
+        settings.time_zero.and_then(TimeZero::stated).is_some_and(|zero| zero.si().abs() > time::CALENDAR_S);
     match origin_s.filter(|_| is_absolute) {
         Some(origin_s) => grid.t0_s += origin_s,
         None if origin_s.is_some() || matches!(cells, Cells::Stamps(_)) => notes.info(format!(

@@ -143,7 +143,6 @@ fn a_topic_on_one_side_and_an_event_only_one_side_has_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let events = EventsV1 {
         channel: "93".into(),
-        time_zero_s: 0.0,
         time_zero_rule: "file".into(),
         dynamic_crush_m: Some(0.75),
         ..EventsV1::default()

@@ -46,7 +46,6 @@ pub(super) fn events() -> EventsV1 {
     let rebound = TEST.at(t_s)[1];
     EventsV1 {
         channel: "accel".to_owned(),
-        time_zero_s: 0.0,
         time_zero_rule: "file".to_owned(),
         dynamic_crush_m: Some(crush),
         time_of_dynamic_crush_s: Some(t_m),

@@ -329,6 +329,13 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.rank", "order {order} exceeds the numerical rank {rank} ({ratio}): order {used} is used, which {more}"),
     ("note.same-set", "{model}: a further set is left out, as measured it is the same as an earlier one"),
     ("note.free-fall", "{channel}free fall before contact{more}"),
+    ("note.at-rest", "{channel}it falls or brakes before contact: zero is the level at rest, {level}"),
+    (
+        "note.brakes",
+        "it brakes before contact: the level there is {level} off the level at the start of the record. {more}",
+    ),
+    ("note.begins-inside", "the record begins inside the pulse, at {level}: {more}"),
+    ("note.contact-by-rule", "time zero by rule {rule} at {instant} of the file; {more}"),
     ("note.passed-through", "{channels}: already {class}, passed through unfiltered"),
     ("note.not-told-apart", "the record does not tell apart {models}: {more}"),
     (

@@ -1,0 +1,379 @@
+//! First contact: where it is on the file's time axis, what says so, how uncertain it is. After it every time is in
+//! seconds from contact.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crumple_metrics::{Beginning, CutRise, Onset, contact_edge, edr_start, onset, threshold_crossing};
+use crumple_signal::unit::UnitError;
+use crumple_signal::value::Time;
+use crumple_signal::{
+    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled,
+    Signal, Spread, Uncertain, Weight, ZeroLevel, filter,
+};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use crate::recording::content::Recording;
+use crate::recording::details::Stated;
+use crate::{IngestError, IngestSettings, Result, refuse, time};
+
+/// Contact as a person states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TimeZero {
+    /// Where the pulse begins.
+    Auto,
+    /// On the file's time axis.
+    At(Time),
+}
+
+impl TimeZero {
+    /// The time, where one is stated.
+    pub fn stated(self) -> Option<Time> {
+        match self {
+            Self::Auto => None,
+            Self::At(time) => Some(time),
+        }
+    }
+}
+
+impl FromStr for TimeZero {
+    type Err = UnitError;
+
+    fn from_str(text: &str) -> std::result::Result<Self, UnitError> {
+        if text.trim() == "auto" { Ok(Self::Auto) } else { text.parse().map(Self::At) }
+    }
+}
+
+impl fmt::Display for TimeZero {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::At(time) => time.fmt(f),
+        }
+    }
+}
+
+/// How contact is found where no time is stated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ContactRule {
+    /// Where the pulse begins, unless the file's t = 0 agrees with that.
+    Auto,
+    /// At 0 s of the file.
+    File,
+    /// By threshold.
+    Threshold,
+    /// By the rule for event data recorders.
+    Edr,
+    /// From a contact switch: id of its channel.
+    Switch(String),
+}
+
+impl FromStr for ContactRule {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        match text.trim() {
+            "auto" => Ok(Self::Auto),
+            "file" => Ok(Self::File),
+            "threshold" => Ok(Self::Threshold),
+            "edr" => Ok(Self::Edr),
+            other => match other.strip_prefix("contact:").map(str::trim) {
+                Some(id) if !id.is_empty() => Ok(Self::Switch(id.to_owned())),
+                _ => Err(format!("unknown rule {text:?}, expected auto, file, threshold, edr or contact:<channel>")),
+            },
+        }
+    }
+}
+
+impl fmt::Display for ContactRule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::File => f.write_str("file"),
+            Self::Threshold => f.write_str("threshold"),
+            Self::Edr => f.write_str("edr"),
+            Self::Switch(id) => write!(f, "contact:{id}"),
+        }
+    }
+}
+
+macro_rules! as_text {
+    ($($name:ident),*) => {$(
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+                String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
+            }
+        }
+    )*};
+}
+
+as_text!(TimeZero, ContactRule);
+
+/// How much later than contact the compartment of a car begins to slow down at most, s: the four floor sensors of NHTSA
+/// 10146 begin 2.6 to 2.9 ms after its contact switch, the time to crush the 45 mm in front of its bumper beam; half as
+/// much again for other fronts.
+const SOFT_FRONT_S: f64 = 0.004;
+/// A pulse that begins up to so long after the file's t = 0 does not speak against it, s: a soft front, and the error
+/// of the onset of a soft rise.
+const LATE_S: f64 = 0.005;
+/// One that begins earlier than this before it does, s: a filter without phase that the recorder applied moves the foot
+/// of a jump by so much (CFC 180: 0.9 ms from 2 % of a jump to its middle).
+const EARLY_S: f64 = 0.001;
+/// The same in deviations of the onset: 0.1 % of contacts at t = 0.
+const EARLY_DEVIATIONS: f64 = 3.0;
+/// A pulse that begins so long after a time that somebody stated is asked about, s: 0.28 m at 50 km/h.
+const LATE_FOR_A_STATEMENT_S: f64 = 0.02;
+
+/// Settles contact: shifts every channel so that t = 0 is contact, and says what settled it. `None` where nothing does:
+/// a record without a pulse whose t = 0 nobody states.
+///
+/// In this order: the time that a flag, the sidecar or the header states; the rule of a flag; the format, where it
+/// defines t = 0 as contact; else `auto`: the [onset] of the pulse, unless the file has a t = 0 that agrees with it.
+pub fn settle(
+    file: &str,
+    recording: &mut Recording,
+    (pulse, reader_format): (Option<usize>, &str),
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<Option<Contact>> {
+    let wave = pulse.and_then(|k| recording.channels[k].wave.clone());
+    let begins = wave.as_ref().map(onset);
+    let stated_spread = settings.time_zero_uncertainty.map(spread);
+    let contact = |rule: String, source_time_s: f64| Contact {
+        rule,
+        source_time_s,
+        uncertainty_s: stated_spread,
+        earlier_by_s: 0.0,
+    };
+    let stated = recording.details.time_zero_s.as_ref();
+    let auto = settings.time_zero == Some(TimeZero::Auto);
+    let found = match (&settings.time_zero_rule, stated) {
+        (_, Some(Stated { value, from })) if !auto => {
+            notes.info(format!("time zero is {value} s of the file's axis, stated by {from}"));
+            Some(contact(format!("stated by {from}"), *value))
+        }
+        (Some(rule), _) if !auto && *rule != ContactRule::Auto => {
+            let Some(wave) = &wave else {
+                return refuse(file, "no pulse to find contact in", "an acceleration", "leave time-zero-rule out");
+            };
+            Some(by_rule(file, rule, recording, wave, stated_spread, notes)?)
+        }
+        _ if recording.contact_at_zero && !auto => Some(contact(format!("the format {reader_format}"), 0.0)),
+        _ => wave.as_ref().zip(begins).and_then(|(wave, begins)| {
+            let has_zero = wave.t0_s() <= wave.dt_s() && wave.end_s() > 0.0 && !auto;
+            automatic(wave, begins, has_zero, stated_spread, notes)
+        }),
+    };
+    let at_s = found.as_ref().map_or(0.0, |contact| contact.source_time_s);
+    if let Some(wave) = &wave {
+        require_contact(file, wave, at_s, begins)?;
+        if let (Some(contact), Some(Beginning::Rises(onset))) = (&found, begins) {
+            question(contact, onset, recording.contact_at_zero, notes);
+        }
+    }
+    if at_s != 0.0 {
+        for read in &mut recording.channels {
+            if let Some(wave) = &read.wave {
+                let shifted = time::shift(wave, at_s).map_err(|error| {
+                    IngestError::content(file, error, "finite numbers", "correct the record, or --time-zero")
+                })?;
+                read.wave = Some(shifted);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The cut beginning of a pulse may be longer than its rise says, by this factor: the foot of a pulse is flatter than
+/// what follows (a haversine cut at 10 % of its peak: twice; a half sine: once).
+const CUT: f64 = 1.5;
+/// ... and lasts no longer than this, s: half of a pulse of 60 ms.
+const LONGEST_CUT_S: f64 = 0.03;
+
+fn cut_text(cut: CutRise) -> String {
+    format!(
+        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, some {:.0} ms are missing. \
+         Give the record from before contact",
+        (cut.first_m_per_s2 / STANDARD_GRAVITY_M_PER_S2).abs(),
+        1e3 * cut.lead_s
+    )
+}
+
+fn spread(stated: Uncertain<Time>) -> Spread {
+    Spread { size: stated.size.si(), distribution: stated.distribution }
+}
+
+/// Contact where nothing states it: the file's t = 0 where the pulse begins there, else where it begins.
+fn automatic(
+    wave: &Sampled,
+    begins: Beginning,
+    has_zero: bool,
+    stated: Option<Spread>,
+    notes: &mut Notes,
+) -> Option<Contact> {
+    let of_file = |notes: &mut Notes| {
+        match wave.index_at_or_after(0.0) {
+            0 => notes.info("the record starts at t = 0, taken as time zero; --time-zero states another"),
+            before => notes.info(format!("time zero is t = 0 of the file, {before} samples after its start")),
+        }
+        Some(Contact { rule: "file".to_owned(), source_time_s: 0.0, uncertainty_s: stated, earlier_by_s: 0.0 })
+    };
+    let Onset { time_s, deviation_s } = match begins {
+        Beginning::Rises(onset) => onset,
+        Beginning::Inside(cut) => {
+            let source_time_s = if has_zero { 0.0 } else { wave.t0_s() };
+            let rule = if has_zero { "file" } else { "auto" }.to_owned();
+            notes.concern(About::Time, Weight::Marked, cut_text(cut));
+            let earlier_by_s = (CUT * cut.lead_s).min(LONGEST_CUT_S);
+            return Some(Contact { rule, source_time_s, uncertainty_s: stated, earlier_by_s });
+        }
+        Beginning::Quiet => return if has_zero { of_file(notes) } else { None },
+    };
+    let slack_s = EARLY_DEVIATIONS * deviation_s;
+    let early_s = EARLY_S.max(slack_s);
+    if has_zero && (-early_s..=LATE_S.max(slack_s)).contains(&time_s) {
+        return of_file(notes);
+    }
+    // The error of the onset and that of the clock are independent.
+    let of_clock = stated.map_or(0.0, |Spread { size, distribution }| match distribution {
+        Distribution::Normal => size,
+        Distribution::Uniform => size / 3.0_f64.sqrt(),
+    });
+    let deviation_s = deviation_s.hypot(of_clock);
+    // To the microsecond: the flag that states it gives the same bytes.
+    let source_time_s = (time_s * 1e6).round() / 1e6;
+    notes.concern(
+        About::Time,
+        Weight::Slight,
+        format!(
+            "contact is taken at {:.1} ms of the file, where the pulse begins (+-{:.1} ms): nothing in the file states \
+             it. A soft front may have touched up to {:.0} ms earlier. --time-zero {:.1}ms states it",
+            1e3 * source_time_s,
+            1e3 * 1.645 * deviation_s,
+            1e3 * SOFT_FRONT_S,
+            1e3 * source_time_s,
+        ),
+    );
+    Some(Contact {
+        rule: "auto".to_owned(),
+        source_time_s,
+        uncertainty_s: Some(Spread { size: deviation_s, distribution: Distribution::Normal }),
+        earlier_by_s: SOFT_FRONT_S,
+    })
+}
+
+/// Contact by a rule that was asked for. What it leaves uncertain is in the contact.
+fn by_rule(
+    file: &str,
+    rule: &ContactRule,
+    recording: &Recording,
+    pulse: &Sampled,
+    stated: Option<Spread>,
+    notes: &mut Notes,
+) -> Result<Contact> {
+    let smooth = || -> Option<Signal<Acceleration>> {
+        let class = if pulse.rate_hz() >= Cfc::Cfc60.lowest_rate_hz() { Class::Cfc(Cfc::Cfc60) } else { Class::None };
+        let settings = FilterSettings { class, zero_level: ZeroLevel::None, ..FilterSettings::default() };
+        let level = level_at_start(pulse);
+        let filtered = filter(pulse, None, &settings).ok()?.samples;
+        Sampled::new(filtered.t0_s(), filtered.dt_s(), filtered.samples().iter().map(|a| a - level).collect())
+            .ok()
+            .map(Signal::from)
+    };
+    let (estimate, nothing) = match rule {
+        ContactRule::Auto | ContactRule::File => {
+            return Ok(Contact {
+                rule: rule.to_string(),
+                source_time_s: 0.0,
+                uncertainty_s: stated,
+                earlier_by_s: 0.0,
+            });
+        }
+        ContactRule::Threshold => {
+            (smooth().and_then(|a| threshold_crossing(&a)), "the pulse never stays at 0.5 g for 3 ms".to_owned())
+        }
+        ContactRule::Edr => (
+            smooth().and_then(|a| edr_start(&a)),
+            "the velocity of the pulse never changes by 0.8 km/h in 20 ms".to_owned(),
+        ),
+        ContactRule::Switch(id) => {
+            let switch = recording.channels.iter().find(|read| read.channel.id == *id);
+            let wave = switch.and_then(|read| read.wave.as_ref());
+            (wave.and_then(contact_edge), format!("channel {id} is not in the record, or never changes"))
+        }
+    };
+    let Some(estimate) = estimate else {
+        return refuse(
+            file,
+            format!("time zero rule {rule}: {nothing}"),
+            "a first contact",
+            "state it, such as --time-zero 0s, or leave the rule out",
+        );
+    };
+    notes.info(format!(
+        "time zero by rule {rule} at {:.3} ms of the file; contact may be {:.2} ms earlier or {:.2} ms later",
+        1e3 * estimate.time_s,
+        1e3 * estimate.earlier_by_s,
+        1e3 * estimate.later_by_s
+    ));
+    let half_width = estimate.earlier_by_s.max(estimate.later_by_s).max(stated.map_or(0.0, |spread| spread.size));
+    Ok(Contact {
+        rule: rule.to_string(),
+        source_time_s: estimate.time_s,
+        uncertainty_s: Some(Spread { size: half_width, distribution: Distribution::Uniform }),
+        earlier_by_s: 0.0,
+    })
+}
+
+/// Mean of the first 50 ms, or of the first tenth of a shorter record.
+fn level_at_start(pulse: &Sampled) -> f64 {
+    let samples = ((0.05 / pulse.dt_s()) as usize).min(pulse.len() / 10).max(1).min(pulse.len());
+    pulse.samples()[..samples].iter().sum::<f64>() / samples.max(1) as f64
+}
+
+/// Refuses a contact outside the pulse, with bounds and proposal on the file's axis.
+fn require_contact(file: &str, pulse: &Sampled, at_s: f64, begins: Option<Beginning>) -> Result<()> {
+    let (start, end) = (pulse.t0_s(), pulse.end_s());
+    if start - at_s <= pulse.dt_s() && end > at_s {
+        return Ok(());
+    }
+    let proposal = match begins {
+        Some(Beginning::Rises(onset)) => {
+            format!("the pulse begins at {:.4} s: --time-zero {:.4}s, or --time-zero auto", onset.time_s, onset.time_s)
+        }
+        _ => format!("state first contact with --time-zero, between {start:.4} s and {end:.4} s of the file"),
+    };
+    refuse(
+        file,
+        format!("the record runs from {start:.4} s to {end:.4} s and does not contain contact, {at_s} s"),
+        "first contact in the record, on the file's time axis",
+        proposal,
+    )
+}
+
+/// Asks about a contact at which the pulse does not begin.
+fn question(contact: &Contact, onset: Onset, is_of_format: bool, notes: &mut Notes) {
+    let (at_s, begins_s) = (contact.source_time_s, onset.time_s);
+    let late_s = begins_s - at_s;
+    let is_early = late_s < -EARLY_S.max(EARLY_DEVIATIONS * onset.deviation_s);
+    let is_late = late_s > LATE_FOR_A_STATEMENT_S && !is_of_format;
+    if !is_early && !is_late {
+        return;
+    }
+    let side = if is_early { "before" } else { "after" };
+    notes.concern_first(
+        About::Time,
+        format!(
+            "the pulse begins {:.1} ms {side} contact ({}): --time-zero {:.1}ms takes its beginning for contact",
+            1e3 * late_s.abs(),
+            contact.rule,
+            1e3 * begins_s
+        ),
+    );
+}
