@@ -50,6 +50,8 @@ pub enum Refusal {
     Channel,
     /// A size limit that guards memory is exceeded.
     TooLarge,
+    /// The unit of the times is stated nowhere, and their steps do not tell it.
+    UnitOfTime,
     /// A key of the sidecar that is not known, as written.
     UnknownKey(String),
     /// Any other: a path, a format that is known and not read, something that is stated nowhere.
@@ -145,6 +147,12 @@ impl IngestError {
     /// Something that must be known is stated nowhere.
     pub(crate) fn not_stated(file: &str, what: impl Display, expected: &str, hint: &str) -> Self {
         Self::new(Refusal::Other, format!("{file} does not state {what}"), expected, hint)
+    }
+
+    /// A unit of time that is stated nowhere.
+    pub(crate) fn unit_of_time(file: &str, times: impl Display, expected: &str, hint: &str) -> Self {
+        let error = Self::not_stated(file, format!("the unit of time: {times}"), expected, hint);
+        Self { refusal: Refusal::UnitOfTime, ..error }
     }
 
     pub(crate) fn unknown_key(file: &str, key: &str, expected: &str, hint: impl Display) -> Self {

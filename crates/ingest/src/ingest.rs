@@ -6,6 +6,7 @@ use crumple_signal::{ANOTHER_VEHICLE, About, Channel, Notes, Source, TestDescrip
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
+use crate::error::Refusal;
 use crate::files::open;
 use crate::formats::reader::{Bundle, stem};
 use crate::pulse::Polarity;
@@ -47,7 +48,10 @@ impl Ingested {
 /// exchange of units, speeds, times or signs makes pulse and impact speed fit, the first note asks for it, with the
 /// flag that was tried and mends it.
 pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
-    let mut ingested = read(bundle, flags)?;
+    let mut ingested = match read(bundle, flags) {
+        Err(error) if error.refusal == Refusal::UnitOfTime => proven_unit_of_time(bundle, flags, error)?,
+        read => read?,
+    };
     let Some(plausibility) = &ingested.plausibility else { return Ok(ingested) };
     let speed = ingested.test.impact_speed_m_per_s.unwrap_or(0.0);
     let answers = match plausibility {
@@ -66,6 +70,27 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         ingested.test.exchange_asked = true;
     }
     Ok(ingested)
+}
+
+/// The record of which nothing states the unit of time, in the unit that physics proves; else `error`.
+///
+/// The change of velocity is proportional to the unit of time, and the crush to its square. So of units that are 1000
+/// times apart at most one gives the pulse that stops the vehicle from its impact speed, which is a change of 1 to 1.3
+/// times that speed (2 at 4 km/h). Times of a crash in s have steps below 0.02, so ms and us are tried.
+fn proven_unit_of_time(bundle: &Bundle, flags: &IngestSettings, error: IngestError) -> Result<Ingested> {
+    for unit in ["ms", "us"] {
+        let tried = IngestSettings { tried_time_unit: Some(unit), ..flags.clone() };
+        let Ok(mut ingested) = read(bundle, &tried) else { continue };
+        let speed = ingested.test.impact_speed_m_per_s;
+        let Some(speed) = speed.filter(|_| ingested.plausibility == Some(Plausibility::Consistent)) else { continue };
+        ingested.notes.info(format!(
+            "{error}. It is {unit}: with it the pulse stops the vehicle from {:.1} km/h, with a unit 1000 times longer \
+             or shorter its change of velocity would be 1000 times larger or smaller. --time-unit overrides",
+            3.6 * speed
+        ));
+        return Ok(ingested);
+    }
+    Err(error)
 }
 
 /// Refuses times so far apart that no crash is resolved, where a flag makes a crash of them: no filter would take them.

@@ -37,10 +37,21 @@ pub fn unit_error(place: impl std::fmt::Display, found: impl std::fmt::Display) 
     IngestError::content(place, found, format!("one of {}", choices(Dimension::Time)), HINT)
 }
 
-/// The factor to s where nothing states it, with a note: days since 1900 (Excel) or the year 0 (MATLAB) by their size,
-/// else steps of 1e-7 to 0.02 are those of a recorder in s, longer ones up to 20 those of one in ms. `whose` are the
-/// stamps of a column or channel, which needs `expected`. Errors: other steps.
-pub fn unit_from_steps(file: &str, whose: &str, expected: &str, times: &[f64], notes: &mut Notes) -> Result<f64> {
+/// The factor to s where nothing states it: that of [`IngestSettings::tried_time_unit`]; else, with a note, days since
+/// 1900 (Excel) or the year 0 (MATLAB) by their size, or s for steps of 1e-7 to 0.02, those of a recorder: in ms they
+/// would be sampled at 50 kHz to 10 GHz. `whose` are the stamps of a column or channel, which needs `expected`. Errors:
+/// other steps. Steps of 0.02 to 20 are those of a building in s, of a crash in ms, and of a shock in us.
+pub fn unit_from_steps(
+    file: &str,
+    whose: &str,
+    expected: &str,
+    times: &[f64],
+    settings: &IngestSettings,
+    notes: &mut Notes,
+) -> Result<f64> {
+    if let Some(symbol) = settings.tried_time_unit {
+        return stated_unit(file, symbol, "a trial");
+    }
     let step = median_step(times);
     let first = times.first().copied().unwrap_or(0.0);
     // As seconds they would be sampled at 4 MHz and more.
@@ -48,14 +59,9 @@ pub fn unit_from_steps(file: &str, whose: &str, expected: &str, times: &[f64], n
     let (symbol, factor) = match step {
         _ if is_serial => ("d", 86_400.0),
         1e-7..0.02 => ("s", 1.0),
-        0.02..=20.0 => ("ms", 1e-3),
         _ => {
-            return Err(IngestError::not_stated(
-                file,
-                format!("the unit of time: {whose} has steps of {step}"),
-                expected,
-                "add --time-unit ns (or us, ms, s, min, h, d), whichever it is",
-            ));
+            let steps = format!("{whose} has steps of {}", shortest(step, 1e-9 * step));
+            return Err(IngestError::unit_of_time(file, steps, expected, &units_by_rate(step)));
         }
     };
     notes.info(format!(
@@ -63,6 +69,30 @@ pub fn unit_from_steps(file: &str, whose: &str, expected: &str, times: &[f64], n
          overrides"
     ));
     Ok(factor)
+}
+
+/// What to add where the steps do not tell the unit: each unit with the rate that it gives, if that is one of a recorder,
+/// 1 Hz (a slow logger) to 4 MHz.
+fn units_by_rate(step: f64) -> String {
+    let rates = ["s", "ms", "us"].into_iter().filter_map(|symbol| {
+        let rate_hz = 1.0 / (step * factor(symbol, Dimension::Time)?);
+        (1.0..=4e6).contains(&rate_hz).then(|| format!("--time-unit {symbol} (sampled at {})", in_hz(rate_hz)))
+    });
+    match rates.reduce(|list, next| format!("{list} or {next}")) {
+        Some(units) => format!("add {units}, whichever it is"),
+        None => "add --time-unit ns (or us, ms, s, min, h, d), whichever it is".to_owned(),
+    }
+}
+
+/// A rate with three digits.
+fn in_hz(rate_hz: f64) -> String {
+    let (rate, unit) = match rate_hz {
+        ..1e3 => (rate_hz, "Hz"),
+        1e3..1e6 => (rate_hz / 1e3, "kHz"),
+        _ => (rate_hz / 1e6, "MHz"),
+    };
+    let digits = 10_f64.powf(2.0 - rate.log10().floor());
+    format!("{} {unit}", (rate * digits).round() / digits)
 }
 
 /// Largest accepted deviation of a step from the interval, as a fraction of it.

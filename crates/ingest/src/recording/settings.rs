@@ -71,7 +71,7 @@ pub struct IngestSettings {
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
     /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us, ns, min, h, d. Default: from
-    /// the header, else inferred from the sampling interval, with a note.
+    /// the header; else s for steps below 0.02, with a note; else the unit in which the pulse fits the impact speed.
     #[arg(long, value_name = "UNIT")]
     pub time_unit: Option<String>,
     /// First contact on the file's own time axis, with its unit: 0s, 12ms, -5ms; auto: where the pulse begins. The axis
@@ -136,6 +136,10 @@ pub struct IngestSettings {
     #[arg(skip)]
     #[serde(skip)]
     pub listing: bool,
+    /// Unit of times that state none, to be tried. Not an option of its own: a unit that is stated counts.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub tried_time_unit: Option<&'static str>,
 }
 
 /// What is said of each field once: its key, and that the settings above beat those below.
@@ -147,7 +151,7 @@ macro_rules! layers {
         /// These settings where they say something, else those below.
         pub fn over(&self, below: &Self) -> Self {
             let (above, below) = (self.clone(), below.clone());
-            Self { $($field: above.$field.or(below.$field),)* listing: above.listing }
+            Self { $($field: above.$field.or(below.$field),)* listing: above.listing, tried_time_unit: above.tried_time_unit }
         }
     };
 }

@@ -23,11 +23,13 @@ fn check(ingested: &Ingested) {
 }
 
 #[test]
-fn milliseconds_without_a_unit_are_told_by_their_step_and_said() {
+fn milliseconds_without_a_unit_are_asked_for() {
     let text = format!("t,a [g]\n{}", rows(|t, a| format!("{t:.1},{a:.2}")));
-    let ingested = read(text.clone()).unwrap();
-    check(&ingested);
-    assert!(notes(&ingested).contains("ms is assumed, because the steps are 0.100000. --time-unit overrides"));
+    let error = read(text.clone()).unwrap_err();
+    assert_eq!(error.to_string(), "a.txt does not state the unit of time: column 1 (t) has steps of 0.1");
+    let hint = "add --time-unit s (sampled at 10 Hz) or --time-unit ms (sampled at 10 kHz), whichever it is";
+    assert_eq!(error.hint(), hint);
+    check(&read_as("a.txt", text.clone(), &given("--allow-missing --time-unit ms")).unwrap());
     assert_eq!(
         read_as("a.txt", text, &given("--allow-missing --time-unit s")).unwrap().pulse().unwrap().samples.dt_s(),
         0.1

@@ -92,6 +92,59 @@ fn the_accord_record_without_header_asks_for_its_unit() {
     assert!(notes(&ingested).contains("no unit of time is stated for column"));
 }
 
+/// `n` rows whose times count in units of `unit_s`, at `rate_hz` from -20 ms: a half sine of -20 g over 100 ms from
+/// time 0, 12.49 m/s.
+fn half_sine(unit_s: f64, rate_hz: f64, n: usize) -> String {
+    let rows = (0..n).map(|k| {
+        let t = (k as f64 - (0.02 * rate_hz).round()) / rate_hz;
+        let a = if (0.0..=0.1).contains(&t) { -20.0 * (t * std::f64::consts::PI / 0.1).sin() } else { 0.0 };
+        format!("{:.3},{a:.6}\n", t / unit_s)
+    });
+    "t,a [g]\n".to_owned() + &rows.collect::<String>()
+}
+
+#[test]
+fn a_unit_of_time_that_nothing_states_is_asked_for_unless_the_impact_speed_proves_it() {
+    // 12.49 m/s of a car that hits at 12 m/s: in ms, then in us; 100 kHz in steps of 10, 10 kHz in steps of 100.
+    for (unit_s, rate_hz, symbol, step) in
+        [(1e-3, 1e4, "ms", "0.1"), (1e-6, 1e5, "us", "10"), (1e-6, 1e4, "us", "100"), (1e-3, 1250.0, "ms", "0.8")]
+    {
+        let text = half_sine(unit_s, rate_hz, (0.2 * rate_hz) as usize);
+        let ingested = from_text(&text, &given("--mass 1200kg --impact-speed 12m/s")).unwrap();
+        let dt_s = ingested.pulse().unwrap().samples.dt_s();
+        assert!((dt_s * rate_hz - 1.0).abs() < 1e-12, "{symbol} {dt_s}");
+        let expected = format!("column 1 (t) has steps of {step}. It is {symbol}: with it the pulse stops the vehicle");
+        assert!(notes(&ingested).contains(&expected), "{}", notes(&ingested));
+
+        // Nothing proves it where no speed is stated, or one that the pulse cannot take. The advice works.
+        for flags in ["--mass 1200kg", "--mass 1200kg --impact-speed 25m/s"] {
+            let error = from_text(&text, &given(flags)).unwrap_err();
+            let asked = format!("the unit of time: column 1 (t) has steps of {step}");
+            assert!(error.to_string().ends_with(&asked), "{error}");
+            let advice = format!("--time-unit {symbol}");
+            assert!(error.hint().contains(&format!("{advice} (sampled at")), "{}", error.hint());
+            let answered = from_text(&text, &given(&format!("{flags} {advice}"))).unwrap();
+            assert_eq!(answered.pulse().unwrap().samples.dt_s(), dt_s);
+        }
+    }
+}
+
+#[test]
+fn a_building_without_a_unit_of_time_is_no_crash_in_milliseconds() {
+    let rows = (0..500).map(|k| {
+        let t = f64::from(k) * 0.04;
+        format!("{t:.2},{:.6}\n", 1e-3 * (t * 9.46).sin())
+    });
+    let text = "t,a [g]\n".to_owned() + &rows.collect::<String>();
+    for flags in ["--allow-missing", "--allow-missing --mass 1200kg --impact-speed 50km/h"] {
+        let error = from_text(&text, &given(flags)).unwrap_err();
+        let hint = "add --time-unit s (sampled at 25 Hz) or --time-unit ms (sampled at 25 kHz), whichever it is";
+        assert_eq!(error.hint(), hint);
+    }
+    let ingested = from_text(&text, &given("--allow-missing --time-unit s")).unwrap();
+    assert_eq!(ingested.pulse().unwrap().samples.dt_s(), 0.04);
+}
+
 #[test]
 fn repeated_shock_records_with_odd_headers_are_read() {
     let Some(folder) = shared("data/pcb-shock-txt") else { return };

@@ -248,7 +248,7 @@ fn same_times(file: &str, header: &TableHeader, rows: &Rows, column: usize, note
     Ok(others)
 }
 
-/// The factor of the time unit to s: flag, header, comment, else taken from the interval.
+/// The factor of the time unit to s: flag, header, comment, else from the steps where they tell it.
 fn unit(
     file: &str,
     title: &str,
@@ -285,7 +285,14 @@ fn unit(
     if let Some(stated) = comment {
         return time::stated_unit(place(), &stated.value, &stated.from);
     }
-    time::unit_from_steps(file, &format!("column {title}"), "a unit in the header, such as time_s", times, notes)
+    time::unit_from_steps(
+        file,
+        &format!("column {title}"),
+        "a unit in the header, such as time_s",
+        times,
+        settings,
+        notes,
+    )
 }
 
 /// Refuses a comment that states another unit of time than the header.

@@ -307,7 +307,10 @@ fn grid_of(
         _ if are_stamps => 1.0,
         (Some(symbol), _) => time::stated_unit(place(), symbol, "--time-unit or the sidecar")?,
         (None, Unit::Time(factor)) => *factor,
-        (None, _) => time::unit_from_steps(file, &label.title, "a unit of the channel, such as s", values, notes)?,
+        (None, _) => {
+            let expected = "a unit of the channel, such as s";
+            time::unit_from_steps(file, &label.title, expected, values, settings, notes)?
+        }
     };
     let mut times = values.to_vec();
     let mut resolution_s = if are_stamps { resolution_of_stamps(values) } else { single_precision(values) * unit };
