@@ -218,7 +218,7 @@ bytes *args:
     @[ "$bin" != "${CARGO_TARGET_DIR:-$project/target}/release" ] || [ "${1-}" = --compare ] || just --justfile "$project/justfile" build
     @cargo run --quiet --manifest-path "$project/Cargo.toml" --package crumple-testkit -- bytes --bin "$bin" "$@"
 
-# How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--clean] [--records N] [--first K] [FAMILY ...]`.
+# How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--contact] [--clean] [--records N] [--first K] [FAMILY ...]`.
 [group('development')]
 interval-benchmark *args: build
     @cargo run --quiet --release --package crumple-testkit -- interval-benchmark --bin "$bin" "$@"

@@ -3,6 +3,7 @@
 pub mod benchmark;
 pub mod browser;
 pub mod bytes;
+pub mod contact_cover;
 pub mod fuzz;
 pub mod identification_cover;
 pub mod interval_cover;

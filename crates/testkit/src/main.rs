@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use crumple_testkit::benchmark as performance;
 use crumple_testkit::bytes::{Difference, compare, write_digests};
+use crumple_testkit::contact_cover;
 use crumple_testkit::fixture::fixtures;
 use crumple_testkit::fuzz::{Campaign, Tally, run_campaign};
 use crumple_testkit::identification_cover::{self, AMBIENT, right_clusters};
@@ -133,6 +134,9 @@ struct IntervalBenchmark {
     /// the simplest
     #[arg(long)]
     choice: bool,
+    /// How often intervals of crush, its time and delta-v hold the truth, wherever contact lies in the file
+    #[arg(long)]
+    contact: bool,
     /// Records whose trigger and stated speed have no error, behind a filter without phase
     #[arg(long)]
     clean: bool,
@@ -282,18 +286,25 @@ fn identification_benchmark(bin: &Path, (first, records): (usize, usize), wanted
 }
 
 fn interval_benchmark(asked: &IntervalBenchmark) -> Result<bool, Failure> {
-    let IntervalBenchmark { programs, choice, clean, misses, records, first, family: wanted } = asked;
+    let IntervalBenchmark { programs, choice, contact, clean, misses, records, first, family: wanted } = asked;
     let (bin, records, folder) = (programs.bin.as_path(), *first..first + records, own_folder("interval-benchmark"));
-    let names: Vec<&str> = match choice {
-        true => DRAWN.iter().map(|drawn| drawn.name).collect(),
-        false => FAMILIES.iter().map(|family| family.name).collect(),
+    let names: Vec<&str> = match (choice, contact) {
+        (_, true) => contact_cover::KINDS.iter().map(|kind| kind.name).collect(),
+        (true, _) => DRAWN.iter().map(|drawn| drawn.name).collect(),
+        _ => FAMILIES.iter().map(|family| family.name).collect(),
     };
     if !names.iter().any(|name| is_asked(wanted, name)) {
         return Err(format!("no family has {} in its name; there are: {}", wanted.join(", "), names.join("; ")).into());
     }
-    if *choice {
+    let pipeline = workspace().join("pipelines/default.toml");
+    if *contact {
+        println!("{}", contact_cover::HEAD);
+        for kind in contact_cover::KINDS.iter().filter(|kind| is_asked(wanted, kind.name)) {
+            let held = contact_cover::cover_of(kind, records.clone(), (bin, &pipeline), &folder)?;
+            println!("{}", held.row(kind.name));
+        }
+    } else if *choice {
         println!("{}", Choices::HEAD);
-        let pipeline = workspace().join("pipelines/default.toml");
         for drawn in DRAWN.iter().filter(|drawn| is_asked(wanted, drawn.name)) {
             print!("{}", choices_of(drawn, records.clone(), *clean, (bin, &pipeline), &folder)?.row(drawn.name));
         }
