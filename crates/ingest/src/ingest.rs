@@ -12,7 +12,7 @@ use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Result, Sign, pulse, refuse, time};
+use crate::{IngestError, IngestSettings, Result, Sign, impact, pulse, refuse, time};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -124,6 +124,9 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         pulse::speed_at_contact(&mut recording, k, &mut notes);
     }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
+    // A partner that gives way leaves speed.
+    let alone = pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
+    impact::take(file, &mut recording, alone, choices.impact, &mut notes)?;
     let polarity = match (is_of_occupant, is_turned) {
         (true, _) => Polarity::OfOccupant,
         (false, true) => Polarity::Turned,

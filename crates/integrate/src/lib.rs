@@ -8,8 +8,8 @@ mod uncertainty;
 
 pub use barrier::{CellSum, barrier_force, impulse_n_s, sum_of_cells};
 pub use events::{
-    TimeZeroEstimate, WRONG_SIGN, contact_edge, edr_start, events_of, findings, question_speed, threshold_crossing,
-    wrong_sign,
+    TimeZeroEstimate, WRONG_SIGN, contact_edge, edr_start, events_of, events_within, findings, question_speed,
+    threshold_crossing, wrong_sign,
 };
 pub use uncertainty::{
     EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Spread, Uncertainty, event_values, perturbed, propagate,

@@ -4,6 +4,7 @@
 
 mod choices;
 mod exchanges;
+mod impacts;
 mod iso_mme;
 mod lvm;
 mod messages;

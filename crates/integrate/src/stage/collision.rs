@@ -6,14 +6,14 @@ use crumple_metrics::definitions::{
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
 use crumple_signal::{Channel, QuantityKind, TestDescription, part_of};
-use crumple_stage::records::{MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
+use crumple_stage::records::{ImpactsV1, MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
-use crate::stage::criteria::recorded_changes;
+use crate::stage::criteria::{recorded_changes, recorded_impacts};
 use crate::stage::integration::{ChannelIntegration, Integrated, acceleration, time_zero};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::StageSettings;
-use crate::stage::records::{metric_record, metric_records, warn_unless_of_the_vehicle};
+use crate::stage::records::{impact_records, metric_record, metric_records, note_impacts, warn_unless_of_the_vehicle};
 
 /// Momentum left over that is worth a warning: sensors and masses are better than that.
 const LARGE_GAP: f64 = 0.1;
@@ -209,6 +209,9 @@ pub fn without_motion(
     let measured = metrics.iter().any(|metric| metric.value.is_some());
     let recorded = recorded_changes(input, test, time_zero_s, out);
     let recorder = recorded.iter().any(|metric| metric.value.is_some());
+    if let Some(impacts) = recorded_impacts(input, test, time_zero_s, out) {
+        out.put("/impacts", &impacts)?;
+    }
     metrics.extend(recorded);
     if !metrics.is_empty() {
         out.put("/metrics", &MetricsV2 { metrics })?;
@@ -276,6 +279,7 @@ pub fn without_speed(
     };
     let integrated = task.integrate(pulse, &samples, out)?;
     warn_unless_of_the_vehicle(pulse, out.notes());
+    note_impacts(&integrated.events.impacts, out);
     let mut metrics = metric_records(&pulse.id, &integrated, zero.time_s);
     let criteria = Criteria { settings, input, test, pulse, time_zero_s: zero.time_s, impact_speed_m_per_s: None };
     metrics.extend(criteria.records(out)?);
@@ -295,6 +299,8 @@ pub fn without_speed(
         "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest"
     };
     out.put("/test", &TestV1::from(test))?;
+    let impacts = impact_records(&integrated.events.impacts, None);
+    out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
     out.put("/metrics", &MetricsV2 { metrics })?;
     let change = integrated.motion.velocity.into_sampled();
     out.wave(&format!("{}/velocity_change", pulse.id), QuantityKind::VelocityChange, change)?;

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use crate::{
-    Intervals, MOST_SAMPLES, TimeZeroEstimate, Uncertainty, barrier_force, contact_edge, edr_start, events_of,
+    Intervals, MOST_SAMPLES, TimeZeroEstimate, Uncertainty, barrier_force, contact_edge, edr_start, events_within,
     propagate, threshold_crossing,
 };
 use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, event_end_by_velocity_change, pulse_metrics};
@@ -215,7 +215,8 @@ impl ChannelIntegration<'_> {
                 (motion, Some(drift))
             }
         };
-        let events = events_of(&motion, self.time_zero_s, impact_speed_m_per_s)?;
+        let speed_error = self.settings.uncertainty.as_ref().map_or(0.0, Uncertainty::largest_speed_error_m_per_s);
+        let events = events_within(&motion, self.time_zero_s, impact_speed_m_per_s, speed_error)?;
         let mut metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
