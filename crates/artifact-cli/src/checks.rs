@@ -2,9 +2,9 @@
 
 use crumple_artifact::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
-    ExponentialSumV1, IdentificationV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1, PredictionV1,
-    QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1,
-    StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
+    ExponentialSumV1, IdentificationV1, ImpactsV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1,
+    PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
@@ -29,12 +29,13 @@ pub struct Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 26] = [
+const STATED: [(&str, &[&str]); 27] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),
     ("/filter/", &[ChannelFilterV1::SCHEMA]),
     ("/events", &[EventsV1::SCHEMA]),
+    ("/impacts", &[ImpactsV1::SCHEMA]),
     ("/metrics", &[MetricsV1::SCHEMA, MetricsV2::SCHEMA]),
     ("/model/", &[StateSpaceV1::SCHEMA, TransferFunctionV1::SCHEMA, ExponentialSumV1::SCHEMA]),
     ("/modes/", &[ModesV1::SCHEMA, ModesV2::SCHEMA]),

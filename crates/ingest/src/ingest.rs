@@ -13,7 +13,7 @@ use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Result, Sign, contact, pulse, refuse};
+use crate::{IngestError, IngestSettings, Result, Sign, contact, impact, pulse, refuse};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -139,12 +139,15 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
     details::check(file, &recording.details)?;
 
-    let contact = contact::settle(file, &mut recording, (pulse, reader.format), &choices, &mut notes)?;
+    let mut contact = contact::settle(file, &mut recording, (pulse, reader.format), &choices, &mut notes)?;
     times_in_range(file, &recording)?;
     if let Some(k) = velocity {
         pulse::speed_at_contact(&mut recording, k, &mut notes);
     }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
+    // A partner that gives way leaves speed.
+    let alone = pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
+    impact::take(file, &mut recording, alone, choices.impact, &mut contact, &mut notes)?;
     let polarity = match (is_of_occupant, is_turned) {
         (true, _) => Polarity::OfOccupant,
         (false, true) => Polarity::Turned,

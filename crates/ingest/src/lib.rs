@@ -24,6 +24,7 @@ mod files {
     pub mod zip;
 }
 mod formats;
+mod impact;
 mod ingest;
 mod listing;
 mod pulse;

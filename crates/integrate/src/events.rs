@@ -1,7 +1,7 @@
 //! What a motion says about the crash: sign of the pulse, events, findings in words.
 
 use crumple_metrics::{
-    CrashEvents, EventEnd, MetricsError, centroid_time_by_moment, centroid_time_from_crush, crash_events,
+    CrashEvents, EventEnd, MetricsError, centroid_time_by_moment, centroid_time_from_crush, crash_events_within,
     largest_restitution,
 };
 use crumple_signal::{About, Motion, Notes, Signal, UsedStart, Velocity, Weight};
@@ -31,7 +31,17 @@ pub fn wrong_sign(velocity: &Signal<Velocity>, time_zero_s: f64, impact_speed_m_
 /// The velocity at the end of the record stays in the result, since it needs no crash. Times are in s from time zero:
 /// t_m is the first zero of the velocity, interpolated linearly, and C the displacement there.
 pub fn events_of(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -> Result<CrashEvents, MetricsError> {
-    let events = crash_events(&motion.velocity, &motion.displacement, time_zero_s)?;
+    events_within(motion, time_zero_s, impact_speed_m_per_s, 0.0)
+}
+
+/// [`events_of`], the impact speed being known to `speed_error_m_per_s`: [`crash_events_within`].
+pub fn events_within(
+    motion: &Motion,
+    time_zero_s: f64,
+    impact_speed_m_per_s: f64,
+    speed_error_m_per_s: f64,
+) -> Result<CrashEvents, MetricsError> {
+    let events = crash_events_within(&motion.velocity, &motion.displacement, time_zero_s, speed_error_m_per_s)?;
     if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
         return Ok(events);
     }
@@ -120,6 +130,12 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
                 rebound.velocity_m_per_s
             ),
         );
+    } else if rebound.velocity_m_per_s > 0.0 {
+        notes.info(format!(
+            "the velocity left at {:.1} ms, {:.3} m/s, is within the error of the impact speed: the vehicle has stopped",
+            1e3 * crush.time_s,
+            rebound.velocity_m_per_s
+        ));
     } else if rebound.velocity_m_per_s == 0.0 {
         notes.info("the velocity never gets below zero: no rebound, coefficient of restitution 0");
     }
@@ -130,7 +146,9 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
             1e3 * first
         ));
     }
-    let from_crush = centroid_time_from_crush(crush.displacement_m, impact_speed_m_per_s);
+    // By parts: what velocity is left at t_m belongs to neither.
+    let left = rebound.velocity_m_per_s.max(0.0);
+    let from_crush = centroid_time_from_crush(crush.displacement_m - left * crush.time_s, impact_speed_m_per_s - left);
     if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, time_zero_s, crush.time_s) {
         let gap = (by_moment - from_crush) / from_crush;
         let text = format!(
@@ -205,7 +223,7 @@ pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_
             let end = motion.velocity.samples().last().copied().unwrap_or(v0);
             let or_else = match unstopped.end {
                 EventEnd::Record => "whether the record ends too early",
-                EventEnd::Quiet => "whether the impact was glancing or the partner gave way",
+                EventEnd::Quiet | EventEnd::Contact => "whether the impact was glancing or the partner gave way",
             };
             Some(format!(
                 "{stated}: the car would not stop, it would still move at {:.0} km/h. {fits} {or_else}",
@@ -220,9 +238,7 @@ pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_
 mod tests {
     use super::*;
     use crumple_metrics::crash_events;
-    use crumple_signal::{
-        IntegrationRule, IntegrationSettings, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Signal, integrate,
-    };
+    use crumple_signal::{IntegrationRule, IntegrationSettings, IntegrationStart, Signal, integrate};
 
     use crate::events_of;
 
@@ -246,7 +262,6 @@ mod tests {
         let settings = IntegrationSettings {
             rule: IntegrationRule::Trapezoid,
             start: IntegrationStart::Auto,
-            time_zero_s: 0.0,
             impact_speed_m_per_s: 4.0,
             low_pass_filtered: false,
         };
@@ -293,7 +308,6 @@ mod tests {
         let settings = IntegrationSettings {
             rule: IntegrationRule::Trapezoid,
             start: IntegrationStart::Auto,
-            time_zero_s: 0.0,
             impact_speed_m_per_s: v0,
             low_pass_filtered: false,
         };

@@ -1,7 +1,7 @@
 //! How far the uncertainty of the inputs moves motion, events and metrics: repetitions with perturbed inputs.
 
 use crumple_metrics::{
-    CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events, definitions, pulse_metrics,
+    CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events_within, definitions, pulse_metrics,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
@@ -20,6 +20,9 @@ use serde::Serialize;
 /// Records with more samples than this are not repeated: the work grows with samples times replicates. 1,048,576
 /// samples are 105 s at 10 kHz, far longer than any crash.
 pub const MOST_SAMPLES: usize = 1 << 20;
+
+/// An error of the zero level is a velocity after this time at most, s: contacts of vehicles last up to 0.2 s.
+const LONGEST_CONTACT_S: f64 = 0.2;
 
 /// Replicates worked on between two reports of progress.
 const BLOCK: usize = 64;
@@ -60,6 +63,15 @@ pub struct Perturbation {
 }
 
 impl Uncertainty {
+    /// How far the impact speed may be off, m/s: the half width of a uniform error, two standard deviations of a normal
+    /// one (95 %).
+    pub fn largest_speed_error_m_per_s(&self) -> f64 {
+        self.impact_speed_m_per_s.map_or(0.0, |Spread { size, distribution }| match distribution {
+            Distribution::Uniform => size,
+            Distribution::Normal => 2.0 * size,
+        })
+    }
+
     /// The inputs of replicate `index`, from a row of random numbers of its own, so that a replicate does not depend on
     /// the others, nor an input on whether another is uncertain.
     ///
@@ -203,7 +215,14 @@ pub fn propagate(
         let by = uncertainty.perturbation(index);
         let motion = perturbed(acceleration, &settings, end, &by).ok()?;
         let v0 = settings.impact_speed_m_per_s + by.impact_speed_m_per_s;
-        let events = crash_events(&motion.velocity, &motion.displacement, 0.0).ok()?;
+        // A vehicle that stops without a rebound stops in every replicate: what the errors leave of its velocity, or
+        // take off it, is none.
+        let lasted_s = motion.velocity.end_s().min(LONGEST_CONTACT_S);
+        let left = uncertainty.largest_speed_error_m_per_s()
+            + by.impact_speed_m_per_s.abs()
+            + by.gain.abs() * v0
+            + by.zero_level_m_per_s2.abs() * lasted_s.max(0.0);
+        let events = crash_events_within(&motion.velocity, &motion.displacement, 0.0, left).ok()?;
         let metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,

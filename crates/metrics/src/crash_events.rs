@@ -6,7 +6,7 @@ use crumple_signal::{Acceleration, Displacement, STANDARD_GRAVITY_M_PER_S2, Sign
 use crate::metric::definitions::{SEPARATION, TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
 use crate::metric::value::same_grid;
 use crate::sums::{cumulative, in_samples, window_end};
-use crate::{Metric, MetricsError};
+use crate::{Metric, MetricsError, PulseImpact, first_event, impacts};
 
 /// The moment of largest crush: the first zero of velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,16 +19,16 @@ pub struct DynamicCrush {
     pub index: usize,
 }
 
-/// The lowest velocity after dynamic crush.
+/// The lowest velocity from dynamic crush to the end of the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rebound {
-    /// Lowest velocity v_s, m/s; never positive.
+    /// Lowest velocity v_s, m/s; positive only by what the impact speed is uncertain by.
     pub velocity_m_per_s: f64,
     /// Time t_s of the first such sample, s from time zero.
     pub time_s: f64,
     /// Displacement there, m. An estimate of the residual crush, no measurement of it.
     pub displacement_m: f64,
-    /// The lowest velocity is the last sample: the record ends before the vehicle is free.
+    /// The record ends before the contact does, and the lowest velocity is its last sample.
     pub still_separating: bool,
 }
 
@@ -45,61 +45,91 @@ pub struct CrashEvents {
     pub later_zeros_s: Vec<f64>,
     /// End of the event and lowest velocity up to it, where the velocity never reaches zero.
     pub unstopped: Option<Unstopped>,
+    /// Every impact of the record; the other events are those of the [first event](first_event).
+    pub impacts: Vec<PulseImpact>,
 }
 
-/// Finds dynamic crush and rebound in a motion.
+/// Finds the impacts of a motion, and dynamic crush and rebound of the first that is an [event](first_event).
 ///
 /// Dynamic crush is at the first sample k ≥ 1 at or after `time_zero_s` with `v[k] ≤ 0`: `t_m = t[k-1] +
 /// T·v[k-1]/(v[k-1] - v[k])`, `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, which is the trapezoid up to the interpolated
 /// zero. Interpolating linearly errs by at most `T²·max|a'|/(8·|a|)` in t_m. The rebound velocity is the lowest
-/// sample from k on. A record that ends while the velocity is positive has neither; its last sample is not a crush. It
-/// has the lowest velocity up to the [end of the event](unstopped).
+/// sample from k to the end of the contact ([`impacts`](fn@impacts)): what drags or hits the vehicle later is no
+/// rebound. A record that ends while the velocity is positive, or that has the next impact before the velocity is zero,
+/// has neither; its last sample is not a crush. It has the lowest velocity up to the [end of the event](unstopped).
 /// Noise around zero makes many later zeros, which is why only the first counts.
 pub fn crash_events(
     velocity: &Signal<Velocity>,
     displacement: &Signal<Displacement>,
     time_zero_s: f64,
 ) -> Result<CrashEvents, MetricsError> {
+    crash_events_within(velocity, displacement, time_zero_s, 0.0)
+}
+
+/// [`crash_events`], a stop being known to `speed_error_m_per_s`: where the lowest velocity of a contact that ends in
+/// the record is positive and no larger, the vehicle has stopped there without a rebound.
+pub fn crash_events_within(
+    velocity: &Signal<Velocity>,
+    displacement: &Signal<Displacement>,
+    time_zero_s: f64,
+    speed_error_m_per_s: f64,
+) -> Result<CrashEvents, MetricsError> {
     same_grid(("the velocity", velocity), ("the displacement", displacement))?;
     let (v, x, dt) = (velocity.samples(), displacement.samples(), velocity.dt_s());
     let zero_between = |k: usize| velocity.time_s(k - 1) - time_zero_s + dt * v[k - 1] / (v[k - 1] - v[k]);
 
-    let from = velocity.index_at_or_after(time_zero_s).max(1);
-    let first = (from..v.len()).find(|&k| v[k] <= 0.0 && v[k - 1] > 0.0);
-    let crush = first.map(|k| {
-        let time_s = zero_between(k);
-        let since_sample = time_s - (velocity.time_s(k - 1) - time_zero_s);
-        DynamicCrush { time_s, displacement_m: x[k - 1] + since_sample * v[k - 1] / 2.0, index: k }
-    });
+    let impacts = impacts(velocity, time_zero_s);
+    let event = first_event(&impacts);
+    let next = event.and_then(|k| impacts.get(k + 1)).map_or(v.len(), |next| next.samples[0]);
+    let contact = event.map(|k| &impacts[k]);
 
-    let mut later_zeros_s = Vec::new();
+    let from = velocity.index_at_or_after(time_zero_s).max(1);
+    let zero = (from..next).find(|&k| v[k] <= 0.0 && v[k - 1] > 0.0);
+    let lowest_in = |from: usize, to: usize| (from..=to).fold(from, |low, k| if v[k] < v[low] { k } else { low });
+    // A zero after the contact, if any, is what drag or an error of the zero level make of the velocity that is left.
+    let stop = contact.filter(|c| c.is_whole && zero.is_none_or(|k| k > c.samples[1])).and_then(|contact| {
+        let lowest = lowest_in(contact.samples[0], contact.samples[1]);
+        let is_stop = v[lowest] > 0.0 && v[lowest] <= speed_error_m_per_s && v[contact.samples[0]] > v[lowest];
+        is_stop.then_some(lowest)
+    });
+    let first = stop.or(zero);
+    let crush = first.map(|k| {
+        let time_s = if stop.is_some() { velocity.time_s(k) - time_zero_s } else { zero_between(k) };
+        let since_sample = time_s - (velocity.time_s(k - 1) - time_zero_s);
+        let mean = if stop.is_some() { (v[k - 1] + v[k]) / 2.0 } else { v[k - 1] / 2.0 };
+        DynamicCrush { time_s, displacement_m: x[k - 1] + since_sample * mean, index: k }
+    });
     let rebound = first.map(|start| {
-        let mut lowest = start;
-        for k in start + 1..v.len() {
-            if v[k] < v[lowest] {
-                lowest = k;
-            }
-            // A sample at exactly zero belongs to the interval that reaches it.
-            if (v[k - 1] < 0.0 && v[k] >= 0.0) || (v[k - 1] > 0.0 && v[k] <= 0.0) {
-                later_zeros_s.push(zero_between(k));
-            }
-        }
+        let lowest = lowest_in(start, contact.map_or(v.len() - 1, |contact| contact.samples[1].max(start)));
         Rebound {
             velocity_m_per_s: v[lowest],
             time_s: velocity.time_s(lowest) - time_zero_s,
             displacement_m: x[lowest],
-            still_separating: lowest + 1 == v.len() && v[lowest] < 0.0,
+            still_separating: lowest + 1 == v.len() && v[lowest] < 0.0 && contact.is_none_or(|c| !c.is_whole),
         }
     });
-    let unstopped = if crush.is_none() { unstopped(velocity, time_zero_s) } else { None };
-    Ok(CrashEvents { crush, rebound, end_velocity_m_per_s: v[v.len() - 1], later_zeros_s, unstopped })
+    let mut later_zeros_s = Vec::new();
+    for k in first.map_or(v.len(), |first| first + 1)..v.len() {
+        // A sample at exactly zero belongs to the interval that reaches it.
+        if (v[k - 1] < 0.0 && v[k] >= 0.0) || (v[k - 1] > 0.0 && v[k] <= 0.0) {
+            later_zeros_s.push(zero_between(k));
+        }
+    }
+    let unstopped = if crush.is_some() {
+        None
+    } else if next < v.len() {
+        contact.filter(|_| v[from - 1] > 0.0).map(|contact| up_to_the_next(contact, velocity, time_zero_s))
+    } else {
+        unstopped(velocity, time_zero_s)
+    };
+    Ok(CrashEvents { crush, rebound, end_velocity_m_per_s: v[v.len() - 1], later_zeros_s, unstopped, impacts })
 }
 
 impl CrashEvents {
     /// Coefficient of restitution e = -v_s/v0 against a rigid barrier; 0 where the velocity never gets below zero.
     pub fn restitution(&self, impact_speed_m_per_s: f64) -> Option<f64> {
         // `+ 0.0` turns the -0.0 of a vehicle that stops dead into 0.
-        self.rebound.map(|rebound| -rebound.velocity_m_per_s / impact_speed_m_per_s + 0.0)
+        self.rebound.map(|rebound| -rebound.velocity_m_per_s.min(0.0) / impact_speed_m_per_s + 0.0)
     }
 
     /// Change of velocity, m/s: v0 - v_s, or where the velocity never reaches zero v0 less the lowest up to the end of
@@ -111,6 +141,12 @@ impl CrashEvents {
     /// When the velocity is the one of [`delta_v_m_per_s`](Self::delta_v_m_per_s), s from time zero.
     pub fn time_of_delta_v_s(&self) -> Option<f64> {
         self.lowest().map(|(_, time_s)| time_s)
+    }
+
+    /// Samples up to the impact after the [first event](first_event), of so many.
+    pub(crate) fn samples_of_event(&self, samples: usize) -> usize {
+        let next = first_event(&self.impacts).and_then(|k| self.impacts.get(k + 1));
+        next.map_or(samples, |next| next.samples[0])
     }
 
     fn lowest(&self) -> Option<(f64, f64)> {
@@ -156,6 +192,8 @@ pub struct Unstopped {
 pub enum EventEnd {
     /// The velocity changes by no more than 0.8 km/h in the 20 ms before it.
     Quiet,
+    /// The force of the impact ends, and another impact follows.
+    Contact,
     /// The record ends first.
     Record,
 }
@@ -165,6 +203,7 @@ impl EventEnd {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Quiet => "20 ms with no more than 0.8 km/h (49 CFR 563)",
+            Self::Contact => "end of the force, another impact follows",
             Self::Record => "end of the record",
         }
     }
@@ -209,6 +248,18 @@ pub fn unstopped(velocity: &Signal<Velocity>, time_zero_s: f64) -> Option<Unstop
         end_s: end_s - time_zero_s,
         end,
     })
+}
+
+/// The lowest velocity of an impact that another one follows.
+fn up_to_the_next(contact: &PulseImpact, velocity: &Signal<Velocity>, time_zero_s: f64) -> Unstopped {
+    let (v, [start, end]) = (velocity.samples(), contact.samples);
+    let lowest = (start..=end).fold(start, |low, k| if v[k] < v[low] { k } else { low });
+    Unstopped {
+        velocity_m_per_s: v[lowest],
+        time_s: velocity.time_s(lowest) - time_zero_s,
+        end_s: contact.end_s,
+        end: EventEnd::Contact,
+    }
 }
 
 /// What the velocities of two vehicles say of their collision along the axis of the first.

@@ -5,8 +5,8 @@
 //! [`definitions::CATALOGUE`] and the part of the record it belongs to. A metric that a record does not show is a
 //! [`Metric`] without a value whose definition says why; it is never a number in disguise.
 //!
-//! - the pulse: [`crash_events`], [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a recorder
-//!   [`maximum_delta_v`], [`RecordedImpact`]
+//! - the pulse: [`crash_events`], [`impacts`](fn@impacts), [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a
+//!   recorder [`maximum_delta_v`], [`impacts_of_table`], [`RecordedImpact`]
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
@@ -33,6 +33,7 @@ mod crash_events;
 mod energy;
 mod error;
 mod hic;
+mod impacts;
 mod iso18571;
 mod metric {
     //! What a metric is: value, unit, definition, window, interval; the catalogue of definitions.
@@ -59,8 +60,8 @@ pub use contact::{
 pub use cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use crash_events::{
     CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, MutualCrush, Rebound, ThresholdRule, TwoVehicleImpact,
-    Unstopped, acceleration_after_separation, collision, common_velocity, crash_events, event_end_by_velocity_change,
-    time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
+    Unstopped, acceleration_after_separation, collision, common_velocity, crash_events, crash_events_within,
+    event_end_by_velocity_change, time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
 };
 pub use energy::{
     CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,
@@ -68,6 +69,7 @@ pub use energy::{
 };
 pub use error::MetricsError;
 pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, hic, hic_all_pairs, hic_d, hic_d_of};
+pub use impacts::{PulseImpact, first_event, impacts};
 pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use metric::definitions::{self, Definition, Mark};
 pub use metric::value::{Interval, IntervalBy, Metric, Window};
@@ -77,7 +79,7 @@ pub use pulse::{
     Peak, Pulse, average_square_wave, centroid_time_by_moment, centroid_time_from_crush, equivalent_square_wave,
     mean_deceleration, peak, pulse_metrics,
 };
-pub use recorder::{RecordedImpact, maximum_delta_v};
+pub use recorder::{RecordedImpact, impacts_of_table, maximum_delta_v};
 pub use restrained_occupant::{OlcOptions, VpiOptions, olc, vpi};
 pub use roadside::{AsiLimits, AsiMethod, FlailSpace, asi, oiv_ora, thiv_phd};
 pub use sums::sliding_mean;

@@ -19,7 +19,7 @@ use crate::restrained_occupant::{olc, vpi};
 use crate::sums::sliding_mean_of_velocity;
 use crate::{
     CrashEvents, Definition, EventEnd, Metric, MetricsError, OlcOptions, VpiOptions, acceleration_after_separation,
-    average_stiffness, energy_equivalent_speed,
+    average_stiffness, energy_equivalent_speed, first_event,
 };
 
 /// A crash as motion: what [`pulse_metrics`] looks at. The three signals share one grid.
@@ -41,13 +41,21 @@ pub struct Pulse<'a> {
     pub time_zero_s: f64,
 }
 
-/// The metrics of a pulse, always the same names in the same order; windows count from time zero.
+/// The metrics of a pulse, always the same names in the same order; windows count from time zero. Of a record with
+/// several impacts they are those of the [first event](first_event).
 ///
 /// What needs the mass or the dynamic crush and has none says so. A lowest velocity at the last sample makes delta-v,
 /// restitution and the energies of the rebound bounds, and they say so.
 pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     same_grid(("the acceleration", pulse.acceleration), ("the velocity", pulse.velocity))?;
     same_grid(("the velocity", pulse.velocity), ("the displacement", pulse.displacement))?;
+    let samples = pulse.events.samples_of_event(pulse.velocity.len());
+    let pulse = &Pulse {
+        acceleration: &pulse.acceleration.slice(0, samples).into(),
+        velocity: &pulse.velocity.slice(0, samples).into(),
+        displacement: &pulse.displacement.slice(0, samples).into(),
+        ..*pulse
+    };
     let (v0, mass, crush, rebound, zero_s) = (
         pulse.impact_speed_m_per_s.unwrap_or(0.0),
         pulse.mass_kg,
@@ -97,7 +105,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         Some((c, r)) => recovered.over(c.time_s, r.time_s),
         None => recovered,
     };
-    let delta_v = match (v0 == 0.0).then(|| largest_change(pulse.velocity, zero_s)).flatten() {
+    let delta_v = match (v0 == 0.0).then(|| largest_change(pulse)).flatten() {
         Some(change) => delta_v_from_rest(change),
         None => lower(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0))),
     };
@@ -147,7 +155,7 @@ fn delta_v_of_unstopped(delta_v: Metric, pulse: &Pulse<'_>) -> Metric {
             let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}");
             let delta_v = delta_v.over(0.0, unstopped.time_s);
             match unstopped.end {
-                EventEnd::Quiet => delta_v.remarked(&remark),
+                EventEnd::Quiet | EventEnd::Contact => delta_v.remarked(&remark),
                 EventEnd::Record => delta_v.as_lower_bound(&format!("{remark}: lower bound, it still changes there")),
             }
         }
@@ -162,14 +170,17 @@ fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64)) -> Metric {
     Metric::with_value(&DELTA_V, change_m_per_s.abs()).over(0.0, time_s).remarked(&remark)
 }
 
-/// The largest velocity of a motion from rest after time zero, signed, m/s, and its time, s from time zero.
+/// The largest velocity of a motion from rest from time zero to the end of its [first event](first_event), signed, m/s,
+/// and its time, s from time zero.
 ///
 /// For a vehicle that rebounds from a barrier it is the delta-v of the motion with its impact speed, v0 - v_s, whatever
-/// that speed is.
-fn largest_change(velocity: &Signal<Velocity>, zero_s: f64) -> Option<(f64, f64)> {
+/// that speed is. What noise, drag or the next impact do after the end moves neither.
+fn largest_change(pulse: &Pulse<'_>) -> Option<(f64, f64)> {
+    let (velocity, zero_s) = (pulse.velocity, pulse.time_zero_s);
     let (v, first) = (velocity.samples(), velocity.index_at_or_after(zero_s));
-    v.get(first)?;
-    let largest = first + index_of_largest(&v[first..]);
+    let impacts = &pulse.events.impacts;
+    let end = first_event(impacts).map_or(v.len(), |k| impacts[k].samples[1] + 1);
+    let largest = first + index_of_largest(v.get(first..end).filter(|v| !v.is_empty())?);
     Some((v[largest], velocity.time_s(largest) - zero_s))
 }
 

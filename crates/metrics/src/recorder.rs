@@ -1,12 +1,12 @@
 //! What an event data recorder kept of an impact: the largest changes of velocity, the energy that went into
 //! deformation, the crush. Intervals are those of the steps in which the recorder keeps value and time.
 
-use crumple_signal::Sampled;
+use crumple_signal::{Sampled, Signal};
 
 use crate::metric::definitions::{
     ABSORBED_SHARE, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, RECORDED_CRUSH, RECORDED_EES, TIME_OF_MAXIMUM_DELTA_V,
 };
-use crate::{Definition, Interval, IntervalBy, Metric, largest_restitution};
+use crate::{Definition, Interval, IntervalBy, Metric, PulseImpact, impacts, largest_restitution};
 
 /// Last moment that counts, s from time zero.
 const LAST_S: f64 = 0.3;
@@ -57,6 +57,14 @@ pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
         within(at(Metric::with_value(&MAXIMUM_DELTA_V, v[largest] - start)), step),
         within(at(Metric::with_value(&TIME_OF_MAXIMUM_DELTA_V, time_s)), Some(0.5 * change.dt_s())),
     ]
+}
+
+/// The impacts of a cumulative change of velocity that a recorder kept: those that are events by themselves (8 km/h, 49
+/// CFR 563.5), since in whole km/h every rounding looks like a small one.
+pub fn impacts_of_table(change: &Sampled, time_zero_s: f64) -> Vec<PulseImpact> {
+    let mut impacts = impacts(&Signal::from(change.clone()), time_zero_s);
+    impacts.retain(PulseImpact::is_event);
+    impacts
 }
 
 /// A change of velocity along x, and where there is one along y, kept while a vehicle hit an object that does not give
@@ -238,6 +246,32 @@ mod tests {
     fn a_table_that_ends_while_the_velocity_changes_gives_a_bound() {
         let [dv, _] = maximum_delta_v(&Sampled::new(0.0, 0.01, vec![0.0, -1.0, -2.0]).unwrap(), 0.0);
         assert!(dv.definition.ends_with("a lower bound"), "{}", dv.definition);
+    }
+
+    #[test]
+    fn two_impacts_of_a_table_are_two_whatever_its_step() {
+        // 20 km/h within 100 ms, 250 ms of rest, 35 km/h within 120 ms: haversines of acceleration.
+        let lost = |t: f64, length: f64| {
+            let x = (t / length).clamp(0.0, 1.0);
+            x - (std::f64::consts::TAU * x).sin() / std::f64::consts::TAU
+        };
+        for step in [1.0, 0.1, 0.01, 1.609_344] {
+            for dt_s in [0.01, 0.005] {
+                let at = |k: usize| {
+                    let t = k as f64 * dt_s;
+                    let change: f64 = -20.0 * lost(t, 0.1) - 35.0 * lost(t - 0.35, 0.12);
+                    (change / step).round() * step / 3.6
+                };
+                let change = Sampled::new(0.0, dt_s, (0..(0.7 / dt_s) as usize).map(at).collect()).unwrap();
+                let found = impacts_of_table(&change, 0.0);
+                let [one, two] = found.as_slice() else { panic!("{step} {dt_s}: {found:?}") };
+                let near = |impact: &PulseImpact, km_per_h: f64| (3.6 * impact.change_m_per_s + km_per_h).abs() < 1.7;
+                assert!(near(one, 20.0) && near(two, 35.0) && one.is_whole && two.is_whole, "{step} {dt_s}: {found:?}");
+                assert!((two.start_s - 0.35).abs() < 0.05 && two.end_s < 0.5, "{step} {dt_s}: {found:?}");
+                let [most, _] = maximum_delta_v(&change, 0.0);
+                assert!((3.6 * most.value.unwrap() + 20.0).abs() < 1.0, "within 300 ms");
+            }
+        }
     }
 
     /// A table in whole km/h every 10 ms.

@@ -247,7 +247,7 @@ pub fn status(exit_code: i32) -> &'static str {
 /// Time that is shown after time zero: the same for all runs, so that lines compare.
 pub const SHOWN_S: f64 = 0.15;
 
-/// An acceleration over the first 150 ms after time zero, upwards as the vehicle slows down, each run to its own peak;
+/// An acceleration over the first 150 ms after contact, upwards as the vehicle slows down, each run to its own peak;
 /// empty where there is nothing to draw.
 pub fn pulse_line(acceleration: &Sampled) -> String {
     let samples = acceleration.samples().iter().enumerate();
@@ -348,12 +348,12 @@ mod tests {
     }
 
     #[test]
-    fn a_pulse_is_drawn_upwards_from_time_zero() {
+    fn a_pulse_is_drawn_upwards_from_contact() {
         let samples: Vec<f64> = (0..400).map(|k| if (100..200).contains(&k) { -50.0 } else { 0.0 }).collect();
-        let acceleration = Sampled::new(-0.05, 1e-3, samples).unwrap();
-        // Contact is 50 ms after the record's own zero: at the left edge.
-        let line = pulse_line(&acceleration, 0.05);
+        // Contact, 100 ms after the first sample, is at the left edge.
+        let acceleration = Sampled::new(-0.1, 1e-3, samples).unwrap();
+        let line = pulse_line(&acceleration);
         assert!(line.contains("d=\"M0 1l") && line.contains(" 18"), "{line}");
-        assert_eq!(pulse_line(&acceleration, 1.0), "");
+        assert_eq!(pulse_line(&acceleration.starting_at(-1.0).unwrap()), "");
     }
 }

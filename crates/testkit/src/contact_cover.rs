@@ -82,7 +82,9 @@ impl Kind {
             _ => between(-0.3, 0.3),
         };
         let (level, lasts_s, apart_s) = (between(0.0, 1.0), between(0.0, 1.0), between(0.2, 0.5));
-        let pulse = |t: f64| if (0.0..length_s).contains(&t) { -peak * (PI * t / length_s).sin().powi(self.power) } else { 0.0 };
+        let pulse = |t: f64| {
+            if (0.0..length_s).contains(&t) { -peak * (PI * t / length_s).sin().powi(self.power) } else { 0.0 }
+        };
         let beside = |t: f64| match self.around {
             Around::Stated | Around::Anywhere => 0.0,
             Around::Braking if t < 0.0 && t > -lasts_s => -level * G,

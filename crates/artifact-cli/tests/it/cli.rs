@@ -60,6 +60,7 @@ fn test() -> TestV1 {
         pulse: Some("93".into()),
         notes: vec![],
         time_zero: None,
+        contact: None,
         exchange_asked: false,
     }
 }

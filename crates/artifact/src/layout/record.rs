@@ -14,9 +14,9 @@ use crate::layout::json_text::to_json;
 use crate::layout::schema::{viewer_safe_schema, without_blanks};
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
-    ExponentialSumV1, IdentificationV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1, PredictionV1,
-    QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1, StabilizationV1,
-    StateSpaceV1, TestV1, TestsV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
+    ExponentialSumV1, IdentificationV1, ImpactsV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1,
+    PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
+    StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 
 /// A type that may stand in an artifact. A record is a JSON object: viewers and checks of schemas take no other.
@@ -143,6 +143,7 @@ record! {
     ShapesV1 => "crumple.Shapes.v1",
     ExponentialSumV1 => "crumple.ExponentialSum.v1",
     IdentificationV1 => "crumple.Identification.v1",
+    ImpactsV1 => "crumple.Impacts.v1",
     MatchingV1 => "crumple.Matching.v1",
     MetricsV1 => "crumple.Metrics.v1",
     MetricsV2 => "crumple.Metrics.v2" after MetricsV1 where check_numbers,

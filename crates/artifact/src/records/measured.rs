@@ -194,6 +194,38 @@ pub struct EventsV1 {
     /// Events that have no interval although the uncertainty of the measurement was stated, and why.
     #[serde(default)]
     pub without_interval: Vec<MissingIntervalV1>,
+    /// Every impact of the pulse, in the order of time. The other fields are those of one of them, with what touched
+    /// the vehicle before it.
+    #[serde(default)]
+    pub impacts: Vec<ImpactV1>,
+}
+
+/// One impact of a pulse; times count from time zero.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ImpactV1 {
+    /// Start of its force, s: contact for the first.
+    pub start_s: f64,
+    /// End of its force, s.
+    pub end_s: f64,
+    /// Velocity at its start, m/s; `null`: the impact speed is not known.
+    pub start_velocity_m_per_s: Option<f64>,
+    /// Velocity that the vehicle loses from start to end, m/s; negative: it is pushed forward.
+    pub delta_v_m_per_s: f64,
+    /// Acceleration of the strongest 4.4 ms, m/s^2; negative: a deceleration. `null`: a table is too coarse.
+    pub peak_acceleration_m_per_s2: Option<f64>,
+    /// Time of the peak, s.
+    pub time_of_peak_s: Option<f64>,
+    /// The record ends before the force does: `delta_v_m_per_s` is a lower bound.
+    pub is_lower_bound: bool,
+}
+
+/// The impacts of a pulse or of a recorder's table where there are no events. Topic `/impacts`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ImpactsV1 {
+    /// Channel they were read from.
+    pub channel: String,
+    /// In the order of time.
+    pub impacts: Vec<ImpactV1>,
 }
 
 impl EventsV1 {

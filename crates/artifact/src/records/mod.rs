@@ -30,8 +30,9 @@ pub use identified::{
     TransferFunctionV1,
 };
 pub use measured::{
-    ChannelFilterV1, ChannelV1, ContactV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, IntervalSourceV1,
-    MetricV1, MetricsV1, MetricsV2, MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1, VehiclesV1, WaveBlockV1,
+    ChannelFilterV1, ChannelV1, ContactV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, ImpactV1, ImpactsV1,
+    IntervalSourceV1, MetricV1, MetricsV1, MetricsV2, MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1,
+    VehiclesV1, WaveBlockV1,
 };
 pub use predicted::{
     AgainstTestV1, AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1,

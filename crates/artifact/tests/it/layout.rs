@@ -63,6 +63,18 @@ fn the_layout_of_every_record_type_is_frozen() {
     freeze_of_every_stage();
 }
 
+fn impact() -> ImpactV1 {
+    ImpactV1 {
+        start_s: 0.0,
+        end_s: 0.0983,
+        start_velocity_m_per_s: Some(15.86),
+        delta_v_m_per_s: 5.56,
+        peak_acceleration_m_per_s2: Some(-111.4),
+        time_of_peak_s: Some(0.05),
+        is_lower_bound: false,
+    }
+}
+
 fn freeze_measured() {
     freeze(&test());
     freeze(&EventsV1 {
@@ -94,7 +106,9 @@ fn freeze_measured() {
             name: "time_of_dynamic_crush_s".into(),
             reason: "12 of 400 replicates do not have it".into(),
         }],
+        impacts: vec![impact()],
     });
+    freeze(&ImpactsV1 { channel: "93".into(), impacts: vec![impact()] });
     let metrics = vec![MetricV1 {
         name: "peak_acceleration".into(),
         value: Some(-445.7),

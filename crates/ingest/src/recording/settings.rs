@@ -86,6 +86,11 @@ pub struct IngestSettings {
     /// rules leave uncertain comes to it. Default: none stated.
     #[arg(long, value_name = "TIME [normal|uniform]")]
     pub time_zero_uncertainty: Option<Uncertain<Time>>,
+    /// Impact that the run is about, of a pulse with several: 1 for the first. Contact is then its start, and the impact
+    /// speed what the vehicle has left there. Default: the first; where that leaves speed and a later one stops the
+    /// vehicle, that one.
+    #[arg(long, value_name = "NUMBER")]
+    pub impact: Option<u32>,
     /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
     /// pulse gains 0.6 to 1.6 times the impact speed in 150 ms, with a note. Default: keep.
     #[arg(long, value_enum, value_name = "SIGN")]
@@ -158,7 +163,8 @@ macro_rules! layers {
 
 impl IngestSettings {
     layers! {
-        mass impact_speed channel unit time_unit time_zero time_zero_rule time_zero_uncertainty sign sample_time profile skip_to sheet place field resample
+        mass impact_speed channel unit time_unit time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
+        profile skip_to sheet place field resample
         vehicle_number vehicle title barrier allow_missing
     }
 

@@ -5,6 +5,7 @@
 mod choices;
 mod contact;
 mod exchanges;
+mod impacts;
 mod iso_mme;
 mod lvm;
 mod messages;

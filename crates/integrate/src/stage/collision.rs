@@ -6,14 +6,14 @@ use crumple_metrics::definitions::{
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
 use crumple_signal::{Channel, IntegrationRule, QuantityKind, TestDescription, integrate_twice, part_of};
-use crumple_stage::records::{MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
+use crumple_stage::records::{ImpactsV1, MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
-use crate::stage::criteria::recorded_changes;
+use crate::stage::criteria::{recorded_changes, recorded_impacts};
 use crate::stage::integration::{ChannelIntegration, Integrated, acceleration};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::StageSettings;
-use crate::stage::records::{metric_record, metric_records, warn_unless_of_the_vehicle};
+use crate::stage::records::{impact_records, metric_record, metric_records, note_impacts, warn_unless_of_the_vehicle};
 
 /// Momentum left over that is worth a warning: sensors and masses are better than that.
 const LARGE_GAP: f64 = 0.1;
@@ -208,6 +208,9 @@ pub fn without_motion(
     let measured = metrics.iter().any(|metric| metric.value.is_some());
     let recorded = recorded_changes(input, test, out);
     let recorder = recorded.iter().any(|metric| metric.value.is_some());
+    if let Some(impacts) = recorded_impacts(input, test, out) {
+        out.put("/impacts", &impacts)?;
+    }
     metrics.extend(recorded);
     if !metrics.is_empty() {
         out.put("/metrics", &MetricsV2 { metrics })?;
@@ -292,6 +295,7 @@ pub fn without_impact(
     let task = ChannelIntegration { settings, input, test, impact_speed_m_per_s: None, most_replicates: usize::MAX };
     let integrated = task.integrate(pulse, &samples, out)?;
     warn_unless_of_the_vehicle(pulse, out.notes());
+    note_impacts(&integrated.events.impacts, out);
     let mut metrics = metric_records(&pulse.id, &integrated);
     let is_forward = integrated.events.end_velocity_m_per_s > 0.0;
     // What is pushed forward and has no speed stated starts from rest: a sled, a hit on a vehicle that stands.
@@ -324,6 +328,8 @@ pub fn without_impact(
     };
     out.summary(format!("pulse {}{change}{stroke_text}{speed_text}", pulse.id));
     out.put("/test", &TestV1::from(test))?;
+    let impacts = impact_records(&integrated.events.impacts, None);
+    out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
     out.put("/metrics", &MetricsV2 { metrics })?;
     if from_rest {
         let displacement = integrated.motion.displacement.clone().into_sampled();

@@ -8,18 +8,19 @@ use crumple_metrics::definitions::{
     MOMENTUM_RATIO, WALL_INITIAL_STIFFNESS,
 };
 use crumple_metrics::{
-    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, maximum_delta_v, wall_stiffness,
+    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, impacts_of_table, maximum_delta_v,
+    wall_stiffness,
 };
 use crumple_signal::{
     About, Axis, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription, Weight,
     part_of,
 };
-use crumple_stage::records::{ChannelFilterV1, DamageV1, MetricV1};
+use crumple_stage::records::{ChannelFilterV1, DamageV1, ImpactV1, ImpactsV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt, option};
 
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{BarrierCells, Damage};
-use crate::stage::records::metric_record;
+use crate::stage::records::{impact_records, metric_record};
 
 /// Channel name of what is about the barrier as a whole.
 const BARRIER: &str = "barrier";
@@ -353,6 +354,30 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, out: &mut Output
     }
     records.extend(impact.into_iter().flatten());
     records
+}
+
+/// The impacts of the recorder's table along x, with a note of several: its maximum delta-V counts all of them within
+/// 300 ms.
+pub fn recorded_impacts(input: &Inputs, test: &TestDescription, out: &mut Output) -> Option<ImpactsV1> {
+    let is_along = |c: &&Channel| c.quantity == QuantityKind::VelocityChange && c.axis == Some(Axis::X);
+    let channel = test.channels.iter().filter(is_along).find(|c| input.wave_if(&c.id).is_some())?;
+    let impacts = impacts_of_table(&input.wave_if(&channel.id)?.sampled, 0.0);
+    if impacts.len() > 1 {
+        let each: Vec<String> = (1..).zip(&impacts).map(|(number, impact)| impact.words(number)).collect();
+        out.notes().concern(
+            About::Motion,
+            Weight::Slight,
+            format!(
+                "the table holds {} impacts: {}. The maximum delta-v is the largest change within 300 ms (49 CFR 563)",
+                impacts.len(),
+                each.join("; ")
+            ),
+        );
+    }
+    // Rows of 10 ms have no peak.
+    let without_peak = |impact| ImpactV1 { peak_acceleration_m_per_s2: None, time_of_peak_s: None, ..impact };
+    let impacts = impact_records(&impacts, test.impact_speed_m_per_s).into_iter().map(without_peak).collect();
+    Some(ImpactsV1 { channel: channel.id.clone(), impacts })
 }
 
 /// Accelerometers at one place, one for each axis.

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use crate::{Intervals, MOST_SAMPLES, Uncertainty, barrier_force, events_of, propagate};
+use crate::{Intervals, MOST_SAMPLES, Uncertainty, barrier_force, events_within, propagate};
 use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
     About, Acceleration, Channel, Drift, IntegrateError, IntegrationSettings, Motion, Notes, QuantityKind,
@@ -107,7 +107,8 @@ impl ChannelIntegration<'_> {
                 (motion, Some(drift))
             }
         };
-        let events = events_of(&motion, 0.0, impact_speed_m_per_s)?;
+        let speed_error = self.settings.uncertainty.as_ref().map_or(0.0, Uncertainty::largest_speed_error_m_per_s);
+        let events = events_within(&motion, 0.0, impact_speed_m_per_s, speed_error)?;
         let mut metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,

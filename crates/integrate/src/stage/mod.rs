@@ -23,7 +23,8 @@ use crate::stage::integration::{ChannelIntegration, acceleration, impact_speed};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{Options, StageSettings};
 use crate::stage::records::{
-    SpeedRule, events_record, metric_records, note_findings, note_warnings, summary, warn_unless_of_the_vehicle,
+    SpeedRule, events_record, metric_records, note_findings, note_impacts, note_warnings, summary,
+    warn_unless_of_the_vehicle,
 };
 
 /// The stage.
@@ -88,6 +89,7 @@ impl Stage for Integrate {
             true => SpeedRule::New,
         };
         note_findings(&pulse, impact_speed_m_per_s, speed_rule, out.notes());
+        note_impacts(&pulse.events.impacts, out);
         warn_unless_of_the_vehicle(&channel, out.notes());
         if let Some(uncertainty) = task.uncertainty() {
             out.notes().info(options::uncertainty_note(&uncertainty, pulse.motion.start));

@@ -1,9 +1,10 @@
 //! What the stage writes of the pulse: records of events and metrics, notes, the summary.
 
 use crate::{EVENT_NAMES, WRONG_SIGN, event_values, findings, question_speed, wrong_sign};
-use crumple_metrics::{IntervalBy, Metric, centroid_time_from_crush, definitions};
+use crumple_metrics::{IntervalBy, Metric, PulseImpact, centroid_time_from_crush, definitions, first_event};
 use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
-use crumple_stage::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1, MissingIntervalV1};
+use crumple_stage::records::{EventIntervalV1, EventsV1, ImpactV1, IntervalSourceV1, MetricV1, MissingIntervalV1};
+use crumple_stage::{Output, option};
 
 use crate::stage::integration::Integrated;
 use crate::stage::options::StageSettings;
@@ -53,7 +54,42 @@ pub fn events_record(
         end_of_event_s: events.unstopped.map(|unstopped| unstopped.end_s),
         end_of_event_rule: events.unstopped.map(|unstopped| unstopped.end.name().to_owned()),
         without_interval: without.collect(),
+        impacts: impact_records(&events.impacts, Some(impact_speed_m_per_s)),
     }
+}
+
+/// The impacts of a motion from an impact speed; without one its velocity is the change of velocity.
+pub fn impact_records(impacts: &[PulseImpact], impact_speed_m_per_s: Option<f64>) -> Vec<ImpactV1> {
+    let record = |impact: &PulseImpact| ImpactV1 {
+        start_s: impact.start_s,
+        end_s: impact.end_s,
+        start_velocity_m_per_s: impact_speed_m_per_s.map(|_| impact.start_velocity_m_per_s),
+        // `+ 0.0` turns -0.0 into 0.
+        delta_v_m_per_s: -impact.change_m_per_s + 0.0,
+        peak_acceleration_m_per_s2: Some(impact.peak_m_per_s2),
+        time_of_peak_s: Some(impact.time_of_peak_s),
+        is_lower_bound: !impact.is_whole,
+    };
+    impacts.iter().map(record).collect()
+}
+
+/// Says of a pulse with several impacts what each of them does, and of which the numbers are.
+pub fn note_impacts(impacts: &[PulseImpact], out: &mut Output) {
+    let Some(event) = first_event(impacts).filter(|_| impacts.len() > 1) else { return };
+    let each: Vec<String> = (1..).zip(impacts).map(|(number, impact)| impact.words_with_peak(number)).collect();
+    let (count, number) = (impacts.len(), event + 1);
+    out.summary(format!("{count} impacts: {}", each.join("; ")));
+    let another = if number == 1 { 2 } else { 1 };
+    out.notes().concern(
+        About::Motion,
+        Weight::Slight,
+        format!(
+            "the pulse holds {count} impacts: {}. All numbers and models are of impact {number}; {} takes impact \
+             {another}",
+            each.join("; "),
+            option("ingest", "impact", &another.to_string())
+        ),
+    );
 }
 
 /// The metrics of a channel, and the drift taken out of it.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod criteria;
+mod end_of_contact;
 mod known_truth;
 mod several_channels;
 mod stage;

@@ -268,9 +268,12 @@ fn every_event_and_metric_has_an_interval_but_what_replicates_lack_and_a_check_o
     assert_eq!(metrics.len(), found.metrics.len());
     let without = metrics.iter().zip(&found.metrics).filter(|(_, interval)| interval.is_none());
     let names: Vec<&str> = without.map(|(metric, _)| metric.name).collect();
-    // A zero level that is too low lets the velocity fall to the end of the record: nothing is left after separation.
-    assert_eq!(names, ["energy_closure", "acceleration_after_separation"]);
-    for (metric, interval) in metrics.iter().zip(&found.metrics) {
+    // A zero level that is too low lets the velocity fall on, but the contact ends where it did.
+    assert_eq!(names, ["energy_closure"]);
+    // Every error makes a magnitude of zero larger.
+    for (metric, interval) in
+        metrics.iter().zip(&found.metrics).filter(|(m, _)| m.name != "acceleration_after_separation")
+    {
         let (Some(value), Some(interval)) = (metric.value, interval) else { continue };
         assert!(interval.low <= value && value <= interval.high, "{} {value} {interval:?}", metric.name);
     }
@@ -315,9 +318,10 @@ fn the_number_of_threads_and_of_replicates_changes_no_replicate() {
 
 #[test]
 fn a_value_that_some_replicates_do_not_have_has_no_interval() {
-    // The pulse takes 15.6 m/s: at 15.5 ± 0.3 m/s some replicates do not stop.
-    let a = half_sine();
-    let settings = IntegrationSettings { impact_speed_m_per_s: 15.5, ..settings(IntegrationStart::RecordStart) };
+    // The record ends in the pulse, after 14.76 of 15.6 m/s: at 14.6 ± 0.3 m/s some replicates do not stop in it.
+    let whole = half_sine();
+    let a = Signal::from(whole.slice(0, whole.index_at_or_after(0.085)));
+    let settings = IntegrationSettings { impact_speed_m_per_s: 14.6, ..settings(IntegrationStart::RecordStart) };
     let motion = integrate(&a, &settings).unwrap();
     let stated = Uncertainty {
         impact_speed_m_per_s: Some(Spread { size: 0.3, distribution: Distribution::Uniform }),
@@ -326,7 +330,7 @@ fn a_value_that_some_replicates_do_not_have_has_no_interval() {
     };
     let found = propagate(&a, &motion, &settings, None, None, &stated, |_| ());
     assert_eq!(found.events[0], None);
-    // It is said how many: 15.5 ± 0.3 m/s against 15.6 m/s, a gain of ± 1 % and more.
+    // It is said how many: 14.6 ± 0.3 m/s against 14.76 m/s, a gain of ± 1 % and more.
     assert!((10..90).contains(&found.without_event[0]), "{:?}", found.without_event);
     assert_eq!(found.without_metric[0], 0);
     // The peak is there in every replicate.

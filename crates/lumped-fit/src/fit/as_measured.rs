@@ -261,7 +261,7 @@ mod tests {
             };
             let x = measurement.displacement(model, 13.0, 1199).unwrap();
             let x = Signal::<Displacement>::new(-0.010_03, 1e-4, x.iter().map(|x| 1.01 * x).collect()).unwrap();
-            let observed = Observation::new(&x, 0.0, measurement, 13.0, (0.0, 0.09), 250).unwrap();
+            let observed = Observation::new(&x, measurement, 13.0, (0.0, 0.09), 250).unwrap();
             let mut free = free_parameters(model, 13.0, 0.7);
             if matches!(model, Model::DoubleSpringMassDamper(_)) {
                 free.extend(free_masses(model, (0.05, 0.6)));

@@ -542,9 +542,9 @@ mod tests {
     fn picked(from_s: f64, to_s: f64) -> Result<ObservedWave, SolveError> {
         let samples = (0..2501).map(|k| f64::from(k) * 0.1 - 50.0).collect();
         let record = Sampled::new(-0.05, 1e-4, samples).unwrap();
-        let measurement = Measurement::of_samples(&record, 0.0);
+        let measurement = Measurement::of_samples(&record);
         let what = (None, FitQuantity::Displacement);
-        ObservedWave::new(&record, what, 0.0, measurement, (from_s, to_s), 250)
+        ObservedWave::new(&record, what, measurement, (from_s, to_s), 250)
     }
 
     #[test]

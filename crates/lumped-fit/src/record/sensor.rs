@@ -356,7 +356,7 @@ mod tests {
         };
         let misfit = |scale: f64| {
             let record = Sampled::new(0.0, 1e-4, force(scale)).unwrap();
-            let wall = WallForce::new(&record, 0.0, Measurement::of_samples(&record, 0.0), 0.07).unwrap();
+            let wall = WallForce::new(&record, Measurement::of_samples(&record), 0.07).unwrap();
             wall.misfit_percent(&structure, 14.0).unwrap()
         };
         // Rounding of 700 steps.

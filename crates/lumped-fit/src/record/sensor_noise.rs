@@ -263,7 +263,7 @@ pub(crate) mod tests {
             filter: Some(filter),
             from_contact: false,
             rule: Some(IntegrationRule::Trapezoid),
-            before_event: BeforeEvent::of(&record, 0.0, 0.01),
+            before_event: BeforeEvent::of(&record, 0.01),
         };
         (displacement, measurement)
     }
@@ -271,7 +271,7 @@ pub(crate) mod tests {
     fn wave(seed: u64) -> ObservedWave {
         let (displacement, measurement) = recorded_noise(seed);
         let record = Sampled::new(-0.05, DT_S, displacement).unwrap();
-        ObservedWave::new(&record, (None, FitQuantity::Displacement), 0.0, measurement, (0.0, 0.08), 100).unwrap()
+        ObservedWave::new(&record, (None, FitQuantity::Displacement), measurement, (0.0, 0.08), 100).unwrap()
     }
 
     #[test]
@@ -356,7 +356,7 @@ pub(crate) mod tests {
         wave.measurement = wave.measurement.exact();
         assert_eq!(SensorNoise::of(&wave), None);
         let (_, mut measurement) = recorded_noise(0);
-        measurement.before_event = BeforeEvent::of(&Sampled::new(-0.05, DT_S, vec![0.0; SAMPLES]).unwrap(), 0.0, 0.01);
+        measurement.before_event = BeforeEvent::of(&Sampled::new(-0.05, DT_S, vec![0.0; SAMPLES]).unwrap(), 0.01);
         wave.measurement = measurement;
         assert_eq!(SensorNoise::of(&wave), None);
     }

@@ -203,8 +203,8 @@ mod tests {
     fn late_by(shift_s: f64) -> Observation {
         let at = |k: u32| KELVIN.state(SPEED, (f64::from(k) * 1e-4 - shift_s).max(0.0)).acceleration_m_per_s2;
         let record = Sampled::new(0.0, 1e-4, (0..800).map(at).collect()).unwrap();
-        let (what, measurement) = ((None, FitQuantity::Acceleration), Measurement::of_samples(&record, 0.0));
-        let wave = ObservedWave::new(&record, what, 0.0, measurement, (0.005, 0.06), usize::MAX).unwrap();
+        let (what, measurement) = ((None, FitQuantity::Acceleration), Measurement::of_samples(&record));
+        let wave = ObservedWave::new(&record, what, measurement, (0.005, 0.06), usize::MAX).unwrap();
         Observation { impact_speed_m_per_s: SPEED, waves: vec![wave] }
     }
 

@@ -431,7 +431,7 @@ pub(crate) mod tests {
         let mut x = measurement.displacement(truth, IMPACT_SPEED_M_PER_S, measurement.samples - 1).unwrap();
         x.iter_mut().zip(&noise).for_each(|(x, noise)| *x += size * noise);
         let record = Signal::<Displacement>::new(-0.05, measurement.dt_s, x).unwrap();
-        Observation::new(&record, 0.0, measurement, IMPACT_SPEED_M_PER_S, (0.0, 0.075), 250).unwrap()
+        Observation::new(&record, measurement, IMPACT_SPEED_M_PER_S, (0.0, 0.075), 250).unwrap()
     }
 
     /// Whether an interval holds the truth; an open end holds all.

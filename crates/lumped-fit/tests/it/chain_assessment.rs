@@ -45,7 +45,7 @@ fn observed(error: impl Fn(usize, usize) -> f64) -> Observation {
     let wave = |(mass, x): (usize, Vec<f64>)| {
         let x = x.iter().enumerate().map(|(k, x)| x + error(mass, k)).collect();
         let what = (Some(mass), FitQuantity::Displacement);
-        ObservedWave::new(&Sampled::new(0.0, DT, x).unwrap(), what, 0.0, measurement, (0.0, END_S), 100).unwrap()
+        ObservedWave::new(&Sampled::new(0.0, DT, x).unwrap(), what, measurement, (0.0, END_S), 100).unwrap()
     };
     let all = displacements(&chain(&MASSES, &SPRINGS, &DAMPERS), V0).into_iter().enumerate();
     Observation { impact_speed_m_per_s: V0, waves: all.map(wave).collect() }
@@ -281,7 +281,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
     let x = measurement.displacement(&Model::Kelvin(kelvin), V0, 1099).unwrap();
     let what = (Some(0), FitQuantity::Displacement);
     let record = Sampled::new(-0.01, DT, x).unwrap();
-    let wave = ObservedWave::new(&record, what, 0.0, measurement, (0.0, 0.06), 60).unwrap();
+    let wave = ObservedWave::new(&record, what, measurement, (0.0, 0.06), 60).unwrap();
     let observed = Observation { impact_speed_m_per_s: V0, waves: vec![wave] };
     let element = StatedElement {
         mass_kg: StatedMass::Rest,

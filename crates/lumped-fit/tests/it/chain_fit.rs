@@ -46,7 +46,7 @@ fn exact(truth: &Chain, masses: &[usize], quantity: FitQuantity) -> Observation 
             FitQuantity::Acceleration | FitQuantity::Force => &motion.acceleration_m_per_s2,
         };
         let record = Sampled::new(0.0, DT, samples.clone()).unwrap();
-        ObservedWave::new(&record, (Some(*mass), quantity), 0.0, EXACT, (0.0, END_S), 250).unwrap()
+        ObservedWave::new(&record, (Some(*mass), quantity), EXACT, (0.0, END_S), 250).unwrap()
     };
     Observation { impact_speed_m_per_s: V0, waves: masses.iter().map(wave).collect() }
 }
@@ -196,7 +196,7 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
         let what = (Some(mass), FitQuantity::Velocity);
         let seen = measurement.motion(&model, Some(mass), FitQuantity::Velocity, V0, 1099).unwrap();
         let record = Sampled::new(-0.01, DT, seen).unwrap();
-        ObservedWave::new(&record, what, 0.0, measurement, (0.0, END_S), 250).unwrap()
+        ObservedWave::new(&record, what, measurement, (0.0, END_S), 250).unwrap()
     };
     let observed = Observation { impact_speed_m_per_s: V0, waves: (0..3).map(wave).collect() };
     let stated = known_masses(truth.masses_kg());

@@ -157,7 +157,7 @@ fn observed(truth: &Truth, to_s: f64, error: impl Fn(f64) -> f64) -> Observation
         *x += error(measurement.time_s(k));
     }
     let record = Signal::<Displacement>::new(measurement.first_s, truth.dt_s, x).unwrap();
-    Observation::new(&record, 0.0, measurement, truth.v0, (0.0, to_s), 250).unwrap()
+    Observation::new(&record, measurement, truth.v0, (0.0, to_s), 250).unwrap()
 }
 
 /// Up to where a record is compared: its rebound for the model that shows its unloading there, else its dynamic crush,
@@ -217,7 +217,7 @@ fn comes_back_through_cfc_60(truth: &Truth) -> Result<(), String> {
     let way = measurement(truth);
     let x = way.displacement(&truth.model, truth.v0, way.samples - 1).unwrap();
     let signal = Signal::<Displacement>::new(way.first_s, way.dt_s, x.clone()).unwrap();
-    let whole = Observation::new(&signal, 0.0, way, truth.v0, (0.0, truth.end_s()), usize::MAX).unwrap();
+    let whole = Observation::new(&signal, way, truth.v0, (0.0, truth.end_s()), usize::MAX).unwrap();
     let events = FollowedEvents::of(&whole).unwrap_or(FollowedEvents {
         time_of_dynamic_crush_s: 0.0,
         dynamic_crush_m: truth.crush,

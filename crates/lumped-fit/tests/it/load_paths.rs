@@ -160,7 +160,7 @@ fn rails_past_the_engine_are_found_where_they_are() {
     assert!(error(40.0 / 3.6).abs() < 0.04 && error(64.0 / 3.6).abs() < 0.04);
     // What comes together at the wall is known all the same.
     let force = wall(&truth);
-    let wall = WallForce::new(&force, 0.0, MEASUREMENT, 0.1).unwrap();
+    let wall = WallForce::new(&force, MEASUREMENT, 0.1).unwrap();
     let misfit = wall.misfit_percent(&candidates[0].model.structure().unwrap(), V0).unwrap();
     assert!(misfit < 5.0, "{misfit}");
 }
@@ -176,7 +176,7 @@ fn the_force_on_the_wall_gives_the_masses_and_is_met() {
     // The total and the force are known: what is left is that of knots at other places.
     assert!((engine_kg / ENGINE_KG - 1.0).abs() < 0.03, "{engine_kg}");
     let force = wall(&truth);
-    let wall = WallForce::new(&force, 0.0, MEASUREMENT, 0.1).unwrap();
+    let wall = WallForce::new(&force, MEASUREMENT, 0.1).unwrap();
     let misfit = |model: &Model| wall.misfit_percent(&model.structure().unwrap(), V0).unwrap();
     // Sample by sample the same sums in another order.
     assert!(misfit(&truth) < 1e-6);

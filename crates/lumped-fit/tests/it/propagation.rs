@@ -71,7 +71,7 @@ fn displacement(a: &[f64], late_s: f64, from_contact: bool) -> (Signal<Displacem
 
 fn observed(a: &[f64], late_s: f64, from_contact: bool, window_s: (f64, f64)) -> Observation {
     let (x, measurement) = displacement(a, late_s, from_contact);
-    Observation::new(&x, 0.0, measurement, V0, window_s, 10_000).unwrap()
+    Observation::new(&x, measurement, V0, window_s, 10_000).unwrap()
 }
 
 #[test]
@@ -121,8 +121,7 @@ fn a_record_that_begins_after_contact_takes_another_speed_from_contact_and_a_zer
             rule: Some(IntegrationRule::Trapezoid),
             before_event: None,
         };
-        Observation::new(&Signal::new(first_s, DT_S, x).unwrap(), 0.0, measurement, speed, (0.001, 0.08), 10_000)
-            .unwrap()
+        Observation::new(&Signal::new(first_s, DT_S, x).unwrap(), measurement, speed, (0.001, 0.08), 10_000).unwrap()
     };
     for from_contact in [true, false] {
         let found = perturbed(&of(V0, -150.0, from_contact), 0.0, 0.5, 3.0, 0.0).unwrap().observed;
@@ -261,7 +260,7 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
         let (model, events, whole) = fit(0.0);
         let window = (from_s, events.time_of_dynamic_crush_s);
         let (x, measurement) = displacement(&a, 0.0, false);
-        let seen = Observation::new(&x, 0.0, measurement, V0, window, 250).unwrap();
+        let seen = Observation::new(&x, measurement, V0, window, 250).unwrap();
         let again: Vec<_> = drawn(&seen, &small)
             .into_iter()
             .map(|late_s| {

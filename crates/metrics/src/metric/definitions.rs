@@ -74,7 +74,7 @@ catalogue! {
         "t_c/t_m: 0.5 symmetric, 2/pi an undamped spring, lower front-loaded (Huang, 2002)" "Huang, Vehicle Crash \
          Mechanics (2002)";
     DELTA_V = "delta-v" "delta_v" "m/s" Checked
-        "v0 - v_s, impact speed minus the lowest velocity after t_m" "definition";
+        "v0 - v_s, impact speed minus the lowest velocity from t_m to the end of the contact" "definition";
     STROKE = "stroke" "stroke" "m" Checked
         "displacement of a motion from rest at its largest velocity, from time zero" "definition";
     MAXIMUM_DELTA_V = "edr-maximum-delta-v" "maximum_delta_v" "m/s" FromMemory

@@ -89,6 +89,10 @@ texts! { ConclusionTexts
         "; the criteria are lower bounds: not all axes are in this record";
     recorded:
         "The recorder kept a delta-v of {change}{time}.";
+    recorded_at_least:
+        "The recorder kept a delta-v of at least {change}: its table ends at {time} while the velocity still changes.";
+    recorder_energy_at_least:
+        "If what it hit did not give way{speed}, the EES is at least {ees}{share}.";
     recorder_use:
         "Its table is too coarse for peak and force{crush}{none}.";
     recorder_energy:

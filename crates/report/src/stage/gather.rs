@@ -9,9 +9,9 @@ use crate::{
 };
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, MetricsV2, ModesV2,
-    NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1,
-    TestsV1, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, ImpactsV1,
+    MetricsV2, ModesV2, NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1,
+    StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
 };
 use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::{Inputs, RefuseExt, Refused, program};
@@ -28,6 +28,10 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     }
     run.joint = inputs.record_if::<TestsV1>("/tests")?.map(JointTests::new);
     run.events = inputs.record_if("/events")?;
+    run.impacts = match &run.events {
+        Some(events) => events.impacts.clone(),
+        None => inputs.record_if::<ImpactsV1>("/impacts")?.map(|record| record.impacts).unwrap_or_default(),
+    };
     run.metrics = inputs.record_if::<MetricsV2>("/metrics")?.map(|record| record.metrics).unwrap_or_default();
     if let Some(id) = run.channel_id().map(str::to_owned) {
         run.filter = inputs.record_if::<ChannelFilterV1>(&format!("/filter/{id}"))?;

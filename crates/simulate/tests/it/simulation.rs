@@ -26,7 +26,7 @@ fn measured<'a>(displacement: &'a Sampled, velocity: Option<&'a Sampled>) -> Mea
     Measured {
         impact_speed_m_per_s: 9.7,
         displacement,
-        measurement: Measurement::of_samples(displacement, 0.0),
+        measurement: Measurement::of_samples(displacement),
         velocity,
         acceleration: None,
         dynamic_crush_m: events.dynamic_crush_m,
@@ -62,7 +62,7 @@ fn the_fit_is_the_same_wherever_the_records_begin() {
     let from_contact = Sampled::new(0.0, DT, whole.samples()[500..].to_vec()).unwrap();
     for first_s in [0.0, -0.001, -0.01, -0.05, -0.3] {
         let samples = from_contact.len() + (-first_s / DT).round() as usize;
-        let measurement = Measurement { first_s, samples, ..Measurement::of_samples(&from_contact, 0.0) };
+        let measurement = Measurement { first_s, samples, ..Measurement::of_samples(&from_contact) };
         let test = Measured { measurement, ..measured(&from_contact, None) };
         let s = simulate(&Model::Kelvin(model()), &test, Window::default()).unwrap();
         let fit = s.comparison.fit_as_measured_percent.unwrap();
@@ -119,7 +119,8 @@ fn refuses_what_cannot_be_compared() {
     let kelvin = Model::Kelvin(model());
     let slow = Measured { impact_speed_m_per_s: 0.0, ..measured(&x, None) };
     assert_eq!(simulate(&kelvin, &slow, Window::default()), Err(SimulateError::Speed(0.0)));
-    let late = Measured { time_zero_s: 1.0, ..measured(&x, None) };
+    let early = Sampled::new(-1.0, x.dt_s(), x.samples().to_vec()).unwrap();
+    let late = measured(&early, None);
     assert!(matches!(simulate(&kelvin, &late, Window::default()), Err(SimulateError::Empty { .. })));
     let broken = Model::Kelvin(Kelvin { mass_kg: 0.0, ..model() });
     let error = simulate(&broken, &measured(&x, None), Window::default()).unwrap_err();
@@ -151,7 +152,7 @@ fn every_model_kind_is_simulated_from_its_named_parameters() {
         let measured = Measured {
             impact_speed_m_per_s: 10.0,
             displacement: &zero,
-            measurement: Measurement::of_samples(&zero, 0.0),
+            measurement: Measurement::of_samples(&zero),
             velocity: None,
             acceleration: None,
             dynamic_crush_m: None,
@@ -168,8 +169,8 @@ fn the_engines_sensor_says_nothing_of_a_model_of_one_mass() {
     let x = record(0.0, displacement);
     let s = simulate(&Model::Kelvin(model()), &measured(&x, None), Window::default()).unwrap();
     let sensor = |on_engine| OtherSensor { channel: "95".to_owned(), on_engine, displacement: x.clone() };
-    assert_eq!(beside(&s, &sensor(true), 0.0, DT), None);
-    let found = beside(&s, &sensor(false), 0.0, DT).unwrap();
+    assert_eq!(beside(&s, &sensor(true), DT), None);
+    let found = beside(&s, &sensor(false), DT).unwrap();
     // The model's own record: rounding of the time stamps.
     assert!(found.mass == 1 && found.rmse_m < 1e-14, "{found:?}");
     let double = DoubleSpringMassDamper {
@@ -181,5 +182,5 @@ fn the_engines_sensor_says_nothing_of_a_model_of_one_mass() {
         c2_n_s_per_m: 6e3,
     };
     let s = simulate(&Model::DoubleSpringMassDamper(double), &measured(&x, None), Window::default()).unwrap();
-    assert_eq!(beside(&s, &sensor(true), 0.0, DT).unwrap().mass, 1);
+    assert_eq!(beside(&s, &sensor(true), DT).unwrap().mass, 1);
 }

@@ -145,7 +145,7 @@ fn wall(filters: [Option<Value>; 2], of_the_belt: Option<Value>) -> Option<(Samp
         [("/filter/f1", first), ("/filter/f2", second), ("/filter/b", of_the_belt), ("/filter/a", Some(foreign))];
     records.extend(of_all.into_iter().filter_map(|(topic, f)| Some((topic, ChannelFilterV1::SCHEMA, f?))));
     write(&path, "integrate", &records, &[("barrier/force", QuantityKind::Force, DT_S)]);
-    load_artifacts(&[path]).unwrap().input.wall_force(&events(None, "contact")).unwrap()
+    load_artifacts(&[path]).unwrap().input.wall_force().unwrap()
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn the_force_on_the_wall_is_known_where_all_cells_went_through_one_filter() {
         assert!(steps.is_exact() && steps.filter.is_none(), "{second}");
     }
     assert!(wall([None, None], None).unwrap().1.is_exact());
-    assert!(inputs(None, DT_S).wall_force(&events(None, "contact")).unwrap().is_none(), "no load cells");
+    assert!(inputs(None, DT_S).wall_force().unwrap().is_none(), "no load cells");
 }
 
 #[test]

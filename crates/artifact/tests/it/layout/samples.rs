@@ -165,6 +165,7 @@ pub fn test() -> TestV1 {
         pulse: Some("93".into()),
         notes: vec![],
         time_zero: Some("the format nhtsa-ev5".into()),
+        contact: None,
         exchange_asked: true,
     }
 }

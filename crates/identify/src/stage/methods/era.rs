@@ -21,6 +21,13 @@ struct EraRun<'a> {
     treated_as: &'static str,
     /// Those of a paper, whose models are named so.
     remarks: &'a [&'a str],
+    /// They are of a recorder's table, which may have a few rows.
+    is_table: bool,
+}
+
+/// Whether an error says that a record is too short for a model of the order asked for.
+fn is_too_short(error: &EraError) -> bool {
+    matches!(error, EraError::TooShort { .. } | EraError::OrderAboveSize { .. })
 }
 
 /// Models of every order asked for, or those of the paper.
@@ -45,7 +52,8 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
             }
         ));
     }
-    let task = EraRun { settings, waves: &waves, treated_as, remarks: &[] };
+    let is_table = source.test.channels.iter().any(|c| c.quantity == QuantityKind::VelocityChange);
+    let task = EraRun { settings, waves: &waves, treated_as, remarks: &[], is_table };
     if settings.paper.is_some() {
         return run_paper(&task, results);
     }
@@ -62,6 +70,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
                     results.out,
                 )?;
             }
+            Err(error) if is_table && is_too_short(&error) => {}
             Err(error) => results.out.notes().warning(format!("era: no stabilisation diagram: {error}")),
         }
     }
@@ -118,13 +127,19 @@ fn realize_all(
     written: &mut Vec<(usize, usize)>,
     results: &mut Results<'_>,
 ) -> anyhow::Result<Outcome> {
-    let EraRun { settings, waves, treated_as, remarks } = *task;
+    let EraRun { settings, waves, treated_as, remarks, is_table } = *task;
     let dt_s = waves[0].sampled.dt_s();
     let records = ScaledWaves::new(waves);
     let decomposed = match decompose(settings, records.slices(), dt_s, orders) {
         Err(error @ EraError::Silent { .. }) => {
             let names: Vec<&str> = waves.iter().map(|wave| wave.id.as_str()).collect();
             return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
+        }
+        // Nobody asked for a model of it: what the table says of the impact is no worse without one.
+        Err(error) if is_table && is_too_short(&error) => {
+            let rows = waves[0].sampled.len();
+            results.out.notes().info(format!("era is left out: {rows} rows of a recorder are too few for a model"));
+            return Ok(Outcome::Done);
         }
         result => {
             let hint = format!("{}, or lower {} and {}", widen_the_window(), flag("rows"), flag("columns"));

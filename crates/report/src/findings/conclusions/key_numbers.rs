@@ -51,6 +51,8 @@ pub struct KeyNumber {
 
 /// Before a lower bound.
 const AT_LEAST: &str = "\u{2265}\u{a0}";
+/// Before the lower bound of a loss that is written as a negative number.
+const AT_MOST: &str = "\u{2264}\u{a0}";
 
 /// Range of a number over several sensors that measured the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -87,7 +89,11 @@ fn true_places(value: f64) -> usize {
 impl KeyNumber {
     /// What stands before the value.
     pub fn sign(&self) -> &'static str {
-        if self.is_lower_bound { AT_LEAST } else { "" }
+        match (self.is_lower_bound, self.value) {
+            (false, _) => "",
+            (true, Some(value)) if value < 0.0 => AT_MOST,
+            (true, _) => AT_LEAST,
+        }
     }
 
     /// How it is called and shown.
@@ -242,7 +248,7 @@ fn of_metric(run: &Run, quantity: &KeyQuantity, metric: &MetricV1) -> KeyNumber 
         interval_by: metric.interval_by.clone(),
         interval_source: metric.source(),
         spread: spread(run, quantity.key, &metric.channel),
-        is_lower_bound: false,
+        is_lower_bound: metric.is_lower_bound && metric.value.is_some(),
         absent_because: metric.value.is_none().then(|| metric.definition.clone()),
     }
 }

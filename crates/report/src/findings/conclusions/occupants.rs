@@ -32,14 +32,16 @@ impl Text<'_> {
     }
 
     pub(super) fn recorded(&mut self) -> String {
-        let recorded = self.run.metric(MAXIMUM_DELTA_V.key).and_then(|metric| Some((metric.value?, metric.from_s)));
-        let Some((value, from_s)) = recorded else { return String::new() };
+        let metric = self.run.metric(MAXIMUM_DELTA_V.key);
+        let recorded = metric.and_then(|metric| Some((metric.value?, metric.from_s, metric.is_lower_bound)));
+        let Some((value, from_s, is_lower_bound)) = recorded else { return String::new() };
         let at = format!("/metrics/{}", MAXIMUM_DELTA_V.key);
         let change = self.number(&format!("{at}/value"), value, MAXIMUM_DELTA_V.shown());
-        let time = from_s.map_or_else(String::new, |time_s| {
-            let time = self.number(&format!("{at}/from_s"), time_s, TIME_OF_MAXIMUM_DELTA_V.shown());
-            fill(PHRASES.conclusion.reached, &[("time", time)])
-        });
+        let time = from_s.map(|time_s| self.number(&format!("{at}/from_s"), time_s, TIME_OF_MAXIMUM_DELTA_V.shown()));
+        if let Some(time) = time.as_ref().filter(|_| is_lower_bound) {
+            return fill(PHRASES.conclusion.recorded_at_least, &[("change", &change), ("time", time)]);
+        }
+        let time = time.map_or_else(String::new, |time| fill(PHRASES.conclusion.reached, &[("time", time)]));
         fill(PHRASES.conclusion.recorded, &[("change", &change), ("time", &time)])
     }
 
@@ -63,7 +65,9 @@ impl Text<'_> {
         // Its interval holds the steps of the recorder alone.
         let speed = if share.is_some() { phrases.speed_is_exact } else { "" }.to_owned();
         let texts = [("ees", ees), ("interval", interval), ("share", share.unwrap_or_default()), ("speed", speed)];
-        Some(fill(phrases.recorder_energy, &texts))
+        let is_lower_bound = self.run.metric(RECORDED_EES.key).is_some_and(|metric| metric.is_lower_bound);
+        let phrase = if is_lower_bound { phrases.recorder_energy_at_least } else { phrases.recorder_energy };
+        Some(fill(phrase, &texts))
     }
 
     pub(super) fn recorder_use(&mut self) -> String {

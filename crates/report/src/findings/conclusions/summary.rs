@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    ConcernV1, EventsV1, FitV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1,
+    ConcernV1, EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1,
 };
 use crumple_signal::{Note, Severity};
 use schemars::JsonSchema;
@@ -42,6 +42,8 @@ pub struct Summary {
     pub verdict: Conclusion,
     pub test: TestSummary,
     pub events: Option<EventsV1>,
+    /// Every impact of the pulse, in the order of time.
+    pub impacts: Vec<ImpactV1>,
     /// The numbers of the page's first screen.
     pub key_numbers: Vec<KeyNumber>,
     pub metrics: BTreeMap<String, MetricSummary>,
@@ -227,6 +229,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
             barrier: test.barrier.clone(),
         },
         events: run.events.clone(),
+        impacts: run.impacts.clone(),
         key_numbers: key_numbers(run),
         metrics: run
             .metrics

@@ -3,9 +3,9 @@
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
-    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, MatchingV1,
-    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1, SelectionV1,
-    SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
+    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, ImpactV1,
+    MatchingV1, MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1,
+    SelectionV1, SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
@@ -35,6 +35,8 @@ pub struct Run {
     pub filter: Option<ChannelFilterV1>,
     /// The events of the crash.
     pub events: Option<EventsV1>,
+    /// Every impact of the pulse, in the order of time.
+    pub impacts: Vec<ImpactV1>,
     /// Crash metrics, in the order of the artifact.
     pub metrics: Vec<MetricV1>,
     /// Identified models by id.

@@ -34,7 +34,7 @@ pub(super) fn test() -> TestDescription {
         channels,
         pulse: Some("accel".to_owned()),
         notes: vec!["the time column has 4 decimals".to_owned()],
-        time_zero: None,
+        contact: None,
         exchange_asked: false,
     }
 }

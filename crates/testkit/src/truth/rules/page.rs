@@ -272,6 +272,11 @@ pub const VEHICLE_RULES: &[Rule] = &[
         &[("change", At("/metrics/maximum_delta_v/value")), ("time", Inner(&["conclusion.reached"]))],
         recorder,
     ),
+    rule(
+        "conclusion.recorded_at_least",
+        &[("change", At("/metrics/maximum_delta_v/value")), ("time", At("/metrics/maximum_delta_v/from_s"))],
+        recorder,
+    ),
     rule("conclusion.reached", &[("time", At("/metrics/maximum_delta_v/from_s"))], places_alone),
     rule(
         "conclusion.recorder_use",
@@ -295,6 +300,15 @@ pub const VEHICLE_RULES: &[Rule] = &[
             ("speed", Inner(&["conclusion.speed_is_exact"])),
         ],
         energy_of_a_recorder,
+    ),
+    rule(
+        "conclusion.recorder_energy_at_least",
+        &[
+            ("ees", At("/metrics/recorded_ees/value")),
+            ("share", Inner(&["conclusion.of_energy"])),
+            ("speed", Inner(&["conclusion.speed_is_exact"])),
+        ],
+        recorder,
     ),
     rule("conclusion.speed_is_exact", &[], |_, spot| {
         holds(spot.made.number("/test/impact_speed_m_per_s").is_some(), || "no speed is stated".to_owned())
