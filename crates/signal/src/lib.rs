@@ -78,8 +78,8 @@ pub use motion::{
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{
-    FreeFall, PreEvent, PreEventWindow, Sampled, Signal, SignalError, falls_before_event, free_fall, is_gravity,
-    pre_event,
+    FreeFall, PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, falls_before_event, free_fall,
+    is_gravity, pre_event,
 };
 pub use summation::{
     IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,
