@@ -138,7 +138,7 @@ const LATE_FOR_A_STATEMENT_S: f64 = 0.02;
 pub fn settle(
     file: &str,
     recording: &mut Recording,
-    (pulse, reader_format): (Option<usize>, &str),
+    (pulse, is_of_occupant, reader_format): (Option<usize>, bool, &str),
     settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<Option<Contact>> {
@@ -152,28 +152,32 @@ pub fn settle(
         earlier_by_s: 0.0,
     };
     let stated = recording.details.time_zero_s.as_ref();
-    let auto = settings.time_zero == Some(TimeZero::Auto);
+    let auto = settings.time_zero == Some(TimeZero::Auto) || settings.time_zero_rule == Some(ContactRule::Auto);
     let found = match (&settings.time_zero_rule, stated) {
         (_, Some(Stated { value, from })) if !auto => {
             notes.info(format!("time zero is {value} s of the file's axis, stated by {from}"));
             Some(contact(format!("stated by {from}"), *value))
         }
-        (Some(rule), _) if !auto && *rule != ContactRule::Auto => {
-            let Some(wave) = &wave else {
-                return refuse(file, "no pulse to find contact in", "an acceleration", "leave time-zero-rule out");
-            };
-            Some(by_rule(file, rule, recording, wave, stated_spread, notes)?)
-        }
+        (Some(rule), _) if !auto => Some(by_rule(file, rule, recording, wave.as_ref(), stated_spread, notes)?),
         _ if recording.contact_at_zero && !auto => Some(contact(format!("the format {reader_format}"), 0.0)),
         _ => wave.as_ref().zip(begins).and_then(|(wave, begins)| {
             let has_zero = wave.t0_s() <= wave.dt_s() && wave.end_s() > 0.0 && !auto;
+            // An occupant begins to slow down when the belt holds, not at contact.
+            let begins = if is_of_occupant && has_zero { Beginning::Quiet } else { begins };
             automatic(wave, begins, has_zero, stated_spread, notes)
         }),
     };
+    let found = found.map(|contact| match begins {
+        Some(Beginning::Inside(cut)) => {
+            notes.concern(About::Time, Weight::Marked, cut_text(cut));
+            Contact { earlier_by_s: cut_lead_s(cut), ..contact }
+        }
+        _ => contact,
+    });
     let at_s = found.as_ref().map_or(0.0, |contact| contact.source_time_s);
     if let Some(wave) = &wave {
         require_contact(file, wave, at_s, begins)?;
-        if let (Some(contact), Some(Beginning::Rises(onset))) = (&found, begins) {
+        if let (Some(contact), Some(Beginning::Rises(onset)), false) = (&found, begins, is_of_occupant) {
             question(contact, onset, recording.contact_at_zero, notes);
         }
     }
@@ -196,13 +200,26 @@ const CUT: f64 = 1.5;
 /// ... and lasts no longer than this, s: half of a pulse of 60 ms.
 const LONGEST_CUT_S: f64 = 0.03;
 
+/// How much earlier contact may have been; a pulse that does not rise any more says nothing of its beginning.
+fn cut_lead_s(cut: CutRise) -> f64 {
+    if cut.lead_s > 0.0 { (CUT * cut.lead_s).min(LONGEST_CUT_S) } else { LONGEST_CUT_S }
+}
+
 fn cut_text(cut: CutRise) -> String {
     format!(
-        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, some {:.0} ms are missing. \
+        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, up to {:.0} ms are missing. \
          Give the record from before contact",
         (cut.first_m_per_s2 / STANDARD_GRAVITY_M_PER_S2).abs(),
-        1e3 * cut.lead_s
+        1e3 * cut_lead_s(cut)
     )
+}
+
+/// Standard deviation of a spread, s.
+fn deviation_of(stated: Option<Spread>) -> f64 {
+    stated.map_or(0.0, |Spread { size, distribution }| match distribution {
+        Distribution::Normal => size,
+        Distribution::Uniform => size / 3.0_f64.sqrt(),
+    })
 }
 
 fn spread(stated: Uncertain<Time>) -> Spread {
@@ -226,12 +243,11 @@ fn automatic(
     };
     let Onset { time_s, deviation_s } = match begins {
         Beginning::Rises(onset) => onset,
-        Beginning::Inside(cut) => {
-            let source_time_s = if has_zero { 0.0 } else { wave.t0_s() };
-            let rule = if has_zero { "file" } else { "auto" }.to_owned();
-            notes.concern(About::Time, Weight::Marked, cut_text(cut));
-            let earlier_by_s = (CUT * cut.lead_s).min(LONGEST_CUT_S);
-            return Some(Contact { rule, source_time_s, uncertainty_s: stated, earlier_by_s });
+        // The first sample is as near to contact as the record comes.
+        Beginning::Inside(_) if has_zero && wave.t0_s().abs() <= wave.dt_s() => return of_file(notes),
+        Beginning::Inside(_) => {
+            let (rule, source_time_s) = ("auto".to_owned(), wave.t0_s());
+            return Some(Contact { rule, source_time_s, uncertainty_s: stated, earlier_by_s: 0.0 });
         }
         Beginning::Quiet => return if has_zero { of_file(notes) } else { None },
     };
@@ -241,19 +257,15 @@ fn automatic(
         return of_file(notes);
     }
     // The error of the onset and that of the clock are independent.
-    let of_clock = stated.map_or(0.0, |Spread { size, distribution }| match distribution {
-        Distribution::Normal => size,
-        Distribution::Uniform => size / 3.0_f64.sqrt(),
-    });
-    let deviation_s = deviation_s.hypot(of_clock);
-    // To the microsecond: the flag that states it gives the same bytes.
+    let deviation_s = deviation_s.hypot(deviation_of(stated));
+    // To the microsecond, as the flag states it.
     let source_time_s = (time_s * 1e6).round() / 1e6;
     notes.concern(
         About::Time,
         Weight::Slight,
         format!(
             "contact is taken at {:.1} ms of the file, where the pulse begins (+-{:.1} ms): nothing in the file states \
-             it. A soft front may have touched up to {:.0} ms earlier. --time-zero {:.1}ms states it",
+             it. A soft front may have touched up to {:.0} ms earlier. --time-zero {:.3}ms states it",
             1e3 * source_time_s,
             1e3 * 1.645 * deviation_s,
             1e3 * SOFT_FRONT_S,
@@ -273,11 +285,12 @@ fn by_rule(
     file: &str,
     rule: &ContactRule,
     recording: &Recording,
-    pulse: &Sampled,
+    pulse: Option<&Sampled>,
     stated: Option<Spread>,
     notes: &mut Notes,
 ) -> Result<Contact> {
     let smooth = || -> Option<Signal<Acceleration>> {
+        let pulse = pulse?;
         let class = if pulse.rate_hz() >= Cfc::Cfc60.lowest_rate_hz() { Class::Cfc(Cfc::Cfc60) } else { Class::None };
         let settings = FilterSettings { class, zero_level: ZeroLevel::None, ..FilterSettings::default() };
         let level = level_at_start(pulse);
@@ -322,11 +335,13 @@ fn by_rule(
         1e3 * estimate.earlier_by_s,
         1e3 * estimate.later_by_s
     ));
-    let half_width = estimate.earlier_by_s.max(estimate.later_by_s).max(stated.map_or(0.0, |spread| spread.size));
+    // The rule's own range and what is stated are independent.
+    let half_width = estimate.earlier_by_s.max(estimate.later_by_s);
+    let deviation_s = (half_width / 3.0_f64.sqrt()).hypot(deviation_of(stated));
     Ok(Contact {
         rule: rule.to_string(),
         source_time_s: estimate.time_s,
-        uncertainty_s: Some(Spread { size: half_width, distribution: Distribution::Uniform }),
+        uncertainty_s: Some(Spread { size: deviation_s, distribution: Distribution::Normal }),
         earlier_by_s: 0.0,
     })
 }
@@ -370,7 +385,7 @@ fn question(contact: &Contact, onset: Onset, is_of_format: bool, notes: &mut Not
     notes.concern_first(
         About::Time,
         format!(
-            "the pulse begins {:.1} ms {side} contact ({}): --time-zero {:.1}ms takes its beginning for contact",
+            "the pulse begins {:.1} ms {side} contact ({}): --time-zero {:.3}ms takes its beginning for contact",
             1e3 * late_s.abs(),
             contact.rule,
             1e3 * begins_s

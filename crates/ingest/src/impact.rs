@@ -116,7 +116,7 @@ fn stopping(all: &[PulseImpact], velocity: &Signal<Velocity>, speed_m_per_s: Opt
     let stop_s = velocity.time_s(stop);
     let last = all.iter().rposition(|impact| impact.start_s <= stop_s).unwrap_or(0);
     match all.get(last) {
-        Some(impact) if last > 0 && impact.start_velocity_m_per_s > STOPPED * speed => last,
+        Some(impact) if last > 0 && stop_s <= impact.end_s && impact.start_velocity_m_per_s > STOPPED * speed => last,
         _ => 0,
     }
 }

@@ -139,7 +139,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
     details::check(file, &recording.details)?;
 
-    let mut contact = contact::settle(file, &mut recording, (pulse, reader.format), &choices, &mut notes)?;
+    let mut contact =
+        contact::settle(file, &mut recording, (pulse, is_of_occupant, reader.format), &choices, &mut notes)?;
     times_in_range(file, &recording)?;
     if let Some(k) = velocity {
         pulse::speed_at_contact(&mut recording, k, &mut notes);

@@ -140,7 +140,7 @@ const SHAPE_ERROR: f64 = 0.01;
 const SHAPE_SAMPLES: f64 = 6.0;
 /// A first sample this far from rest is inside the pulse, m/s²: 138 sound records reach 1.1 g at most (survey of
 /// November 2026).
-pub const INSIDE_M_PER_S2: f64 = 1.5 * STANDARD_GRAVITY_M_PER_S2;
+const INSIDE_M_PER_S2: f64 = 1.5 * STANDARD_GRAVITY_M_PER_S2;
 
 /// The onset of the first impact of a record.
 ///
@@ -160,7 +160,11 @@ pub fn onset(acceleration: &Sampled) -> Beginning {
     if before.len() < LEAST_BEFORE && first.abs() > INSIDE_M_PER_S2 {
         return Beginning::Inside(cut_rise(a, dt));
     }
-    let level = if before.len() < LEAST_BEFORE { 0.0 } else { mean(before) };
+    let level = if before.len() < LEAST_BEFORE {
+        level_at_start(a, samples_of(EDR_INTERVAL_S, dt).max(2))
+    } else {
+        mean(before)
+    };
     let ThresholdRule { threshold_m_per_s2, .. } = ThresholdRule::default();
     let from_impact = acceleration.slice(change, a.len());
     let Some(held_s) = held_crossing(&from_impact, level, threshold_m_per_s2) else { return Beginning::Quiet };
@@ -203,11 +207,20 @@ fn first_impact(a: &[f64], dt_s: f64) -> Option<usize> {
         }))
         .collect();
     let mean = |from: usize, to: usize| (sums[to] - sums[from]) / (to - from) as f64;
+    let at_start = level_at_start(a, after);
     (0..a.len().saturating_sub(after)).find(|&k| {
         let from = k.saturating_sub(before);
-        let level = if k - from < LEAST_BEFORE { 0.0 } else { mean(from, k) };
+        let level = if k - from < LEAST_BEFORE { at_start } else { mean(from, k) };
         (mean(k, k + after) - level).abs() > IMPACT_M_PER_S2
     })
+}
+
+/// The level of a record that begins at rest: the mean of its first samples where their halves agree to 0.15 g, as those
+/// of a steady offset do; else 0, as inside a pulse.
+fn level_at_start(a: &[f64], samples: usize) -> f64 {
+    let (first, second) = a[..samples.min(a.len())].split_at(samples.min(a.len()) / 2);
+    let steady = (mean(first) - mean(second)).abs() < 0.1 * INSIDE_M_PER_S2;
+    if steady { mean(&a[..samples.min(a.len())]) } else { 0.0 }
 }
 
 /// Width of the moving mean of the threshold rule, s: its -3 dB frequency is about 100 Hz, that of CFC 60.
@@ -219,6 +232,9 @@ const BLOCK: usize = 1 << 18;
 /// 3 ms, s, by linear interpolation; `None` if it never does. It lags contact by a fraction of a millisecond. Block by
 /// block: a long record is not copied.
 pub fn held_crossing(pulse: &Sampled, zero_level: f64, threshold_m_per_s2: f64) -> Option<f64> {
+    if pulse.is_empty() {
+        return None;
+    }
     // An interval of next to nothing makes them longer than any record.
     let half = ((SMOOTHING_S / pulse.dt_s() / 2.0) as usize).min(pulse.len());
     // A run that reaches over the start of a block is found again in it.
@@ -279,10 +295,11 @@ fn rise(acceleration: &Sampled, start: usize, level: f64, before: &[f64]) -> Beg
     let top = (SHARE * peak).max(NOISES * noise);
     let from = start.saturating_sub(samples_of(SEARCH_S, dt));
     // Two samples more than the crossing, so that a jump is more than one sample.
-    let crossing = (start..a.len()).find(|k| y[*k] >= top).unwrap_or(start);
-    let end = (crossing.max(start + 1) + 2).min(a.len());
+    let crossing = (start..peak_end).find(|k| y[*k] >= top).unwrap_or(start).max(start + 1);
     // Means of neighbours where there are many: the noise of each is less by the root of their number.
-    let together = (end - from).div_ceil(MOST_SAMPLES);
+    let together = (crossing - from).div_ceil(MOST_SAMPLES).max(1);
+    let end = (crossing + 2 * together).min(a.len());
+    let from = from + (end - from) % together;
     let part: Vec<f64> = y[from..end].chunks_exact(together).map(mean).collect();
     let (start_s, dt) = (acceleration.time_s(from) + 0.5 * (together - 1) as f64 * dt, together as f64 * dt);
     let noise = noise / (together as f64).sqrt();
@@ -443,13 +460,23 @@ mod tests {
     #[test]
     fn the_onset_of_a_clean_rise_is_contact_whatever_its_shape_and_the_level_before_it() {
         for (name, shape) in SHAPES {
-            for level in [0.0, -0.8, 1.0] {
+            for level in [0.0, -0.8, 1.0, 2.0, -5.0] {
                 for zero_s in [0.012, 0.05, 0.13004] {
                     let onset = found(&record(shape, (zero_s, level, 0.0), 1e-4, 0));
                     // A haversine is x² to 1 % only, and no noise says which power it is.
                     let allowed = if name == "haversine" { 6e-4 } else { 1.5e-4 };
                     assert!((onset.time_s - zero_s).abs() < allowed, "{name} {level} {zero_s}: {onset:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_fast_record_shows_the_same_onset() {
+        for dt_s in [1e-5, 1e-6] {
+            for (name, shape) in SHAPES {
+                let onset = found(&record(shape, (0.05, 0.0, 0.0), dt_s, 0));
+                assert!((onset.time_s - 0.05).abs() < 6e-4, "{name} {dt_s}: {onset:?}");
             }
         }
     }

@@ -78,8 +78,8 @@ pub use motion::{
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{
-    Moving, MovingStart, PreEvent, PreEventWindow, Sampled, Signal, SignalError, is_gravity, moves_before_contact,
-    moving_start, pre_event,
+    Moving, MovingStart, PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, is_gravity,
+    moves_before_contact, moving_start, pre_event,
 };
 pub use summation::{
     IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,

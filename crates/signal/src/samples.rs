@@ -112,6 +112,8 @@ const SHORTEST_S: f64 = 0.01;
 /// Runs of exact zeros at the start of a record up to this long are samples like others; longer ones are a muted
 /// recorder.
 const FEW_ZEROS: usize = 10;
+/// A run of zeros that is less probable than this among the samples behind it is a muted recorder.
+const BY_CHANCE: f64 = 1e-3;
 
 /// Slack for time stamps that are sums of a decimal interval, s.
 const SLACK_S: f64 = 1e-9;
@@ -156,14 +158,15 @@ pub struct PreEvent {
 /// whole record: a crash pulse has one.
 ///
 /// A record that begins with more than ten samples of exactly 0 was muted until then (NHTSA's TDMS files): that run is
-/// not counted. A window of nothing but such zeros is taken as it is, as computed records have it.
+/// not counted. A window of nothing but such zeros is taken as it is, as computed records have it. A sensor with a
+/// coarse step rests at 0 for long: it is not muted where the share of zeros behind the run makes such a run probable.
 pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> {
     let from = samples.index_at_or_after(window.from_s - SLACK_S);
     let to = samples.index_at_or_after(window.to_s + SLACK_S);
     // A sample inside the slack belongs to the window; `index_at_or_after` has a slack of its own, in intervals.
     let to = if to < samples.len() && samples.time_s(to) <= window.to_s + SLACK_S { to + 1 } else { to };
     let muted = samples.samples().iter().take(to).take_while(|x| **x == 0.0).count();
-    let muted = if (FEW_ZEROS + 1..to).contains(&muted) { muted } else { 0 };
+    let muted = if (FEW_ZEROS + 1..to).contains(&muted) && !rests(&samples.samples()[..to], muted) { muted } else { 0 };
     let from = from.max(muted);
     let inside = samples.samples().get(from..to).filter(|inside| !inside.is_empty())?;
     let (from_s, to_s) = (samples.time_s(from), samples.time_s(to - 1));
@@ -176,6 +179,41 @@ pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> 
     let level = PreEvent { zero_level, noise_floor, from_s, to_s, samples: inside.len(), muted };
     // Samples near the end of the range of numbers have squares beyond it.
     (zero_level.is_finite() && noise_floor.is_finite()).then_some(level)
+}
+
+/// Whether a run of so many zeros at the start is probable ([`BY_CHANCE`]) where zeros are as frequent as behind it, by
+/// Laplace's rule of succession `(k + 1)/(n + 2)`.
+fn rests(samples: &[f64], run: usize) -> bool {
+    let behind = &samples[run..];
+    let zeros = behind.iter().filter(|x| **x == 0.0).count();
+    let share = (zeros + 1) as f64 / (behind.len() + 2) as f64;
+    share.powf(run as f64) >= BY_CHANCE
+}
+
+/// Share of equal neighbours from which on a sensor is coarse: noise of the size of its step makes `1/(2·√π)` = 0.28 of
+/// them equal, smaller noise more.
+const EQUAL_NEIGHBOURS: f64 = 0.3;
+/// Neighbours that are not equal differ by so many steps at most, at their median. With so many equal ones a motion
+/// passes a step in more than a sample, and most differ by one. Repeated samples of a fine sensor do not.
+const STEPS_APART: f64 = 2.5;
+/// Differences below this share of the largest sample are rounding of a unit.
+const ROUNDING: f64 = 1e-9;
+
+/// The step of a coarse sensor, whose samples repeat because its noise is smaller than the step: the smallest
+/// difference of neighbours while the signal is active, from the first to the last sample of a tenth of the largest.
+/// `None` for a finer sensor.
+pub fn coarse_step(samples: &[f64]) -> Option<f64> {
+    let largest = samples.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    let is_active = |x: &f64| x.abs() > 0.1 * largest;
+    let active = &samples[samples.iter().position(is_active)?..=samples.iter().rposition(is_active)?];
+    let differences = active.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps: Vec<f64> = differences.filter(|step| *step > ROUNDING * largest).collect();
+    let equal = active.len().saturating_sub(1 + steps.len());
+    let smallest = steps.iter().copied().reduce(f64::min)?;
+    let middle = steps.len() / 2;
+    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let is_coarse = equal as f64 >= EQUAL_NEIGHBOURS * active.len() as f64 && median <= STEPS_APART * smallest;
+    is_coarse.then_some(smallest)
 }
 
 // Uniformly sampled signals.
@@ -478,6 +516,45 @@ mod tests {
         // Nothing but zeros: a computed record.
         assert_eq!(level_after(500), Some((0.0, 0, 401)));
         assert_eq!(level_after(3500), Some((0.0, 0, 401)));
+    }
+
+    #[test]
+    fn a_sensor_with_a_coarse_step_is_not_muted() {
+        // Seven of eight samples at rest are 0, in runs of up to 30; the first run has 24.
+        let at = |k: usize| if k > 24 && (k * 7919 + k * k * 31) % 97 < 12 { 0.5 } else { 0.0 };
+        let samples: Vec<f64> = (0..3500).map(at).collect();
+        let run = samples.iter().take_while(|x| **x == 0.0).count();
+        assert!(run > FEW_ZEROS, "{run}");
+        let level = pre_event(&Sampled::new(-0.05, 1e-4, samples).unwrap(), PreEventWindow::default()).unwrap();
+        assert_eq!((level.muted, level.samples), (0, 401));
+        // Zeros that are as rare as in the noise of a fine sensor do not explain the run.
+        let at = |k: usize| if k > 24 && !k.is_multiple_of(9) { 0.1 * (k as f64).sin() } else { 0.0 };
+        let fine = Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap();
+        assert_eq!(pre_event(&fine, PreEventWindow::default()).unwrap().muted, 25);
+    }
+
+    #[test]
+    fn the_step_of_a_coarse_sensor_is_found_and_a_fine_one_has_none() {
+        let mut state = 1_u64;
+        // A uniform number of the generator MMIX by Knuth.
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        // The sum of twelve is a normal one but for its tails.
+        let mut noise = |size: f64| size * ((0..12).map(|_| uniform()).sum::<f64>() - 6.0);
+        let mut record = |step: f64, sd: f64| -> Vec<f64> {
+            let pulse = |k: i32| if k < 500 { 0.0 } else { -200.0 * (f64::from(k - 500) * 3.1e-3).sin() };
+            (0..1500).map(|k| ((pulse(k) + noise(sd)) / step).round() * step).collect()
+        };
+        assert!((coarse_step(&record(2.0, 0.4)).unwrap() - 2.0).abs() < 1e-9);
+        // Noise of two steps: it does not repeat. Nor does a fine sensor.
+        assert_eq!(coarse_step(&record(0.5, 1.0)), None);
+        assert_eq!(coarse_step(&record(1e-6, 1.0)), None);
+        // Every sample of a fine sensor twice.
+        let twice: Vec<f64> = record(1e-6, 1.0).into_iter().flat_map(|x| [x, x]).collect();
+        assert_eq!(coarse_step(&twice), None);
+        assert_eq!((coarse_step(&[]), coarse_step(&[0.0; 50]), coarse_step(&[3.0; 50])), (None, None, None));
     }
 
     #[test]

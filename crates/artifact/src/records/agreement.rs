@@ -74,8 +74,8 @@ impl EventsV1 {
     pub(crate) fn check_numbers(&self) -> Result<(), String> {
         if self.time_zero_s != 0.0 {
             return Err(format!(
-                "time_zero_s is {0}, expected 0: times are seconds from contact, which ingest settles (ingest with \
-                 --time-zero, {0} s later than before, makes the run anew)",
+                "time_zero_s is {0}, expected 0: times are seconds from contact, which ingest settles. Run ingest \
+                 again with its --time-zero moved by {0} s",
                 self.time_zero_s
             ));
         }

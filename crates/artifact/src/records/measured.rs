@@ -400,7 +400,8 @@ pub struct TestV1 {
 /// First contact: every time after ingest is in seconds from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ContactV1 {
-    /// What settled it: `flag`, `file`, `format`, `auto`, `threshold`, `edr`, `contact:<channel>`.
+    /// What settled it, in words: `stated by flag`, `file`, `the format nhtsa-ev5`, `auto`, `threshold`, `edr`,
+    /// `contact:<channel>`, `the start of impact 2`.
     pub rule: String,
     /// Where it lies on the time axis of the source, s.
     pub source_time_s: f64,

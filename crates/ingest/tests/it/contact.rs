@@ -64,7 +64,7 @@ fn contact_is_where_the_pulse_begins_wherever_that_is_on_the_file_s_axis() {
         let said = notes(&ingested);
         let flag = said.split("--time-zero ").nth(1).unwrap().split("ms").next().unwrap().to_owned();
         let typed = Table { from_s, contact_s, beside }.read(&format!("--time-zero {flag}ms")).unwrap();
-        assert!((contact(&typed).source_time_s - found.source_time_s).abs() < 5.1e-5, "{flag}");
+        assert!((contact(&typed).source_time_s - found.source_time_s).abs() < 1e-6, "{flag}");
         assert!(!notes(&typed).contains("the pulse begins"), "{}", notes(&typed));
     }
 }
@@ -86,7 +86,12 @@ fn a_contact_that_is_stated_where_the_pulse_does_not_begin_is_asked_about_first_
         let table = Table { from_s: 0.0, contact_s: 0.05, beside: CALM };
         let ingested = table.read(&format!("--time-zero {stated}")).unwrap();
         let first = ingested.notes.iter().next().unwrap();
-        assert!(first.text.contains(words) && first.text.contains("--time-zero 50.0ms"), "{}", first.text);
+        assert!(
+            first.text.contains(words) && first.text.contains("--time-zero 50.0")
+                || first.text.contains("--time-zero 49.9"),
+            "{}",
+            first.text
+        );
         assert_eq!(first.bearing.as_ref().unwrap().weight, Weight::Decisive);
     }
     let table = Table { from_s: 0.0, contact_s: 0.05, beside: CALM };
@@ -115,7 +120,11 @@ fn contact_is_found_by_the_rule_asked_for_and_its_uncertainty_is_stated() {
     // 0.5 g of 770 g/s are 0.65 ms; CFC 60 rounds the foot.
     assert!((threshold.source_time_s - 0.0506).abs() < 5e-4, "{threshold:?}");
     let edr = by("edr");
-    assert!((0.03..0.05).contains(&edr.source_time_s) && edr.uncertainty_s.unwrap().size == 0.02, "{edr:?}");
+    assert!(
+        (0.03..0.05).contains(&edr.source_time_s)
+            && (edr.uncertainty_s.unwrap().size - 0.02 / 3.0_f64.sqrt()).abs() < 1e-12,
+        "{edr:?}"
+    );
     assert_eq!((by("file").source_time_s, by("file").rule.as_str()), (0.0, "file"));
     let error = table.read("--time-zero-rule contact:nope").unwrap_err();
     assert!(error.to_string().contains("channel nope is not in the record"), "{error}");

@@ -41,7 +41,8 @@ pub(crate) struct SensorNoise {
 
 impl SensorNoise {
     /// The noise of the sensor of a wave. `None` where the steps to the wave, or the acceleration before the event, are
-    /// not known, and for a recorder that shows no noise there: muted, or a computed record.
+    /// not known, and for a recorder that shows no noise there: muted, or a computed record, of which a filter brings the
+    /// pulse there ([`BeforeEvent`](crumple_signal::BeforeEvent)).
     ///
     /// The pre-event samples have lost their mean, which is the zero level: `n` samples of autocorrelation time `τ`
     /// have the variance `s² / (1 - τ/n)`.
@@ -224,7 +225,7 @@ pub(crate) mod tests {
     use std::f64::consts::SQRT_2;
 
     use crumple_numerics::estimation::random::RandomNumbers;
-    use crumple_signal::{BeforeEvent, IntegrationRule, Sampled, integrate_twice};
+    use crumple_signal::{BeforeEvent, IntegrationRule, Sampled, coarse_step, integrate_twice};
 
     use super::*;
     use crate::Measurement;
@@ -263,7 +264,7 @@ pub(crate) mod tests {
             filter: Some(filter),
             from_contact: false,
             rule: Some(IntegrationRule::Trapezoid),
-            before_event: BeforeEvent::of(&record, 0.01),
+            before_event: BeforeEvent::of(&record, Some(&filter), None),
         };
         (displacement, measurement)
     }
@@ -356,8 +357,84 @@ pub(crate) mod tests {
         wave.measurement = wave.measurement.exact();
         assert_eq!(SensorNoise::of(&wave), None);
         let (_, mut measurement) = recorded_noise(0);
-        measurement.before_event = BeforeEvent::of(&Sampled::new(-0.05, DT_S, vec![0.0; SAMPLES]).unwrap(), 0.01);
+        let zeros = Sampled::new(-0.05, DT_S, vec![0.0; SAMPLES]).unwrap();
+        measurement.before_event = BeforeEvent::of(&zeros, Some(&cfc_60()), None);
         wave.measurement = measurement;
         assert_eq!(SensorNoise::of(&wave), None);
+    }
+
+    /// A half sine of 300 m/s² over 90 ms from contact, less its level before it, through a filter; noise and offset
+    /// before the filter, in steps.
+    fn pulse(lead_s: f64, noise: f64, step: f64, filter: Option<&TwoPassFilter>, seed: u64) -> Sampled {
+        let mut random = RandomNumbers::seeded(seed);
+        let first = (lead_s / DT_S).round() as usize;
+        let at = |k: usize| {
+            let t = (k as f64 - first as f64) * DT_S;
+            if (0.0..0.09).contains(&t) { -300.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
+        };
+        let raw = (0..first + 750).map(|k| {
+            let sample = at(k) + 3.43 + noise * random.normal();
+            if step > 0.0 { (sample / step).round() * step } else { sample }
+        });
+        let mut raw: Vec<f64> = raw.collect();
+        let level = raw[..first - 50].iter().sum::<f64>() / (first - 50) as f64;
+        raw.iter_mut().for_each(|a| *a -= level);
+        let recorded = filter.map_or_else(|| raw.clone(), |filter| filter.filtered(&raw));
+        Sampled::new(-(first as f64) * DT_S, DT_S, recorded).unwrap()
+    }
+
+    /// A class at 5 kHz, `factor` times CFC 60.
+    fn class(factor: f64) -> TwoPassFilter {
+        let wa = (std::f64::consts::PI * factor * 125.0 * DT_S).tan();
+        let d = 1.0 + SQRT_2 * wa + wa * wa;
+        let (b1, b2) = (2.0 * (1.0 - wa * wa) / d, (SQRT_2 * wa - 1.0 - wa * wa) / d);
+        let a0 = wa * wa / d;
+        TwoPassFilter { coefficients: [a0, 2.0 * a0, a0, b1, b2], samples_added: 50 }
+    }
+
+    #[test]
+    fn the_pulse_that_a_filter_brings_before_contact_is_no_noise() {
+        for (filter, name) in [(class(1.0), "60"), (class(3.0), "180"), (class(10.0), "600")] {
+            for lead_s in [0.03, 0.05, 0.3] {
+                let free = pulse(lead_s, 0.0, 0.0, Some(&filter), 1);
+                assert_eq!(BeforeEvent::of(&free, Some(&filter), None), None, "CFC {name}, {lead_s} s");
+            }
+        }
+    }
+
+    #[test]
+    fn noise_before_a_pulse_is_that_of_the_sensor() {
+        // 0.02 g at 5 kHz, the noise that decides a model; the pulse brings 0.07 m/s² to -10 ms through CFC 60, where
+        // the noise is 0.04.
+        let (noise, filter) = (0.196, cfc_60());
+        let energy = filter.noise_autocorrelation().unwrap().1;
+        let (mut variance, mut until) = (0.0, f64::INFINITY);
+        let tries: u32 = 400;
+        for seed in 0..tries {
+            let record = pulse(0.05, noise, 0.0, Some(&filter), seed.into());
+            let before = BeforeEvent::of(&record, Some(&filter), None).unwrap();
+            variance += before.noise.powi(2) / f64::from(tries);
+            until = until.min(-0.04 + before.noise_samples as f64 * DT_S);
+        }
+        // The mean of the window takes a share of some 1/6 of the variance; each variance has 4 to 6 degrees of freedom,
+        // so that of 400 is known to sqrt(2/2000) = 3.2 %: three of them, and a ninth of the pulse on top.
+        let share = variance / (noise * noise * energy);
+        assert!((0.72..1.02).contains(&share), "{share}");
+        // Every window keeps 10 ms at least.
+        assert!(until >= -0.03 - DT_S, "{until}");
+    }
+
+    #[test]
+    fn a_coarse_sensor_has_the_noise_of_its_step() {
+        // Steps of 10 m/s² and noise of a fifth of that: most samples at rest are equal, or all.
+        for (seed, noise) in [(1, 0.0), (2, 1.0), (3, 1.5), (4, 2.0)] {
+            let record = pulse(0.05, noise, 10.0, None, seed);
+            let step = coarse_step(record.samples());
+            assert!(step.is_some_and(|step| (step - 10.0).abs() < 1e-9), "{noise} {step:?}");
+            let before = BeforeEvent::of(&record, None, step).unwrap();
+            assert!(before.noise >= step.unwrap() / 12.0_f64.sqrt(), "{noise} {before:?}");
+        }
+        // A computed record that rests has none.
+        assert_eq!(BeforeEvent::of(&pulse(0.05, 0.0, 0.0, None, 1), None, None), None);
     }
 }

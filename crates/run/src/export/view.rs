@@ -238,7 +238,7 @@ impl<'a> ViewedRun<'a> {
     fn events(&self, events: &EventsV1) -> Topic {
         let rebound = events.rebound_velocity_m_per_s;
         let at = [
-            ("time zero", Some(0.0), Some(0.0), "s"),
+            ("contact", Some(0.0), Some(0.0), "s"),
             ("dynamic crush", events.time_of_dynamic_crush_s, events.dynamic_crush_m, "m"),
             ("rebound", events.time_of_rebound_s, rebound, "m/s"),
             ("separation", events.time_of_rebound_s, events.coefficient_of_restitution, "1"),

@@ -9,6 +9,7 @@ use crumple_artifact::records::{
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::{
     Acceleration, BeforeEvent, IntegrationRule, Measurement, QuantityKind, Sampled, TestDescription, TwoPassFilter,
+    coarse_step,
 };
 
 use crate::error::{MissingTopic, RefuseExt, Refused, Usage};
@@ -396,8 +397,9 @@ impl Inputs {
             Some(_) => None,
         };
         let known = acceleration.is_some() && as_sampled && (filter.is_some() || unfiltered);
-        let end_s = filter.map_or(0.0, |filter| filter.samples_added as f64 * dt_s);
-        let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, end_s));
+        // Behind a filter no sample shows the step of its sensor any more.
+        let step = acceleration.as_ref().filter(|_| unfiltered).and_then(|wave| coarse_step(wave.samples()));
+        let before_event = acceleration.as_ref().and_then(|wave| BeforeEvent::of(wave, filter.as_ref(), step));
         let measurement = Measurement {
             dt_s,
             first_s: t0_s,
