@@ -48,6 +48,7 @@ mod recorder;
 mod restrained_occupant;
 mod roadside;
 mod sums;
+mod two_vehicles;
 mod warping;
 
 pub use agreement::{
@@ -59,9 +60,9 @@ pub use contact::{
 };
 pub use cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use crash_events::{
-    CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, MutualCrush, Rebound, ThresholdRule, TwoVehicleImpact,
-    Unstopped, acceleration_after_separation, collision, common_velocity, crash_events, crash_events_within,
-    event_end_by_velocity_change, time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
+    CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, Rebound, ThresholdRule, Unstopped,
+    acceleration_after_separation, crash_events, crash_events_within, event_end_by_velocity_change,
+    time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
 };
 pub use energy::{
     CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,
@@ -83,3 +84,4 @@ pub use recorder::{RecordedImpact, impacts_of_table, maximum_delta_v};
 pub use restrained_occupant::{OlcOptions, VpiOptions, olc, vpi};
 pub use roadside::{AsiLimits, AsiMethod, FlailSpace, asi, oiv_ora, thiv_phd};
 pub use sums::sliding_mean;
+pub use two_vehicles::{MutualCrush, TwoVehicleImpact, collision, common_velocity};

@@ -117,8 +117,8 @@ pub struct Source {
 /// First contact: the origin of every time after ingest, which are seconds from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
-    /// What settled it, in words: `stated by flag`, `file`, `the format nhtsa-ev5`, `auto`, `threshold`, or those of another
-    /// program.
+    /// What settled it, in words: `stated by flag`, `file`, `the format nhtsa-ev5`, `auto`, `threshold`, or those of
+    /// another program.
     pub rule: String,
     /// Where it lies on the time axis of the source, s.
     pub source_time_s: f64,

@@ -47,6 +47,7 @@ mod filter;
 pub mod iso13499;
 mod measurement;
 mod motion;
+mod moving_start;
 mod notes;
 mod resampling;
 mod samples;
@@ -75,12 +76,10 @@ pub use motion::{
     Drift, DriftShape, EndCondition, IntegrationSettings, IntegrationStart, LateRecord, Motion, UsedStart, integrate,
     integrate_from, integrate_reporting, integrate_without_drift, without_drift,
 };
+pub use moving_start::{Moving, MovingStart, is_gravity, moves_before_contact, moving_start};
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
-pub use samples::{
-    Moving, MovingStart, PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, is_gravity,
-    moves_before_contact, moving_start, pre_event,
-};
+pub use samples::{PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, pre_event};
 pub use summation::{
     IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,
 };

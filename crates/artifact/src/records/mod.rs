@@ -12,6 +12,7 @@ mod identified;
 mod measured;
 mod predicted;
 mod run;
+mod test;
 
 pub use compared::{
     ArxScanModelV1, ArxScanV1, FoundDelayV1, OutliersV1, RecommendedBecauseV1, RecordChecksV1, ScanEdgeV1,
@@ -30,12 +31,12 @@ pub use identified::{
     TransferFunctionV1,
 };
 pub use measured::{
-    ChannelFilterV1, ChannelV1, ContactV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, ImpactV1, ImpactsV1,
-    IntervalSourceV1, MetricV1, MetricsV1, MetricsV2, MissingIntervalV1, QualityV1, SourceV1, TestV1, VehicleV1,
-    VehiclesV1, WaveBlockV1,
+    ChannelFilterV1, CorridorPointV1, DamageV1, EventIntervalV1, EventsV1, ImpactV1, ImpactsV1, IntervalSourceV1,
+    MetricV1, MetricsV1, MetricsV2, MissingIntervalV1, QualityV1, VehicleV1, VehiclesV1, WaveBlockV1,
 };
 pub use predicted::{
     AgainstTestV1, AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1,
     PredictionV1,
 };
 pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1, SeverityV1};
+pub use test::{ChannelV1, ContactV1, SourceV1, TestV1};

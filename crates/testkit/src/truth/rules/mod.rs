@@ -3,6 +3,7 @@
 mod models;
 mod notes;
 mod page;
+mod poles;
 mod rule;
 mod status;
 
