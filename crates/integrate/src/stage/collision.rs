@@ -292,7 +292,8 @@ pub fn without_impact(
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
     let samples = acceleration(input, pulse)?;
-    let task = ChannelIntegration { settings, input, test, impact_speed_m_per_s: None, most_replicates: usize::MAX };
+    let impact_speed_m_per_s = speed_m_per_s.filter(|speed| *speed == 0.0);
+    let task = ChannelIntegration { settings, input, test, impact_speed_m_per_s, most_replicates: usize::MAX };
     let integrated = task.integrate(pulse, &samples, out)?;
     warn_unless_of_the_vehicle(pulse, out.notes());
     note_impacts(&integrated.events.impacts, out);
@@ -332,7 +333,9 @@ pub fn without_impact(
     out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
     out.put("/metrics", &MetricsV2 { metrics })?;
     if from_rest {
-        let displacement = integrated.motion.displacement.clone().into_sampled();
+        let motion = integrated.motion.clone();
+        out.wave(&format!("{}/velocity", pulse.id), QuantityKind::Velocity, motion.velocity.into_sampled())?;
+        let displacement = motion.displacement.into_sampled();
         out.wave(&format!("{}/displacement", pulse.id), QuantityKind::Displacement, displacement)?;
     }
     let change = integrated.motion.velocity.into_sampled();

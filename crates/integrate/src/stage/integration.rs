@@ -153,8 +153,8 @@ impl ChannelIntegration<'_> {
         settings: &IntegrationSettings,
         out: &mut Output,
     ) -> Option<Intervals> {
-        // An interval of a change of velocity from an unknown speed would have no speed to vary.
-        let stated = self.uncertainty().filter(|_| self.impact_speed_m_per_s.is_some())?;
+        // A change of velocity from an unknown speed, or from rest, has no speed to vary.
+        let stated = self.uncertainty().filter(|_| self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0))?;
         let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated };
         if acceleration.len() > MOST_SAMPLES {
             out.notes().warning(format!(

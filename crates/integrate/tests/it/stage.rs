@@ -5,7 +5,10 @@ use std::process::Command;
 
 use crumple_artifact::records::{DiagnosisV1, EventsV1, MetricV1, MetricsV2, NotesV1, TestV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
-use crumple_signal::{Axis, Channel, Contact, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, TestDescription};
+use crumple_signal::{
+    Axis, Channel, Contact, Distribution, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Spread,
+    TestDescription,
+};
 use crumple_testkit::write_filtered;
 
 use crate::{PROGRAM, events, result, run};
@@ -138,9 +141,11 @@ fn refuses_a_channel_that_is_not_there_or_no_acceleration() {
 #[test]
 fn stated_uncertainties_give_intervals_and_none_gives_none() {
     let folder = tempfile::tempdir().unwrap();
-    let input = filtered(folder.path(), &constant(Some(20.0), Some(900.0), Some(60)));
-    let flags =
-        ["--speed-uncertainty", "0.36km/h uniform", "--gain-uncertainty", "1%", "--time-zero-uncertainty", "0.5ms"];
+    let uncertainty_s = Some(Spread { size: 5e-4, distribution: Distribution::Normal });
+    let contact = Contact { rule: "auto".to_owned(), source_time_s: 0.0, uncertainty_s, earlier_by_s: 0.004 };
+    let test = TestDescription { contact: Some(contact), ..constant(Some(20.0), Some(900.0), Some(60)) };
+    let input = filtered(folder.path(), &test);
+    let flags = ["--speed-uncertainty", "0.36km/h uniform", "--gain-uncertainty", "1%"];
     let artifact = result(&input, &flags);
     let crush = events(&artifact);
     let interval = crush.intervals.iter().find(|interval| interval.name == "dynamic_crush_m").unwrap();
@@ -155,7 +160,8 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     assert!(
         notes.notes.iter().any(|note| note.starts_with(
             "intervals are 5-95 % of 400 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
-             (standard deviation, normal), time zero 0.5 ms (standard deviation, normal). An error of time zero moves"
+             (standard deviation, normal), contact 0.5 ms (standard deviation, normal), contact up to 4 ms earlier for a \
+             soft front. An error of contact moves"
         )),
         "{:?}",
         notes.notes
@@ -166,7 +172,7 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     for wrong in [
         ["--speed-uncertainty", "0.1"],
         ["--gain-uncertainty", "1 km/h"],
-        ["--time-zero-uncertainty", "1ms triangular"],
+        ["--zero-level-uncertainty", "0.1g triangular"],
         ["--uncertainty-replicates", "5"],
     ] {
         assert_eq!(run(&input, &wrong).status.code(), Some(2), "{wrong:?}");

@@ -64,7 +64,6 @@ fn inputs(filter: Option<Value>, dt_s: f64) -> Inputs {
 fn events(rule: Option<&str>, start: &str) -> EventsV1 {
     EventsV1 {
         channel: "1".to_owned(),
-        time_zero_s: -0.005,
         rule: rule.map(str::to_owned),
         start: Some(start.to_owned()),
         ..EventsV1::default()
@@ -81,8 +80,8 @@ fn a_class_filter_with_its_coefficients_is_known() {
     assert_eq!(found.filter, Some(FILTER));
     assert!(found.rule == Some(IntegrationRule::Trapezoid) && found.from_contact, "{found:?}");
     assert_eq!((found.dt_s, found.samples), (DT_S, 120));
-    // The first sample is 50 ms before zero of the axis, contact 5 ms before it.
-    assert!((found.first_s + 0.045).abs() < 1e-12, "{}", found.first_s);
+    // The first sample is 50 ms before contact.
+    assert!((found.first_s + 0.05).abs() < 1e-12, "{}", found.first_s);
     let euler = steps(Some(class_filter()), DT_S, &events(Some("forward-euler"), "record-start"));
     assert!(euler.rule == Some(IntegrationRule::ForwardEuler) && !euler.from_contact, "{euler:?}");
     // What a filter mirrors at the first sample is left out of the noise before the event.
