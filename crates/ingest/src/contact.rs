@@ -178,7 +178,7 @@ pub fn settle(
     if let Some(wave) = &wave {
         require_contact(file, wave, at_s, begins)?;
         if let (Some(contact), Some(Beginning::Rises(onset)), false) = (&found, begins, is_of_occupant) {
-            question(contact, onset, recording.contact_at_zero, notes);
+            question(contact, (wave, onset), recording.contact_at_zero, notes);
         }
     }
     if at_s != 0.0 {
@@ -253,7 +253,8 @@ fn automatic(
     };
     let slack_s = EARLY_DEVIATIONS * deviation_s;
     let early_s = EARLY_S.max(slack_s);
-    if has_zero && (-early_s..=LATE_S.max(slack_s)).contains(&time_s) {
+    let fits = (-early_s..=LATE_S.max(slack_s)).contains(&time_s) || (time_s < 0.0 && !acts_before(wave, 0.0, time_s));
+    if has_zero && fits {
         return of_file(notes);
     }
     // The error of the onset and that of the clock are independent.
@@ -278,6 +279,26 @@ fn automatic(
         uncertainty_s: Some(Spread { size: deviation_s, distribution: Distribution::Normal }),
         earlier_by_s: SOFT_FRONT_S,
     })
+}
+
+/// Deceleration before contact that is one, m/s²: twice the usual error of a zero level, 0.05 g.
+const ACTS_M_PER_S2: f64 = 0.1 * STANDARD_GRAVITY_M_PER_S2;
+
+/// Whether a force acts before an instant that the pulse is said to begin at: the mean of the millisecond before it is
+/// off the level before the onset by more than zero level and noise (four deviations) explain. The onset of a soft rise,
+/// extrapolated, may lie before it all the same.
+fn acts_before(wave: &Sampled, at_s: f64, onset_s: f64) -> bool {
+    let index = |t: f64| wave.index_at_or_after(t);
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
+    let before = &wave.samples()[..index(onset_s.min(at_s))];
+    let calm = &before[before.len().saturating_sub(index(wave.t0_s() + 0.05))..];
+    if calm.len() < 3 {
+        return true;
+    }
+    let level = mean(calm);
+    let noise = (mean(&calm.iter().map(|x| (x - level).powi(2)).collect::<Vec<_>>())).sqrt();
+    let last = &wave.samples()[index(at_s - 1e-3).min(index(at_s).saturating_sub(1))..index(at_s)];
+    (mean(last) - level).abs() > ACTS_M_PER_S2 + 4.0 * noise / (last.len().max(1) as f64).sqrt()
 }
 
 /// Contact by a rule that was asked for. What it leaves uncertain is in the contact.
@@ -373,10 +394,10 @@ fn require_contact(file: &str, pulse: &Sampled, at_s: f64, begins: Option<Beginn
 }
 
 /// Asks about a contact at which the pulse does not begin.
-fn question(contact: &Contact, onset: Onset, is_of_format: bool, notes: &mut Notes) {
+fn question(contact: &Contact, (wave, onset): (&Sampled, Onset), is_of_format: bool, notes: &mut Notes) {
     let (at_s, begins_s) = (contact.source_time_s, onset.time_s);
     let late_s = begins_s - at_s;
-    let is_early = late_s < -EARLY_S.max(EARLY_DEVIATIONS * onset.deviation_s);
+    let is_early = late_s < -EARLY_S.max(EARLY_DEVIATIONS * onset.deviation_s) && acts_before(wave, at_s, begins_s);
     let is_late = late_s > LATE_FOR_A_STATEMENT_S && !is_of_format;
     if !is_early && !is_late {
         return;

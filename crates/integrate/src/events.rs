@@ -26,7 +26,7 @@ pub fn wrong_sign(velocity: &Signal<Velocity>, time_zero_s: f64, impact_speed_m_
 }
 
 /// The crash events of a motion; none, whatever the velocity does, where the motion starts from rest or the pulse has
-/// the wrong sign. Errors: [`crash_events`].
+/// the wrong sign. Errors: [`crumple_metrics::crash_events`].
 ///
 /// The velocity at the end of the record stays in the result, since it needs no crash. Times are in s from time zero:
 /// t_m is the first zero of the velocity, interpolated linearly, and C the displacement there.

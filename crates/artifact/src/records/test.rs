@@ -32,7 +32,7 @@ pub struct TestV1 {
     #[serde(default)]
     pub time_zero: Option<String>,
     /// First contact, t = 0; `null`: nothing says that it is there.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub contact: Option<ContactV1>,
     /// Whether ingest asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
     #[serde(default)]

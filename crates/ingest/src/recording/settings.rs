@@ -79,7 +79,7 @@ pub struct IngestSettings {
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time_zero: Option<TimeZero>,
     /// How first contact is found: auto, file (t = 0 of the file), threshold (0.5 g for 3 ms), edr (49 CFR 563: 0.8
-    /// km/h in 20 ms) or contact:<channel>, the edge of a contact switch. Default: auto.
+    /// km/h in 20 ms) or contact:CHANNEL, the edge of a contact switch. Default: auto.
     #[arg(long, value_name = "RULE", conflicts_with = "time_zero")]
     pub time_zero_rule: Option<ContactRule>,
     /// Uncertainty of first contact, "0.5 ms uniform" (half width) or "0.3 ms" (standard deviation); what auto and the

@@ -39,8 +39,9 @@ fn contact(ingested: &Ingested) -> &Contact {
 
 #[test]
 fn contact_is_where_the_pulse_begins_wherever_that_is_on_the_file_s_axis() {
-    let braking = |t: f64| if (-0.8..0.0).contains(&t) { -0.8 } else { 0.0 };
-    let fall = |t: f64| if (-0.6..0.0).contains(&t) { -1.0 } else { 0.0 };
+    // Both act on through the contact.
+    let braking = |t: f64| if (-0.8..0.1).contains(&t) { -0.8 } else { 0.0 };
+    let fall = |t: f64| if (-0.6..0.1).contains(&t) { -1.0 } else { 0.0 };
     for (from_s, contact_s, beside) in [
         // Before t = 0, after it, long after the start of a device's clock, after braking and after a fall.
         (-0.1, -0.018, CALM),
@@ -135,7 +136,7 @@ fn a_record_that_begins_inside_the_pulse_has_a_lower_bound_and_says_what_is_miss
     let whole = Table { from_s: -0.005, contact_s: -0.01, beside: CALM };
     let ingested = whole.read("").unwrap();
     // The first sample is 5 ms after contact: 3.8 g.
-    assert!(notes(&ingested).contains("begins inside the pulse, at 3.8 g"), "{}", notes(&ingested));
+    assert!(notes(&ingested).contains("begins inside the pulse, at 3.9 g"), "{}", notes(&ingested));
     let found = contact(&ingested);
     assert!((0.005..0.009).contains(&found.earlier_by_s), "{found:?}");
 }

@@ -60,13 +60,18 @@ pub fn check_pulse(name: &str, ingested: &Ingested, t0_s: f64) {
     assert!(worst < 1e-4 * G, "{name}: {worst}");
 }
 
+/// The flags, and contact at the file's t = 0 where they state none: the axis of the rows is compared.
+fn of_file(flags: &str) -> String {
+    if flags.contains("--time-zero") { flags.to_owned() } else { format!("{flags} --time-zero-rule file") }
+}
+
 /// Name, text below the facts, flags, time of the first row in s.
 pub type Table = (&'static str, String, &'static str, f64);
 
 /// Reads tables of the pulse, names aside what each comes to.
 pub fn are_read_right(tables: Vec<Table>) -> Vec<(&'static str, Ingested)> {
     let check = |(name, text, flags, t0_s): Table| {
-        let ingested = read(format!("{FACTS}{text}"), flags);
+        let ingested = read(format!("{FACTS}{text}"), &of_file(flags));
         let ingested = ingested.unwrap_or_else(|error| panic!("{name}: {error} (hint: {})", error.hint()));
         check_pulse(name, &ingested, t0_s);
         (name, ingested)
@@ -220,7 +225,8 @@ pub fn is_refused(
     assert!(error.to_string().contains(said), "{name}: {error}");
     assert!(error.hint().contains(advice), "{name}: {error} (hint: {})", error.hint());
     assert!(error.expected().is_some_and(|expected| !expected.is_empty()), "{name}");
-    let ingested = read(followed, flags).unwrap_or_else(|error| panic!("{name}, followed: {error} ({})", error.hint()));
+    let ingested =
+        read(followed, &of_file(flags)).unwrap_or_else(|error| panic!("{name}, followed: {error} ({})", error.hint()));
     if let Some(t0_s) = t0_s {
         check_pulse(name, &ingested, t0_s);
     }

@@ -91,7 +91,7 @@ fn a_sheet_is_a_table_and_several_are_asked_about() {
     // In an archive, too; stamps as words.
     check(&read_as("a.zip", zipped(&[("b/a.xlsx", workbook(&[("One", named())]))]), "").unwrap());
     let stamps = sheet(&[&["Time", "Accel (m/s^2)"]], |k| format!("10:02:03.{:04}", k * 5));
-    let ingested = read_as("a.xlsx", workbook(&[("One", stamps)]), "").unwrap();
+    let ingested = read_as("a.xlsx", workbook(&[("One", stamps)]), "--time-zero-rule file").unwrap();
     let wave = &ingested.pulse().unwrap().samples;
     assert_eq!((wave.t0_s(), wave.dt_s()), (0.0, 5e-4));
 }

@@ -3,10 +3,11 @@
 use crumple_ingest::{Bundle, IngestError, Ingested, list};
 use crumple_signal::{Axis, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 
-use crate::{given, lenient, notes, read_as};
+use crate::{given, notes, read_as};
 
 fn read(text: impl Into<Vec<u8>>) -> Result<Ingested, IngestError> {
-    read_as("a.txt", text, &lenient())
+    // Its ramp begins with the record, 10 ms before the file's t = 0.
+    read_as("a.txt", text, &given("--allow-missing --time-zero-rule file"))
 }
 
 /// Rows of time (ms) and acceleration (g) in words of `line`.
@@ -29,7 +30,7 @@ fn milliseconds_without_a_unit_are_asked_for() {
     assert_eq!(error.to_string(), "a.txt does not state the unit of time: column 1 (t) has steps of 0.1");
     let hint = "add --time-unit s (sampled at 10 Hz) or --time-unit ms (sampled at 10 kHz), whichever it is";
     assert_eq!(error.hint(), hint);
-    check(&read_as("a.txt", text.clone(), &given("--allow-missing --time-unit ms")).unwrap());
+    check(&read_as("a.txt", text.clone(), &given("--allow-missing --time-zero-rule file --time-unit ms")).unwrap());
     assert_eq!(
         read_as("a.txt", text, &given("--allow-missing --time-unit s")).unwrap().pulse().unwrap().samples.dt_s(),
         0.1
