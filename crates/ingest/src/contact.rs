@@ -1,119 +1,17 @@
 //! First contact: where it is on the file's time axis, what says so, how uncertain it is. After it every time is in
 //! seconds from contact.
 
-use std::fmt;
-use std::str::FromStr;
-
 use crumple_metrics::{Beginning, CutRise, Onset, contact_edge, edr_start, onset, threshold_crossing};
-use crumple_signal::unit::UnitError;
 use crumple_signal::value::Time;
 use crumple_signal::{
     About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled,
     Signal, Spread, Uncertain, Weight, ZeroLevel, filter,
 };
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::recording::content::Recording;
 use crate::recording::details::Stated;
+use crate::recording::stated_contact::{ContactRule, TimeZero};
 use crate::{IngestError, IngestSettings, Result, refuse, time};
-
-/// Contact as a person states it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum TimeZero {
-    /// Where the pulse begins.
-    Auto,
-    /// On the file's time axis.
-    At(Time),
-}
-
-impl TimeZero {
-    /// The time, where one is stated.
-    pub fn stated(self) -> Option<Time> {
-        match self {
-            Self::Auto => None,
-            Self::At(time) => Some(time),
-        }
-    }
-}
-
-impl FromStr for TimeZero {
-    type Err = UnitError;
-
-    fn from_str(text: &str) -> std::result::Result<Self, UnitError> {
-        if text.trim() == "auto" { Ok(Self::Auto) } else { text.parse().map(Self::At) }
-    }
-}
-
-impl fmt::Display for TimeZero {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Auto => f.write_str("auto"),
-            Self::At(time) => time.fmt(f),
-        }
-    }
-}
-
-/// How contact is found where no time is stated.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ContactRule {
-    /// Where the pulse begins, unless the file's t = 0 agrees with that.
-    Auto,
-    /// At 0 s of the file.
-    File,
-    /// By threshold.
-    Threshold,
-    /// By the rule for event data recorders.
-    Edr,
-    /// From a contact switch: id of its channel.
-    Switch(String),
-}
-
-impl FromStr for ContactRule {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        match text.trim() {
-            "auto" => Ok(Self::Auto),
-            "file" => Ok(Self::File),
-            "threshold" => Ok(Self::Threshold),
-            "edr" => Ok(Self::Edr),
-            other => match other.strip_prefix("contact:").map(str::trim) {
-                Some(id) if !id.is_empty() => Ok(Self::Switch(id.to_owned())),
-                _ => Err(format!("unknown rule {text:?}, expected auto, file, threshold, edr or contact:<channel>")),
-            },
-        }
-    }
-}
-
-impl fmt::Display for ContactRule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Auto => f.write_str("auto"),
-            Self::File => f.write_str("file"),
-            Self::Threshold => f.write_str("threshold"),
-            Self::Edr => f.write_str("edr"),
-            Self::Switch(id) => write!(f, "contact:{id}"),
-        }
-    }
-}
-
-macro_rules! as_text {
-    ($($name:ident),*) => {$(
-        impl Serialize for $name {
-            fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-                serializer.collect_str(self)
-            }
-        }
-
-        impl<'de> Deserialize<'de> for $name {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-                String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
-            }
-        }
-    )*};
-}
-
-as_text!(TimeZero, ContactRule);
 
 /// How much later than contact the compartment of a car begins to slow down at most, s: the four floor sensors of NHTSA
 /// 10146 begin 2.6 to 2.9 ms after its contact switch, the time to crush the 45 mm in front of its bumper beam; half as
@@ -207,8 +105,8 @@ fn cut_lead_s(cut: CutRise) -> f64 {
 
 fn cut_text(cut: CutRise) -> String {
     format!(
-        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, up to {:.0} ms are missing. \
-         Give the record from before contact",
+        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, up to {:.0} ms are \
+         missing. Give the record from before contact",
         (cut.first_m_per_s2 / STANDARD_GRAVITY_M_PER_S2).abs(),
         1e3 * cut_lead_s(cut)
     )
@@ -285,8 +183,8 @@ fn automatic(
 const ACTS_M_PER_S2: f64 = 0.1 * STANDARD_GRAVITY_M_PER_S2;
 
 /// Whether a force acts before an instant that the pulse is said to begin at: the mean of the millisecond before it is
-/// off the level before the onset by more than zero level and noise (four deviations) explain. The onset of a soft rise,
-/// extrapolated, may lie before it all the same.
+/// off the level before the onset by more than zero level and noise (four deviations) explain. The onset of a soft
+/// rise, extrapolated, may lie before it all the same.
 fn acts_before(wave: &Sampled, at_s: f64, onset_s: f64) -> bool {
     let index = |t: f64| wave.index_at_or_after(t);
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;

@@ -4,7 +4,8 @@
 //! description, waveforms and their quality of them, and depends on their bytes and [`IngestSettings`] alone. Formats
 //! are recognised by content: [`READERS`]. Nothing is guessed: what a record does not say is asked for by name, and
 //! what is chosen (the pulse, contact) is noted. Contact is settled here: after it every time is in seconds from it.
-//! Nothing is corrected: zero level, clipping, dropouts and drift are reported. [`list()`] makes the table of channels alone.
+//! Nothing is corrected: zero level, clipping, dropouts and drift are reported. [`list()`] makes the table of channels
+//! alone.
 
 mod checks {
     //! What is noted about the channels: quality, time grids, sensors that should agree, units and signs exchanged.
@@ -34,11 +35,11 @@ mod recording {
     pub mod content;
     pub mod details;
     pub mod settings;
+    pub mod stated_contact;
 }
 mod stage;
 mod time;
 
-pub use contact::{ContactRule, TimeZero};
 pub(crate) use error::{GAPS_ARE_NOT_FILLED, Place, check_size, refuse, refuse_channel, refuse_path, refuse_size};
 pub use error::{IngestError, Refusal, Result};
 pub use files::digests::RecordDigests;
@@ -49,4 +50,5 @@ pub use listing::{ListedChannel, list};
 pub use recording::content::{Fitness, LineNumbers, PulseRule, Quality, ReadChannel, Recording, Wave};
 pub use recording::details::{Details, Stated};
 pub use recording::settings::{BodyPlace, IngestSettings, Profile, Sign};
+pub use recording::stated_contact::{ContactRule, TimeZero};
 pub use stage::PROGRAM;

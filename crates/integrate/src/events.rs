@@ -132,7 +132,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         );
     } else if rebound.velocity_m_per_s > 0.0 {
         notes.info(format!(
-            "the velocity left at {:.1} ms, {:.3} m/s, is within the error of the impact speed: the vehicle has stopped",
+            "the velocity left at {:.1} ms, {:.3} m/s, is within the error of the impact speed: the vehicle has \
+             stopped",
             1e3 * crush.time_s,
             rebound.velocity_m_per_s
         ));

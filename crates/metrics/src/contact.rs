@@ -122,8 +122,8 @@ const PEAK_S: f64 = 0.04;
 const SHARE: f64 = 0.2;
 /// ... and below so many times the noise where that is more: a line through less is not determined.
 const NOISES: f64 = 8.0;
-/// Powers of time that a rise is made of, from 0: a jump, a ramp, a haversine, and the front of a car, whose first parts are
-/// soft (Camry, NHTSA 10146: 0.5 g at 3.8 ms, 2 g at 5.3, 8 g at 6.8).
+/// Powers of time that a rise is made of, from 0: a jump, a ramp, a haversine, and the front of a car, whose first
+/// parts are soft (Camry, NHTSA 10146: 0.5 g at 3.8 ms, 2 g at 5.3, 8 g at 6.8).
 const POWERS: usize = 4;
 /// Two powers count as one below this share of the product of their sums of squares: eight of the sixteen digits.
 const SINGULAR: f64 = 1e-8;
@@ -147,11 +147,12 @@ const INSIDE_M_PER_S2: f64 = 1.5 * STANDARD_GRAVITY_M_PER_S2;
 /// The onset of the first impact of a record.
 ///
 /// The impact is where the mean of 20 ms differs by more than 1.13 g from that of the 50 ms before them; so braking and
-/// a free fall before contact do not count. Its rise is `level + c·(t - τ)^p + d·(t - τ)^q` for t > τ with powers from 0
-/// to 3: one of them, or ramp and parabola, not negative. For every τ they are those of least squares over the samples from 30
-/// ms before 0.5 g are held up to a fifth of the local peak (mean of 4.4 ms); the onset is the mean of τ with the weights of Schwarz,
-/// `exp(-RSS/2σ²) n^(-k/2)`, its deviation that of the same weights. σ is the noise before, or what the best rise
-/// leaves, whichever is larger, and what powers miss of a rise. So a rise that no powers follow, or that noise hides, has a wide deviation.
+/// a free fall before contact do not count. Its rise is `level + c·(t - τ)^p + d·(t - τ)^q` for t > τ with powers from
+/// 0 to 3: one of them, or ramp and parabola, not negative. For every τ they are those of least squares over the
+/// samples from 30 ms before 0.5 g are held up to a fifth of the local peak (mean of 4.4 ms); the onset is the mean of
+/// τ with the weights of Schwarz, `exp(-RSS/2σ²) n^(-k/2)`, its deviation that of the same weights. σ is the noise
+/// before, or what the best rise leaves, whichever is larger, and what powers miss of a rise. So a rise that no powers
+/// follow, or that noise hides, has a wide deviation.
 ///
 /// Units: s. Sound for rates from 500 Hz.
 pub fn onset(acceleration: &Sampled) -> Beginning {
@@ -170,8 +171,8 @@ pub fn onset(acceleration: &Sampled) -> Beginning {
     rise(acceleration, acceleration.index_at_or_after(held_s), level, before)
 }
 
-/// Stretch whose rise is extrapolated back to the beginning of a pulse that a record cuts, s: that of a half sine of 100
-/// ms is straight to 2 % up to there.
+/// Stretch whose rise is extrapolated back to the beginning of a pulse that a record cuts, s: that of a half sine of
+/// 100 ms is straight to 2 % up to there.
 const FIRST_RISE_S: f64 = 0.005;
 
 fn cut_rise(a: &[f64], dt_s: f64) -> CutRise {
@@ -217,8 +218,8 @@ fn first_impact(a: &[f64], dt_s: f64) -> Option<usize> {
 /// Stretch at the start of a record that shows whether it begins at rest, s: what a zero level needs.
 const START_S: f64 = 0.01;
 
-/// The level of a record that begins at rest: the mean of its first samples where their halves agree to 0.15 g, as those
-/// of a steady offset do; else 0, as inside a pulse.
+/// The level of a record that begins at rest: the mean of its first samples where their halves agree to 0.15 g, as
+/// those of a steady offset do; else 0, as inside a pulse.
 fn level_at_start(a: &[f64], samples: usize) -> f64 {
     let (first, second) = a[..samples.min(a.len())].split_at(samples.min(a.len()) / 2);
     let steady = (mean(first) - mean(second)).abs() < 0.1 * INSIDE_M_PER_S2;
@@ -230,9 +231,9 @@ pub const SMOOTHING_S: f64 = 0.0044;
 /// Samples smoothed at a time.
 const BLOCK: usize = 1 << 18;
 
-/// First time at which the magnitude of the moving mean of 4.4 ms, beside a level, reaches a threshold and stays there for
-/// 3 ms, s, by linear interpolation; `None` if it never does. It lags contact by a fraction of a millisecond. Block by
-/// block: a long record is not copied.
+/// First time at which the magnitude of the moving mean of 4.4 ms, beside a level, reaches a threshold and stays there
+/// for 3 ms, s, by linear interpolation; `None` if it never does. It lags contact by a fraction of a millisecond. Block
+/// by block: a long record is not copied.
 pub fn held_crossing(pulse: &Sampled, zero_level: f64, threshold_m_per_s2: f64) -> Option<f64> {
     if pulse.is_empty() {
         return None;

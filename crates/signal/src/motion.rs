@@ -307,7 +307,13 @@ pub fn integrate_without_drift(
     settings: &IntegrationSettings,
     end: EndCondition,
 ) -> Result<(Motion, Drift), IntegrateError> {
-    without_drift(acceleration, settings, end, |acceleration| integrate(acceleration, settings))
+    // The start of the record as it is: a drift taken out must not look like braking before contact.
+    let start = match integrate(acceleration, settings)?.start {
+        UsedStart::TimeZero => IntegrationStart::TimeZero,
+        UsedStart::RecordStart => IntegrationStart::RecordStart,
+    };
+    let settings = IntegrationSettings { start, ..*settings };
+    without_drift(acceleration, &settings, end, |acceleration| integrate(acceleration, &settings))
 }
 
 /// [`integrate_without_drift`] with the integration given, which is that of `settings`. It is called three times: on

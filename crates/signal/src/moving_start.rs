@@ -21,8 +21,8 @@ const QUIET: f64 = 1.5;
 /// Resolution of a record, m/s²: noise below it is none.
 const RESOLUTION_M_PER_S2: f64 = 0.02 * STANDARD_GRAVITY_M_PER_S2;
 
-/// Least deceleration that is braking, m/s²: three times the zero level's usual error of 0.05 g. Left in the zero level,
-/// so much is 5 mm of crush over 80 ms.
+/// Least deceleration that is braking, m/s²: three times the zero level's usual error of 0.05 g. Left in the zero
+/// level, so much is 5 mm of crush over 80 ms.
 const BRAKING_M_PER_S2: f64 = 0.15 * STANDARD_GRAVITY_M_PER_S2;
 
 /// What moves the body before contact.

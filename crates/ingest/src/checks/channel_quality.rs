@@ -132,16 +132,16 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     }
 }
 
-/// Names a free fall or braking before contact, and a level that may be one: 1 g, in a record that does not show the sensor at
-/// rest at another level.
+/// Names a free fall or braking before contact, and a level that may be one: 1 g, in a record that does not show the
+/// sensor at rest at another level.
 fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
     if let Some(MovingStart { by, rest_level, level }) = pulse.quality.moving {
         let off = (level - rest_level) / G;
         let text = match by {
             Moving::Falls => format!("free fall before contact: its level is {off:+.2} g off the level at rest"),
             Moving::Brakes => format!(
-                "it brakes before contact: the level there is {off:+.2} g off the level at the start of the record. The \
-                 impact speed is that at contact"
+                "it brakes before contact: the level there is {off:+.2} g off the level at the start of the record. \
+                 The impact speed is that at contact"
             ),
         };
         concern(Weight::Slight, text, notes);

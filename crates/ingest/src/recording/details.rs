@@ -5,7 +5,7 @@ use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 use crumple_signal::{About, Notes, QuantityKind, Weight};
 
-use crate::contact::TimeZero;
+use crate::recording::stated_contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 /// A fact and where it is stated.

@@ -4,8 +4,8 @@ use crumple_signal::value::{Frequency, Mass, Speed, Time};
 use crumple_signal::{Channel, Notes, Uncertain, resolve_channels};
 use serde::{Deserialize, Serialize};
 
-use crate::contact::{ContactRule, TimeZero};
 use crate::recording::content::ReadChannel;
+use crate::recording::stated_contact::{ContactRule, TimeZero};
 
 pub use crumple_signal::is_pattern;
 
@@ -86,9 +86,9 @@ pub struct IngestSettings {
     /// rules leave uncertain comes to it. Default: none stated.
     #[arg(long, value_name = "TIME [normal|uniform]")]
     pub time_zero_uncertainty: Option<Uncertain<Time>>,
-    /// Impact that the run is about, of a pulse with several: 1 for the first. Contact is then its start, and the impact
-    /// speed what the vehicle has left there. Default: the first; where that leaves speed and a later one stops the
-    /// vehicle, that one.
+    /// Impact that the run is about, of a pulse with several: 1 for the first. Contact is then its start, and the
+    /// impact speed what the vehicle has left there. Default: the first; where that leaves speed and a later one stops
+    /// the vehicle, that one.
     #[arg(long, value_name = "NUMBER")]
     pub impact: Option<u32>,
     /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
@@ -156,7 +156,8 @@ macro_rules! layers {
         /// These settings where they say something, else those below.
         pub fn over(&self, below: &Self) -> Self {
             let (above, below) = (self.clone(), below.clone());
-            Self { $($field: above.$field.or(below.$field),)* listing: above.listing, tried_time_unit: above.tried_time_unit }
+            let (listing, tried_time_unit) = (above.listing, above.tried_time_unit);
+            Self { $($field: above.$field.or(below.$field),)* listing, tried_time_unit }
         }
     };
 }

@@ -5,8 +5,8 @@ use crumple_signal::{Contact, Weight};
 
 use crate::{given, notes, read_as};
 
-/// A table in g at 10 kHz: a half sine of 100 ms and 24.5 g that begins at `contact_s` of its axis, and what lies before
-/// and after.
+/// A table in g at 10 kHz: a half sine of 100 ms and 24.5 g that begins at `contact_s` of its axis, and what lies
+/// before and after.
 struct Table {
     from_s: f64,
     contact_s: f64,

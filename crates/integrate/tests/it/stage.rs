@@ -160,8 +160,8 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     assert!(
         notes.notes.iter().any(|note| note.starts_with(
             "intervals are 5-95 % of 400 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
-             (standard deviation, normal), contact 0.5 ms (standard deviation, normal), contact up to 4 ms earlier for a \
-             soft front. An error of contact moves"
+             (standard deviation, normal), contact 0.5 ms (standard deviation, normal), contact up to 4 ms earlier \
+             for a soft front. An error of contact moves"
         )),
         "{:?}",
         notes.notes

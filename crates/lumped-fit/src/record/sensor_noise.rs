@@ -41,8 +41,8 @@ pub(crate) struct SensorNoise {
 
 impl SensorNoise {
     /// The noise of the sensor of a wave. `None` where the steps to the wave, or the acceleration before the event, are
-    /// not known, and for a recorder that shows no noise there: muted, or a computed record, of which a filter brings the
-    /// pulse there ([`BeforeEvent`](crumple_signal::BeforeEvent)).
+    /// not known, and for a recorder that shows no noise there: muted, or a computed record, of which a filter brings
+    /// the pulse there ([`BeforeEvent`](crumple_signal::BeforeEvent)).
     ///
     /// The pre-event samples have lost their mean, which is the zero level: `n` samples of autocorrelation time `τ`
     /// have the variance `s² / (1 - τ/n)`.
@@ -416,8 +416,8 @@ pub(crate) mod tests {
             variance += before.noise.powi(2) / f64::from(tries);
             until = until.min(-0.04 + before.noise_samples as f64 * DT_S);
         }
-        // The mean of the window takes a share of some 1/6 of the variance; each variance has 4 to 6 degrees of freedom,
-        // so that of 400 is known to sqrt(2/2000) = 3.2 %: three of them, and a ninth of the pulse on top.
+        // The mean of the window takes a share of some 1/6 of the variance; each variance has 4 to 6 degrees of
+        // freedom, so that of 400 is known to sqrt(2/2000) = 3.2 %: three of them, and a ninth of the pulse on top.
         let share = variance / (noise * noise * energy);
         assert!((0.72..1.02).contains(&share), "{share}");
         // Every window keeps 10 ms at least.

@@ -2,7 +2,6 @@
 
 use crumple_signal::{About, Notes, Weight};
 
-use crate::contact::TimeZero;
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
@@ -10,6 +9,7 @@ use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, na
 use crate::formats::text::stamps::{over_midnight, resolution_of_stamps};
 use crate::recording::details::Stated;
 use crate::recording::settings;
+use crate::recording::stated_contact::TimeZero;
 use crate::time::{Grid, OnGrid};
 use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
 
