@@ -182,7 +182,7 @@ fn automatic(
 /// Deceleration before contact that is one, m/s²: twice the usual error of a zero level, 0.05 g.
 const ACTS_M_PER_S2: f64 = 0.1 * STANDARD_GRAVITY_M_PER_S2;
 
-/// Whether a force acts before an instant that the pulse is said to begin at: the mean of the millisecond before it is
+/// Whether a force acts before an instant that the pulse is said to begin at: the mean of a millisecond before it is
 /// off the level before the onset by more than zero level and noise (four deviations) explain. The onset of a soft
 /// rise, extrapolated, may lie before it all the same.
 fn acts_before(wave: &Sampled, at_s: f64, onset_s: f64) -> bool {
@@ -195,8 +195,11 @@ fn acts_before(wave: &Sampled, at_s: f64, onset_s: f64) -> bool {
     }
     let level = mean(calm);
     let noise = (mean(&calm.iter().map(|x| (x - level).powi(2)).collect::<Vec<_>>())).sqrt();
-    let last = &wave.samples()[index(at_s - 1e-3).min(index(at_s).saturating_sub(1))..index(at_s)];
-    (mean(last) - level).abs() > ACTS_M_PER_S2 + 4.0 * noise / (last.len().max(1) as f64).sqrt()
+    let together = ((1e-3 / wave.dt_s()).round() as usize).max(1);
+    let between = &wave.samples()[before.len()..index(at_s)];
+    // Whole stretches up to the instant: a pulse that is over by then has acted, too.
+    let most = ACTS_M_PER_S2 + 4.0 * noise / (together as f64).sqrt();
+    between.rchunks(together).any(|part| (mean(part) - level).abs() > most)
 }
 
 /// Contact by a rule that was asked for. What it leaves uncertain is in the contact.

@@ -84,8 +84,8 @@ fn proven_unit_of_time(bundle: &Bundle, flags: &IngestSettings, error: IngestErr
         let speed = ingested.test.impact_speed_m_per_s;
         let Some(speed) = speed.filter(|_| ingested.plausibility == Some(Plausibility::Consistent)) else { continue };
         ingested.notes.info(format!(
-            "{error}. It is {unit}: with it the pulse stops the vehicle from {:.1} km/h, with a unit 1000 times longer \
-             or shorter its change of velocity would be 1000 times larger or smaller. --time-unit overrides",
+            "{error}. It is {unit}: with it the pulse stops the vehicle from {:.1} km/h. A unit 1000 times longer or \
+             shorter would change the velocity 1000 times more or less. --time-unit overrides",
             3.6 * speed
         ));
         return Ok(ingested);

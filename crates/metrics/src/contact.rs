@@ -159,12 +159,12 @@ pub fn onset(acceleration: &Sampled) -> Beginning {
     let (a, dt) = (acceleration.samples(), acceleration.dt_s());
     let Some(change) = first_impact(a, dt) else { return Beginning::Quiet };
     let before = &a[change.saturating_sub(samples_of(LEVEL_S, dt))..change];
-    let first = a.first().copied().unwrap_or(0.0);
-    if before.len() < LEAST_BEFORE && first.abs() > INSIDE_M_PER_S2 {
+    let begins_at_once = before.len() < LEAST_BEFORE;
+    let level = if begins_at_once { level_at_start(a, samples_of(START_S, dt).max(2)) } else { mean(before) };
+    // A steady offset is its own level, and no pulse.
+    if begins_at_once && (a[0] - level).abs() > INSIDE_M_PER_S2 {
         return Beginning::Inside(cut_rise(a, dt));
     }
-    let level =
-        if before.len() < LEAST_BEFORE { level_at_start(a, samples_of(START_S, dt).max(2)) } else { mean(before) };
     let ThresholdRule { threshold_m_per_s2, .. } = ThresholdRule::default();
     let from_impact = acceleration.slice(change, a.len());
     let Some(held_s) = held_crossing(&from_impact, level, threshold_m_per_s2) else { return Beginning::Quiet };

@@ -73,7 +73,9 @@ pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
 pub use transfer_function::{TransferFunctionFit, transfer_function_fit};
-pub use validation::bootstrap::{BandPoint, Bootstrap, BootstrapOptions, NoSpread, Sample, Spread, bootstrap};
+pub use validation::bootstrap::{
+    BandPoint, Bootstrap, BootstrapOptions, NoSpread, RecordLength, Sample, Spread, bootstrap,
+};
 pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
 pub use validation::model_choice::{
     DelayScan, OnUnseen, Recommendable, arx_orders, delay_scan, noise_of_orders, recommended, smallest,

@@ -174,7 +174,7 @@ pub enum NoSpreadV1 {
     NotFoundAgain,
     /// Its frequency varies by more than 20 %.
     NotDetermined,
-    /// The record is shorter than two of its time constants.
+    /// The record is shorter than two of its time constants, and of a free motion than half of its period too.
     ShortRecord,
 }
 

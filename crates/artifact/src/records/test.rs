@@ -31,12 +31,12 @@ pub struct TestV1 {
     /// What says that t = 0 is first contact, in words; `null`: nothing. Of earlier versions; `contact` says more.
     #[serde(default)]
     pub time_zero: Option<String>,
-    /// First contact, t = 0; `null`: nothing says that it is there.
-    #[serde(default)]
-    pub contact: Option<ContactV1>,
     /// Whether ingest asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
     #[serde(default)]
     pub exchange_asked: bool,
+    /// First contact, t = 0; `null`: nothing says that it is there.
+    #[serde(default)]
+    pub contact: Option<ContactV1>,
 }
 
 /// First contact: every time after ingest is in seconds from it.

@@ -29,7 +29,7 @@ impl TimeZero {
 impl FromStr for TimeZero {
     type Err = UnitError;
 
-    fn from_str(text: &str) -> std::result::Result<Self, UnitError> {
+    fn from_str(text: &str) -> Result<Self, UnitError> {
         if text.trim() == "auto" { Ok(Self::Auto) } else { text.parse().map(Self::At) }
     }
 }
@@ -61,7 +61,7 @@ pub enum ContactRule {
 impl FromStr for ContactRule {
     type Err = String;
 
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, String> {
         match text.trim() {
             "auto" => Ok(Self::Auto),
             "file" => Ok(Self::File),
@@ -90,13 +90,13 @@ impl fmt::Display for ContactRule {
 macro_rules! as_text {
     ($($name:ident),*) => {$(
         impl Serialize for $name {
-            fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 serializer.collect_str(self)
             }
         }
 
         impl<'de> Deserialize<'de> for $name {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
             }
         }

@@ -9,8 +9,8 @@ use crumple_numerics::lti::{
 use crumple_signal::Notes;
 use crumple_stage::records::{EvidenceV1, NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
-    Bootstrap, BootstrapOptions, IoData, NoSpread, NoiseKind, NoiseModel, NoiseOptions, Sample, Spread, bootstrap,
-    noise_model,
+    Bootstrap, BootstrapOptions, IoData, NoSpread, NoiseKind, NoiseModel, NoiseOptions, RecordLength, Sample, Spread,
+    bootstrap, noise_model,
 };
 
 use crate::stage::options::settings::BootstrapSettings;
@@ -275,7 +275,9 @@ impl IntervalTask<'_> {
         let options = BootstrapOptions { replicates: settings.replicates, seed: settings.seed.into() };
         let duration_s = self.data.samples() as f64 * self.data.sample_time_s();
         let both = (self.estimate, &described(&noise));
-        let drawn = bootstrap(both, &noise, duration_s, options, |y| refit(&whole(y)));
+        let is_free = self.data.inputs().is_empty();
+        let length = if is_free { RecordLength::Free(duration_s) } else { RecordLength::Driven(duration_s) };
+        let drawn = bootstrap(both, &noise, length, options, |y| refit(&whole(y)));
         let Some(drawn) = drawn else {
             evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::FewReplicates));
             notes.warning(format!("{}: fewer than half of the bootstrap fits led to a model: no spread", self.id));
