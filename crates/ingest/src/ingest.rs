@@ -124,14 +124,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         pulse::speed_at_contact(&mut recording, k, &mut notes);
     }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
-    // A partner that gives way leaves speed.
-    let alone = pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
-    impact::take(file, &mut recording, alone, choices.impact, &mut notes)?;
-    let polarity = match (is_of_occupant, is_turned) {
-        (true, _) => Polarity::OfOccupant,
-        (false, true) => Polarity::Turned,
-        (false, false) => Polarity::AsRead,
-    };
+    impact::take(file, &mut recording, pulse, choices.impact, &mut notes)?;
+    let polarity = Polarity::of(is_of_occupant, is_turned);
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =
         recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
@@ -194,7 +188,7 @@ fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording> 
 }
 
 /// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
-fn is_alone(details: &Details) -> bool {
+pub(crate) fn is_alone(details: &Details) -> bool {
     let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
     details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }

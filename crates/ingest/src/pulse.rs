@@ -375,6 +375,15 @@ pub enum Polarity {
 }
 
 impl Polarity {
+    /// That of a pulse that was turned or not, of an occupant or not.
+    pub fn of(is_of_occupant: bool, is_turned: bool) -> Self {
+        match (is_of_occupant, is_turned) {
+            (true, _) => Self::OfOccupant,
+            (false, true) => Self::Turned,
+            (false, false) => Self::AsRead,
+        }
+    }
+
     /// The same, or [`Questioned`](Self::Questioned) where the other sign is asked about.
     pub fn unless_asked(self, plausibility: Option<&Plausibility>) -> Self {
         match plausibility {

@@ -120,6 +120,13 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
     Ok(outcome)
 }
 
+/// A recorder's table that is too short for a model has none: what it says of the impact is no worse without one.
+fn left_out(waves: &[WindowedWave], results: &mut Results<'_>) -> Outcome {
+    let rows = waves[0].sampled.len();
+    results.out.notes().info(format!("era is left out: {rows} rows of a recorder are too few for a model"));
+    Outcome::Done
+}
+
 /// Models of several orders from one decomposition; `written` are orders and samples of those that are there already.
 fn realize_all(
     task: &EraRun<'_>,
@@ -135,12 +142,7 @@ fn realize_all(
             let names: Vec<&str> = waves.iter().map(|wave| wave.id.as_str()).collect();
             return Ok(Outcome::NoAcceptableResult(format!("channel {}: {error}", names.join(", "))));
         }
-        // Nobody asked for a model of it: what the table says of the impact is no worse without one.
-        Err(error) if is_table && is_too_short(&error) => {
-            let rows = waves[0].sampled.len();
-            results.out.notes().info(format!("era is left out: {rows} rows of a recorder are too few for a model"));
-            return Ok(Outcome::Done);
-        }
+        Err(error) if is_table && is_too_short(&error) => return Ok(left_out(waves, results)),
         result => {
             let hint = format!("{}, or lower {} and {}", widen_the_window(), flag("rows"), flag("columns"));
             result.refuse_with_hint(hint)?
@@ -193,6 +195,9 @@ fn realize_all(
         results.out.notes().concern(About::Method(Method::Era.to_string()), Weight::Slight, text);
     }
     if let Some((_, error)) = answer {
+        if is_table && is_too_short(&error) {
+            return Ok(left_out(waves, results));
+        }
         return Err(error).refuse_with_hint(format!("lower {}, or {}", flag("orders"), widen_the_window()));
     }
     Ok(Outcome::Done)
