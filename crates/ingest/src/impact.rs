@@ -6,9 +6,8 @@ use crumple_signal::{
     About, Notes, PreEventWindow, QuantityKind, Sampled, Signal, Velocity, Weight, part_of, pre_event,
 };
 
-use crate::ingest::is_alone;
 use crate::recording::content::Recording;
-use crate::recording::details::Stated;
+use crate::recording::details::{Stated, is_alone};
 use crate::recording::settings;
 use crate::{Result, refuse, time};
 

@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
-use crumple_signal::{ANOTHER_VEHICLE, About, Channel, Notes, Source, TestDescription, Weight, part_of};
+use crumple_signal::{About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
@@ -134,7 +134,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
     let from_rest = polarity == Polarity::AsRead
         && wave_of_pulse.is_some_and(|w| pulse::pushes_forward(&w.samples, w.quality.zero_level()));
-    let held = wave_of_pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
+    let held = wave_of_pulse.filter(|_| !is_of_occupant && details::is_alone(&recording.details));
     let plausibility = held
         .zip(speed)
         .and_then(|(wave, speed)| plausibility(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed));
@@ -185,12 +185,6 @@ fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording> 
         pulse::place_on_body(&mut recording.channels, place);
     }
     Ok(recording)
-}
-
-/// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
-pub(crate) fn is_alone(details: &Details) -> bool {
-    let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
-    details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }
 
 /// Whether a record, or who brings it, states what only a crash has.

@@ -205,7 +205,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
         );
     } else if rebound.velocity_m_per_s > 0.0 {
         notes.info(format!(
-            "the velocity left at {:.1} ms, {:.3} m/s, is within the error of the impact speed: the vehicle has stopped",
+            "the velocity left at {:.1} ms, {:.3} m/s, is within the error of the impact speed: the vehicle has \
+             stopped",
             1e3 * crush.time_s,
             rebound.velocity_m_per_s
         ));
@@ -253,8 +254,8 @@ fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
     let Some(unstopped) = events.unstopped else { return text };
     if unstopped.end == EventEnd::Contact {
         return format!(
-            "this impact leaves the vehicle {:.3} m/s, and another one follows: it has no dynamic crush and no rebound; \
-             delta-v is {:.3} m/s at {:.1} ms",
+            "this impact leaves the vehicle {:.3} m/s, and another one follows: it has no dynamic crush and no \
+             rebound; delta-v is {:.3} m/s at {:.1} ms",
             unstopped.velocity_m_per_s,
             impact_speed_m_per_s - unstopped.velocity_m_per_s,
             1e3 * unstopped.time_s

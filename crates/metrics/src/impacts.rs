@@ -173,11 +173,11 @@ impl Record<'_> {
         [level, (NEAR_LEVEL * self.no_force).max(NOISE_SIGMAS * noise)]
     }
 
-    /// Where a later impact begins, in samples after time zero: its rise taken back to the level of the pause before it,
-    /// which begins at `from` and ends at `first`.
+    /// Where a later impact begins, in samples after time zero: its rise taken back to the level of the pause before
+    /// it, which begins at `from` and ends at `first`.
     ///
-    /// Where a rise `a = c·t^p` has the change of velocity `D`, the acceleration `a` and its derivative `a'`, it lasts for
-    /// `t = (p + 1)·D/a` with `p = q/(1 - q)`, `q = a'·D/a²`. The order of a spring is right to 0.5 ms, that of a step,
+    /// Where a rise `a = c·t^p` has the change of velocity `D`, the acceleration `a` and its derivative `a'`, it lasts
+    /// for `t = (p + 1)·D/a` with `p = q/(1 - q)`, `q = a'·D/a²`. That of a spring is right to 0.5 ms, that of a step,
     /// which the mean smears, to 1 ms.
     fn onset(&self, from: usize, first: usize, strongest: usize) -> f64 {
         let (v, dt) = (self.velocity.samples(), self.velocity.dt_s());
@@ -318,7 +318,7 @@ mod tests {
                         (one.change_m_per_s + 3.0).abs() < 0.02 && (two.change_m_per_s + 11.0).abs() < 0.05,
                         "{case}"
                     );
-                    // Nearly half of the 4.4 ms of the mean, a step or the 1.7 % by which a haversine of 90 ms is no power.
+                    // Nearly half of the 4.4 ms that smear a step; a haversine of 90 ms is no power by 1.6 ms.
                     assert!((two.start_s - at).abs() < 0.0025, "{case}");
                     assert!((two.start_velocity_m_per_s - 12.0).abs() < 0.05, "{case}");
                     assert!((two.time_of_peak_s - at - 0.045).abs() < 0.045, "{case}");

@@ -77,9 +77,9 @@ pub struct IngestSettings {
     /// t = 0. Default: the file's t = 0.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub time_zero: Option<Time>,
-    /// Impact that the run is about, of a pulse with several: 1 for the first. Contact is then its start, and the impact
-    /// speed what the vehicle has left there. Default: the first; where that leaves speed and a later one stops the
-    /// vehicle, that one.
+    /// Impact that the run is about, of a pulse with several: 1 for the first. Contact is then its start, and the
+    /// impact speed what the vehicle has left there. Default: the first; where that leaves speed and a later one stops
+    /// the vehicle, that one.
     #[arg(long, value_name = "NUMBER")]
     pub impact: Option<u32>,
     /// Polarity of acceleration along x: keep; flip where the file has deceleration positive; auto flips only where the
@@ -150,8 +150,8 @@ macro_rules! layers {
 
 impl IngestSettings {
     layers! {
-        mass impact_speed channel unit time_unit time_zero impact sign sample_time profile skip_to sheet place field resample
-        vehicle_number vehicle title barrier allow_missing
+        mass impact_speed channel unit time_unit time_zero impact sign sample_time profile skip_to sheet place field
+        resample vehicle_number vehicle title barrier allow_missing
     }
 
     /// The same, a bare number in place of the vehicle's description taken for its number: `--vehicle 2`.
