@@ -11,7 +11,7 @@ pub struct PulseImpact {
     pub end_s: f64,
     /// Velocity at the start, m/s.
     pub start_velocity_m_per_s: f64,
-    /// Change of velocity from start to end, m/s; negative: the vehicle loses speed.
+    /// Largest change of velocity from the start up to the end, m/s; negative: the vehicle loses speed.
     pub change_m_per_s: f64,
     /// Mean acceleration of the strongest 4.4 ms, m/s², with its sign.
     pub peak_m_per_s2: f64,
@@ -217,11 +217,15 @@ impl Record<'_> {
         let end = ended.map_or(self.means.len(), |k| last + k);
         let v = self.velocity.samples();
         let time_s = |k: usize| self.velocity.time_s(self.from + k) - time_zero_s;
+        // The same as the delta-v of the events, also where the force swings past zero before it ends.
+        let changes = v[self.from + start..=self.from + end].iter().map(|velocity| velocity - v[self.from + start]);
+        let change_m_per_s =
+            changes.fold(0.0_f64, |most, change| if change.abs() > most.abs() { change } else { most });
         PulseImpact {
             start_s: if k == 0 { 0.0 } else { time_s(0) + start_s },
             end_s: time_s(end),
             start_velocity_m_per_s: v[self.from + start],
-            change_m_per_s: v[self.from + end] - v[self.from + start],
+            change_m_per_s,
             peak_m_per_s2: self.means[strongest],
             time_of_peak_s: time_s(strongest) + 0.5 * self.velocity.dt_s(),
             is_whole: ended.is_some(),
