@@ -3,11 +3,11 @@
 
 use crumple_metrics::{PulseImpact, impacts};
 use crumple_signal::{
-    About, Contact, Notes, PreEventWindow, QuantityKind, Sampled, Signal, Velocity, Weight, pre_event,
+    About, Contact, Notes, PreEventWindow, QuantityKind, Sampled, Signal, Velocity, Weight, part_of, pre_event,
 };
 
 use crate::recording::content::Recording;
-use crate::recording::details::Stated;
+use crate::recording::details::{Stated, is_alone};
 use crate::recording::settings;
 use crate::{Result, refuse, time};
 
@@ -29,9 +29,11 @@ pub fn take(
     contact: &mut Option<Contact>,
     notes: &mut Notes,
 ) -> Result<()> {
-    // A recorder's table keeps the change of all its impacts.
+    // A recorder's table keeps the change of all its impacts, and a partner that gives way leaves speed.
     let is_table = recording.channels.iter().any(|c| c.channel.quantity == QuantityKind::VelocityChange);
-    let Some(wave) = pulse.filter(|_| !is_table).and_then(|k| recording.channels[k].wave.as_ref()) else {
+    let may_be_divided =
+        |k: &usize| part_of(&recording.channels[*k].channel).is_none() && is_alone(&recording.details) && !is_table;
+    let Some(wave) = pulse.filter(may_be_divided).and_then(|k| recording.channels[k].wave.as_ref()) else {
         if asked.is_some() {
             settings::warn("--impact", "only the pulse of a vehicle alone is divided into impacts", notes);
         }
@@ -55,7 +57,7 @@ pub fn take(
     let (Some(impact), Some(before)) = (all.get(taken), taken.checked_sub(1).and_then(|k| all.get(k))) else {
         return Ok(());
     };
-    let number = taken + 1;
+    let (number, start_speed) = (taken + 1, impact.start_velocity_m_per_s);
     notes.concern(
         About::Motion,
         Weight::Slight,
@@ -66,9 +68,13 @@ pub fn take(
             (1..).zip(&all).map(|(number, impact)| impact.words_with_peak(number)).collect::<Vec<_>>().join("; "),
             if asked.is_some() { ", as asked" } else { ", because it stops the vehicle" },
             1e3 * impact.start_s,
-            speed.map_or_else(String::new, |_| {
-                format!(", and the impact speed is {:.1} km/h, that of then", 3.6 * impact.start_velocity_m_per_s)
-            })
+            match speed {
+                None => String::new(),
+                Some(_) if start_speed > 0.0 => {
+                    format!(", and the impact speed is {:.1} km/h, that of then", 3.6 * start_speed)
+                }
+                Some(_) => format!(", when the vehicle moves back at {:.1} km/h: no impact speed", -3.6 * start_speed),
+            }
         ),
     );
     for channel in &mut recording.channels {
@@ -88,8 +94,8 @@ pub fn take(
         contact.source_time_s += impact.start_s;
     }
     if speed.is_some() {
-        let value = impact.start_velocity_m_per_s;
-        recording.details.impact_speed_m_per_s = Some(Stated { value, from });
+        let moves_on = Some(Stated { value: start_speed, from }).filter(|stated| stated.value > 0.0);
+        recording.details.impact_speed_m_per_s = moves_on;
     }
     Ok(())
 }

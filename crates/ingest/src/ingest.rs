@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
-use crumple_signal::{ANOTHER_VEHICLE, About, Channel, Notes, Source, TestDescription, Weight, part_of};
+use crumple_signal::{About, Channel, Notes, Source, TestDescription, Weight, part_of};
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
@@ -146,14 +146,9 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         pulse::speed_at_contact(&mut recording, k, &mut notes);
     }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
-    // A partner that gives way leaves speed.
-    let alone = pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
-    impact::take(file, &mut recording, alone, choices.impact, &mut contact, &mut notes)?;
-    let polarity = match (is_of_occupant, is_turned) {
-        (true, _) => Polarity::OfOccupant,
-        (false, true) => Polarity::Turned,
-        (false, false) => polarity_of_code(pulse.map(|k| &recording.channels[k].channel)),
-    };
+    impact::take(file, &mut recording, pulse, choices.impact, &mut contact, &mut notes)?;
+    let code = pulse.and_then(|k| recording.channels[k].channel.code.as_deref());
+    let polarity = Polarity::of(is_of_occupant, is_turned, code);
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =
         recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
@@ -162,7 +157,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
     let from_rest = matches!(polarity, Polarity::AsRead | Polarity::OfSled)
         && wave_of_pulse.is_some_and(|w| pulse::pushes_forward(&w.samples, w.quality.zero_level()));
-    let held = wave_of_pulse.filter(|_| !is_of_occupant && is_alone(&recording.details));
+    let held = wave_of_pulse.filter(|_| !is_of_occupant && details::is_alone(&recording.details));
     let plausibility = held
         .zip(speed)
         .and_then(|(wave, speed)| plausibility(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed));
@@ -213,21 +208,6 @@ fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording> 
         pulse::place_on_body(&mut recording.channels, place);
     }
     Ok(recording)
-}
-
-/// What the ISO 13499 code of the pulse says of its sign: test object S is a sled, 1 to 9 are vehicles.
-fn polarity_of_code(pulse: Option<&Channel>) -> Polarity {
-    match pulse.and_then(|channel| channel.code.as_deref()).and_then(|code| code.chars().next()) {
-        Some('S') => Polarity::OfSled,
-        Some('1'..='9') => Polarity::OfVehicle,
-        _ => Polarity::AsRead,
-    }
-}
-
-/// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
-fn is_alone(details: &Details) -> bool {
-    let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
-    details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }
 
 /// Whether a record, or who brings it, states what only a crash has.

@@ -379,6 +379,18 @@ pub enum Polarity {
 }
 
 impl Polarity {
+    /// That of a pulse that was turned or not, of an occupant or not; of its ISO 13499 code the test object, S for a
+    /// sled, 1 to 9 for a vehicle.
+    pub fn of(is_of_occupant: bool, is_turned: bool, code: Option<&str>) -> Self {
+        match (is_of_occupant, is_turned, code.and_then(|code| code.chars().next())) {
+            (true, ..) => Self::OfOccupant,
+            (false, true, _) => Self::Turned,
+            (false, false, Some('S')) => Self::OfSled,
+            (false, false, Some('1'..='9')) => Self::OfVehicle,
+            (false, false, _) => Self::AsRead,
+        }
+    }
+
     /// The same, or [`Questioned`](Self::Questioned) where the other sign is asked about.
     pub fn unless_asked(self, plausibility: Option<&Plausibility>) -> Self {
         match plausibility {

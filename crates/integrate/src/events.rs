@@ -179,6 +179,15 @@ fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
         events.end_velocity_m_per_s
     );
     let Some(unstopped) = events.unstopped else { return text };
+    if unstopped.end == EventEnd::Contact {
+        return format!(
+            "this impact leaves the vehicle {:.3} m/s, and another one follows: it has no dynamic crush and no \
+             rebound; delta-v is {:.3} m/s at {:.1} ms",
+            unstopped.velocity_m_per_s,
+            impact_speed_m_per_s - unstopped.velocity_m_per_s,
+            1e3 * unstopped.time_s
+        );
+    }
     format!(
         "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms ({}){}",
         impact_speed_m_per_s - unstopped.velocity_m_per_s,
@@ -220,7 +229,8 @@ pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_
             100.0 * e,
             100.0 * largest_restitution(v0)
         )),
-        (None, Some(unstopped)) => {
+        // The next impact may stop it.
+        (None, Some(unstopped)) if unstopped.end != EventEnd::Contact => {
             let end = motion.velocity.samples().last().copied().unwrap_or(v0);
             let or_else = match unstopped.end {
                 EventEnd::Record => "whether the record ends too early",

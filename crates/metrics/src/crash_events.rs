@@ -3,6 +3,7 @@
 
 use crumple_signal::{Acceleration, Displacement, STANDARD_GRAVITY_M_PER_S2, Signal, Velocity};
 
+use crate::impacts::lowest_in;
 use crate::metric::definitions::{SEPARATION, TIME_ZERO_EDR, TIME_ZERO_THRESHOLD};
 use crate::metric::value::same_grid;
 use crate::sums::{cumulative, in_samples, window_end};
@@ -77,30 +78,23 @@ pub fn crash_events_within(
     same_grid(("the velocity", velocity), ("the displacement", displacement))?;
     let (v, x, dt) = (velocity.samples(), displacement.samples(), velocity.dt_s());
     let zero_between = |k: usize| velocity.time_s(k - 1) - time_zero_s + dt * v[k - 1] / (v[k - 1] - v[k]);
-
     let impacts = impacts(velocity, time_zero_s);
     let event = first_event(&impacts);
     let next = event.and_then(|k| impacts.get(k + 1)).map_or(v.len(), |next| next.samples[0]);
     let contact = event.map(|k| &impacts[k]);
-
     let from = velocity.index_at_or_after(time_zero_s).max(1);
     let zero = (from..next).find(|&k| v[k] <= 0.0 && v[k - 1] > 0.0);
-    let lowest_in = |from: usize, to: usize| (from..=to).fold(from, |low, k| if v[k] < v[low] { k } else { low });
-    // A zero after the contact, if any, is what drag or an error of the zero level make of the velocity that is left.
-    let stop = contact.filter(|c| c.is_whole && zero.is_none_or(|k| k > c.samples[1])).and_then(|contact| {
-        let lowest = lowest_in(contact.samples[0], contact.samples[1]);
-        let is_stop = v[lowest] > 0.0 && v[lowest] <= speed_error_m_per_s && v[contact.samples[0]] > v[lowest];
-        is_stop.then_some(lowest)
-    });
+    // A zero after the contact is what drag or an error of the zero level make of the velocity that is left.
+    let stop = contact.filter(|c| c.is_whole && zero.is_none_or(|k| k > c.samples[1])).map(|c| c.lowest(v));
+    let stop = stop.filter(|k| v[*k] > 0.0 && v[*k] <= speed_error_m_per_s && *k > from);
     let first = stop.or(zero);
     let crush = first.map(|k| {
-        let time_s = if stop.is_some() { velocity.time_s(k) - time_zero_s } else { zero_between(k) };
+        let (time_s, left) = stop.map_or_else(|| (zero_between(k), 0.0), |k| (velocity.time_s(k) - time_zero_s, v[k]));
         let since_sample = time_s - (velocity.time_s(k - 1) - time_zero_s);
-        let mean = if stop.is_some() { (v[k - 1] + v[k]) / 2.0 } else { v[k - 1] / 2.0 };
-        DynamicCrush { time_s, displacement_m: x[k - 1] + since_sample * mean, index: k }
+        DynamicCrush { time_s, displacement_m: x[k - 1] + since_sample * (v[k - 1] + left) / 2.0, index: k }
     });
     let rebound = first.map(|start| {
-        let lowest = lowest_in(start, contact.map_or(v.len() - 1, |contact| contact.samples[1].max(start)));
+        let lowest = lowest_in(v, start, contact.map_or(v.len() - 1, |contact| contact.samples[1].max(start)));
         Rebound {
             velocity_m_per_s: v[lowest],
             time_s: velocity.time_s(lowest) - time_zero_s,
@@ -108,19 +102,18 @@ pub fn crash_events_within(
             still_separating: lowest + 1 == v.len() && v[lowest] < 0.0 && contact.is_none_or(|c| !c.is_whole),
         }
     });
-    let mut later_zeros_s = Vec::new();
-    for k in first.map_or(v.len(), |first| first + 1)..v.len() {
-        // A sample at exactly zero belongs to the interval that reaches it.
-        if (v[k - 1] < 0.0 && v[k] >= 0.0) || (v[k - 1] > 0.0 && v[k] <= 0.0) {
-            later_zeros_s.push(zero_between(k));
+    // A sample at exactly zero belongs to the interval that reaches it.
+    let is_zero = |k: &usize| (v[k - 1] < 0.0 && v[*k] >= 0.0) || (v[k - 1] > 0.0 && v[*k] <= 0.0);
+    let later = first.map_or(v.len(), |first| first + 1)..v.len();
+    let later_zeros_s = later.filter(is_zero).map(zero_between).collect();
+    let unstopped = match contact.filter(|_| next < v.len() && v[from - 1] > 0.0) {
+        _ if crush.is_some() => None,
+        Some(contact) => {
+            let (k, end_s) = (contact.lowest(v), contact.end_s);
+            let time_s = velocity.time_s(k) - time_zero_s;
+            Some(Unstopped { velocity_m_per_s: v[k], time_s, end_s, end: EventEnd::Contact })
         }
-    }
-    let unstopped = if crush.is_some() {
-        None
-    } else if next < v.len() {
-        contact.filter(|_| v[from - 1] > 0.0).map(|contact| up_to_the_next(contact, velocity, time_zero_s))
-    } else {
-        unstopped(velocity, time_zero_s)
+        None => unstopped(velocity, time_zero_s),
     };
     Ok(CrashEvents { crush, rebound, end_velocity_m_per_s: v[v.len() - 1], later_zeros_s, unstopped, impacts })
 }
@@ -248,18 +241,6 @@ pub fn unstopped(velocity: &Signal<Velocity>, time_zero_s: f64) -> Option<Unstop
         end_s: end_s - time_zero_s,
         end,
     })
-}
-
-/// The lowest velocity of an impact that another one follows.
-fn up_to_the_next(contact: &PulseImpact, velocity: &Signal<Velocity>, time_zero_s: f64) -> Unstopped {
-    let (v, [start, end]) = (velocity.samples(), contact.samples);
-    let lowest = (start..=end).fold(start, |low, k| if v[k] < v[low] { k } else { low });
-    Unstopped {
-        velocity_m_per_s: v[lowest],
-        time_s: velocity.time_s(lowest) - time_zero_s,
-        end_s: contact.end_s,
-        end: EventEnd::Contact,
-    }
 }
 
 /// Interval of the rule for event data recorders, s.

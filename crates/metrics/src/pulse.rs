@@ -152,7 +152,9 @@ fn delta_v_of_unstopped(delta_v: Metric, pulse: &Pulse<'_>) -> Metric {
     match pulse.events.unstopped {
         Some(unstopped) => {
             let (name, end_ms) = (unstopped.end.name(), 1e3 * unstopped.end_s);
-            let remark = format!("the velocity never reaches zero, the event ends at {end_ms:.1} ms by {name}");
+            let not_stopped =
+                if unstopped.end == EventEnd::Contact { "it goes on" } else { "the velocity never reaches zero" };
+            let remark = format!("{not_stopped}, the event ends at {end_ms:.1} ms by {name}");
             let delta_v = delta_v.over(0.0, unstopped.time_s);
             match unstopped.end {
                 EventEnd::Quiet | EventEnd::Contact => delta_v.remarked(&remark),

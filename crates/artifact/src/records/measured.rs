@@ -205,7 +205,7 @@ pub struct ImpactV1 {
     pub end_s: f64,
     /// Velocity at its start, m/s; `null`: the impact speed is not known.
     pub start_velocity_m_per_s: Option<f64>,
-    /// Velocity that the vehicle loses from start to end, m/s; negative: it is pushed forward.
+    /// Most velocity that the vehicle loses from start to end, m/s; negative: it is pushed forward.
     pub delta_v_m_per_s: f64,
     /// Acceleration of the strongest 4.4 ms, m/s^2; negative: a deceleration. `null`: a table is too coarse.
     pub peak_acceleration_m_per_s2: Option<f64>,

@@ -3,7 +3,7 @@
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{About, Notes, QuantityKind, Weight};
+use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, Weight};
 
 use crate::recording::stated_contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
@@ -264,6 +264,12 @@ pub fn question_mass(details: &Details) -> Option<String> {
          it; \
          --mass 1500kg states another"
     ))
+}
+
+/// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
+pub fn is_alone(details: &Details) -> bool {
+    let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
+    details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What the stage writes of the pulse: records of events and metrics, notes, the summary.
 
 use crate::{EVENT_NAMES, WRONG_SIGN, event_values, findings, question_speed, wrong_sign};
-use crumple_metrics::{IntervalBy, Metric, PulseImpact, centroid_time_from_crush, definitions, first_event};
+use crumple_metrics::{EventEnd, IntervalBy, Metric, PulseImpact, centroid_time_from_crush, definitions, first_event};
 use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
 use crumple_stage::records::{EventIntervalV1, EventsV1, ImpactV1, IntervalSourceV1, MetricV1, MissingIntervalV1};
 use crumple_stage::{Output, option};
@@ -193,6 +193,12 @@ pub fn summary(channel: &str, pulse: &Integrated, impact_speed_m_per_s: f64) -> 
             )
         }
         _ => {
+            if let Some(unstopped) = pulse.events.unstopped.filter(|unstopped| unstopped.end == EventEnd::Contact) {
+                return format!(
+                    "pulse {channel}: the impact leaves {:.3} m/s, another one follows",
+                    unstopped.velocity_m_per_s
+                );
+            }
             let end = pulse.events.end_velocity_m_per_s;
             let change = pulse.events.unstopped.map_or_else(String::new, |unstopped| {
                 format!(

@@ -77,6 +77,8 @@ texts! { ConclusionTexts
     no_rebound: "; the vehicle did not rebound";
     no_stop:
         "The vehicle did not stop within the record: it lost {change} in {time}.";
+    no_stop_in_impact:
+        "The vehicle did not stop in this impact: it lost {change} in {time}, and another impact followed.";
     no_stop_no_end:
         "The vehicle did not stop within the record.";
     two_vehicles:

@@ -120,6 +120,13 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
     Ok(outcome)
 }
 
+/// A recorder's table that is too short for a model has none: what it says of the impact is no worse without one.
+fn left_out(waves: &[WindowedWave], results: &mut Results<'_>) -> Outcome {
+    let rows = waves[0].sampled.len();
+    results.out.notes().info(format!("era is left out: {rows} rows of a recorder are too few for a model"));
+    Outcome::Done
+}
+
 /// Models of several orders from one decomposition; `written` are orders and samples of those that are there already.
 fn realize_all(
     task: &EraRun<'_>,
@@ -194,13 +201,6 @@ fn realize_all(
         return Err(error).refuse_with_hint(format!("lower {}, or {}", flag("orders"), widen_the_window()));
     }
     Ok(Outcome::Done)
-}
-
-/// Notes that a table is too short. Nobody asked for a model of it: what it says of the impact is no worse without one.
-fn left_out(waves: &[WindowedWave], results: &mut Results<'_>) -> Outcome {
-    let rows = waves[0].sampled.len();
-    results.out.notes().info(format!("era is left out: {rows} rows of a recorder are too few for a model"));
-    Outcome::Done
 }
 
 /// What models of all orders follow from.

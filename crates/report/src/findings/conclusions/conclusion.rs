@@ -348,7 +348,12 @@ impl<'a> Text<'a> {
     fn no_stop(&mut self) -> String {
         let phrases = &PHRASES.conclusion;
         match self.change_of_velocity() {
-            Some((change, Some(time))) => fill(phrases.no_stop, &[("change", &change), ("time", &time)]),
+            Some((change, Some(time))) => {
+                let end_s = self.run.events.as_ref().and_then(|events| events.end_of_event_s);
+                let another = end_s.is_some_and(|end_s| self.run.impacts.iter().any(|i| i.start_s >= end_s));
+                let phrase = if another { phrases.no_stop_in_impact } else { phrases.no_stop };
+                fill(phrase, &[("change", &change), ("time", &time)])
+            }
             _ => phrases.no_stop_no_end.to_owned(),
         }
     }

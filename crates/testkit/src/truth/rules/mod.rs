@@ -1,5 +1,6 @@
 //! What each sentence claims: its numbers, and a check of it against the truth of the record.
 
+mod impacts;
 mod models;
 mod notes;
 mod page;

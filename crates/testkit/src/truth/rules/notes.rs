@@ -288,34 +288,6 @@ pub const RULES: &[Rule] = &[
     says("note.begins-elsewhere", "the pulse begins {time} {side} contact ({rule}): {more}", &[], |_, _| {
         Err("every made record begins at the contact that it states".to_owned())
     }),
-    says(
-        "note.impacts",
-        "the pulse holds {count} impacts: {each}. All numbers and models are of impact {number}; {more}",
-        &[("count", Number), ("number", Number)],
-        several_impacts,
-    ),
-    says(
-        "note.impact-taken",
-        "the pulse holds {count} impacts: {each}. Impact {number} is taken, {more}",
-        &[("count", Number), ("number", Number)],
-        |_, spot| holds(!is_like_a_car(spot.made), || "it has one impact, which stops it".to_owned()),
-    ),
-    says(
-        "note.impacts-of-table",
-        "the table holds {count} impacts: {each}. The maximum delta-v is the largest change within 300 ms (49 CFR 563)",
-        &[("count", Number)],
-        several_impacts,
-    ),
-    says(
-        "note.stopped",
-        "the velocity left at {time}, {left}, is within the error of the impact speed: the vehicle has stopped",
-        &[("time", At("/events/time_of_dynamic_crush_s")), ("left", At("/events/rebound_velocity_m_per_s"))],
-        |_, spot| match own_test(spot.made) {
-            // What is left of the speed is no rebound.
-            Some(truth) => holds(truth.restitution < 0.01, || format!("it rebounds at {:.2}", truth.restitution)),
-            None => Ok(()),
-        },
-    ),
     says("note.separating", "still separating: {more}", &[], lower_bounds),
     says("note.never-zero", "the velocity never reaches zero, the record ends at {more}", &[], never_zero),
     says("note.no-mass", "no mass is stated. {more}", &[], |_, spot| lacks(spot, "/test/mass_kg")),
@@ -516,14 +488,6 @@ fn lower_bounds(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(own <= truth.restitution + 0.03, || {
         format!("{own:.2} is above the true restitution {:.2}", truth.restitution)
     })
-}
-
-/// As many impacts as the summary lists.
-fn several_impacts(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
-    holds(!is_like_a_car(spot.made), || "it has one impact".to_owned())?;
-    let [count] = said.values(["count"]);
-    let listed = spot.made.list("/impacts").len();
-    holds(count == listed as f64, || format!("{count} of {listed} impacts"))
 }
 
 fn never_zero(said: &Said, spot: &Spot<'_>) -> Result<(), String> {

@@ -251,6 +251,7 @@ pub const VEHICLE_RULES: &[Rule] = &[
     }),
     rule("conclusion.no_rebound", &[], no_rebound),
     rule("conclusion.no_stop", &[("change", At("/events/delta_v_m_per_s")), ("time", Number)], no_stop),
+    rule("conclusion.no_stop_in_impact", &[("change", At("/events/delta_v_m_per_s")), ("time", Number)], no_stop),
     rule("conclusion.no_stop_no_end", &[], no_stop),
     rule(
         "conclusion.two_vehicles",

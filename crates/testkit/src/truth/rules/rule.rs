@@ -6,7 +6,7 @@ use crumple_report::phrases::named;
 use serde_json::Value;
 
 use crate::truth::known::{BELOW, ELSEWHERE, Impact, LABELS, NOT_OF_A_RUN};
-use crate::truth::rules::{models, notes, page, status};
+use crate::truth::rules::{impacts, models, notes, page, status};
 use crate::truth::run::{Made, Shown, numbers};
 use crate::truth::template::{Grammar, Place, Said, Template};
 
@@ -205,9 +205,16 @@ impl Default for Registry {
 impl Registry {
     /// All of them. A rule of a text that `phrases` has no more reads nothing.
     pub fn new() -> Self {
-        let mut all =
-            [page::VEHICLE_RULES, status::RULES, models::RULES, models::CHOICE_RULES, notes::RULES, page::RULES]
-                .concat();
+        let mut all = [
+            page::VEHICLE_RULES,
+            status::RULES,
+            models::RULES,
+            models::CHOICE_RULES,
+            notes::RULES,
+            impacts::RULES,
+            page::RULES,
+        ]
+        .concat();
         all.extend(REMARKS.iter().map(|(template, text)| says(template, text, &[], numbers_of_records)));
         let texts: BTreeMap<String, &str> =
             named().map(|(subject, name, text)| (format!("{subject}.{name}"), text)).collect();
