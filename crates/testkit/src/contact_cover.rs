@@ -185,8 +185,7 @@ fn events(steps: &Steps<'_>, made: &Made) -> Result<Option<EventsV1>, CoverError
 }
 
 /// What stands over the [`row`](Held::row)s.
-pub const HEAD: &str = "| record | records | crush, % | time of crush, % | delta-v, % | median width of crush, mm | none \
-                        |\n\
+pub const HEAD: &str = "| record | records | crush, % | time of crush, % | delta-v, % | median width, mm | none |\n\
                         |---|---|---|---|---|---|---|";
 
 impl Held {

@@ -5,7 +5,7 @@ use crumple_metrics::definitions::{
     TIME_OF_COMMON_VELOCITY,
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
-use crumple_signal::{Channel, IntegrationRule, QuantityKind, TestDescription, integrate_twice, part_of};
+use crumple_signal::{Channel, IntegrationRule, QuantityKind, Sampled, TestDescription, integrate_twice, part_of};
 use crumple_stage::records::{ImpactsV1, MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
@@ -262,14 +262,16 @@ pub fn without_motion(
 const PUSHED: f64 = 0.6;
 
 /// Whether a vehicle that moves at a stated speed gains velocity: it was struck from behind. A pulse of the wrong sign
-/// gains more, and was asked about.
+/// gains more, and was asked about. A velocity that is known at the end is one over ground: such a motion is integrated
+/// from its stated speed.
 pub fn is_pushed(
+    settings: &StageSettings,
     input: &Inputs,
     test: &TestDescription,
-    pulse: &Channel,
-    speed_m_per_s: Option<f64>,
+    (pulse, speed_m_per_s): (&Channel, Option<f64>),
 ) -> anyhow::Result<bool> {
-    let Some(speed) = speed_m_per_s.filter(|_| !test.exchange_asked) else { return Ok(false) };
+    let may_be = !test.exchange_asked && settings.end_condition.is_none();
+    let Some(speed) = speed_m_per_s.filter(|_| may_be) else { return Ok(false) };
     let samples = acceleration(input, pulse)?;
     let (whole, _) = integrate_twice(samples.samples(), samples.dt_s(), IntegrationRule::Trapezoid, 0.0, 0.0);
     let v = &whole[samples.index_at_or_after(0.0).min(whole.len().saturating_sub(1))..];
@@ -332,10 +334,15 @@ pub fn without_impact(
     let impacts = impact_records(&integrated.events.impacts, None);
     out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
     out.put("/metrics", &MetricsV2 { metrics })?;
+    // The speed at contact is known where it is stated, and zero for what starts from rest.
+    if let Some(at_contact) = speed_m_per_s.or(from_rest.then_some(0.0)) {
+        let change = &integrated.motion.velocity;
+        let velocity = change.samples().iter().map(|change| at_contact + change).collect();
+        let velocity = Sampled::new(change.t0_s(), change.dt_s(), velocity)?;
+        out.wave(&format!("{}/velocity", pulse.id), QuantityKind::Velocity, velocity)?;
+    }
     if from_rest {
-        let motion = integrated.motion.clone();
-        out.wave(&format!("{}/velocity", pulse.id), QuantityKind::Velocity, motion.velocity.into_sampled())?;
-        let displacement = motion.displacement.into_sampled();
+        let displacement = integrated.motion.displacement.clone().into_sampled();
         out.wave(&format!("{}/displacement", pulse.id), QuantityKind::Displacement, displacement)?;
     }
     let change = integrated.motion.velocity.into_sampled();

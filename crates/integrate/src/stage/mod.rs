@@ -63,7 +63,7 @@ impl Stage for Integrate {
             return without_motion(settings, input, &test, &channel, missing, out);
         }
         refuse_left_out(&channel, input)?;
-        if speed.is_none_or(|speed| speed == 0.0) || is_pushed(input, &test, &channel, speed)? {
+        if speed.is_none_or(|speed| speed == 0.0) || is_pushed(settings, input, &test, (&channel, speed))? {
             return without_impact(settings, input, &test, (&channel, speed), out);
         }
         let impact_speed_m_per_s = impact_speed(settings, &test, &channel, out.notes())?;

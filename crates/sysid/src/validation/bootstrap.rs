@@ -32,8 +32,8 @@ const LARGEST_VARIATION: f64 = 0.2;
 const TIME_CONSTANTS: f64 = 2.0;
 
 /// A free motion of as few time constants has one from so many periods on: a sine below half a period is an arc, whose
-/// curvature frequency and damping share. Measured at damping 0.2: of nominal 90 %, 90 % hold at 0.6 periods, and half at
-/// 0.4 periods in noise of a fifth of the peak.
+/// curvature frequency and damping share. Measured at damping 0.2: of nominal 90 %, 90 % hold at 0.6 periods, and half
+/// at 0.4 periods in noise of a fifth of the peak.
 const PERIODS: f64 = 0.5;
 
 /// Weight of the damping ratio beside the logarithm of the frequency, where poles are matched.
@@ -50,8 +50,8 @@ pub enum RecordLength {
 }
 
 impl RecordLength {
-    /// Whether a mode of this pole has too little of the record for an interval. Of a free motion two time constants are
-    /// enough too: a pole without a period, or close to it, has nothing else.
+    /// Whether a mode of this pole has too little of the record for an interval. Of a free motion two time constants
+    /// are enough too: a pole without a period, or close to it, has nothing else.
     fn is_short_for(self, pole: Complex) -> bool {
         let decays = |duration_s: f64| pole.re.abs() * duration_s >= TIME_CONSTANTS;
         match self {

@@ -410,8 +410,8 @@ fn frequency_and_damping_of_a_short_free_pulse_have_intervals_that_hold() {
             }
         }
         println!("{duration_s} s: of {RECORDS} records hold 90 % and 95 %: frequency, damping {held:?}");
-        // Binomial: 150 records hold 135 +- 3.7 times at 90 %, 142.5 +- 2.7 times at 95 %. The limits are 3.1 deviations
-        // away, one case in a thousand to each side.
+        // Binomial: 150 records hold 135 +- 3.7 times at 90 %, 142.5 +- 2.7 times at 95 %. The limits are 3.1
+        // deviations away, one case in a thousand to each side.
         let within = |held: [usize; 2]| (124..=146).contains(&held[0]) && (135..=150).contains(&held[1]);
         assert!(held.iter().all(|held| within(*held)), "{duration_s} s: {held:?}");
     }
