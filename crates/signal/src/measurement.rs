@@ -37,7 +37,7 @@ impl BeforeEvent {
     ///
     /// A filter mirrors the record at its first sample and passes more noise there, so as many samples as it adds are
     /// left out of the noise. The window of the noise ends where the backward pass brings no pulse any more: where the
-    /// noise up to there is [`CLEAR`] times as large as [what is brought](brought_back). `step` of a coarse sensor that
+    /// noise up to there is three times as large as what it brings. `step` of a coarse sensor that
     /// no filter smooths ([`coarse_step`](crate::coarse_step)): its noise is at least that of rounding to steps,
     /// `step/√12`; Widrow & Kollár, *Quantization Noise*, 2008, 5.2. `None` where less than 10 ms are left: the record
     /// shows no noise, or nothing but the pulse.
