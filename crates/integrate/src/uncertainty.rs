@@ -3,6 +3,7 @@
 use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events_within, definitions, pulse_metrics,
 };
+use crumple_stage::records::QualityV1;
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
     Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord,
@@ -43,6 +44,12 @@ pub struct Uncertainty {
     /// How much earlier a soft front may have touched, s, as the test states it.
     #[serde(skip)]
     pub earlier_by_s: f64,
+    /// Samples that may be lost, first and last instant, s, as ingest saw them.
+    #[serde(skip)]
+    pub lost_s: Option<[f64; 2]>,
+    /// What the zero level may have moved by in the impact, m/s²: the level that the record ends with.
+    #[serde(skip)]
+    pub zero_shift_m_per_s2: f64,
     /// Repetitions.
     pub replicates: usize,
     /// Seed of the random numbers.
@@ -60,16 +67,29 @@ pub struct Perturbation {
     pub gain: f64,
     /// How much later contact is, s.
     pub later_s: f64,
+    /// Share of what lost samples lack of the line between their neighbours that is added.
+    pub refilled: f64,
+    /// Share of the shift of the zero level that is taken off.
+    pub shifted: f64,
+    /// Where the shift begins, a share of the time from contact to the peak.
+    pub shifted_from: f64,
 }
+
+/// Shares of a loss or a shift that a replicate takes off: none of it and all of it lie inside the 5 % and 95 % quantiles.
+fn share_taken(random: &mut RandomNumbers) -> f64 {
+    1.3 * random.uniform() - 0.15
+}
+/// How far beside lost samples a filtered record is read, s: the response of CFC 60 has passed 98 % of a step there.
+const BESIDE_S: f64 = 0.005;
+/// From here on a record shows whether the zero level moved: the 20 ms of its end and as many after the rebound, s.
+const AFTER_REBOUND_S: f64 = 0.040;
+
 
 impl Uncertainty {
     /// How far the impact speed may be off, m/s: the half width of a uniform error, two standard deviations of a normal
     /// one (95 %).
     pub fn largest_speed_error_m_per_s(&self) -> f64 {
-        self.impact_speed_m_per_s.map_or(0.0, |Spread { size, distribution }| match distribution {
-            Distribution::Uniform => size,
-            Distribution::Normal => 2.0 * size,
-        })
+        largest_error(self.impact_speed_m_per_s)
     }
 
     /// The inputs of replicate `index`, from a row of random numbers of its own, so that a replicate does not depend on
@@ -96,8 +116,56 @@ impl Uncertainty {
             zero_level_m_per_s2,
             gain,
             later_s: of_clock_s - self.earlier_by_s * soft_front(&mut random),
+            refilled: share_taken(&mut random),
+            shifted: share_taken(&mut random),
+            shifted_from: random.uniform(),
         }
     }
+
+    /// The same with what ingest saw of the channel: samples that may be lost, and the level at the end of a record
+    /// that goes on after its only impact, where that is more than the stated error of the zero level. A drag after the
+    /// impact reads like a shift: the intervals hold both.
+    pub fn with_quality(self, quality: &QualityV1, events: &CrashEvents, end_s: f64) -> Self {
+        let is_over = events.impacts.len() == 1
+            && events.rebound.is_some_and(|rebound| end_s - rebound.time_s >= AFTER_REBOUND_S);
+        let stated = largest_error(self.zero_level_m_per_s2);
+        let shift = quality.end_level.filter(|level| is_over && level.abs() > stated);
+        Self { lost_s: quality.lost_s(), zero_shift_m_per_s2: shift.unwrap_or(0.0), ..self }
+    }
+
+    /// What the losses and the shift of a replicate add to the samples, m/s².
+    fn repaired(&self, acceleration: &Signal<Acceleration>, by: &Perturbation) -> Option<Vec<f64>> {
+        if self.lost_s.is_none() && self.zero_shift_m_per_s2 == 0.0 {
+            return None;
+        }
+        let mut samples = acceleration.samples().to_vec();
+        if let Some([from_s, to_s]) = self.lost_s {
+            let beside = [from_s - BESIDE_S, to_s + BESIDE_S];
+            if let [Some(before), Some(after)] = beside.map(|time_s| acceleration.at(time_s)) {
+                let lost = acceleration.index_at_or_after(from_s)..acceleration.index_at_or_after(to_s);
+                for (k, sample) in samples.iter_mut().enumerate().take(lost.end).skip(lost.start) {
+                    let part = (acceleration.time_s(k) - beside[0]) / (beside[1] - beside[0]);
+                    *sample += by.refilled * (before + part * (after - before) - *sample);
+                }
+            }
+        }
+        if self.zero_shift_m_per_s2 != 0.0 {
+            let first = acceleration.index_at_or_after(0.0);
+            let of_pulse = acceleration.samples().get(first..).unwrap_or_default();
+            let peak = (0..of_pulse.len()).max_by(|i, j| of_pulse[*i].abs().total_cmp(&of_pulse[*j].abs()))?;
+            let from = first + (by.shifted_from * peak as f64) as usize;
+            samples.iter_mut().skip(from).for_each(|sample| *sample -= by.shifted * self.zero_shift_m_per_s2);
+        }
+        Some(samples)
+    }
+}
+
+/// The half width of a uniform error, two standard deviations of a normal one (95 %); 0 where nothing is stated.
+fn largest_error(spread: Option<Spread>) -> f64 {
+    spread.map_or(0.0, |Spread { size, distribution }| match distribution {
+        Distribution::Uniform => size,
+        Distribution::Normal => 2.0 * size,
+    })
 }
 
 /// Share of the largest lead of a soft front, from the numbers after those of the inputs: none for half of the draws, a
@@ -213,7 +281,9 @@ pub fn propagate(
     let settings = IntegrationSettings { start, ..*settings };
     let replicate = |index: usize| -> Option<Vec<Option<f64>>> {
         let by = uncertainty.perturbation(index);
-        let motion = perturbed(acceleration, &settings, end, &by).ok()?;
+        let repaired = uncertainty.repaired(acceleration, &by).map(|samples| acceleration.with_samples(samples));
+        let repaired = repaired.transpose().ok()?;
+        let motion = perturbed(repaired.as_ref().unwrap_or(acceleration), &settings, end, &by).ok()?;
         let v0 = settings.impact_speed_m_per_s + by.impact_speed_m_per_s;
         // A vehicle that stops without a rebound stops in every replicate: what the errors leave of its velocity, or
         // take off it, is none.

@@ -312,7 +312,7 @@ impl MetricV1 {
 // Record: what ingest measured on a channel.
 
 /// What ingest measured on a channel before any processing. Topic `/quality/<channel id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct QualityV1 {
     /// Mean before the event, SI unit of the channel; `null` without enough pre-event data.
     pub zero_level: Option<f64>,
@@ -330,10 +330,10 @@ pub struct QualityV1 {
     pub minimum: f64,
     /// Largest sample.
     pub maximum: f64,
-    /// Longest run of equal samples at an extreme (3 or more: clipped).
+    /// Longest run of equal samples at an extreme that a jump leaves (3 or more: clipped).
     pub clipped_run: u64,
-    /// Longest run of equal samples while the signal is active after time zero (5 or more over 0.5 ms: a dropout,
-    /// perhaps).
+    /// Longest run of equal samples that a jump leaves, while the signal is active after contact (5 or more over
+    /// 0.5 ms: a dropout, perhaps).
     #[serde(default)]
     pub constant_run: Option<u64>,
     /// Start of that run, s.
@@ -351,6 +351,16 @@ pub struct QualityV1 {
 impl QualityV1 {
     /// Equal samples in a row at an extreme from which on a channel may be clipped.
     pub const CLIPPED_RUN: u64 = 3;
+
+    /// Shortest run of equal samples that may be a dropout, and its duration, s.
+    const DROPOUT: (u64, f64) = (5, 0.000_5);
+
+    /// First and last instant of samples that may be lost, s: a run of 5 equal ones or more, over 0.5 ms.
+    pub fn lost_s(&self) -> Option<[f64; 2]> {
+        let (run, from_s) = self.constant_run.zip(self.constant_run_from_s)?;
+        let lasts_s = run.saturating_sub(1) as f64 / self.sample_rate_hz;
+        (run >= Self::DROPOUT.0 && lasts_s >= Self::DROPOUT.1).then_some([from_s, from_s + lasts_s])
+    }
 
     /// Whether the channel may be clipped.
     pub fn may_be_clipped(&self) -> bool {

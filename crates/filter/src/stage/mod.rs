@@ -10,7 +10,7 @@ use crumple_signal::{
     Applied, Channel, Coefficients, QuantityKind, Resampling, TestDescription, keep_every, kept, resample,
     samples_added,
 };
-use crumple_stage::records::{DamageV1, TestV1, VehiclesV1};
+use crumple_stage::records::{DamageV1, QualityV1, TestV1, VehiclesV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage, option, program};
 
 use crate::stage::channels_to_filter::{channels_to_filter, resolve_ids};
@@ -83,6 +83,12 @@ impl Stage for Filter {
         }
         out.notes().extend(remarks.into_notes());
         out.put("/test", &TestV1::from(&test))?;
+        // What ingest found of the pulse widens the intervals of its motion.
+        for topic in pulse.iter().map(|id| format!("/quality/{id}")) {
+            if let Some(quality) = input.record_if::<QualityV1>(&topic)? {
+                out.put(&topic, &quality)?;
+            }
+        }
         if let Some(damage) = input.record_if::<DamageV1>("/damage")? {
             out.put("/damage", &damage)?;
         }

@@ -39,8 +39,6 @@ const NOISE_M_PER_S2: f64 = G;
 const DRIFT_M_PER_S2: f64 = 0.5 * G;
 /// From this time on the vehicle has left the barrier, s.
 const SEPARATED_S: f64 = 0.100;
-/// Shortest run of equal samples that counts as a dropout, and its duration, s.
-const DROPOUT: (u64, f64) = (5, 0.000_5);
 /// Below this rate CFC 60 cannot be applied: ten times the class (SAE J211-1), Hz.
 const CFC60_RATE_HZ: f64 = 600.0;
 /// Distance of a stamp from the grid worth a note, intervals.
@@ -192,9 +190,8 @@ fn excess_noise(wave: &Wave) -> Option<f64> {
 }
 
 fn dropout(wave: &Wave) -> Option<(u64, f64)> {
-    let run = wave.quality.record.constant_run?;
-    let long = run >= DROPOUT.0 && (run - 1) as f64 * wave.samples.dt_s() >= DROPOUT.1;
-    wave.quality.record.constant_run_from_s.filter(|_| long).map(|from_s| (run, from_s))
+    let [from_s, _] = wave.quality.record.lost_s()?;
+    Some((wave.quality.record.constant_run?, from_s))
 }
 
 fn drift(wave: &Wave) -> Option<f64> {

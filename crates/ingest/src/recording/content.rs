@@ -192,7 +192,8 @@ pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality
         samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
     let (minimum, maximum) = if samples.is_empty() { (0.0, 0.0) } else { (minimum, maximum) };
     let zero = moving.map(|moving| moving.rest_level).or(pre_event.map(|p| p.zero_level)).unwrap_or(0.0);
-    let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero);
+    let step = smallest_step(samples, minimum, maximum);
+    let (constant_run, constant_run_from_s) = constant_run(wave, minimum, maximum, zero, step);
     let record = QualityV1 {
         zero_level: pre_event.map(|before| before.zero_level),
         noise_floor: pre_event.map(|before| before.noise_floor),
@@ -202,7 +203,7 @@ pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality
         time_jitter,
         minimum,
         maximum,
-        clipped_run: clipped_run(samples, minimum, maximum, zero),
+        clipped_run: clipped_run(samples, minimum, maximum, zero, step),
         constant_run: Some(constant_run),
         constant_run_from_s,
         end_level: end_level(wave, zero),
@@ -211,21 +212,55 @@ pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality
     Quality { pre_event, feels_gravity, moving, record }
 }
 
-/// The signal is active from the first to the last sample after time zero, up to 150 ms, that is farther from the zero
-/// level than a tenth of the range. Runs at the extremes are clipping and not counted here.
-fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64) -> (u64, Option<f64>) {
+/// A value that is lost, or cut off, lies this many steps of the sensor from its neighbours. A motion that is rounded to
+/// steps stays below: the top of a parabola that rounds to one value over L samples falls by at most 4 steps in the next
+/// L/2, noise of a step each way adds 2.
+const STEPS_OF_A_JUMP: f64 = 6.0;
+/// Differences below this share of the range are rounding of a unit, no step.
+const ROUNDING: f64 = 1e-9;
+
+/// The smallest difference of neighbours, which is the step of a sensor that rounds; 0 where all are equal.
+fn smallest_step(samples: &[f64], minimum: f64, maximum: f64) -> f64 {
+    let differences = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let smallest = differences.filter(|step| *step > ROUNDING * (maximum - minimum)).fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() { smallest } else { 0.0 }
+}
+
+/// Whether a run of equal samples, first and last included, is left by a jump within `reach` samples of it.
+fn jumps(samples: &[f64], [first, last]: [usize; 2], reach: usize, step: f64) -> bool {
+    let is_far = |k: Option<usize>| {
+        k.and_then(|k| samples.get(k)).is_none_or(|x| (x - samples[first]).abs() > STEPS_OF_A_JUMP * step)
+    };
+    is_far(first.checked_sub(reach)) || is_far(last.checked_add(reach))
+}
+
+/// Runs of equal samples: first and last sample.
+fn equal_runs(samples: &[f64]) -> impl Iterator<Item = [usize; 2]> {
+    let mut first = 0;
+    samples.chunk_by(|a, b| a == b).map(move |run| {
+        let from = first;
+        first += run.len();
+        [from, first - 1]
+    })
+}
+
+/// The longest run of equal samples that is left by a jump while the signal is active: from the first to the last
+/// sample after time zero, up to 150 ms, that is farther from the zero level than a tenth of the range. Runs at the
+/// extremes are clipping and not counted here.
+fn constant_run(wave: &Sampled, minimum: f64, maximum: f64, zero: f64, step: f64) -> (u64, Option<f64>) {
     let from = wave.index_at_or_after(0.0);
     let window = &wave.samples()[from..wave.index_at_or_after(ACTIVE_UNTIL_S).max(from)];
     let far = |x: &f64| (x - zero).abs() > 0.1 * (maximum - minimum);
-    let (Some(first), Some(last)) = (window.iter().position(far), window.iter().rposition(far)) else {
+    let (Some(start), Some(end)) = (window.iter().position(far), window.iter().rposition(far)) else {
         return (0, None);
     };
-    let (mut longest, mut at, mut run) = (0, first, 0);
-    for k in first..=last {
-        let x = window[k];
-        run = if k > first && x == window[k - 1] { run + 1 } else { 1 };
-        if run > longest && !(far(&x) && (x == minimum || x == maximum)) {
-            (longest, at) = (run, k + 1 - run);
+    let active = &window[start..=end];
+    let (mut longest, mut at) = (1, start);
+    for [first, last] in equal_runs(active) {
+        let (run, x) = (last - first + 1, active[first]);
+        let is_extreme = far(&x) && (x == minimum || x == maximum);
+        if run > longest && !is_extreme && jumps(active, [first, last], 1, step) {
+            (longest, at) = (run, start + first);
         }
     }
     (longest as u64, Some(wave.time_s(from + at)))
@@ -237,19 +272,15 @@ fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
     Some(window.iter().sum::<f64>() / window.len() as f64 - zero).filter(|level| level.is_finite())
 }
 
-/// A recorder that runs into its range repeats the extreme value. An extreme near the zero level is the quiet part of a
-/// one-sided pulse and not counted: it must lie at least a tenth of the range away.
-fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64) -> u64 {
+/// The longest run of equal samples at an extreme, where a recorder ran into its range. An extreme near the zero level is
+/// the quiet part of a one-sided pulse and not counted: it must lie at least a tenth of the range away. Nor is a top
+/// that a coarse sensor rounds: half a run away from it, the samples are then still near.
+fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64, step: f64) -> u64 {
     let far = 0.1 * (maximum - minimum);
-    let longest = |extreme: f64| {
-        let (mut longest, mut run) = (0, 0);
-        for x in samples {
-            run = if *x == extreme { run + 1 } else { 0 };
-            longest = longest.max(run);
-        }
-        longest
-    };
-    [minimum, maximum].into_iter().filter(|x| far > 0.0 && (x - zero).abs() > far).map(longest).max().unwrap_or(0)
+    let counts = |x: f64| far > 0.0 && (x == minimum || x == maximum) && (x - zero).abs() > far;
+    let runs = equal_runs(samples).filter(|[first, _]| counts(samples[*first]));
+    let cut = runs.filter(|[first, last]| jumps(samples, [*first, *last], (last - first).div_ceil(2).max(1), step));
+    cut.map(|[first, last]| (last - first + 1) as u64).max().unwrap_or(0)
 }
 
 /// Line numbers of rows, as runs of rows on consecutive lines: a few bytes for a table without comments, however long.
@@ -300,10 +331,33 @@ mod tests {
     #[test]
     fn flat_tops_are_clipping_and_quiet_starts_are_not() {
         let quiet = Sampled::new(-0.02, 1e-3, vec![0.0, 0.0, 0.0, 0.0, -1.0, -3.0, -1.0]).unwrap();
-        assert_eq!(measure(&quiet, 0.0, true).record.clipped_run, 1);
+        assert_eq!(measure(&quiet, 0.0, true).record.clipped_run, 0);
         let flat = Sampled::new(0.0, 1e-3, vec![0.0, -3.0, -3.0, -3.0, -3.0, 1.0, 0.0]).unwrap();
         assert_eq!(measure(&flat, 0.0, true).record.clipped_run, 4);
         let dead = Sampled::new(0.0, 1e-3, vec![7.0; 60]).unwrap();
         assert_eq!(measure(&dead, 0.0, true).record.clipped_run, 0);
+    }
+
+    /// 20 g over 0.1 s at 10 kHz, with a noise of ±0.05 g, through a change and rounded to steps, g.
+    fn half_sine(step: f64, change: impl Fn(f64, f64) -> f64) -> QualityV1 {
+        let samples = (0..3000_i32).map(|k| {
+            let t = f64::from(k) * 1e-4 - 0.1;
+            let pulse = if (0.0..0.1).contains(&t) { -20.0 * (std::f64::consts::PI * t / 0.1).sin() } else { 0.0 };
+            let noise = 0.1 * (f64::from(k * 7919 % 1009) / 1009.0 - 0.5);
+            (change(t, pulse + noise) / step).round() * step
+        });
+        measure(&Sampled::new(-0.1, 1e-4, samples.collect()).unwrap(), 0.0, true).record
+    }
+
+    #[test]
+    fn equal_samples_of_a_coarse_sensor_are_neither_lost_nor_clipped() {
+        for step in [0.001, 0.05, 0.2, 0.5, 1.0] {
+            let quality = half_sine(step, |_, a| a);
+            assert_eq!((quality.lost_s(), quality.may_be_clipped()), (None, false), "{step} g");
+            let lost = half_sine(step, |t, a| if (0.040..0.043).contains(&t) { 0.0 } else { a });
+            let [from_s, to_s] = lost.lost_s().unwrap();
+            assert!((from_s - 0.040).abs() < 2e-4 && (to_s - 0.043).abs() < 3e-4, "{step} g: {from_s} {to_s}");
+            assert!(half_sine(step, |_, a| a.max(-12.0)).may_be_clipped(), "{step} g");
+        }
     }
 }

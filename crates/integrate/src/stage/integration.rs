@@ -8,7 +8,7 @@ use crumple_signal::{
     About, Acceleration, Channel, Drift, IntegrateError, IntegrationSettings, Motion, Notes, QuantityKind,
     STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight, integrate_reporting, integrate_without_drift,
 };
-use crumple_stage::records::ChannelFilterV1;
+use crumple_stage::records::{ChannelFilterV1, QualityV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option};
 
 use crate::stage::options::StageSettings;
@@ -19,6 +19,8 @@ pub struct Integrated {
     pub events: CrashEvents,
     pub metrics: Vec<Metric>,
     pub drift: Option<Drift>,
+    /// What the intervals rest on; `None`: nothing is uncertain.
+    pub uncertainty: Option<Uncertainty>,
     /// Of the events, in the order of [`EVENT_NAMES`](crate::EVENT_NAMES); empty if nothing is uncertain.
     pub event_intervals: Vec<Option<Interval>>,
     /// Why an event has none, in the same order.
@@ -119,7 +121,8 @@ impl ChannelIntegration<'_> {
             time_zero_s: 0.0,
         })?;
         let (mut event_intervals, mut events_without, mut metrics_without) = (Vec::new(), Vec::new(), Vec::new());
-        if let Some(intervals) = self.intervals(acceleration, &motion, &settings, out) {
+        let uncertainty = self.uncertainty(&channel.id, &events, acceleration.end_s())?;
+        if let Some(intervals) = self.intervals(acceleration, &motion, &settings, uncertainty.as_ref(), out) {
             for (metric, interval) in metrics.iter_mut().zip(intervals.metrics) {
                 metric.interval = interval.filter(|_| metric.value.is_some());
             }
@@ -134,15 +137,22 @@ impl ChannelIntegration<'_> {
             events_without = intervals.without_event.into_iter().map(reason).collect();
             metrics_without = intervals.without_metric.into_iter().map(reason).collect();
         }
-        Ok(Integrated { motion, events, metrics, drift, event_intervals, events_without, metrics_without })
+        Ok(Integrated { motion, events, metrics, drift, uncertainty, event_intervals, events_without, metrics_without })
     }
 
-    /// The uncertainty of the inputs: that of the options, and that of contact as the test states it.
-    pub fn uncertainty(&self) -> Option<Uncertainty> {
+    /// The uncertainty of the inputs: that of the options, that of contact as the test states it, and what ingest saw of
+    /// the channel.
+    fn uncertainty(&self, id: &str, events: &CrashEvents, end_s: f64) -> anyhow::Result<Option<Uncertainty>> {
         let contact = self.test.contact.as_ref();
         let contact_s = contact.and_then(|contact| contact.uncertainty_s);
         let earlier_by_s = contact.map_or(0.0, |contact| contact.earlier_by_s);
-        self.settings.uncertainty.clone().map(|stated| Uncertainty { contact_s, earlier_by_s, ..stated })
+        let Some(stated) = self.settings.uncertainty.clone() else { return Ok(None) };
+        let stated = Uncertainty { contact_s, earlier_by_s, ..stated };
+        let quality = self.input.record_if::<QualityV1>(&format!("/quality/{id}"))?;
+        Ok(Some(match quality {
+            Some(quality) => stated.with_quality(&quality, events, end_s),
+            None => stated,
+        }))
     }
 
     /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
@@ -151,10 +161,11 @@ impl ChannelIntegration<'_> {
         acceleration: &Signal<Acceleration>,
         motion: &Motion,
         settings: &IntegrationSettings,
+        uncertainty: Option<&Uncertainty>,
         out: &mut Output,
     ) -> Option<Intervals> {
         // A change of velocity from an unknown speed, or from rest, has no speed to vary.
-        let stated = self.uncertainty().filter(|_| self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0))?;
+        let stated = uncertainty.filter(|_| self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0))?.clone();
         let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated };
         if acceleration.len() > MOST_SAMPLES {
             out.notes().warning(format!(

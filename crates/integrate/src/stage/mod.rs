@@ -91,8 +91,8 @@ impl Stage for Integrate {
         note_findings(&pulse, impact_speed_m_per_s, speed_rule, out.notes());
         note_impacts(&pulse.events.impacts, out);
         warn_unless_of_the_vehicle(&channel, out.notes());
-        if let Some(uncertainty) = task.uncertainty() {
-            out.notes().info(options::uncertainty_note(&uncertainty, pulse.motion.start));
+        if let Some(uncertainty) = &pulse.uncertainty {
+            out.notes().info(options::uncertainty_note(uncertainty, pulse.motion.start));
         }
         let mut metrics = metric_records(&channel.id, &pulse);
         let mut others = ChannelAgreement::new(&channel, &pulse);

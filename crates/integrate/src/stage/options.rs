@@ -304,6 +304,8 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
         gain: options.gain_uncertainty.map(|u| spread(u, Share::si)),
         contact_s: None,
         earlier_by_s: 0.0,
+        lost_s: None,
+        zero_shift_m_per_s2: 0.0,
         replicates: replicates as usize,
         seed: options.uncertainty_seed.unwrap_or(1),
     };
@@ -313,18 +315,25 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
 
 /// What the intervals rest on, in words.
 pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
-    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, contact_s, earlier_by_s, replicates, seed } =
-        uncertainty;
+    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, contact_s, replicates, seed, .. } = uncertainty;
     let inputs = [
         ("impact speed", impact_speed_m_per_s, 3.6, "km/h"),
         ("zero level", zero_level_m_per_s2, 1.0 / STANDARD_GRAVITY_M_PER_S2, "g"),
         ("gain", gain, 1e2, "%"),
         ("contact", contact_s, 1e3, "ms"),
     ];
-    let soft_front = match *earlier_by_s {
-        0.0 => String::new(),
-        lead_s => format!(", contact up to {:.0} ms earlier for a soft front", 1e3 * lead_s),
-    };
+    let earlier_by_s = Some(uncertainty.earlier_by_s).filter(|lead_s| *lead_s > 0.0);
+    let shift = Some(uncertainty.zero_shift_m_per_s2).filter(|shift| *shift != 0.0);
+    let seen = [
+        earlier_by_s.map(|lead_s| format!("contact up to {:.0} ms earlier for a soft front", 1e3 * lead_s)),
+        uncertainty.lost_s.map(|[from_s, to_s]| {
+            format!("samples that may be lost from {:.1} to {:.1} ms", 1e3 * from_s, 1e3 * to_s)
+        }),
+        shift.map(|shift| {
+            let level = shift / STANDARD_GRAVITY_M_PER_S2;
+            format!("a zero level that may have moved by {level:+.2} g up to the peak, where the record ends with it")
+        }),
+    ];
     let stated = inputs.into_iter().filter_map(|(name, spread, factor, unit)| {
         let Spread { size, distribution } = (*spread)?;
         // Rounded to what was typed: 0.1 km/h is not 0.09999999999999999.
@@ -344,9 +353,9 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
             ". An error of contact moves the crush by v0 times the error, and the velocity by the pulse in between"
         }
     };
-    let stated: Vec<String> = stated.collect();
+    let stated: Vec<String> = stated.chain(seen.into_iter().flatten()).collect();
     format!(
-        "intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{soft_front}{moved}",
+        "intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}",
         stated.join(", ")
     )
 }

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, perturbed, propagate};
+use crumple_artifact::records::QualityV1;
 use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{
     Acceleration, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationSettings, IntegrationStart,
@@ -174,6 +175,8 @@ fn uncertainty(distribution: Distribution) -> Uncertainty {
         gain: of(0.01),
         contact_s: of(0.5e-3),
         earlier_by_s: 0.0,
+        lost_s: None,
+        zero_shift_m_per_s2: 0.0,
         replicates: N,
         seed: 1,
     }
@@ -335,4 +338,59 @@ fn a_value_that_some_replicates_do_not_have_has_no_interval() {
     assert_eq!(found.without_metric[0], 0);
     // The peak is there in every replicate.
     assert!(found.metrics[0].is_some());
+}
+
+/// What a record that lacks something says of the whole half sine: crush, delta-v, and whether both intervals hold them.
+fn holds_whole(lacking: &Signal<Acceleration>, stated: &Uncertainty) -> [bool; 2] {
+    let whole = events(&half_sine(), IntegrationStart::RecordStart, Perturbation::default());
+    let truth = [(0, whole.crush.unwrap().displacement_m), (5, whole.delta_v_m_per_s(V0).unwrap())];
+    let settings = settings(IntegrationStart::RecordStart);
+    let motion = integrate(lacking, &settings).unwrap();
+    let found = propagate(lacking, &motion, &settings, None, None, stated, |_| ());
+    truth.map(|(k, value)| found.events[k].is_some_and(|interval| interval.low <= value && value <= interval.high))
+}
+
+#[test]
+fn samples_that_are_lost_widen_crush_and_delta_v_up_to_what_they_lack() {
+    let stated = uncertainty(Distribution::Uniform);
+    for (from_s, to_s) in [(0.020, 0.022), (0.030, 0.034), (0.045, 0.048), (0.055, 0.057)] {
+        let whole = half_sine();
+        let is_lost = |t: f64| (from_s..=to_s).contains(&t);
+        let lacking: Vec<f64> = (0..whole.len())
+            .map(|k| if is_lost(whole.time_s(k)) { 0.0 } else { whole.samples()[k] })
+            .collect();
+        let lacking = whole.with_samples(lacking).unwrap();
+        let told = Uncertainty { lost_s: Some([from_s, to_s]), ..stated.clone() };
+        assert_eq!(holds_whole(&lacking, &told), [true; 2], "{from_s}");
+    }
+}
+
+#[test]
+fn a_shift_of_the_zero_level_widens_delta_v_up_to_the_whole_of_it() {
+    let stated = uncertainty(Distribution::Uniform);
+    for level in [0.3, -1.0] {
+        for from_s in [0.0, 0.03, 0.05] {
+            let shift = level * STANDARD_GRAVITY_M_PER_S2;
+            let whole = half_sine();
+            let moved = |k: usize| whole.samples()[k] + if whole.time_s(k) > from_s { shift } else { 0.0 };
+            let lacking = whole.with_samples((0..whole.len()).map(moved).collect()).unwrap();
+            let told = Uncertainty { zero_shift_m_per_s2: shift, ..stated.clone() };
+            assert_eq!(holds_whole(&lacking, &told), [true; 2], "{level} g from {from_s}");
+        }
+    }
+}
+
+#[test]
+fn the_level_at_the_end_counts_as_a_shift_only_where_the_impact_is_over_and_it_is_no_stated_error() {
+    let stated = uncertainty(Distribution::Uniform);
+    let events = events(&half_sine(), IntegrationStart::RecordStart, Perturbation::default());
+    let separated_s = events.rebound.unwrap().time_s;
+    let largest = stated.zero_level_m_per_s2.unwrap().size;
+    let seen = |end_level, end_s| {
+        let quality = QualityV1 { end_level: Some(end_level), ..QualityV1::default() };
+        stated.clone().with_quality(&quality, &events, end_s).zero_shift_m_per_s2
+    };
+    assert_eq!(seen(3.0 * largest, separated_s + 0.05), 3.0 * largest);
+    assert_eq!(seen(3.0 * largest, separated_s + 0.03), 0.0);
+    assert_eq!(seen(0.9 * largest, separated_s + 0.05), 0.0);
 }
