@@ -3,12 +3,12 @@
 use crumple_metrics::{
     CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events_within, definitions, pulse_metrics,
 };
-use crumple_stage::records::QualityV1;
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
     Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord,
     Motion, Signal, Spread, UsedStart, integrate_from, without_drift,
 };
+use crumple_stage::records::QualityV1;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -83,7 +83,6 @@ fn share_taken(random: &mut RandomNumbers) -> f64 {
 const BESIDE_S: f64 = 0.005;
 /// From here on a record shows whether the zero level moved: the 20 ms of its end and as many after the rebound, s.
 const AFTER_REBOUND_S: f64 = 0.040;
-
 
 impl Uncertainty {
     /// How far the impact speed may be off, m/s: the half width of a uniform error, two standard deviations of a normal

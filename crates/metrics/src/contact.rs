@@ -207,10 +207,11 @@ fn first_impact(a: &[f64], dt_s: f64) -> Option<usize> {
         }))
         .collect();
     let mean = |from: usize, to: usize| (sums[to] - sums[from]) / (to - from) as f64;
-    let at_start = level_at_start(a, samples_of(START_S, dt_s).max(2));
+    let start = samples_of(START_S, dt_s).max(LEAST_BEFORE);
+    let at_start = level_at_start(a, start);
     (0..a.len().saturating_sub(after)).find(|&k| {
-        let from = k.saturating_sub(before);
-        let level = if k - from < LEAST_BEFORE { at_start } else { mean(from, k) };
+        // The mean of a few samples of a ring is no level.
+        let level = if k < start { at_start } else { mean(k.saturating_sub(before), k) };
         (mean(k, k + after) - level).abs() > IMPACT_M_PER_S2
     })
 }

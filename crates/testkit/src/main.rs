@@ -300,7 +300,7 @@ fn interval_benchmark(asked: &IntervalBenchmark) -> Result<bool, Failure> {
     if *contact {
         println!("{}", contact_cover::HEAD);
         for kind in contact_cover::KINDS.iter().filter(|kind| is_asked(wanted, kind.name)) {
-            let held = contact_cover::cover_of(kind, records.clone(), (bin, &pipeline), &folder)?;
+            let held = contact_cover::cover_of(kind, records.clone(), (bin, &pipeline), &folder, *misses)?;
             println!("{}", held.row(kind.name));
         }
     } else if *choice {

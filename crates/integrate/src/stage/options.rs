@@ -326,9 +326,9 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
     let shift = Some(uncertainty.zero_shift_m_per_s2).filter(|shift| *shift != 0.0);
     let seen = [
         earlier_by_s.map(|lead_s| format!("contact up to {:.0} ms earlier for a soft front", 1e3 * lead_s)),
-        uncertainty.lost_s.map(|[from_s, to_s]| {
-            format!("samples that may be lost from {:.1} to {:.1} ms", 1e3 * from_s, 1e3 * to_s)
-        }),
+        uncertainty
+            .lost_s
+            .map(|[from_s, to_s]| format!("samples that may be lost from {:.1} to {:.1} ms", 1e3 * from_s, 1e3 * to_s)),
         shift.map(|shift| {
             let level = shift / STANDARD_GRAVITY_M_PER_S2;
             format!("a zero level that may have moved by {level:+.2} g up to the peak, where the record ends with it")
@@ -354,10 +354,7 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
         }
     };
     let stated: Vec<String> = stated.chain(seen.into_iter().flatten()).collect();
-    format!(
-        "intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}",
-        stated.join(", ")
-    )
+    format!("intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}", stated.join(", "))
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, perturbed, propagate};
 use crumple_artifact::records::QualityV1;
+use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, perturbed, propagate};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{
     Acceleration, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationSettings, IntegrationStart,
@@ -356,9 +356,8 @@ fn samples_that_are_lost_widen_crush_and_delta_v_up_to_what_they_lack() {
     for (from_s, to_s) in [(0.020, 0.022), (0.030, 0.034), (0.045, 0.048), (0.055, 0.057)] {
         let whole = half_sine();
         let is_lost = |t: f64| (from_s..=to_s).contains(&t);
-        let lacking: Vec<f64> = (0..whole.len())
-            .map(|k| if is_lost(whole.time_s(k)) { 0.0 } else { whole.samples()[k] })
-            .collect();
+        let lacking: Vec<f64> =
+            (0..whole.len()).map(|k| if is_lost(whole.time_s(k)) { 0.0 } else { whole.samples()[k] }).collect();
         let lacking = whole.with_samples(lacking).unwrap();
         let told = Uncertainty { lost_s: Some([from_s, to_s]), ..stated.clone() };
         assert_eq!(holds_whole(&lacking, &told), [true; 2], "{from_s}");

@@ -8,12 +8,13 @@ use std::{fs, io};
 use crumple_lumped::Model;
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 
+use crate::contact_cover;
 use crate::interval_cover::{DRAWN, made as made_by_family};
 use crate::places::workspace;
 use crate::prediction_error::{KINDS, made as made_by_kind};
 use crate::records::TwoVehicles;
 use crate::records::fixture::fixture_models;
-use crate::truth::known::{Known, Maker, Subject};
+use crate::truth::known::{Impact, Known, Maker, Subject};
 
 /// What is asked of a run behind it, as flags of `just predict`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -84,7 +85,34 @@ pub fn cases(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
     all.extend(of_families(extent, folder)?);
     all.extend(of_kinds(extent, folder)?);
     all.extend(of_other_records(folder)?);
+    all.extend(of_contacts(extent, folder)?);
     Ok(all)
+}
+
+/// Pulses with contact anywhere in the file, and what happens before and after it.
+fn of_contacts(extent: Extent, folder: &Path) -> io::Result<Vec<RunCase>> {
+    let count = if let Extent::Long(count) = extent { count } else { 1 };
+    let numbered = contact_cover::KINDS.iter().flat_map(|kind| (0..count).map(move |number| (kind, number)));
+    numbered
+        .map(|(kind, number)| {
+            let made = kind.made(number);
+            let impact = made.crush.map(|[crush_m, time_s]| Impact {
+                crush_m,
+                time_s,
+                restitution: made.delta_v_m_per_s / made.true_speed_m_per_s - 1.0,
+                peak_m_per_s2: made.peak_m_per_s2,
+            });
+            let maker = impact.map_or(Maker::Nothing, Maker::Pulse);
+            let known = Known {
+                contact_s: made.contact_s,
+                ..Known::vehicle(maker, contact_cover::MASS_KG, made.true_speed_m_per_s)
+            };
+            let name = format!("{} {number}", kind.name);
+            let flags: Vec<&str> = made.flags.iter().map(String::as_str).collect();
+            let set = made.stated.iter().flat_map(|stated| ["--set", stated.as_str()]);
+            written(folder, &name, &made.csv, &flags.into_iter().chain(set).collect::<Vec<_>>(), known)
+        })
+        .collect()
 }
 
 fn case(name: impl Into<String>, record: PathBuf, known: Known) -> RunCase {
@@ -210,7 +238,8 @@ fn of_other_records(folder: &Path) -> io::Result<Vec<RunCase>> {
     add("constant", table(time, &|_| 0.0), both, faulty.clone())?;
     add("clipped", table(time, &|t| pulse(t).max(-15.0)), both, faulty.clone())?;
     add("does not stop", table(time, &|t| if t < 0.03 { pulse(t) } else { 0.0 }), both, faulty)?;
-    add("starts late", table(time, &|t| pulse(t - 0.03)), both, wrong("--time-zero"))?;
+    let late = Known { contact_s: 0.03, ..sound.clone() };
+    add("starts late", table(time, &|t| pulse(t - 0.03)), both, late)?;
     all.extend(of_places(folder)?);
     all.extend(of_some_stages());
     all.extend(of_two_sensors(folder)?);

@@ -337,13 +337,14 @@ fn is_the_channel(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(said.text("channel").split([' ', ',']).next() == Some(own), || format!("the pulse is {own}"))
 }
 
-/// Made records touch at 0 s of their files. The pulse of a soft front begins up to 5 ms later; twice the 90 % error
-/// that is said is beyond 99.9 %.
-fn contact_taken(said: &Said, _: &Spot<'_>) -> Result<(), String> {
+/// The pulse of a soft front begins up to 5 ms after contact; twice the 90 % error that is said is beyond 99.9 %.
+fn contact_taken(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
     let [instant, error] = ["instant", "error"].map(|name| said.number(name).map(|shown| shown.si()));
     let (instant_s, error_s) = instant.zip(error).ok_or("no instant is said")?;
     let room_s = 2.0 * error_s + 1e-3;
-    holds((-room_s..=room_s + 5e-3).contains(&instant_s), || format!("contact is at 0, not at {instant_s} s"))
+    let true_s = spot.made.known.contact_s;
+    let late_s = instant_s - true_s;
+    holds((-room_s..=room_s + 5e-3).contains(&late_s), || format!("contact is at {true_s} s, not at {instant_s} s"))
 }
 
 /// A sound record ends at rest, unless its model moves on.

@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use crumple_report::phrases::named;
 use serde_json::Value;
 
+use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+
 use crate::truth::known::{BELOW, ELSEWHERE, Impact, LABELS, NOT_OF_A_RUN};
 use crate::truth::rules::{impacts, models, notes, page, status};
 use crate::truth::run::{Made, Shown, numbers};
@@ -178,15 +180,15 @@ pub fn misses_time_or_rebound(made: &Made, candidate: &Value) -> Option<String> 
     is_off.then(|| format!("its restitution is off by {off:.2}"))
 }
 
-/// Whether the velocity of the pulse is lowest at its end.
+/// Whether a force above 1 g still acts on a vehicle that rebounds where the record ends: what its velocity changes by in
+/// the last 4.4 ms, the window of CFC 60.
 pub fn is_rebound_cut(made: &Made) -> bool {
     let velocity = made.waves.get(&format!("{}/velocity", made.text("/test/channel")));
     velocity.is_some_and(|wave| {
-        let samples = wave.sampled.samples();
-        let lowest = samples.iter().copied().fold(f64::INFINITY, f64::min);
-        // After the contact the velocity is constant to rounding.
-        let first = samples.iter().position(|v| *v <= lowest + 1e-6);
-        lowest < 0.0 && first.is_some_and(|first| first + 2 >= samples.len())
+        let v = wave.sampled.samples();
+        let window_s = 4.4e-3;
+        let before = v.len().saturating_sub(1 + (window_s / wave.sampled.dt_s()) as usize);
+        v.last().zip(v.get(before)).is_some_and(|(last, before)| *last < 0.0 && before - last > window_s * G)
     })
 }
 
