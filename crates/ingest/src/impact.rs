@@ -2,9 +2,7 @@
 //! t = 0 and the speed that the vehicle then has.
 
 use crumple_metrics::{PulseImpact, impacts};
-use crumple_signal::{
-    About, Contact, Notes, PreEventWindow, QuantityKind, Sampled, Signal, Velocity, Weight, part_of, pre_event,
-};
+use crumple_signal::{About, Contact, Notes, QuantityKind, Sampled, Signal, Velocity, Weight, part_of, pre_event};
 
 use crate::recording::content::Recording;
 use crate::recording::details::{Stated, is_alone};
@@ -41,7 +39,7 @@ pub fn take(
     };
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|stated| stated.value);
     let velocity = velocity(wave, speed.unwrap_or(0.0));
-    let all = impacts(&velocity, 0.0);
+    let all = impacts(&velocity);
     let taken = match asked {
         Some(number) if (1..=all.len().max(1)).contains(&(number as usize)) => number as usize - 1,
         Some(number) => {
@@ -80,7 +78,7 @@ pub fn take(
     for channel in &mut recording.channels {
         let Some(wave) = &channel.wave else { continue };
         let level = match channel.channel.quantity {
-            QuantityKind::Acceleration => pre_event(wave, PreEventWindow::default()).map_or(0.0, |l| l.zero_level),
+            QuantityKind::Acceleration => pre_event(wave).map_or(0.0, |l| l.zero_level),
             _ => 0.0,
         };
         let part = wave.slice(wave.index_at_or_after(before.end_s), wave.len());
@@ -102,7 +100,7 @@ pub fn take(
 
 /// The motion from contact on, the zero level taken off.
 fn velocity(wave: &Sampled, speed_m_per_s: f64) -> Signal<Velocity> {
-    let level = pre_event(wave, PreEventWindow::default()).map_or(0.0, |before| before.zero_level);
+    let level = pre_event(wave).map_or(0.0, |before| before.zero_level);
     let zero = wave.index_at_or_after(0.0);
     let (mut v, mut last) = (speed_m_per_s, None);
     let samples = wave.samples()[zero..].iter().map(|a| {

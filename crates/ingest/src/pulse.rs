@@ -8,8 +8,7 @@
 use crumple_metrics::{Exchange, Plausibility};
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{
-    About, Axis, Channel, ChannelStatus, Notes, PreEventWindow, QuantityKind, Sampled, SignalError, Weight, part_of,
-    pre_event,
+    About, Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled, SignalError, Weight, part_of, pre_event,
 };
 
 use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
@@ -335,7 +334,7 @@ pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64
     let (Some(pulse), Some(speed)) = (pulse, impact_speed_m_per_s.filter(|speed| *speed > 0.0)) else {
         return (false, "sign kept: without a pulse and its impact speed its polarity is not certain".to_owned());
     };
-    let zero = pre_event(pulse, PreEventWindow::default()).map_or(0.0, |before| before.zero_level);
+    let zero = pre_event(pulse).map_or(0.0, |before| before.zero_level);
     let ratio = change(pulse, zero) / speed;
     let gains = format!(
         "over the first {:.0} ms the pulse changes the speed by {ratio:+.2} times the impact speed",

@@ -14,35 +14,33 @@ pub const WRONG_SIGN: &str =
 /// were mirrored (`v` reaches `2·v0`) before it does as it is.
 ///
 /// The velocity of the mirrored pulse is `2·v0 - v`, which is zero where v is `2·v0`: no second integration is needed.
-/// Only samples at or after time zero count. SAE J211-1 has x forward, so a frontal pulse is negative; nothing is
+/// Only samples at or after contact, t = 0, count. SAE J211-1 has x forward, so a frontal pulse is negative; nothing is
 /// turned here, that is for who knows how the sensor was mounted.
 ///
 /// A record that ends before either says nothing, neither does a motion from rest.
-pub fn wrong_sign(velocity: &Signal<Velocity>, time_zero_s: f64, impact_speed_m_per_s: f64) -> bool {
+pub fn wrong_sign(velocity: &Signal<Velocity>, impact_speed_m_per_s: f64) -> bool {
     let v = velocity.samples();
-    let first =
-        v[velocity.index_at_or_after(time_zero_s)..].iter().find(|&&v| v <= 0.0 || v >= 2.0 * impact_speed_m_per_s);
+    let first = v[velocity.index_at_or_after(0.0)..].iter().find(|&&v| v <= 0.0 || v >= 2.0 * impact_speed_m_per_s);
     impact_speed_m_per_s > 0.0 && first.is_some_and(|&v| v > 0.0)
 }
 
 /// The crash events of a motion; none, whatever the velocity does, where the motion starts from rest or the pulse has
 /// the wrong sign. Errors: [`crumple_metrics::crash_events`].
 ///
-/// The velocity at the end of the record stays in the result, since it needs no crash. Times are in s from time zero:
-/// t_m is the first zero of the velocity, interpolated linearly, and C the displacement there.
-pub fn events_of(motion: &Motion, time_zero_s: f64, impact_speed_m_per_s: f64) -> Result<CrashEvents, MetricsError> {
-    events_within(motion, time_zero_s, impact_speed_m_per_s, 0.0)
+/// The velocity at the end of the record stays in the result, since it needs no crash. Times are in s from contact: t_m
+/// is the first zero of the velocity, interpolated linearly, and C the displacement there.
+pub fn events_of(motion: &Motion, impact_speed_m_per_s: f64) -> Result<CrashEvents, MetricsError> {
+    events_within(motion, impact_speed_m_per_s, 0.0)
 }
 
 /// [`events_of`], the impact speed being known to `speed_error_m_per_s`: [`crash_events_within`].
 pub fn events_within(
     motion: &Motion,
-    time_zero_s: f64,
     impact_speed_m_per_s: f64,
     speed_error_m_per_s: f64,
 ) -> Result<CrashEvents, MetricsError> {
-    let events = crash_events_within(&motion.velocity, &motion.displacement, time_zero_s, speed_error_m_per_s)?;
-    if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
+    let events = crash_events_within(&motion.velocity, &motion.displacement, speed_error_m_per_s)?;
+    if impact_speed_m_per_s > 0.0 && !wrong_sign(&motion.velocity, impact_speed_m_per_s) {
         return Ok(events);
     }
     Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), unstopped: None, ..events })
@@ -56,7 +54,7 @@ const CENTROID_GAP: f64 = 1e-3;
 ///
 /// In this order, as far as they hold:
 /// 1. the sign of the pulse is wrong: a warning, and nothing else is said ([`wrong_sign`]);
-/// 2. the integration began with the record, not at time zero;
+/// 2. the integration began with the record, not at contact;
 /// 3. the motion starts from rest: its velocity is the change of velocity, and nothing else is said;
 /// 4. the record ends faster than the impact: a warning, the polarity may be wrong;
 /// 5. the velocity never reaches zero: a warning, with the lowest velocity up to the end of the event (49 CFR 563.5)
@@ -68,11 +66,10 @@ const CENTROID_GAP: f64 = 1e-3;
 /// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. They are equal by parts whatever v0 and the zero
 ///    level are, so a gap above 0.1 % is a warning about sampling or rule, never about the inputs.
 ///
-/// `events` are those of `motion`; times in notes are in ms from time zero, but for the start of the integration, which
-/// is on the record's axis.
-pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_speed_m_per_s: f64) -> Notes {
+/// `events` are those of `motion`; times in notes are in ms from contact.
+pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64) -> Notes {
     let mut notes = Notes::new();
-    if wrong_sign(&motion.velocity, time_zero_s, impact_speed_m_per_s) {
+    if wrong_sign(&motion.velocity, impact_speed_m_per_s) {
         notes.concern(
             About::Pulse,
             Weight::Decisive,
@@ -150,7 +147,7 @@ pub fn findings(motion: &Motion, events: &CrashEvents, time_zero_s: f64, impact_
     // By parts: what velocity is left at t_m belongs to neither.
     let left = rebound.velocity_m_per_s.max(0.0);
     let from_crush = centroid_time_from_crush(crush.displacement_m - left * crush.time_s, impact_speed_m_per_s - left);
-    if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, time_zero_s, crush.time_s) {
+    if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, crush.time_s) {
         let gap = (by_moment - from_crush) / from_crush;
         let text = format!(
             "centroid time: {:.3} ms from C/v0, {:.3} ms from the pulse, {:+.3} % apart",
@@ -254,7 +251,7 @@ mod tests {
     use crate::events_of;
 
     fn wrong(v: &[f64]) -> bool {
-        wrong_sign(&Signal::new(-0.5, 0.5, v.to_vec()).unwrap(), 0.0, 4.0)
+        wrong_sign(&Signal::new(-0.5, 0.5, v.to_vec()).unwrap(), 4.0)
     }
 
     #[test]
@@ -262,11 +259,11 @@ mod tests {
         assert!(wrong(&[4.0, 4.0, 6.0, 8.5, 9.0]));
         assert!(wrong(&[4.0, 4.0, 9.0, 3.0, -1.0]));
         assert!(!wrong(&[4.0, 4.0, 1.0, -0.5, 9.0]));
-        // Neither is reached, and what comes before time zero does not count.
+        // Neither is reached, and what comes before contact does not count.
         assert!(!wrong(&[4.0, 4.0, 5.0, 6.0]));
         assert!(!wrong(&[9.0, 4.0, 3.0]));
-        assert!(!wrong_sign(&Signal::new(0.0, 0.5, vec![0.0, 1.0]).unwrap(), 0.0, 0.0));
-        assert!(!wrong_sign(&Signal::new(0.0, 0.5, vec![]).unwrap(), 0.0, 4.0));
+        assert!(!wrong_sign(&Signal::new(0.0, 0.5, vec![0.0, 1.0]).unwrap(), 0.0));
+        assert!(!wrong_sign(&Signal::new(0.0, 0.5, vec![]).unwrap(), 4.0));
     }
 
     fn notes_of(a: Vec<f64>) -> Vec<String> {
@@ -277,8 +274,8 @@ mod tests {
             low_pass_filtered: false,
         };
         let motion = integrate(&Signal::new(0.0, 0.5, a).unwrap(), &settings).unwrap();
-        let events = crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap();
-        findings(&motion, &events, 0.0, 4.0).to_texts()
+        let events = crash_events(&motion.velocity, &motion.displacement).unwrap();
+        findings(&motion, &events, 4.0).to_texts()
     }
 
     #[test]
@@ -323,7 +320,7 @@ mod tests {
             low_pass_filtered: false,
         };
         let motion = integrate(&a, &settings).unwrap();
-        let events = events_of(&motion, 0.0, v0).unwrap();
+        let events = events_of(&motion, v0).unwrap();
         question_speed(&motion, &events, v0)
     }
 

@@ -291,7 +291,7 @@ pub fn propagate(
             + by.impact_speed_m_per_s.abs()
             + by.gain.abs() * v0
             + by.zero_level_m_per_s2.abs() * lasted_s.max(0.0);
-        let events = crash_events_within(&motion.velocity, &motion.displacement, 0.0, left).ok()?;
+        let events = crash_events_within(&motion.velocity, &motion.displacement, left).ok()?;
         let metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
@@ -299,7 +299,6 @@ pub fn propagate(
             events: &events,
             impact_speed_m_per_s: Some(v0),
             mass_kg,
-            time_zero_s: 0.0,
         })
         .ok()?;
         Some(event_values(&events, v0).into_iter().chain(metrics.iter().map(of_metric)).collect())

@@ -12,7 +12,7 @@ use crate::{Metric, MetricsError, PulseImpact, first_event, impacts};
 /// The moment of largest crush: the first zero of velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DynamicCrush {
-    /// Time t_m, s from time zero.
+    /// Time t_m, s from contact.
     pub time_s: f64,
     /// Dynamic crush C = x(t_m), m.
     pub displacement_m: f64,
@@ -25,7 +25,7 @@ pub struct DynamicCrush {
 pub struct Rebound {
     /// Lowest velocity v_s, m/s; positive only by what the impact speed is uncertain by.
     pub velocity_m_per_s: f64,
-    /// Time t_s of the first such sample, s from time zero.
+    /// Time t_s of the first such sample, s from contact.
     pub time_s: f64,
     /// Displacement there, m. An estimate of the residual crush, no measurement of it.
     pub displacement_m: f64,
@@ -42,7 +42,7 @@ pub struct CrashEvents {
     pub rebound: Option<Rebound>,
     /// Velocity of the last sample, m/s.
     pub end_velocity_m_per_s: f64,
-    /// Zeros of velocity after the first, s from time zero, either direction. Not used for anything.
+    /// Zeros of velocity after the first, s from contact, either direction. Not used for anything.
     pub later_zeros_s: Vec<f64>,
     /// End of the event and lowest velocity up to it, where the velocity never reaches zero.
     pub unstopped: Option<Unstopped>,
@@ -52,7 +52,7 @@ pub struct CrashEvents {
 
 /// Finds the impacts of a motion, and dynamic crush and rebound of the first that is an [event](first_event).
 ///
-/// Dynamic crush is at the first sample k ≥ 1 at or after `time_zero_s` with `v[k] ≤ 0`: `t_m = t[k-1] +
+/// Dynamic crush is at the first sample k ≥ 1 at or after contact, t = 0, with `v[k] ≤ 0`: `t_m = t[k-1] +
 /// T·v[k-1]/(v[k-1] - v[k])`, `C = x[k-1] + (t_m - t[k-1])·v[k-1]/2`, which is the trapezoid up to the interpolated
 /// zero. Interpolating linearly errs by at most `T²·max|a'|/(8·|a|)` in t_m. The rebound velocity is the lowest
 /// sample from k to the end of the contact ([`impacts`](fn@impacts)): what drags or hits the vehicle later is no
@@ -62,9 +62,8 @@ pub struct CrashEvents {
 pub fn crash_events(
     velocity: &Signal<Velocity>,
     displacement: &Signal<Displacement>,
-    time_zero_s: f64,
 ) -> Result<CrashEvents, MetricsError> {
-    crash_events_within(velocity, displacement, time_zero_s, 0.0)
+    crash_events_within(velocity, displacement, 0.0)
 }
 
 /// [`crash_events`], a stop being known to `speed_error_m_per_s`: where the lowest velocity of a contact that ends in
@@ -72,32 +71,31 @@ pub fn crash_events(
 pub fn crash_events_within(
     velocity: &Signal<Velocity>,
     displacement: &Signal<Displacement>,
-    time_zero_s: f64,
     speed_error_m_per_s: f64,
 ) -> Result<CrashEvents, MetricsError> {
     same_grid(("the velocity", velocity), ("the displacement", displacement))?;
     let (v, x, dt) = (velocity.samples(), displacement.samples(), velocity.dt_s());
-    let zero_between = |k: usize| velocity.time_s(k - 1) - time_zero_s + dt * v[k - 1] / (v[k - 1] - v[k]);
-    let impacts = impacts(velocity, time_zero_s);
+    let zero_between = |k: usize| velocity.time_s(k - 1) + dt * v[k - 1] / (v[k - 1] - v[k]);
+    let impacts = impacts(velocity);
     let event = first_event(&impacts);
     let next = event.and_then(|k| impacts.get(k + 1)).map_or(v.len(), |next| next.samples[0]);
     let contact = event.map(|k| &impacts[k]);
-    let from = velocity.index_at_or_after(time_zero_s).max(1);
+    let from = velocity.index_at_or_after(0.0).max(1);
     let zero = (from..next).find(|&k| v[k] <= 0.0 && v[k - 1] > 0.0);
     // A zero after the contact is what drag or an error of the zero level make of the velocity that is left.
     let stop = contact.filter(|c| c.is_whole && zero.is_none_or(|k| k > c.samples[1])).map(|c| c.lowest(v));
     let stop = stop.filter(|k| v[*k] > 0.0 && v[*k] <= speed_error_m_per_s && *k > from);
     let first = stop.or(zero);
     let crush = first.map(|k| {
-        let (time_s, left) = stop.map_or_else(|| (zero_between(k), 0.0), |k| (velocity.time_s(k) - time_zero_s, v[k]));
-        let since_sample = time_s - (velocity.time_s(k - 1) - time_zero_s);
+        let (time_s, left) = stop.map_or_else(|| (zero_between(k), 0.0), |k| (velocity.time_s(k), v[k]));
+        let since_sample = time_s - velocity.time_s(k - 1);
         DynamicCrush { time_s, displacement_m: x[k - 1] + since_sample * (v[k - 1] + left) / 2.0, index: k }
     });
     let rebound = first.map(|start| {
         let lowest = lowest_in(v, start, contact.map_or(v.len() - 1, |contact| contact.samples[1].max(start)));
         Rebound {
             velocity_m_per_s: v[lowest],
-            time_s: velocity.time_s(lowest) - time_zero_s,
+            time_s: velocity.time_s(lowest),
             displacement_m: x[lowest],
             still_separating: lowest + 1 == v.len() && v[lowest] < 0.0 && contact.is_none_or(|c| !c.is_whole),
         }
@@ -110,10 +108,9 @@ pub fn crash_events_within(
         _ if crush.is_some() => None,
         Some(contact) => {
             let (k, end_s) = (contact.lowest(v), contact.end_s);
-            let time_s = velocity.time_s(k) - time_zero_s;
-            Some(Unstopped { velocity_m_per_s: v[k], time_s, end_s, end: EventEnd::Contact })
+            Some(Unstopped { velocity_m_per_s: v[k], time_s: velocity.time_s(k), end_s, end: EventEnd::Contact })
         }
-        None => unstopped(velocity, time_zero_s),
+        None => unstopped(velocity),
     };
     Ok(CrashEvents { crush, rebound, end_velocity_m_per_s: v[v.len() - 1], later_zeros_s, unstopped, impacts })
 }
@@ -131,7 +128,7 @@ impl CrashEvents {
         self.lowest().map(|(velocity_m_per_s, _)| impact_speed_m_per_s - velocity_m_per_s)
     }
 
-    /// When the velocity is the one of [`delta_v_m_per_s`](Self::delta_v_m_per_s), s from time zero.
+    /// When the velocity is the one of [`delta_v_m_per_s`](Self::delta_v_m_per_s), s from contact.
     pub fn time_of_delta_v_s(&self) -> Option<f64> {
         self.lowest().map(|(_, time_s)| time_s)
     }
@@ -172,9 +169,9 @@ pub fn acceleration_after_separation(velocity: &Signal<Velocity>, from_s: f64) -
 pub struct Unstopped {
     /// Lowest velocity, m/s; positive.
     pub velocity_m_per_s: f64,
-    /// Its time, s from time zero; the first of equals.
+    /// Its time, s from contact; the first of equals.
     pub time_s: f64,
-    /// End of the event, s from time zero.
+    /// End of the event, s from contact.
     pub end_s: f64,
     /// What ends it.
     pub end: EventEnd,
@@ -205,16 +202,16 @@ impl EventEnd {
 /// The end of the event and the lowest velocity up to it, where the velocity stays positive.
 ///
 /// The rule of event data recorders (49 CFR 563.5), counted from the strongest part so that a pause before it ends
-/// nothing: of all 20 ms after time zero those with the largest loss of velocity, then the first 20 ms that begin later
+/// nothing: of all 20 ms after contact those with the largest loss of velocity, then the first 20 ms that begin later
 /// and change the velocity by no more than 0.8 km/h; their last moment is the end. It lies up to 20 ms after the force
 /// has gone. A second impact after such a pause is another event. Where the record ends first, its last sample is the
 /// end, and the lowest velocity an upper bound.
 ///
-/// `None` where no 20 ms take more than 0.8 km/h off, or the velocity at time zero is not positive: nothing happens, or
+/// `None` where no 20 ms take more than 0.8 km/h off, or the velocity at contact is not positive: nothing happens, or
 /// the motion starts from rest.
-pub fn unstopped(velocity: &Signal<Velocity>, time_zero_s: f64) -> Option<Unstopped> {
+pub fn unstopped(velocity: &Signal<Velocity>) -> Option<Unstopped> {
     let v = velocity.samples();
-    let from = velocity.index_at_or_after(time_zero_s);
+    let from = velocity.index_at_or_after(0.0);
     if v.get(from).is_none_or(|v| *v <= 0.0) {
         return None;
     }
@@ -235,12 +232,7 @@ pub fn unstopped(velocity: &Signal<Velocity>, time_zero_s: f64) -> Option<Unstop
     let slack_s = 1e-6 * velocity.dt_s();
     let up_to_the_end = (from..v.len()).take_while(|k| velocity.time_s(*k) <= end_s + slack_s);
     let lowest = up_to_the_end.reduce(|low, k| if v[k] < v[low] { k } else { low })?;
-    Some(Unstopped {
-        velocity_m_per_s: v[lowest],
-        time_s: velocity.time_s(lowest) - time_zero_s,
-        end_s: end_s - time_zero_s,
-        end,
-    })
+    Some(Unstopped { velocity_m_per_s: v[lowest], time_s: velocity.time_s(lowest), end_s, end })
 }
 
 /// Interval of the rule for event data recorders, s.
@@ -331,8 +323,7 @@ mod tests {
     use super::*;
 
     fn motion(v: &[f64], x: &[f64]) -> CrashEvents {
-        crash_events(&Signal::new(0.0, 0.5, v.to_vec()).unwrap(), &Signal::new(0.0, 0.5, x.to_vec()).unwrap(), 0.0)
-            .unwrap()
+        crash_events(&Signal::new(0.0, 0.5, v.to_vec()).unwrap(), &Signal::new(0.0, 0.5, x.to_vec()).unwrap()).unwrap()
     }
 
     #[test]
@@ -369,12 +360,9 @@ mod tests {
 
     #[test]
     fn refuses_velocity_and_displacement_of_different_lengths() {
-        let error = crash_events(
-            &Signal::new(0.0, 0.5, vec![1.0, 0.0]).unwrap(),
-            &Signal::new(0.0, 0.5, vec![1.0]).unwrap(),
-            0.0,
-        )
-        .unwrap_err();
+        let error =
+            crash_events(&Signal::new(0.0, 0.5, vec![1.0, 0.0]).unwrap(), &Signal::new(0.0, 0.5, vec![1.0]).unwrap())
+                .unwrap_err();
         assert_eq!(
             error.to_string(),
             "the velocity has 2 samples from 0 s, the displacement has 1 from 0 s: one grid is needed"
@@ -401,7 +389,7 @@ mod tests {
 
     #[test]
     fn the_event_ends_with_its_first_quiet_20_ms() {
-        let event = unstopped(&velocity(&[(0.0, 10.0)], 300), 0.0).unwrap();
+        let event = unstopped(&velocity(&[(0.0, 10.0)], 300)).unwrap();
         assert!((event.velocity_m_per_s - 5.0).abs() < 1e-12, "{event:?}");
         // The last 20 ms with 0.222 m/s begin at t with 10·(1 + cos(πt/60))/2 = 0.222: t = 54.29 ms, the next sample is
         // 55 ms.
@@ -411,15 +399,15 @@ mod tests {
 
     #[test]
     fn a_weak_first_touch_is_no_event_of_its_own_and_a_second_impact_is_another() {
-        let touched = unstopped(&velocity(&[(0.0, 1.0), (0.1, 9.0)], 400), 0.0).unwrap();
+        let touched = unstopped(&velocity(&[(0.0, 1.0), (0.1, 9.0)], 400)).unwrap();
         assert!((touched.velocity_m_per_s - 5.0).abs() < 1e-12, "{touched:?}");
-        let twice = unstopped(&velocity(&[(0.0, 9.0), (0.2, 3.0)], 400), 0.0).unwrap();
+        let twice = unstopped(&velocity(&[(0.0, 9.0), (0.2, 3.0)], 400)).unwrap();
         assert!((twice.velocity_m_per_s - 6.0).abs() < 1e-12, "{twice:?}");
     }
 
     #[test]
     fn a_record_that_ends_first_says_so() {
-        let event = unstopped(&velocity(&[(0.0, 10.0)], 41), 0.0).unwrap();
+        let event = unstopped(&velocity(&[(0.0, 10.0)], 41)).unwrap();
         assert_eq!((event.end, event.end_s == event.time_s), (EventEnd::Record, true));
         // 10·(1 - cos(2π/3))/2 are lost at 40 ms.
         assert!((event.velocity_m_per_s - 7.5).abs() < 1e-12 && (event.time_s - 0.04).abs() < 1e-12, "{event:?}");
@@ -427,12 +415,13 @@ mod tests {
 
     #[test]
     fn nothing_happens_in_a_motion_that_keeps_its_velocity_or_starts_from_rest() {
-        assert_eq!(unstopped(&velocity(&[(0.0, 0.2)], 300), 0.0), None);
-        assert_eq!(unstopped(&velocity(&[(0.0, -10.0)], 300), 0.0), None);
-        assert_eq!(unstopped(&velocity(&[(0.0, 10.0)], 10), 0.0), None, "shorter than 20 ms");
-        assert_eq!(unstopped(&Signal::new(0.0, 1e-3, vec![0.0; 100]).unwrap(), 0.0), None);
-        assert_eq!(unstopped(&Signal::new(0.0, 1e-3, vec![]).unwrap(), 0.0), None);
-        assert_eq!(unstopped(&velocity(&[(0.0, 10.0)], 300), 9.0), None);
+        assert_eq!(unstopped(&velocity(&[(0.0, 0.2)], 300)), None);
+        assert_eq!(unstopped(&velocity(&[(0.0, -10.0)], 300)), None);
+        assert_eq!(unstopped(&velocity(&[(0.0, 10.0)], 10)), None, "shorter than 20 ms");
+        assert_eq!(unstopped(&Signal::new(0.0, 1e-3, vec![0.0; 100]).unwrap()), None);
+        assert_eq!(unstopped(&Signal::new(0.0, 1e-3, vec![]).unwrap()), None);
+        let earlier = Signal::new(-9.0, 1e-3, velocity(&[(0.0, 10.0)], 300).samples().to_vec()).unwrap();
+        assert_eq!(unstopped(&earlier), None, "ends before contact");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Signal, Velocity};
 
-/// An impact: from where its force begins to where it ends. Times are in s from time zero.
+/// An impact: from where its force begins to where it ends. Times are in s from contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PulseImpact {
     /// Start, s: contact for the first, for a later one where its rise, taken back to the level before it, begins.
@@ -86,7 +86,7 @@ const LEAST_OF_STRONGEST: f64 = 0.05;
 /// Change of velocity of an event, m/s: 8 km/h.
 const EVENT_M_PER_S: f64 = 8.0 / 3.6;
 
-/// The impacts of a motion from time zero on, in the order of time.
+/// The impacts of a motion from contact, t = 0, on, in the order of time.
 ///
 /// The acceleration is the mean of 4.4 ms, read off the velocity. An impact is a stretch in which it is never below 1 g
 /// for 15 ms, and that changes the velocity by more than 0.8 km/h and 5 % of the strongest. It ends where the
@@ -96,8 +96,8 @@ const EVENT_M_PER_S: f64 = 8.0 / 3.6;
 /// 1e-5 of its change, a haversine of 11 g 2 ms and 1e-4.
 ///
 /// In a record that is never quiet for 15 ms everything is one impact, which is not whole.
-pub fn impacts(velocity: &Signal<Velocity>, time_zero_s: f64) -> Vec<PulseImpact> {
-    let from = velocity.index_at_or_after(time_zero_s);
+pub fn impacts(velocity: &Signal<Velocity>) -> Vec<PulseImpact> {
+    let from = velocity.index_at_or_after(0.0);
     let means = mean_accelerations(velocity, from);
     let peak = means.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
     if peak == 0.0 {
@@ -105,7 +105,7 @@ pub fn impacts(velocity: &Signal<Velocity>, time_zero_s: f64) -> Vec<PulseImpact
     }
     let record = Record { velocity, from, means, no_force: NO_FORCE_M_PER_S2.min(NO_FORCE_OF_PEAK * peak) };
     let runs = record.runs();
-    let impact = |k: usize| record.impact(&runs, k, time_zero_s);
+    let impact = |k: usize| record.impact(&runs, k);
     let all: Vec<PulseImpact> = (0..runs.len()).map(impact).collect();
     let strongest = all.iter().fold(0.0_f64, |most, impact| most.max(impact.change_m_per_s.abs()));
     let least = LEAST_M_PER_S.max(LEAST_OF_STRONGEST * strongest);
@@ -139,7 +139,7 @@ fn mean_accelerations(velocity: &Signal<Velocity>, from: usize) -> Vec<f64> {
     (from..last).map(mean).collect()
 }
 
-/// Intervals of a record, counted from time zero: where there is a force, and where not for long.
+/// Intervals of a record, counted from contact: where there is a force, and where not for long.
 struct Record<'a> {
     velocity: &'a Signal<Velocity>,
     from: usize,
@@ -173,7 +173,7 @@ impl Record<'_> {
         [level, (NEAR_LEVEL * self.no_force).max(NOISE_SIGMAS * noise)]
     }
 
-    /// Where a later impact begins, in samples after time zero: its rise taken back to the level of the pause before
+    /// Where a later impact begins, in samples after contact: its rise taken back to the level of the pause before
     /// it, which begins at `from` and ends at `first`.
     ///
     /// Where a rise `a = c·t^p` has the change of velocity `D`, the acceleration `a` and its derivative `a'`, it lasts
@@ -196,7 +196,7 @@ impl Record<'_> {
         (risen as f64 + 0.5 - lasts / dt).max(quiet as f64)
     }
 
-    fn impact(&self, runs: &[[usize; 2]], k: usize, time_zero_s: f64) -> PulseImpact {
+    fn impact(&self, runs: &[[usize; 2]], k: usize) -> PulseImpact {
         let [first, last] = runs[k];
         let longest = (LEVEL_S / self.velocity.dt_s()).ceil() as usize;
         let before = k.checked_sub(1).map_or(0, |k| runs[k][1]);
@@ -216,7 +216,7 @@ impl Record<'_> {
         let ended = pause.iter().position(|a| (a - level) * side <= near);
         let end = ended.map_or(self.means.len(), |k| last + k);
         let v = self.velocity.samples();
-        let time_s = |k: usize| self.velocity.time_s(self.from + k) - time_zero_s;
+        let time_s = |k: usize| self.velocity.time_s(self.from + k);
         // The same as the delta-v of the events, also where the force swings past zero before it ends.
         let changes = v[self.from + start..=self.from + end].iter().map(|velocity| velocity - v[self.from + start]);
         let change_m_per_s =
@@ -294,7 +294,7 @@ mod tests {
             {
                 for seed in 0..3 {
                     let v = motion(&[(shape, 0.0, length_s, 12.0)], drag, noise, seed, 0.6);
-                    let found = impacts(&v, 0.0);
+                    let found = impacts(&v);
                     let case = format!("{shape:?} {length_s} s, noise {noise}, drag {drag}, {seed}: {found:?}");
                     let [impact] = found.as_slice() else { panic!("{case}") };
                     assert!(impact.is_whole && impact.start_s == 0.0, "{case}");
@@ -315,7 +315,7 @@ mod tests {
                 for pause_s in [0.04, 0.1, 0.3] {
                     let at = 0.06 + pause_s;
                     let v = motion(&[(first, 0.0, 0.06, 3.0), (second, at, 0.09, 11.0)], 0.0, 0.02 * G, 1, 0.7);
-                    let found = impacts(&v, 0.0);
+                    let found = impacts(&v);
                     let case = format!("{first:?} {second:?} {pause_s}: {found:?}");
                     let [one, two] = found.as_slice() else { panic!("{case}") };
                     assert!(
@@ -335,32 +335,32 @@ mod tests {
     #[test]
     fn coasting_of_less_than_a_pause_separates_nothing() {
         let v = motion(&[(Shape::Square, 0.0, 0.05, 5.0), (Shape::Square, 0.06, 0.05, 5.0)], 0.0, 0.0, 1, 0.3);
-        assert_eq!(impacts(&v, 0.0).len(), 1);
+        assert_eq!(impacts(&v).len(), 1);
     }
 
     #[test]
     fn a_touch_is_an_impact_but_not_the_event_and_a_bounce_is_neither() {
         let v = motion(&[(Shape::HalfSine, 0.0, 0.03, 1.0), (Shape::HalfSine, 0.1, 0.09, 11.0)], 0.0, 0.0, 1, 0.4);
-        let found = impacts(&v, 0.0);
+        let found = impacts(&v);
         assert_eq!((found.len(), first_event(&found)), (2, Some(1)));
         let v = motion(&[(Shape::HalfSine, 0.0, 0.09, 15.0), (Shape::HalfSine, 0.2, 0.03, 0.6)], 0.0, 0.0, 1, 0.4);
-        assert_eq!(impacts(&v, 0.0).len(), 1, "4 % of the strongest");
+        assert_eq!(impacts(&v).len(), 1, "4 % of the strongest");
     }
 
     #[test]
     fn a_record_cut_in_the_pulse_is_not_whole() {
         for end_s in [0.05, 0.07, 0.09] {
-            let found = impacts(&motion(&[(Shape::HalfSine, 0.0, 0.1, 12.0)], 0.0, 0.0, 1, end_s), 0.0);
+            let found = impacts(&motion(&[(Shape::HalfSine, 0.0, 0.1, 12.0)], 0.0, 0.0, 1, end_s));
             assert!(found.len() == 1 && !found[0].is_whole, "{end_s}: {found:?}");
         }
-        assert!(impacts(&motion(&[(Shape::HalfSine, 0.0, 0.1, 12.0)], 0.0, 0.0, 1, 0.105), 0.0)[0].is_whole);
+        assert!(impacts(&motion(&[(Shape::HalfSine, 0.0, 0.1, 12.0)], 0.0, 0.0, 1, 0.105))[0].is_whole);
     }
 
     #[test]
     fn a_record_in_which_nothing_happens_has_no_impact() {
-        assert!(impacts(&motion(&[], 0.0, 0.05 * G, 1, 0.5), 0.0).is_empty());
+        assert!(impacts(&motion(&[], 0.0, 0.05 * G, 1, 0.5)).is_empty());
         for samples in [vec![], vec![1.0], vec![1.0; 50]] {
-            assert!(impacts(&Signal::new(0.0, 1e-3, samples).unwrap(), 0.0).is_empty());
+            assert!(impacts(&Signal::new(0.0, 1e-3, samples).unwrap()).is_empty());
         }
         assert_eq!(first_event(&[]), None);
     }

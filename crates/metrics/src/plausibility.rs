@@ -6,7 +6,7 @@
 
 use std::ops::RangeInclusive;
 
-use crumple_signal::{PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, pre_event as level_before};
+use crumple_signal::{STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, pre_event as level_before};
 
 /// Miles per hour and kilometres per hour.
 const KM_PER_MILE: f64 = 1.609_344;
@@ -201,7 +201,7 @@ fn view(pulse: &Sampled, exchange: Option<Exchange>, zero_level: f64) -> Option<
     }
     // On another axis other samples stand before the event.
     let raw = scaled(0.0).ok()?;
-    let level = level_before(&raw, PreEventWindow::default()).map_or(0.0, |before| before.zero_level);
+    let level = level_before(&raw).map_or(0.0, |before| before.zero_level);
     scaled(level / by).ok()
 }
 
@@ -288,7 +288,7 @@ mod tests {
 
     /// The pulse held against the speed, the level before it taken for zero.
     fn held(pulse: &Sampled, v0: f64) -> Option<Plausibility> {
-        let zero_level = level_before(pulse, PreEventWindow::default()).map_or(0.0, |before| before.zero_level);
+        let zero_level = level_before(pulse).map_or(0.0, |before| before.zero_level);
         plausibility(pulse, zero_level, v0)
     }
 

@@ -29,19 +29,17 @@ pub struct Pulse<'a> {
     pub acceleration: &'a Signal<Acceleration>,
     /// Velocity, m/s.
     pub velocity: &'a Signal<Velocity>,
-    /// Displacement, m, zero at time zero.
+    /// Displacement, m, zero at contact.
     pub displacement: &'a Signal<Displacement>,
     /// Events of this motion.
     pub events: &'a CrashEvents,
-    /// Impact speed v0, m/s; `None`: not known, and the velocity is the change of it from time zero.
+    /// Impact speed v0, m/s; `None`: not known, and the velocity is the change of it from contact.
     pub impact_speed_m_per_s: Option<f64>,
     /// Test mass, kg, if known.
     pub mass_kg: Option<f64>,
-    /// Time zero on the axis of the signals, s.
-    pub time_zero_s: f64,
 }
 
-/// The metrics of a pulse, always the same names in the same order; windows count from time zero. Of a record with
+/// The metrics of a pulse, always the same names in the same order; windows count from contact, t = 0. Of a record with
 /// several impacts they are those of the [first event](first_event).
 ///
 /// What needs the mass or the dynamic crush and has none says so. A lowest velocity at the last sample makes delta-v,
@@ -56,13 +54,8 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         displacement: &pulse.displacement.slice(0, samples).into(),
         ..*pulse
     };
-    let (v0, mass, crush, rebound, zero_s) = (
-        pulse.impact_speed_m_per_s.unwrap_or(0.0),
-        pulse.mass_kg,
-        pulse.events.crush,
-        pulse.events.rebound,
-        pulse.time_zero_s,
-    );
+    let (v0, mass) = (pulse.impact_speed_m_per_s.unwrap_or(0.0), pulse.mass_kg);
+    let (crush, rebound) = (pulse.events.crush, pulse.events.rebound);
     let peak = peak(pulse.acceleration);
     let work = crush.map(|c| loading_work_per_kg(pulse.acceleration, pulse.displacement, &c)).transpose()?;
 
@@ -94,7 +87,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     };
     let at_crush = |m: Metric| crush.map_or(m.clone(), |c| m.over(c.time_s, c.time_s));
 
-    let at_peak = peak.map(|p| p.time_s - zero_s);
+    let at_peak = peak.map(|p| p.time_s);
     let moment = |m: Metric| at_peak.map_or(m.clone(), |t| m.over(t, t));
     let returned = rebound.zip(mass).map(|(r, m)| kinetic_energy(m, r.velocity_m_per_s));
     let absorbed = rebound.zip(mass).map(|(r, m)| absorbed_energy(m, v0, r.velocity_m_per_s));
@@ -111,7 +104,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
     };
     let delta_v = delta_v_of_unstopped(delta_v, pulse);
     let drift = match rebound {
-        Some(r) => acceleration_after_separation(pulse.velocity, zero_s + r.time_s).counted_from(zero_s),
+        Some(r) => acceleration_after_separation(pulse.velocity, r.time_s),
         None => Metric::absent(&SEPARATION, &no_crush),
     };
 
@@ -121,20 +114,17 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         at_crush(metric(&DYNAMIC_CRUSH, crush.map(|c| c.displacement_m))),
         at_crush(metric(&TIME_OF_CRUSH, crush.map(|c| c.time_s))),
         loading(metric(&CENTROID, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0)))),
-        loading(metric(
-            &CENTROID_MOMENT,
-            crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, zero_s, c.time_s)),
-        )),
+        loading(metric(&CENTROID_MOMENT, crush.and_then(|c| centroid_time_by_moment(pulse.acceleration, c.time_s)))),
         loading(metric(&CENTROID_RATIO, crush.map(|c| centroid_time_from_crush(c.displacement_m, v0) / c.time_s))),
         delta_v,
         lower(metric(&RESTITUTION, pulse.events.restitution(v0))),
         recovered,
         loading(metric(&ESW, crush.map(|c| equivalent_square_wave(v0, c.displacement_m)))),
         loading(metric(&ASW, crush.map(|c| average_square_wave(v0, c.time_s)))),
-        loading(metric(&X_MEAN, crush.and_then(|c| mean_deceleration(pulse.velocity, zero_s, zero_s + c.time_s)))),
-        sliding_mean_of_velocity(pulse.velocity, 0.025, zero_s).counted_from(zero_s),
-        olc(pulse.velocity, pulse.displacement, v0, zero_s, OlcOptions::default())?,
-        vpi(pulse.acceleration, zero_s, VpiOptions::default()),
+        loading(metric(&X_MEAN, crush.and_then(|c| mean_deceleration(pulse.velocity, 0.0, c.time_s)))),
+        sliding_mean_of_velocity(pulse.velocity, 0.025, 0.0),
+        olc(pulse.velocity, pulse.displacement, v0, OlcOptions::default())?,
+        vpi(pulse.acceleration, VpiOptions::default()),
         loading(metric(&AVERAGE_STIFFNESS, crush.zip(mass).map(|(c, m)| average_stiffness(m, v0, c.displacement_m)))),
         metric(&IMPACT_ENERGY, pulse.impact_speed_m_per_s.zip(mass).map(|(v0, m)| kinetic_energy(m, v0)))
             .over(0.0, 0.0),
@@ -172,18 +162,17 @@ fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64)) -> Metric {
     Metric::with_value(&DELTA_V, change_m_per_s.abs()).over(0.0, time_s).remarked(&remark)
 }
 
-/// The largest velocity of a motion from rest from time zero to the end of its [first event](first_event), signed, m/s,
-/// and its time, s from time zero.
+/// The largest velocity of a motion from rest from contact to the end of its [first event](first_event), signed, m/s,
+/// and its time, s from contact.
 ///
 /// For a vehicle that rebounds from a barrier it is the delta-v of the motion with its impact speed, v0 - v_s, whatever
 /// that speed is. What noise, drag or the next impact do after the end moves neither.
 fn largest_change(pulse: &Pulse<'_>) -> Option<(f64, f64)> {
-    let (velocity, zero_s) = (pulse.velocity, pulse.time_zero_s);
-    let (v, first) = (velocity.samples(), velocity.index_at_or_after(zero_s));
+    let (v, first) = (pulse.velocity.samples(), pulse.velocity.index_at_or_after(0.0));
     let impacts = &pulse.events.impacts;
     let end = first_event(impacts).map_or(v.len(), |k| impacts[k].samples[1] + 1);
     let largest = first + index_of_largest(v.get(first..end).filter(|v| !v.is_empty())?);
-    Some((v[largest], velocity.time_s(largest) - zero_s))
+    Some((v[largest], pulse.velocity.time_s(largest)))
 }
 
 /// The sample of largest magnitude.
@@ -242,15 +231,15 @@ pub fn centroid_time_from_crush(dynamic_crush_m: f64, impact_speed_m_per_s: f64)
 
 /// Centroid time as the first moment of the pulse, `∫ t·a dt / ∫ a dt` from the first sample to `until_s`, s.
 ///
-/// Times count from `time_zero_s`, `until_s` too. Trapezoid with a interpolated at `until_s`, error O(T²). With a t_m
+/// Times count from contact, t = 0. Trapezoid with a interpolated at `until_s`, error O(T²). With a t_m
 /// from the same acceleration it equals [`centroid_time_from_crush`] by parts whatever the impact speed is: a gap above
 /// 0.1 % says that the sampling or the rule is too crude for the pulse, or that C and t_m are from elsewhere.
 /// `None` if the pulse has no area or `until_s` lies outside the record.
-pub fn centroid_time_by_moment(acceleration: &Signal<Acceleration>, time_zero_s: f64, until_s: f64) -> Option<f64> {
-    let a_end = acceleration.at(time_zero_s + until_s)?;
+pub fn centroid_time_by_moment(acceleration: &Signal<Acceleration>, until_s: f64) -> Option<f64> {
+    let a_end = acceleration.at(until_s)?;
     let (mut area, mut moment) = (0.0, 0.0);
     let mut previous: Option<(f64, f64)> = None;
-    let before_end = acceleration.samples().iter().enumerate().map(|(k, &a)| (acceleration.time_s(k) - time_zero_s, a));
+    let before_end = acceleration.samples().iter().enumerate().map(|(k, &a)| (acceleration.time_s(k), a));
     for (t, a) in before_end.take_while(|(t, _)| *t < until_s).chain(std::iter::once((until_s, a_end))) {
         if let Some((t_before, a_before)) = previous {
             area += (t - t_before) * (a_before + a) / 2.0;
@@ -282,7 +271,7 @@ mod tests {
         let a = Signal::new(0.0, 0.5, vec![-2.0; v.len()]).unwrap();
         let x = Signal::new(0.0, 0.5, vec![everywhere_m; v.len()]).unwrap();
         let velocity = grid(v);
-        let events = crash_events(&velocity, &x, 0.0).unwrap();
+        let events = crash_events(&velocity, &x).unwrap();
         pulse_metrics(&Pulse {
             acceleration: &a,
             velocity: &velocity,
@@ -290,7 +279,6 @@ mod tests {
             events: &events,
             impact_speed_m_per_s: Some(4.0),
             mass_kg,
-            time_zero_s: 0.0,
         })
         .unwrap()
     }
@@ -317,7 +305,7 @@ mod tests {
             let n = v.len();
             let x = Signal::new(0.0, 1e-3, vec![0.1; n]).unwrap();
             let velocity = grid(v);
-            let events = crash_events(&velocity, &x, 0.0).unwrap();
+            let events = crash_events(&velocity, &x).unwrap();
             let acceleration = Signal::new(0.0, 1e-3, vec![-2.0; n]).unwrap();
             let metrics = pulse_metrics(&Pulse {
                 acceleration: &acceleration,
@@ -326,7 +314,6 @@ mod tests {
                 events: &events,
                 impact_speed_m_per_s: Some(15.0),
                 mass_kg: None,
-                time_zero_s: 0.0,
             });
             find(&metrics.unwrap(), "delta_v").clone()
         };
@@ -387,13 +374,13 @@ mod tests {
 
     #[test]
     fn a_constant_pulse_has_its_centroid_in_the_middle() {
-        let a = Signal::new(-1.0, 0.5, vec![-4.0; 9]).unwrap();
-        assert_eq!(centroid_time_by_moment(&a, -1.0, 3.0), Some(1.5));
-        assert_eq!(centroid_time_by_moment(&a, -1.0, 9.0), None);
+        let a = Signal::new(0.0, 0.5, vec![-4.0; 9]).unwrap();
+        assert_eq!(centroid_time_by_moment(&a, 3.0), Some(1.5));
+        assert_eq!(centroid_time_by_moment(&a, 9.0), None);
     }
 
     #[test]
     fn a_signal_of_zeros_has_no_centroid() {
-        assert_eq!(centroid_time_by_moment(&Signal::new(0.0, 0.5, vec![0.0; 9]).unwrap(), 0.0, 3.0), None);
+        assert_eq!(centroid_time_by_moment(&Signal::new(0.0, 0.5, vec![0.0; 9]).unwrap(), 3.0), None);
     }
 }

@@ -8,7 +8,7 @@ use crate::metric::definitions::{
 };
 use crate::{Definition, Interval, IntervalBy, Metric, PulseImpact, impacts, largest_restitution};
 
-/// Last moment that counts, s from time zero.
+/// Last moment that counts, s from contact.
 const LAST_S: f64 = 0.3;
 
 /// Steps in which recorders keep a change of velocity, m/s: mph and km/h, whole, tenths and hundredths, the longest
@@ -17,26 +17,26 @@ const STEPS_M_PER_S: [f64; 6] = [0.447_04, 1.0 / 3.6, 0.044_704, 0.1 / 3.6, 0.00
 
 /// Maximum delta-V and the time to it, of a cumulative change of velocity along one axis (49 CFR 563.5).
 ///
-/// The sample of largest magnitude from `time_zero_s` to 300 ms after it, less the value at time zero where the table
-/// begins before it (one that begins at time zero or later counts from there, whatever its first row), and its time;
+/// The sample of largest magnitude from contact, t = 0, to 300 ms after it, less the value at contact where the table
+/// begins before it (one that begins at contact or later counts from there, whatever its first row), and its time;
 /// the first of equals. The value keeps its sign: a frontal impact is negative. Its interval is half of the step in
 /// which the recorder prints, twice that where a row before it is subtracted; that of the time is half a sampling
 /// interval. A lower bound has none, nor has a value whose step is not known. The trapezoid of an acceleration derived
-/// from the table would lose what the smoothing takes off the peak. Absent without a sample at or after time zero.
-pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
+/// from the table would lose what the smoothing takes off the peak. Absent without a sample at or after contact.
+pub fn maximum_delta_v(change: &Sampled) -> [Metric; 2] {
     let v = change.samples();
     // 1e-6 of a sample: the slack of decimal time stamps.
     let slack_s = 1e-6 * change.dt_s();
-    let first = change.index_at_or_after(time_zero_s - slack_s);
+    let first = change.index_at_or_after(-slack_s);
     let Some(row) = v.get(first) else {
         return [&MAXIMUM_DELTA_V, &TIME_OF_MAXIMUM_DELTA_V]
             .map(|definition| Metric::absent(definition, "no sample at or after time zero"));
     };
     let start = if first > 0 { *row } else { 0.0 };
-    let counting = (first..v.len()).take_while(|k| change.time_s(*k) - time_zero_s <= LAST_S + slack_s);
+    let counting = (first..v.len()).take_while(|k| change.time_s(*k) <= LAST_S + slack_s);
     let largest =
         counting.fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
-    let time_s = change.time_s(largest) - time_zero_s;
+    let time_s = change.time_s(largest);
     let at = |metric: Metric| {
         let metric = metric.over(time_s, time_s);
         if largest + 1 == v.len() {
@@ -61,8 +61,8 @@ pub fn maximum_delta_v(change: &Sampled, time_zero_s: f64) -> [Metric; 2] {
 
 /// The impacts of a cumulative change of velocity that a recorder kept: those that are events by themselves (8 km/h, 49
 /// CFR 563.5), since in whole km/h every rounding looks like a small one.
-pub fn impacts_of_table(change: &Sampled, time_zero_s: f64) -> Vec<PulseImpact> {
-    let mut impacts = impacts(&Signal::from(change.clone()), time_zero_s);
+pub fn impacts_of_table(change: &Sampled) -> Vec<PulseImpact> {
+    let mut impacts = impacts(&Signal::from(change.clone()));
     impacts.retain(PulseImpact::is_event);
     impacts
 }
@@ -75,9 +75,7 @@ pub struct RecordedImpact<'a> {
     pub along: &'a Sampled,
     /// Along y.
     pub across: Option<&'a Sampled>,
-    /// Time zero on the axis of the samples, s.
-    pub time_zero_s: f64,
-    /// Speed at time zero, m/s, taken as exact; `None`: not known.
+    /// Speed at contact, m/s, taken as exact; `None`: not known.
     pub impact_speed_m_per_s: Option<f64>,
 }
 
@@ -94,7 +92,7 @@ impl RecordedImpact<'_> {
     /// middle.
     pub fn metrics(&self) -> Vec<Metric> {
         let mut metrics: Vec<Metric> = self.across.map(|y| self.lateral(y)).into_iter().collect();
-        let [change, time] = maximum_delta_v(self.along, self.time_zero_s);
+        let [change, time] = maximum_delta_v(self.along);
         let Some((loss, time_s)) = change.value.map(|v| -v).zip(time.value).filter(|(loss, _)| *loss > 0.0) else {
             return metrics;
         };
@@ -120,7 +118,7 @@ impl RecordedImpact<'_> {
     }
 
     fn lateral(&self, across: &Sampled) -> Metric {
-        let [Metric { value, window, interval, is_lower_bound, .. }, _] = maximum_delta_v(across, self.time_zero_s);
+        let [Metric { value, window, interval, is_lower_bound, .. }, _] = maximum_delta_v(across);
         let metric = Metric::of(&MAXIMUM_LATERAL_DELTA_V, value, "no sample at or after time zero");
         Metric { window, interval, is_lower_bound, ..metric }
     }
@@ -128,9 +126,9 @@ impl RecordedImpact<'_> {
     /// What went into deformation up to the largest change, and its share of the kinetic energy.
     fn energy(&self, v0: f64, loss: f64, loss_range: Option<[f64; 2]>, time_s: f64) -> [Metric; 2] {
         let across = self.across.and_then(|y| {
-            let first = y.index_at_or_after(self.time_zero_s - 1e-6 * y.dt_s());
+            let first = y.index_at_or_after(-1e-6 * y.dt_s());
             let start = if first > 0 { y.samples().get(first).copied()? } else { 0.0 };
-            Some((y, y.at(self.time_zero_s + time_s)? - start, if start == 0.0 { 0.5 } else { 1.0 }))
+            Some((y, y.at(time_s)? - start, if start == 0.0 { 0.5 } else { 1.0 }))
         });
         let y = across.map_or(0.0, |(_, y, _)| y.abs());
         // A column of zeros was printed as the other one.
@@ -153,17 +151,17 @@ impl RecordedImpact<'_> {
         [metric(&RECORDED_EES, &f64::sqrt), metric(&ABSORBED_SHARE, &|square| square / (v0 * v0))]
     }
 
-    /// The way from time zero to the first zero of the velocity. Values that are half a step off all along move it by
+    /// The way from contact to the first zero of the velocity. Values that are half a step off all along move it by
     /// that times the duration, a contact half a sampling interval off by that times the speed.
     fn crush(&self, v0: f64) -> Metric {
         let dt = self.along.dt_s();
-        let first = self.along.index_at_or_after(self.time_zero_s - 1e-6 * dt);
+        let first = self.along.index_at_or_after(-1e-6 * dt);
         let samples = self.along.samples().get(first..).unwrap_or_default();
         let start = if first > 0 { samples.first().copied().unwrap_or(0.0) } else { 0.0 };
         let velocity: Vec<f64> = samples.iter().map(|change| v0 + change - start).collect();
         let is_moving = velocity.first().is_some_and(|v| *v > 0.0);
-        // A table that begins after time zero: its vehicle went on at its speed until then.
-        let before_s = (self.along.t0_s() - self.time_zero_s).max(0.0);
+        // A table that begins after contact: its vehicle went on at its speed until then.
+        let before_s = self.along.t0_s().max(0.0);
         let mut crush = v0 * before_s;
         for (k, pair) in velocity.windows(2).enumerate().take_while(|_| is_moving) {
             if pair[1] > 0.0 {
@@ -199,7 +197,7 @@ mod tests {
     use super::*;
 
     fn of(v: &[f64]) -> (Option<f64>, Option<f64>) {
-        let [dv, time] = maximum_delta_v(&Sampled::new(-0.01, 0.01, v.to_vec()).unwrap(), 0.0);
+        let [dv, time] = maximum_delta_v(&Sampled::new(-0.01, 0.01, v.to_vec()).unwrap());
         // Time stamps are sums of decimal fractions.
         (dv.value, time.value.map(|t| (1e9 * t).round() / 1e9))
     }
@@ -209,7 +207,7 @@ mod tests {
         let table = |km_per_h: &[f64]| -> Vec<f64> { km_per_h.iter().map(|v| v / 3.6).collect() };
         let interval = |km_per_h: &[f64]| {
             let wave = Sampled::new(-0.01, 0.01, table(km_per_h)).unwrap();
-            maximum_delta_v(&wave, 0.0).map(|metric| metric.interval.map(|i| (i.low, i.high)))
+            maximum_delta_v(&wave).map(|metric| metric.interval.map(|i| (i.low, i.high)))
         };
         let near = |found: Option<(f64, f64)>, low: f64, high: f64| {
             let (a, b) = found.unwrap();
@@ -232,11 +230,11 @@ mod tests {
         assert_eq!(of(&[9.0, 0.0, -3.0, -5.0, -5.0, -4.0]), (Some(-5.0), Some(0.02)));
         assert_eq!(of(&[0.0, -1.0, -3.0, 4.0]).0, Some(5.0), "against the value at time zero");
         assert_eq!(of(&[0.0]), (None, None));
-        // A table whose first row is 10 ms after time zero has lost something by then.
-        let [dv, _] = maximum_delta_v(&Sampled::new(0.01, 0.01, vec![-3.0, -40.5, -40.0]).unwrap(), 0.0);
+        // A table whose first row is 10 ms after contact has lost something by then.
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.01, 0.01, vec![-3.0, -40.5, -40.0]).unwrap());
         assert_eq!(dv.value, Some(-40.5));
         let late: Vec<f64> = (0..60).map(f64::from).collect();
-        // Sample 1 is time zero, sample 31 is 300 ms.
+        // Sample 1 is contact, sample 31 is 300 ms.
         let (dv, time) = of(&late);
         assert_eq!(dv, Some(30.0));
         assert!((time.unwrap() - 0.3).abs() < 1e-12);
@@ -244,7 +242,7 @@ mod tests {
 
     #[test]
     fn a_table_that_ends_while_the_velocity_changes_gives_a_bound() {
-        let [dv, _] = maximum_delta_v(&Sampled::new(0.0, 0.01, vec![0.0, -1.0, -2.0]).unwrap(), 0.0);
+        let [dv, _] = maximum_delta_v(&Sampled::new(0.0, 0.01, vec![0.0, -1.0, -2.0]).unwrap());
         assert!(dv.definition.ends_with("a lower bound"), "{}", dv.definition);
     }
 
@@ -263,12 +261,12 @@ mod tests {
                     (change / step).round() * step / 3.6
                 };
                 let change = Sampled::new(0.0, dt_s, (0..(0.7 / dt_s) as usize).map(at).collect()).unwrap();
-                let found = impacts_of_table(&change, 0.0);
+                let found = impacts_of_table(&change);
                 let [one, two] = found.as_slice() else { panic!("{step} {dt_s}: {found:?}") };
                 let near = |impact: &PulseImpact, km_per_h: f64| (3.6 * impact.change_m_per_s + km_per_h).abs() < 1.7;
                 assert!(near(one, 20.0) && near(two, 35.0) && one.is_whole && two.is_whole, "{step} {dt_s}: {found:?}");
                 assert!((two.start_s - 0.35).abs() < 0.05 && two.end_s < 0.5, "{step} {dt_s}: {found:?}");
-                let [most, _] = maximum_delta_v(&change, 0.0);
+                let [most, _] = maximum_delta_v(&change);
                 assert!((3.6 * most.value.unwrap() + 20.0).abs() < 1.0, "within 300 ms");
             }
         }
@@ -289,8 +287,7 @@ mod tests {
         let loss: Vec<f64> = (0..=15).map(|k| -(4.0 * f64::from(k)).min(40.0)).collect();
         let along = table(&loss);
         let across = table(&(0..=15).map(|k| f64::from(k.min(10))).collect::<Vec<f64>>());
-        let impact =
-            RecordedImpact { along: &along, across: Some(&across), time_zero_s: 0.0, impact_speed_m_per_s: Some(10.0) };
+        let impact = RecordedImpact { along: &along, across: Some(&across), impact_speed_m_per_s: Some(10.0) };
         let metrics = impact.metrics();
         let crush = find(&metrics, "recorded_crush");
         // v0²/(2a) with 40 km/h in 100 ms.
@@ -318,18 +315,11 @@ mod tests {
     #[test]
     fn a_speed_that_does_not_belong_to_the_table_is_said() {
         let along = table(&[0.0, -10.0, -30.0, -50.0, -50.0]);
-        let of = |speed| {
-            RecordedImpact { along: &along, across: None, time_zero_s: 0.0, impact_speed_m_per_s: Some(speed) }
-                .metrics()
-        };
+        let of = |speed| RecordedImpact { along: &along, across: None, impact_speed_m_per_s: Some(speed) }.metrics();
         // More than twice the speed is lost.
         assert_eq!(find(&of(20.0 / 3.6), "recorded_ees").value, None);
         assert_eq!(find(&of(90.0 / 3.6), "recorded_crush").value, None);
         let pushed = table(&[0.0, 5.0, 9.0, 9.0]);
-        assert!(
-            RecordedImpact { along: &pushed, across: None, time_zero_s: 0.0, impact_speed_m_per_s: Some(9.0) }
-                .metrics()
-                .is_empty()
-        );
+        assert!(RecordedImpact { along: &pushed, across: None, impact_speed_m_per_s: Some(9.0) }.metrics().is_empty());
     }
 }

@@ -31,7 +31,7 @@ impl Default for OlcOptions {
     }
 }
 
-/// Occupant load criterion, m/s²; window t1..t2 from time zero.
+/// Occupant load criterion, m/s²; window t1..t2 from contact, t = 0.
 ///
 /// With `s(t) = ∫ (v0 - v) dt = v0·t - x`: free flight at v0 until `s(t1)` = 65 mm; then a constant deceleration that
 /// ends, after 235 mm more, at the vehicle's own speed: the first root t2 of `G(t) = s - (v0 - v)·(t - t1)/2 - 0.3 m`,
@@ -42,16 +42,15 @@ pub fn olc(
     velocity: &Signal<Velocity>,
     displacement: &Signal<Displacement>,
     impact_speed_m_per_s: f64,
-    time_zero_s: f64,
     options: OlcOptions,
 ) -> Result<Metric, MetricsError> {
     same_grid(("the velocity", velocity), ("the displacement", displacement))?;
     let (v, x, v0) = (velocity.samples(), displacement.samples(), impact_speed_m_per_s);
     let OlcOptions { free_flight_m, restraint_m } = options;
-    let t = |k: usize| velocity.time_s(k) - time_zero_s;
+    let t = |k: usize| velocity.time_s(k);
     let s = |k: usize| v0 * t(k) - x[k];
 
-    let zero = velocity.index_at_or_after(time_zero_s);
+    let zero = velocity.index_at_or_after(0.0);
     let Some(k1) = (zero..v.len()).find(|&k| s(k) >= free_flight_m) else {
         return Ok(Metric::absent(&OLC, &format!("the free flight of {free_flight_m} m is not reached in the record")));
     };
@@ -97,25 +96,20 @@ impl Default for VpiOptions {
 /// Longest step, in radians of the belt's oscillation: one extreme of the elongation a step.
 const LONGEST_STEP_RAD: f64 = 0.5;
 
-/// Vehicle pulse index, m/s²; the window is the moment of the largest belt force, from time zero.
+/// Vehicle pulse index, m/s²; the window is the moment of the largest belt force, from contact, t = 0.
 ///
 /// A mass that flies free until the slack is used up, then hangs on a linear spring: `d'' = -a - ω²·max(0, d - s)`,
 /// `d(0) = d'(0) = 0`, `VPI = max ω²·(d - s)`. Solved exactly for an acceleration that is linear between samples:
 /// cubic in free flight, sine and cosine on the belt; what remains is the sampling, O(T²). Constant deceleration a:
-/// `a + sqrt(a² + 2·a·s·ω²)`. Starts at the first sample at or after time zero. A record that ends while the belt
+/// `a + sqrt(a² + 2·a·s·ω²)`. Starts at the first sample at or after contact. A record that ends while the belt
 /// still stretches gives a lower bound, and says so. ISO/TR 12353-3.
-pub fn vpi(acceleration: &Signal<Acceleration>, time_zero_s: f64, options: VpiOptions) -> Metric {
-    followed(acceleration, time_zero_s, options, gains)
+pub fn vpi(acceleration: &Signal<Acceleration>, options: VpiOptions) -> Metric {
+    followed(acceleration, options, gains)
 }
 
 /// The index, followed as long as `gains` of the samples and their interval say that it may still grow.
-fn followed(
-    acceleration: &Signal<Acceleration>,
-    time_zero_s: f64,
-    options: VpiOptions,
-    gains: fn(&[f64], f64) -> Vec<f64>,
-) -> Metric {
-    let zero = acceleration.index_at_or_after(time_zero_s);
+fn followed(acceleration: &Signal<Acceleration>, options: VpiOptions, gains: fn(&[f64], f64) -> Vec<f64>) -> Metric {
+    let zero = acceleration.index_at_or_after(0.0);
     let a = &acceleration.samples()[zero..];
     let dt = acceleration.dt_s();
     let omega = (options.stiffness_n_per_m / options.mass_kg).sqrt();
@@ -166,7 +160,7 @@ fn followed(
     let Some(at_s) = at_s else {
         return Metric::absent(&VPI, &format!("the slack of {} m is not used up in the record", options.slack_m));
     };
-    let index = Metric::with_value(&VPI, omega * omega * largest).over(at_s - time_zero_s, at_s - time_zero_s);
+    let index = Metric::with_value(&VPI, omega * omega * largest).over(at_s, at_s);
     if u >= largest && rate > 0.0 {
         return index.as_lower_bound("lower bound: the record ends while the belt still stretches");
     }
@@ -274,7 +268,7 @@ mod tests {
         let at = |k: usize| k as f64 * dt;
         let v = Signal::new(0.0, dt, (0..n).map(|k| v0 - a * at(k)).collect()).unwrap();
         let x = Signal::new(0.0, dt, (0..n).map(|k| v0 * at(k) - a * at(k) * at(k) / 2.0).collect()).unwrap();
-        olc(&v, &x, v0, 0.0, OlcOptions::default()).unwrap()
+        olc(&v, &x, v0, OlcOptions::default()).unwrap()
     }
 
     #[test]
@@ -303,7 +297,7 @@ mod tests {
     }
 
     fn constant_pulse(a: f64, n: usize, dt: f64) -> Metric {
-        vpi(&Signal::new(0.0, dt, vec![-a; n]).unwrap(), 0.0, VpiOptions::default())
+        vpi(&Signal::new(0.0, dt, vec![-a; n]).unwrap(), VpiOptions::default())
     }
 
     #[test]
@@ -333,8 +327,8 @@ mod tests {
             let rest = |k: usize| 4.0 * (share(number, 0.324_718) - 0.5) + 3.0 * (k as f64 * 0.7).sin();
             let sample = |k: usize| (0..3).map(|place| push(k, place)).sum::<f64>() + rest(k);
             let a = Signal::new(0.0, 1e-4, (0..5000).map(sample).collect()).unwrap();
-            let to_the_end = followed(&a, 0.0, VpiOptions::default(), |a, _| vec![f64::INFINITY; a.len()]);
-            assert_eq!(vpi(&a, 0.0, VpiOptions::default()), to_the_end, "{number}");
+            let to_the_end = followed(&a, VpiOptions::default(), |a, _| vec![f64::INFINITY; a.len()]);
+            assert_eq!(vpi(&a, VpiOptions::default()), to_the_end, "{number}");
             decided_by[(to_the_end.window.map_or(0.0, |window| window.to_s) / 0.15) as usize % 3] += 1;
         }
         assert!(decided_by.iter().all(|count| *count > 5), "{decided_by:?}");

@@ -7,7 +7,7 @@ use crumple_signal::{Signal, Velocity};
 pub struct TwoVehicleImpact {
     /// The second vehicle heads the same way as the first (a hit from behind), else towards it.
     pub same_heading: bool,
-    /// Relative velocity at time zero, m/s; positive: they approach.
+    /// Relative velocity at contact, m/s; positive: they approach.
     pub closing_speed_m_per_s: f64,
     /// The moment of common velocity; `None`: they still approach at the end of the record.
     pub common: Option<MutualCrush>,
@@ -20,7 +20,7 @@ pub struct TwoVehicleImpact {
 /// The moment at which two vehicles move alike, and are crushed most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MutualCrush {
-    /// s from time zero.
+    /// s from contact.
     pub time_s: f64,
     /// Velocity of the first vehicle then, m/s.
     pub velocity_m_per_s: f64,
@@ -47,14 +47,14 @@ pub fn common_velocity(masses_kg: [f64; 2], velocities_m_per_s: [f64; 2]) -> f64
 /// The forces on both are opposite, so the second vehicle heads towards the first if both lose speed, and the same way
 /// if one gains what the other loses. The relative velocity `v1 - s·v2` (s = 1 for the same heading, -1 else) is zero
 /// at the common velocity, interpolated linearly; its integral up to there by the trapezoid is the mutual crush. `None`
-/// where the grids differ, a vehicle does not change its velocity, or they do not approach at time zero.
-pub fn collision(first: &Signal<Velocity>, second: &Signal<Velocity>, time_zero_s: f64) -> Option<TwoVehicleImpact> {
+/// where the grids differ, a vehicle does not change its velocity, or they do not approach at contact, t = 0.
+pub fn collision(first: &Signal<Velocity>, second: &Signal<Velocity>) -> Option<TwoVehicleImpact> {
     let dt = first.dt_s();
     let shift = (second.t0_s() - first.t0_s()) / dt;
     if (second.dt_s() / dt - 1.0).abs() > 1e-9 || (shift - shift.round()).abs() > 1e-3 {
         return None;
     }
-    let from = [first.index_at_or_after(time_zero_s), second.index_at_or_after(time_zero_s)];
+    let from = [first.index_at_or_after(0.0), second.index_at_or_after(0.0)];
     let v = [first.samples().get(from[0]..)?, second.samples().get(from[1]..)?];
     let n = v[0].len().min(v[1].len());
     if n < 2 {
@@ -86,7 +86,7 @@ pub fn collision(first: &Signal<Velocity>, second: &Signal<Velocity>, time_zero_
             crush += dt * (before + now) / 2.0;
         } else {
             let part = before / (before - now);
-            let time_s = first.time_s(from[0] + k - 1) - time_zero_s + part * dt;
+            let time_s = first.time_s(from[0] + k - 1) + part * dt;
             let velocity_m_per_s = v[0][k - 1] + part * (v[0][k] - v[0][k - 1]);
             let relative_crush_m = crush + part * dt * before / 2.0;
             common = Some((k, MutualCrush { time_s, velocity_m_per_s, relative_crush_m }));
@@ -118,7 +118,7 @@ mod tests {
         let first = wave(&|t| speeds[0] - loss(t) / masses[0]);
         let second = wave(&|t| speeds[1] + sign * loss(t) / masses[1]);
         let quarter = std::f64::consts::PI / (2.0 * omega);
-        (collision(&first, &second, 0.0).unwrap(), [quarter, closing / omega])
+        (collision(&first, &second).unwrap(), [quarter, closing / omega])
     }
 
     #[test]
@@ -146,11 +146,11 @@ mod tests {
     fn vehicles_that_do_not_meet_have_no_collision() {
         let still = Signal::new(0.0, 1e-3, vec![10.0; 50]).unwrap();
         let braked = Signal::new(0.0, 1e-3, (0..50).map(|k| 10.0 - 0.1 * f64::from(k)).collect()).unwrap();
-        assert_eq!(collision(&still, &braked, 0.0), None);
+        assert_eq!(collision(&still, &braked), None);
         let other_grid = Signal::new(0.0, 2e-3, vec![1.0; 50]).unwrap();
-        assert_eq!(collision(&braked, &other_grid, 0.0), None);
+        assert_eq!(collision(&braked, &other_grid), None);
         // Still approaching at the end.
-        let found = collision(&braked, &braked, 0.0).unwrap();
+        let found = collision(&braked, &braked).unwrap();
         assert_eq!((found.common, found.restitution), (None, None));
     }
 }

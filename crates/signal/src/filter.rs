@@ -6,7 +6,7 @@ use crate::butterworth::sections_extension;
 use crate::zero_phase::Report;
 use crate::{
     About, Butterworth, Cfc, CfcMode, Class, Coefficients, Design, FilterError, Notes, Phase, PreEventWindow,
-    STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, corridor, filter_both_ways_into, pre_event, run_sections,
+    STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, corridor, filter_both_ways_into, pre_event_within, run_sections,
     samples_added,
 };
 
@@ -25,7 +25,7 @@ pub enum ZeroLevel {
 
 impl Default for ZeroLevel {
     fn default() -> Self {
-        Self::PreEvent(PreEventWindow::default())
+        Self::PreEvent(PreEventWindow::USUAL)
     }
 }
 
@@ -223,7 +223,7 @@ fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f
         }
         ZeroLevel::PreEvent(window) => window,
     };
-    match pre_event(samples, window) {
+    match pre_event_within(samples, window) {
         Some(pre_event) => {
             if pre_event.muted > 0 {
                 notes.info(format!(
@@ -353,7 +353,6 @@ mod tests {
         let g = STANDARD_GRAVITY_M_PER_S2;
         let level = |k: i32| if k < 500 { -g } else { 0.0 };
         let record = Sampled::new(-0.5, 1e-3, (0..1000).map(level).collect()).unwrap();
-        let window = PreEventWindow::default();
         let removed = |zero_level| {
             let settings = FilterSettings { class: Class::None, zero_level, ..FilterSettings::default() };
             let filtered = filter(&record, None, &settings).unwrap();
@@ -363,7 +362,7 @@ mod tests {
         assert_eq!(level, 0.0);
         assert_eq!(notes, ["it falls or brakes before contact: zero is the level at rest, +0.00 g"]);
         // Of a force the level before the event is zero, whatever comes after.
-        let (level, notes) = removed(ZeroLevel::PreEvent(window));
+        let (level, notes) = removed(ZeroLevel::default());
         assert!((level + g).abs() < 1e-12 && notes.is_empty(), "{notes:?}");
     }
 

@@ -79,7 +79,7 @@ pub use motion::{
 pub use moving_start::{Moving, MovingStart, is_gravity, moves_before_contact, moving_start};
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
-pub use samples::{PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, pre_event};
+pub use samples::{PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, pre_event, pre_event_within};
 pub use summation::{
     IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,
 };

@@ -8,7 +8,9 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::motion::{ContactGrid, ON_GRID};
-use crate::{IntegrationRule, PreEventWindow, QuantityKind, Sampled, TwoPassFilter, UsedStart, pre_event};
+use crate::{
+    IntegrationRule, PreEventWindow, QuantityKind, Sampled, TwoPassFilter, UsedStart, pre_event, pre_event_within,
+};
 
 /// The stretch before the event from which the zero level of an acceleration was read, and the noise there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,8 +44,8 @@ impl BeforeEvent {
     /// `step/√12`; Widrow & Kollár, *Quantization Noise*, 2008, 5.2. `None` where less than 10 ms are left: the record
     /// shows no noise, or nothing but the pulse.
     pub fn of(filtered: &Sampled, filter: Option<&TwoPassFilter>, step: Option<f64>) -> Option<Self> {
-        let window = PreEventWindow::default();
-        let whole = pre_event(filtered, window)?;
+        let window = PreEventWindow::USUAL;
+        let whole = pre_event(filtered)?;
         let end_s = filter.map_or(0.0, |filter| filter.samples_added as f64 * filtered.dt_s());
         let from_s = window.from_s.max(filtered.t0_s() + end_s);
         let first = filtered.index_at_or_after(from_s);
@@ -52,7 +54,7 @@ impl BeforeEvent {
         let of_steps = step.map_or(0.0, |step| step / 12.0_f64.sqrt());
         let mut to_s = window.to_s;
         loop {
-            let inner = pre_event(filtered, PreEventWindow { from_s, to_s })?;
+            let inner = pre_event_within(filtered, PreEventWindow { from_s, to_s })?;
             let noise = inner.noise_floor.max(of_steps);
             let last = filtered.index_at_or_after(inner.to_s);
             // Behind contact everything is the pulse.

@@ -1,6 +1,6 @@
 //! A free fall, or braking, before contact: what is the level before contact then is no zero.
 
-use crate::{PreEvent, PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, pre_event};
+use crate::{PreEvent, STANDARD_GRAVITY_M_PER_S2, Sampled, pre_event};
 
 /// How far a change of level may be from 1 g and still be that of gravity, m/s²: sensors are calibrated to 2 %, gravity
 /// differs by 0.3 % on the ground, and a fall is braked by the air and by rails.
@@ -52,7 +52,7 @@ pub fn is_gravity(level_m_per_s2: f64) -> bool {
 
 /// Whether an acceleration, its zero level removed, is that of a body that falls or brakes before contact.
 pub fn moves_before_contact(acceleration: &Sampled) -> bool {
-    let before = pre_event(acceleration, PreEventWindow::default());
+    let before = pre_event(acceleration);
     before.is_some_and(|before| before.zero_level.abs() >= BRAKING_M_PER_S2)
 }
 
@@ -116,7 +116,7 @@ mod tests {
     }
 
     fn of(samples: &Sampled) -> Option<MovingStart> {
-        moving_start(samples, &pre_event(samples, PreEventWindow::default())?)
+        moving_start(samples, &pre_event(samples)?)
     }
 
     #[test]

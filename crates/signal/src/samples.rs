@@ -22,7 +22,9 @@ const BY_CHANCE: f64 = 1e-3;
 /// Slack for time stamps that are sums of a decimal interval, s.
 const SLACK_S: f64 = 1e-9;
 
-/// Where the zero level is read, s on the record's time axis, both ends included.
+/// Where the zero level is read, s from contact, both ends included.
+///
+/// The usual one, -50 ms to -10 ms, is clear of the electrical noise of a trigger and of early contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PreEventWindow {
     /// First sample at or after this time.
@@ -31,10 +33,13 @@ pub struct PreEventWindow {
     pub to_s: f64,
 }
 
-/// -50 ms to -10 ms: clear of the electrical noise of a trigger and of early contact.
-impl Default for PreEventWindow {
-    fn default() -> Self {
-        Self { from_s: -0.05, to_s: -0.01 }
+impl PreEventWindow {
+    /// -50 ms to -10 ms.
+    pub(crate) const USUAL: Self = Self { from_s: -0.05, to_s: -0.01 };
+
+    /// The usual window with the ends that somebody states in place of its own.
+    pub fn stated(from_s: Option<f64>, to_s: Option<f64>) -> Self {
+        Self { from_s: from_s.unwrap_or(Self::USUAL.from_s), to_s: to_s.unwrap_or(Self::USUAL.to_s) }
     }
 }
 
@@ -55,7 +60,8 @@ pub struct PreEvent {
     pub muted: usize,
 }
 
-/// Mean and standard deviation in the part of the window that the record covers; `None` if that is shorter than 10 ms.
+/// Mean and standard deviation from 50 ms to 10 ms before contact, as far as the record covers it; `None` if that is
+/// less than 10 ms.
 ///
 /// The mean is wrong by about the noise floor over the square root of the number of samples. A wrong zero level δ adds
 /// δ·t to the velocity and δ·t²/2 to the displacement: 0.1 g over 100 ms is 0.098 m/s and 4.9 mm. Never the mean of the
@@ -64,7 +70,12 @@ pub struct PreEvent {
 /// A record that begins with more than ten samples of exactly 0 was muted until then (NHTSA's TDMS files): that run is
 /// not counted. A window of nothing but such zeros is taken as it is, as computed records have it. A sensor with a
 /// coarse step rests at 0 for long: it is not muted where the share of zeros behind the run makes such a run probable.
-pub fn pre_event(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> {
+pub fn pre_event(samples: &Sampled) -> Option<PreEvent> {
+    pre_event_within(samples, PreEventWindow::USUAL)
+}
+
+/// [`pre_event`] in another window: one that somebody stated, or a part of the usual one.
+pub fn pre_event_within(samples: &Sampled, window: PreEventWindow) -> Option<PreEvent> {
     let from = samples.index_at_or_after(window.from_s - SLACK_S);
     let to = samples.index_at_or_after(window.to_s + SLACK_S);
     // A sample inside the slack belongs to the window; `index_at_or_after` has a slack of its own, in intervals.
@@ -339,12 +350,12 @@ mod tests {
 
     #[test]
     fn both_ends_of_the_window_belong_to_it() {
-        let level = pre_event(&ramp(-0.06, 1e-3, 200), PreEventWindow::default()).unwrap();
+        let level = pre_event(&ramp(-0.06, 1e-3, 200)).unwrap();
         assert_eq!((level.samples, level.zero_level), (41, 30.0));
         // Variance of the integers -20..=20: 20·21/3.
         assert!((level.noise_floor - 140.0_f64.sqrt()).abs() < 1e-12);
         // -50.0 to -10.0 ms at 10 kHz: samples 0 to 400.
-        let level = pre_event(&ramp(-0.05, 1e-4, 3500), PreEventWindow::default()).unwrap();
+        let level = pre_event(&ramp(-0.05, 1e-4, 3500)).unwrap();
         assert_eq!((level.samples, level.zero_level), (401, 200.0));
     }
 
@@ -354,8 +365,7 @@ mod tests {
             let at = |k: usize| if k < muted { 0.0 } else { 2.0 };
             Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap()
         };
-        let level_after =
-            |muted| pre_event(&record(muted), PreEventWindow::default()).map(|f| (f.zero_level, f.muted, f.samples));
+        let level_after = |muted| pre_event(&record(muted)).map(|f| (f.zero_level, f.muted, f.samples));
         assert_eq!(level_after(0), Some((2.0, 0, 401)));
         assert_eq!(level_after(200), Some((2.0, 200, 201)));
         // Ten zeros may be measured ones.
@@ -374,12 +384,12 @@ mod tests {
         let samples: Vec<f64> = (0..3500).map(at).collect();
         let run = samples.iter().take_while(|x| **x == 0.0).count();
         assert!(run > FEW_ZEROS, "{run}");
-        let level = pre_event(&Sampled::new(-0.05, 1e-4, samples).unwrap(), PreEventWindow::default()).unwrap();
+        let level = pre_event(&Sampled::new(-0.05, 1e-4, samples).unwrap()).unwrap();
         assert_eq!((level.muted, level.samples), (0, 401));
         // Zeros that are as rare as in the noise of a fine sensor do not explain the run.
         let at = |k: usize| if k > 24 && !k.is_multiple_of(9) { 0.1 * (k as f64).sin() } else { 0.0 };
         let fine = Sampled::new(-0.05, 1e-4, (0..3500).map(at).collect()).unwrap();
-        assert_eq!(pre_event(&fine, PreEventWindow::default()).unwrap().muted, 25);
+        assert_eq!(pre_event(&fine).unwrap().muted, 25);
     }
 
     #[test]
@@ -408,17 +418,17 @@ mod tests {
 
     #[test]
     fn ten_milliseconds_before_the_event_are_enough_and_nine_are_not() {
-        let samples = |t0_s| pre_event(&ramp(t0_s, 1e-3, 200), PreEventWindow::default()).map(|level| level.samples);
+        let samples = |t0_s| pre_event(&ramp(t0_s, 1e-3, 200)).map(|level| level.samples);
         assert_eq!((samples(-0.02), samples(-0.019), samples(0.0)), (Some(11), None, None));
-        assert_eq!(pre_event(&ramp(-0.02, 1e-4, 2701), PreEventWindow::default()).map(|f| f.samples), Some(101));
-        assert_eq!(pre_event(&ramp(-0.0199, 1e-4, 2701), PreEventWindow::default()), None);
+        assert_eq!(pre_event(&ramp(-0.02, 1e-4, 2701)).map(|f| f.samples), Some(101));
+        assert_eq!(pre_event(&ramp(-0.0199, 1e-4, 2701)), None);
     }
 
     #[test]
     fn a_window_that_ends_before_it_starts_and_samples_beyond_squares_have_none() {
-        assert_eq!(pre_event(&ramp(-0.06, 1e-3, 200), PreEventWindow { from_s: -0.01, to_s: -0.05 }), None);
+        assert_eq!(pre_event_within(&ramp(-0.06, 1e-3, 200), PreEventWindow { from_s: -0.01, to_s: -0.05 }), None);
         let huge = Sampled::new(-0.06, 1e-3, (0..100).map(|k| if k % 2 == 0 { 1e300 } else { -1e300 }).collect());
-        assert_eq!(pre_event(&huge.unwrap(), PreEventWindow::default()), None);
+        assert_eq!(pre_event(&huge.unwrap()), None);
     }
 
     #[test]

@@ -197,10 +197,10 @@ fn zero_level(options: &Options) -> Result<ZeroLevel, Usage> {
             Err(Usage::new("a window for the zero level is given, but zero-level is none").hint("leave out either"))
         }
         ZeroLevelRule::None => Ok(ZeroLevel::None),
-        ZeroLevelRule::PreEvent => Ok(ZeroLevel::PreEvent(PreEventWindow {
-            from_s: options.zero_level_from.map_or(PreEventWindow::default().from_s, Time::si),
-            to_s: options.zero_level_to.map_or(PreEventWindow::default().to_s, Time::si),
-        })),
+        ZeroLevelRule::PreEvent => Ok(ZeroLevel::PreEvent(PreEventWindow::stated(
+            options.zero_level_from.map(Time::si),
+            options.zero_level_to.map(Time::si),
+        ))),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crumple_signal::{
     Cfc, CfcMode, Class, Coefficients, FilterSettings, PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, ZeroLevel,
-    filter, pre_event,
+    filter, pre_event_within,
 };
 use crumple_testkit::reference_signals::{Case, Reference, assert_close, number, text, two_columns};
 
@@ -90,7 +90,7 @@ fn the_zero_level_is_the_mean_before_the_event() {
     for case in reference.cases("zero-", "ingest.zero_and_time_zero") {
         let window = &case["params"]["bias_window_s"];
         let window = PreEventWindow { from_s: number(&window[0]), to_s: number(&window[1]) };
-        let found = pre_event(&reference.signal(text(&case["signals"][0])), window).unwrap();
+        let found = pre_event_within(&reference.signal(text(&case["signals"][0])), window).unwrap();
         assert_close(case, "bias", found.zero_level, number(&case["expected"]["bias_g"]));
         assert_eq!(Some(found.samples as u64), case["expected"]["bias_samples"].as_u64());
     }

@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use crumple_artifact::records::QualityV1;
 use crumple_signal::{
-    About, Channel, ChannelStatus, MovingStart, Notes, PreEvent, PreEventWindow, QuantityKind, Sampled, Weight,
-    moving_start, pre_event,
+    About, Channel, ChannelStatus, MovingStart, Notes, PreEvent, QuantityKind, Sampled, Weight, moving_start, pre_event,
 };
 
 use crate::recording::details::Details;
@@ -185,7 +184,7 @@ impl Quality {
 ///
 /// `feels_gravity`: it may fall or brake before contact.
 pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality {
-    let pre_event = pre_event(wave, PreEventWindow::default());
+    let pre_event = pre_event(wave);
     let moving = pre_event.filter(|_| feels_gravity).and_then(|before| moving_start(wave, &before));
     let samples = wave.samples();
     let (minimum, maximum) =

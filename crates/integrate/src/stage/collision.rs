@@ -81,7 +81,7 @@ pub fn other_vehicle(
         )?;
         return Ok(metrics);
     };
-    match collision(&integrated.motion.velocity, velocity, 0.0) {
+    match collision(&integrated.motion.velocity, velocity) {
         Some(found) => {
             let masses = own.mass_kg.or(task.test.mass_kg).zip(other.mass_kg);
             let speeds = [task.impact_speed_m_per_s.unwrap_or(0.0), other_speed];

@@ -332,8 +332,7 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, out: &mut Output
     let [x, y] = [Axis::X, Axis::Y].map(|axis| along(axis).and_then(|c| Some((c, &input.wave_if(&c.id)?.sampled))));
     let impact = x.filter(|(channel, _)| derived_from(&channel.id)).map(|(channel, along)| {
         let across = y.map(|(_, across)| across);
-        let impact =
-            RecordedImpact { along, across, time_zero_s: 0.0, impact_speed_m_per_s: test.impact_speed_m_per_s };
+        let impact = RecordedImpact { along, across, impact_speed_m_per_s: test.impact_speed_m_per_s };
         let of = |metric: &Metric| match y {
             Some((across, _)) if metric.id == MAXIMUM_LATERAL_DELTA_V.id => across.id.as_str(),
             _ => channel.id.as_str(),
@@ -342,7 +341,7 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, out: &mut Output
     });
     for channel in changes {
         let Some(wave) = input.wave_if(&channel.id) else { continue };
-        let metrics = maximum_delta_v(&wave.sampled, 0.0);
+        let metrics = maximum_delta_v(&wave.sampled);
         if let [Some(change), Some(time_s)] = [&metrics[0], &metrics[1]].map(|metric| metric.value) {
             let title = channel.comment.as_ref().map_or_else(String::new, |title| format!(" ({title})"));
             let (change_km_per_h, time_ms) = (3.6 * change, 1e3 * time_s);
@@ -361,7 +360,7 @@ pub fn recorded_changes(input: &Inputs, test: &TestDescription, out: &mut Output
 pub fn recorded_impacts(input: &Inputs, test: &TestDescription, out: &mut Output) -> Option<ImpactsV1> {
     let is_along = |c: &&Channel| c.quantity == QuantityKind::VelocityChange && c.axis == Some(Axis::X);
     let channel = test.channels.iter().filter(is_along).find(|c| input.wave_if(&c.id).is_some())?;
-    let impacts = impacts_of_table(&input.wave_if(&channel.id)?.sampled, 0.0);
+    let impacts = impacts_of_table(&input.wave_if(&channel.id)?.sampled);
     if impacts.len() > 1 {
         let each: Vec<String> = (1..).zip(&impacts).map(|(number, impact)| impact.words(number)).collect();
         out.notes().concern(

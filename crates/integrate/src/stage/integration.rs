@@ -110,7 +110,7 @@ impl ChannelIntegration<'_> {
             }
         };
         let speed_error = self.settings.uncertainty.as_ref().map_or(0.0, Uncertainty::largest_speed_error_m_per_s);
-        let events = events_within(&motion, 0.0, impact_speed_m_per_s, speed_error)?;
+        let events = events_within(&motion, impact_speed_m_per_s, speed_error)?;
         let mut metrics = pulse_metrics(&Pulse {
             acceleration: &motion.acceleration,
             velocity: &motion.velocity,
@@ -118,7 +118,6 @@ impl ChannelIntegration<'_> {
             events: &events,
             impact_speed_m_per_s: self.impact_speed_m_per_s,
             mass_kg: self.test.mass_kg,
-            time_zero_s: 0.0,
         })?;
         let (mut event_intervals, mut events_without, mut metrics_without) = (Vec::new(), Vec::new(), Vec::new());
         let uncertainty = self.uncertainty(&channel.id, &events, acceleration.end_s())?;

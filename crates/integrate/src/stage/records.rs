@@ -118,8 +118,8 @@ pub fn metric_records(channel: &str, integrated: &Integrated) -> Vec<MetricV1> {
 ///
 /// Where the stage that read the record asked for an exchange that explains it, nothing more is asked.
 pub fn note_findings(pulse: &Integrated, impact_speed_m_per_s: f64, speed_rule: SpeedRule, notes: &mut Notes) {
-    let of_pulse = findings(&pulse.motion, &pulse.events, 0.0, impact_speed_m_per_s);
-    if wrong_sign(&pulse.motion.velocity, 0.0, impact_speed_m_per_s) {
+    let of_pulse = findings(&pulse.motion, &pulse.events, impact_speed_m_per_s);
+    if wrong_sign(&pulse.motion.velocity, impact_speed_m_per_s) {
         let before = std::mem::replace(notes, of_pulse);
         notes.extend(before);
         return;
@@ -153,7 +153,7 @@ fn is_decisive(note: &Note) -> bool {
 
 /// Notes the warnings of the motion of another channel, under its name.
 pub fn note_warnings(id: &str, channel: &Integrated, impact_speed_m_per_s: f64, notes: &mut Notes) {
-    for note in findings(&channel.motion, &channel.events, 0.0, impact_speed_m_per_s).iter() {
+    for note in findings(&channel.motion, &channel.events, impact_speed_m_per_s).iter() {
         if note.severity == Severity::Warning {
             notes.concern(About::Channel(id.to_owned()), Weight::Marked, format!("channel {id}: {}", note.text));
         }
@@ -178,7 +178,7 @@ pub fn summary(channel: &str, pulse: &Integrated, impact_speed_m_per_s: f64) -> 
         let change = pulse.events.end_velocity_m_per_s;
         return format!("pulse {channel}: from rest, change of velocity {change:.3} m/s at the end, no crash events");
     }
-    if wrong_sign(&pulse.motion.velocity, 0.0, impact_speed_m_per_s) {
+    if wrong_sign(&pulse.motion.velocity, impact_speed_m_per_s) {
         return format!("pulse {channel}: no crash events, {WRONG_SIGN}");
     }
     match (pulse.events.crush, pulse.events.rebound) {

@@ -63,7 +63,7 @@ fn motion(a: &Signal<Acceleration>, v0: f64) -> (Motion, IntegrationSettings) {
 }
 
 fn events(a: &Signal<Acceleration>, v0: f64, speed_error: f64) -> CrashEvents {
-    events_within(&motion(a, v0).0, 0.0, v0, speed_error).unwrap()
+    events_within(&motion(a, v0).0, v0, speed_error).unwrap()
 }
 
 #[test]

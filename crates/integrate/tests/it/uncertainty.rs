@@ -33,7 +33,7 @@ fn settings(start: IntegrationStart) -> IntegrationSettings {
 
 fn events(a: &Signal<Acceleration>, start: IntegrationStart, by: Perturbation) -> CrashEvents {
     let motion = perturbed(a, &settings(start), None, &by).unwrap();
-    crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap()
+    crash_events(&motion.velocity, &motion.displacement).unwrap()
 }
 
 /// Crush, its time and delta-v with an error less those without.
@@ -262,10 +262,9 @@ fn every_event_and_metric_has_an_interval_but_what_replicates_lack_and_a_check_o
         acceleration: &motion.acceleration,
         velocity: &motion.velocity,
         displacement: &motion.displacement,
-        events: &crash_events(&motion.velocity, &motion.displacement, 0.0).unwrap(),
+        events: &crash_events(&motion.velocity, &motion.displacement).unwrap(),
         impact_speed_m_per_s: Some(V0),
         mass_kg: Some(1000.0),
-        time_zero_s: 0.0,
     })
     .unwrap();
     assert_eq!(metrics.len(), found.metrics.len());

@@ -38,8 +38,8 @@ pub struct InputUncertainty {
     pub impact_speed_m_per_s: f64,
     /// Of the zero level of the accelerometer, m/s².
     pub bias_m_per_s2: f64,
-    /// Of time zero, s.
-    pub time_zero_s: f64,
+    /// Of contact, s.
+    pub contact_s: f64,
     /// Their distributions, in this order.
     pub distributions: [Distribution; 4],
 }
@@ -47,7 +47,7 @@ pub struct InputUncertainty {
 impl InputUncertainty {
     /// Whether anything is uncertain.
     pub fn any(&self) -> bool {
-        [self.mass_kg, self.impact_speed_m_per_s, self.bias_m_per_s2, self.time_zero_s].iter().any(|s| *s > 0.0)
+        [self.mass_kg, self.impact_speed_m_per_s, self.bias_m_per_s2, self.contact_s].iter().any(|s| *s > 0.0)
     }
 }
 
@@ -102,7 +102,7 @@ fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mass = draw(inputs.mass_kg, of_mass);
     let speed_m_per_s = draw(inputs.impact_speed_m_per_s, of_speed);
     let bias = draw(inputs.bias_m_per_s2, of_bias);
-    let late_s = draw(inputs.time_zero_s, of_zero);
+    let late_s = draw(inputs.contact_s, of_zero);
     let others = (1..sensors).map(|_| draw(inputs.bias_m_per_s2, of_bias));
     let bias_m_per_s2 = std::iter::once(bias).chain(others).collect();
     Errors { mass, speed_m_per_s, late_s, bias_m_per_s2 }

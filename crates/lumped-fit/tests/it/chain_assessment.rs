@@ -145,7 +145,7 @@ fn intervals_hold_the_truth_about_as_often_as_they_say() {
 fn a_bootstrap_and_a_profile_do_not_depend_on_the_number_of_threads() {
     let observed = observed(noise(2e-4, 7));
     let found = fitted(&given(), &observed);
-    let inputs = InputUncertainty { impact_speed_m_per_s: 0.05, time_zero_s: 2e-4, ..InputUncertainty::default() };
+    let inputs = InputUncertainty { impact_speed_m_per_s: 0.05, contact_s: 2e-4, ..InputUncertainty::default() };
     let options = AssessmentOptions { profile: true, bootstrap: 20 };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -299,7 +299,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         mass_kg: 12.0,
         impact_speed_m_per_s: 0.05,
         bias_m_per_s2: 0.5,
-        time_zero_s: 2e-4,
+        contact_s: 2e-4,
         ..InputUncertainty::default()
     };
     let options = AssessmentOptions { profile: true, bootstrap: 0 };

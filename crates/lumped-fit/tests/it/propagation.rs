@@ -171,7 +171,7 @@ const LATE: InputUncertainty = InputUncertainty {
     mass_kg: 0.0,
     impact_speed_m_per_s: 0.0,
     bias_m_per_s2: 0.0,
-    time_zero_s: 1e-3,
+    contact_s: 1e-3,
     distributions: [Distribution::Uniform; 4],
 };
 const DRAWS: usize = 40;
@@ -240,7 +240,7 @@ fn an_uncertain_time_zero_spreads_a_closed_form_as_the_whole_way_does() {
 fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does() {
     let a = acceleration(&Model::Nonlinear1(CAR));
     // Beyond 0.25 ms another of the many starts wins; a repetition stays with the minimum that it started from.
-    let small = InputUncertainty { time_zero_s: 2e-4, ..LATE };
+    let small = InputUncertainty { contact_s: 2e-4, ..LATE };
     for from_s in [0.0, 0.02] {
         let fit = |late_s: f64| {
             let (x, _) = displacement(&a, late_s, false);

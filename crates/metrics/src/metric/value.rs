@@ -128,12 +128,6 @@ impl Metric {
         self
     }
 
-    /// The same window with times counted from `time_zero_s`.
-    pub fn counted_from(mut self, time_zero_s: f64) -> Self {
-        self.window = self.window.map(|w| Window { from_s: w.from_s - time_zero_s, to_s: w.to_s - time_zero_s });
-        self
-    }
-
     /// Appends a remark to the definition.
     pub fn remarked(mut self, remark: &str) -> Self {
         if self.value.is_some() {

@@ -1,13 +1,12 @@
 //! Agreement of channels and residuals: worked by hand.
 
-use crumple_metrics::definitions::OLC;
 use crumple_metrics::{
     ChannelMotion, CoraInterval, CoraOptions, Interval, Iso18571Options, Metric, Pulse, agreement, cora, crash_events,
     fit_percent, iso18571, over_channels, pulse_metrics, residuals,
 };
 use crumple_signal::{
-    Cfc, CfcMode, Coefficients, IntegrationRule, PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal,
-    filter_both_ways, integrate_twice, pre_event,
+    Cfc, CfcMode, Coefficients, IntegrationRule, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, filter_both_ways,
+    integrate_twice, pre_event,
 };
 use crumple_testkit::reference_signals::two_columns;
 
@@ -119,15 +118,13 @@ fn nine_samples_have_a_slope_and_eight_have_none() {
 }
 
 #[test]
-fn windows_count_from_time_zero_and_an_interval_of_replicates_is_finite() {
-    let window = Metric::with_value(&OLC, 1.0).over(0.75, 1.25).counted_from(0.25).window.unwrap();
-    assert_eq!((window.from_s, window.to_s), (0.5, 1.0));
+fn an_interval_of_replicates_is_finite() {
     let spread = |extreme: f64| Interval::of_replicates([vec![1.0; 8], vec![extreme; 4]].concat());
     assert!(spread(2.0).is_some() && spread(f64::INFINITY).is_none() && spread(f64::NEG_INFINITY).is_none());
 }
 
 fn metrics(record: &Sampled) -> Vec<Metric> {
-    let bias = pre_event(record, PreEventWindow::default()).unwrap().zero_level;
+    let bias = pre_event(record).unwrap().zero_level;
     let coefficients = Coefficients::new(Cfc::Cfc60, CfcMode::Iso6487, record.dt_s());
     let filtered = filter_both_ways(record.samples(), bias, &coefficients).unwrap();
     let zero = record.index_at_or_after(0.0);
@@ -135,7 +132,7 @@ fn metrics(record: &Sampled) -> Vec<Metric> {
     let v0 = 57.09 / 3.6;
     let (v, x) = integrate_twice(a.samples(), a.dt_s(), IntegrationRule::Trapezoid, v0, 0.0);
     let (v, x) = (Signal::new(0.0, a.dt_s(), v).unwrap(), Signal::new(0.0, a.dt_s(), x).unwrap());
-    let events = crash_events(&v, &x, 0.0).unwrap();
+    let events = crash_events(&v, &x).unwrap();
     pulse_metrics(&Pulse {
         acceleration: &a,
         velocity: &v,
@@ -143,7 +140,6 @@ fn metrics(record: &Sampled) -> Vec<Metric> {
         events: &events,
         impact_speed_m_per_s: Some(v0),
         mass_kg: Some(1719.0),
-        time_zero_s: 0.0,
     })
     .unwrap()
 }

@@ -1,4 +1,5 @@
-//! Instants and events on grids that begin anywhere: worked by hand, on coarse grids whose numbers are exact.
+//! Instants and events on grids that begin before contact, at it and after it: worked by hand, on coarse grids whose
+//! numbers are exact.
 
 use crumple_metrics::{
     EventEnd, ThresholdRule, acceleration_after_separation, collision, crash_events, event_end_by_velocity_change,
@@ -10,36 +11,37 @@ fn velocity(t0_s: f64, dt_s: f64, samples: &[f64]) -> Signal<Velocity> {
     Signal::new(t0_s, dt_s, samples.to_vec()).unwrap()
 }
 
-/// Two vehicles head on: their relative velocity is 20, 14, 6, -3, -5, -4 m/s from time zero (1 s) on.
+/// Two vehicles head on: their relative velocity is 20, 14, 6, -3, -5, -4 m/s from contact on.
 const FIRST: [f64; 8] = [12.0, 12.0, 12.0, 8.0, 4.0, 2.0, 1.0, 1.0];
 const SECOND: [f64; 7] = [8.0, 8.0, 6.0, 2.0, -5.0, -6.0, -5.0];
 
 #[test]
 fn a_collision_on_a_coarse_grid_is_that_worked_by_hand() {
-    let (first, second) = (velocity(0.5, 0.25, &FIRST), velocity(0.75, 0.25, &SECOND));
-    let impact = collision(&first, &second, 1.0).unwrap();
+    let (first, second) = (velocity(-0.5, 0.25, &FIRST), velocity(-0.25, 0.25, &SECOND));
+    let impact = collision(&first, &second).unwrap();
     let common = impact.common.unwrap();
     assert_eq!((impact.same_heading, impact.closing_speed_m_per_s), (false, 20.0));
     // Zero two thirds of an interval after 0.5 s; 0.25·17 + 0.25·10 m, and a triangle of 6 m/s.
     assert!((common.time_s - 2.0 / 3.0).abs() < 1e-15 && (common.relative_crush_m - 7.25).abs() < 1e-14);
     assert!((common.velocity_m_per_s - (4.0 - 4.0 / 3.0)).abs() < 1e-14);
     assert_eq!((impact.restitution, impact.changes_m_per_s), (Some(0.25), [-10.0, 13.0]));
-    // Both without what lies before time zero.
-    let cut = collision(&velocity(1.0, 0.25, &FIRST[2..]), &velocity(1.0, 0.25, &SECOND[1..]), 1.0);
+    // Both without what lies before contact.
+    let cut = collision(&velocity(0.0, 0.25, &FIRST[2..]), &velocity(0.0, 0.25, &SECOND[1..]));
     assert_eq!(cut, Some(impact));
 }
 
 #[test]
 fn a_common_velocity_on_a_sample_is_that_sample() {
     let (first, second) = ([10.0, 6.0, 4.0, 3.0, 3.0], [0.0, 3.0, 4.0, 5.0, 5.0]);
-    let impact = collision(&velocity(0.0, 0.5, &first), &velocity(0.0, 0.5, &second), 0.0).unwrap();
+    let impact = collision(&velocity(0.0, 0.5, &first), &velocity(0.0, 0.5, &second)).unwrap();
     let common = impact.common.unwrap();
     assert_eq!((common.time_s, common.velocity_m_per_s, common.relative_crush_m), (1.0, 4.0, 4.0));
     assert_eq!((impact.same_heading, impact.changes_m_per_s, impact.restitution), (true, [-6.0, 4.0], Some(0.2)));
-    let shortest = collision(&velocity(0.0, 0.5, &first[..2]), &velocity(0.0, 0.5, &second[..2]), 0.0).unwrap();
+    let shortest = collision(&velocity(0.0, 0.5, &first[..2]), &velocity(0.0, 0.5, &second[..2])).unwrap();
     assert_eq!((shortest.common, shortest.changes_m_per_s), (None, [-4.0, 3.0]));
-    assert_eq!(collision(&velocity(0.0, 0.5, &first), &velocity(0.0, 0.5, &second), 2.5), None, "no sample is left");
-    assert_eq!(collision(&velocity(0.0, 0.5, &first), &velocity(0.0, 0.5, &second), 2.0), None, "one sample is left");
+    for (t0_s, left) in [(-2.5, "no sample is left"), (-2.0, "one sample is left")] {
+        assert_eq!(collision(&velocity(t0_s, 0.5, &first), &velocity(t0_s, 0.5, &second)), None, "{left}");
+    }
 }
 
 #[test]
@@ -48,32 +50,32 @@ fn the_heading_is_told_by_the_largest_change_the_first_of_equals() {
     for later in [14.0, 16.0] {
         let first = [10.0, 6.0, 4.0, 5.0, later, later];
         let second = [8.0, 4.0, 2.0, 2.0, 2.0, 2.0];
-        let impact = collision(&velocity(0.0, 0.5, &first), &velocity(0.0, 0.5, &second), 0.0).unwrap();
+        let impact = collision(&velocity(0.0, 0.5, &first), &velocity(0.0, 0.5, &second)).unwrap();
         assert!(!impact.same_heading, "{later}");
     }
 }
 
 #[test]
 fn vehicles_on_grids_that_do_not_meet_are_not_compared() {
-    let first = velocity(0.5, 0.25, &FIRST);
-    for (t0_s, dt_s) in [(0.875, 0.25), (0.76, 0.25), (0.0, 0.5), (0.5, 0.2501), (0.625, 0.25)] {
-        assert_eq!(collision(&first, &velocity(t0_s, dt_s, &SECOND), 1.0), None, "{t0_s} {dt_s}");
+    let first = velocity(-0.5, 0.25, &FIRST);
+    for (t0_s, dt_s) in [(-0.125, 0.25), (-0.24, 0.25), (-1.0, 0.5), (-0.5, 0.2501), (-0.375, 0.25)] {
+        assert_eq!(collision(&first, &velocity(t0_s, dt_s, &SECOND)), None, "{t0_s} {dt_s}");
     }
-    // An axis that begins a quarter of an interval off zero, and one five intervals later.
-    let (off, later) = (velocity(0.0625, 0.25, &FIRST), velocity(1.3125, 0.25, &[12.0, 2.0]));
-    assert!(collision(&off, &later, 1.3125).is_none_or(|impact| impact.common.is_none()));
+    // An axis whose samples are a quarter of an interval off contact, and one that begins five intervals later.
+    let (off, later) = (velocity(-1.1875, 0.25, &FIRST), velocity(0.0625, 0.25, &[12.0, 2.0]));
+    assert!(collision(&off, &later).is_none_or(|impact| impact.common.is_none()));
     let (off, same) = (velocity(0.0625, 0.25, &FIRST[2..]), velocity(0.0625, 0.25, &SECOND[1..]));
-    assert!(collision(&off, &same, 0.0625).unwrap().common.is_some());
+    assert!(collision(&off, &same).unwrap().common.is_some());
     let longer = [&[8.0; 6][..], &SECOND].concat();
-    assert!(collision(&velocity(1.3125, 0.25, &FIRST[2..]), &velocity(-0.1875, 0.25, &longer), 1.3125).is_some());
+    assert!(collision(&velocity(0.0625, 0.25, &FIRST[2..]), &velocity(-1.4375, 0.25, &longer)).is_some());
 }
 
 #[test]
-fn crush_and_rebound_count_from_time_zero_and_every_later_zero_is_listed_once() {
+fn crush_and_rebound_count_from_contact_and_every_later_zero_is_listed_once() {
     let v = [4.0, 4.0, 2.0, -2.0, -2.0, 0.0, 0.0, 2.0, -2.0, -1.0, 1.0];
     let x = [0.0, 1.0, 3.0, 3.0, 2.0, 1.5, 1.5, 2.0, 2.0, 1.0, 1.0];
-    let displacement = Signal::new(0.5, 0.5, x.to_vec()).unwrap();
-    let events = crash_events(&velocity(0.5, 0.5, &v), &displacement, 1.0).unwrap();
+    let displacement = Signal::new(-0.5, 0.5, x.to_vec()).unwrap();
+    let events = crash_events(&velocity(-0.5, 0.5, &v), &displacement).unwrap();
     let (crush, rebound) = (events.crush.unwrap(), events.rebound.unwrap());
     // Halfway between 0.5 and 1 s: 3 m and a triangle of 2 m/s.
     assert_eq!((crush.time_s, crush.displacement_m, crush.index), (0.75, 3.25, 3));
@@ -86,12 +88,12 @@ fn crush_and_rebound_count_from_time_zero_and_every_later_zero_is_listed_once() 
 #[test]
 fn a_motion_from_rest_has_no_crush_and_one_that_stops_dead_does_not_separate() {
     let zeros = |n: usize| Signal::new(0.0, 0.5, vec![0.0; n]).unwrap();
-    let backwards = crash_events(&velocity(0.0, 0.5, &[0.0, -1.0, -2.0]), &zeros(3), 0.0).unwrap();
+    let backwards = crash_events(&velocity(0.0, 0.5, &[0.0, -1.0, -2.0]), &zeros(3)).unwrap();
     assert_eq!((backwards.crush, backwards.time_of_delta_v_s()), (None, None));
-    let dead = crash_events(&velocity(0.0, 0.5, &[4.0, 2.0, 0.0]), &zeros(3), 0.0).unwrap();
+    let dead = crash_events(&velocity(0.0, 0.5, &[4.0, 2.0, 0.0]), &zeros(3)).unwrap();
     assert!(!dead.rebound.unwrap().still_separating);
     assert!(dead.restitution(4.0).unwrap().is_sign_positive());
-    let going = crash_events(&velocity(0.0, 0.5, &[4.0, 2.0, -1.0]), &zeros(3), 0.0).unwrap();
+    let going = crash_events(&velocity(0.0, 0.5, &[4.0, 2.0, -1.0]), &zeros(3)).unwrap();
     assert!(going.rebound.unwrap().still_separating);
 }
 
@@ -143,13 +145,13 @@ fn steps(t0_s: f64, n: usize, lost: &[(usize, f64)]) -> Signal<Velocity> {
 
 #[test]
 fn an_event_of_one_blow_ends_20_ms_after_it() {
-    let event = unstopped(&steps(0.25, 200, &[(50, 5.0)]), 0.26).unwrap();
+    let event = unstopped(&steps(-0.01, 200, &[(50, 5.0)])).unwrap();
     assert_eq!((event.velocity_m_per_s, event.end), (10.0, EventEnd::Quiet));
-    // The blow is at sample 50, time zero at 10; the first 20 ms without it begin on it.
+    // The blow is at sample 50, contact at 10; the first 20 ms without it begin on it.
     assert!((event.time_s - 0.04).abs() < 1e-12 && (event.end_s - 0.06).abs() < 1e-12, "{event:?}");
-    let twice = unstopped(&steps(0.0, 300, &[(50, 3.0), (150, 3.0)]), 0.0).unwrap();
+    let twice = unstopped(&steps(0.0, 300, &[(50, 3.0), (150, 3.0)])).unwrap();
     assert_eq!(twice.velocity_m_per_s, 12.0, "of two equal blows the first is the event");
-    let shortest = unstopped(&steps(0.0, 21, &[(10, 3.0)]), 0.0).unwrap();
+    let shortest = unstopped(&steps(0.0, 21, &[(10, 3.0)])).unwrap();
     assert_eq!((shortest.velocity_m_per_s, shortest.end), (12.0, EventEnd::Record));
 }
 
@@ -157,7 +159,7 @@ fn an_event_of_one_blow_ends_20_ms_after_it() {
 fn the_lowest_velocity_is_looked_for_up_to_the_end_of_the_event_and_no_sample_further() {
     // After the blow 0.008 m/s are lost in each millisecond, 0.16 in 20.
     let at = |k: usize| if k < 50 { 15.0 } else { 10.0 - 0.0078125 * (k - 50) as f64 };
-    let event = unstopped(&velocity(0.0, 1e-3, &(0..200).map(at).collect::<Vec<f64>>()), 0.0).unwrap();
+    let event = unstopped(&velocity(0.0, 1e-3, &(0..200).map(at).collect::<Vec<f64>>())).unwrap();
     assert!((event.end_s - 0.07).abs() < 1e-12 && (event.time_s - 0.07).abs() < 1e-12, "{event:?}");
     assert_eq!(event.velocity_m_per_s, 10.0 - 0.0078125 * 20.0);
 }

@@ -142,18 +142,18 @@ proptest! {
         let velocity = Signal::new(0.0, dt, (0..n).map(|k| v0 - a * t(k)).collect()).unwrap();
         let displacement = Signal::new(0.0, dt, (0..n).map(|k| v0 * t(k) - a * t(k) * t(k) / 2.0).collect()).unwrap();
         // Interpolation between samples: O((T/t1)²) with t1 above 14 ms.
-        let (t1, found) = ((0.13 / a).sqrt(), olc(&velocity, &displacement, v0, 0.0, OlcOptions::default()).unwrap());
+        let (t1, found) = ((0.13 / a).sqrt(), olc(&velocity, &displacement, v0, OlcOptions::default()).unwrap());
         let t2 = 0.6 / (a * t1);
         prop_assert!(close(found.value.unwrap(), a * t2 / (t2 - t1), 1e-4));
         // Exact pieces: rounding only.
         let exact = a + (a * a + 2.0 * a * 0.03 * 2500.0).sqrt();
-        prop_assert!(close(vpi(&acceleration, 0.0, VpiOptions::default()).value.unwrap(), exact, 1e-10));
+        prop_assert!(close(vpi(&acceleration, VpiOptions::default()).value.unwrap(), exact, 1e-10));
         let zeros = Sampled::new(0.0, dt, vec![0.0; n]).unwrap();
         let (thiv, _) = thiv_phd(&acceleration, &zeros.clone().into(), &zeros, Default::default()).unwrap();
         // The moment by linear interpolation of a parabola.
         prop_assert!(close(thiv.value.unwrap(), (1.2 * a).sqrt(), 1e-5));
         prop_assert!(close(sliding_mean(&acceleration, 0.025, 0.0).value.unwrap(), a, 1e-9));
-        let events = crash_events(&velocity, &displacement, 0.0).unwrap();
+        let events = crash_events(&velocity, &displacement).unwrap();
         prop_assert!(close(events.crush.unwrap().time_s, v0 / a, 1e-9));
     }
 
@@ -175,7 +175,7 @@ proptest! {
         let s: Signal<Acceleration> = Signal::new(-1.0, dt, a).unwrap();
         let all = [
             hic(&s, 0.015), hic_d(&s), clip_contiguous(&s, 0.003), clip_cumulative(&s, 0.003),
-            sliding_mean(&s, 0.025, 0.0), vpi(&s, 0.0, VpiOptions::default()),
+            sliding_mean(&s, 0.025, 0.0), vpi(&s, VpiOptions::default()),
         ];
         prop_assert!(all.iter().all(|m| m.value.is_none_or(f64::is_finite)), "{all:?}");
         if let Ok(rating) = iso18571(&s, &s, &Iso18571Options::default()) {

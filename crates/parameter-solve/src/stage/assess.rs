@@ -187,7 +187,7 @@ impl Assessor<'_> {
                 elsewhere.join(", ")
             ));
         }
-        let largest = largest_draw(asked.inputs.distributions[3]) * asked.inputs.time_zero_s;
+        let largest = largest_draw(asked.inputs.distributions[3]) * asked.inputs.contact_s;
         for (candidate, assessed) in assessed() {
             if assessed.propagation.is_some() && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
                 out.notes().concern(About::Model(candidate.id()), Weight::Marked, format!(

@@ -169,7 +169,7 @@ fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
             mass_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
             impact_speed_m_per_s: options.speed_uncertainty.map_or(0.0, |u| u.size.si()),
             bias_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
-            time_zero_s: options.time_zero_uncertainty.map_or(0.0, |u| u.size.si()),
+            contact_s: options.time_zero_uncertainty.map_or(0.0, |u| u.size.si()),
             distributions: [
                 options.mass_uncertainty.map(|u| u.distribution).unwrap_or_default(),
                 options.speed_uncertainty.map(|u| u.distribution).unwrap_or_default(),
@@ -269,7 +269,7 @@ impl Serialize for StageSettings {
             ("mass_uncertainty_kg", asked.inputs.mass_kg),
             ("speed_uncertainty_m_per_s", asked.inputs.impact_speed_m_per_s),
             ("bias_uncertainty_m_per_s2", asked.inputs.bias_m_per_s2),
-            ("time_zero_uncertainty_s", asked.inputs.time_zero_s),
+            ("time_zero_uncertainty_s", asked.inputs.contact_s),
             ("plastic_prior", rules.plastic_prior),
             ("restitution_prior", rules.restitution_prior),
             ("restitution_deviation", rules.restitution_deviation),
@@ -312,7 +312,7 @@ impl AssessmentSettings {
             ("--mass-uncertainty", self.inputs.mass_kg),
             ("--speed-uncertainty", self.inputs.impact_speed_m_per_s),
             ("--bias-uncertainty", self.inputs.bias_m_per_s2),
-            ("--time-zero-uncertainty", self.inputs.time_zero_s),
+            ("--time-zero-uncertainty", self.inputs.contact_s),
         ];
         let switches = [("--profile", self.profile), ("--bootstrap", self.bootstrap > 0)];
         let switches = switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);

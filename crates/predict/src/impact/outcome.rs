@@ -285,7 +285,7 @@ pub(crate) fn peak(motion: &Motion, dt_s: f64) -> Option<f64> {
 pub(crate) fn occupant_load(motion: &Motion, speed: f64, dt_s: f64) -> Option<f64> {
     let velocity = Signal::new(0.0, dt_s, motion.velocity_m_per_s.clone()).ok()?;
     let displacement = Signal::new(0.0, dt_s, motion.displacement_m.clone()).ok()?;
-    olc(&velocity, &displacement, speed, 0.0, OlcOptions::default()).ok()?.value
+    olc(&velocity, &displacement, speed, OlcOptions::default()).ok()?.value
 }
 
 /// What is not counted as beyond: rounding, and the samples between which a largest compression lies.

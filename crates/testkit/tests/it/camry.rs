@@ -6,7 +6,6 @@ use std::io::Read;
 use std::path::Path;
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::EventsV1;
 use crumple_testkit::interval_cover::{Choices, DRAWN, choices_of};
 use crumple_testkit::programs::{binary, number, summary_of};
 use crumple_testkit::{shared, workspace};
@@ -155,10 +154,8 @@ fn nearest_to_the_wall(summary: &Value) -> (f64, Value) {
 /// Root mean square of the force on the wall from contact up to `to_s` after it, N.
 fn force_on_the_wall(folder: &Path, to_s: f64) -> f64 {
     let integrated = Artifact::open(&folder.join("3-integrate.mcap")).unwrap();
-    let events: EventsV1 = integrated.record("/events").unwrap().unwrap();
     let wave = &integrated.waves()["barrier/force"].sampled;
-    let after = |k: usize| wave.t0_s() + k as f64 * wave.dt_s() - events.time_zero_s;
-    let within = wave.samples().iter().enumerate().filter(|(k, _)| (0.0..=to_s).contains(&after(*k)));
+    let within = wave.samples().iter().enumerate().filter(|(k, _)| (0.0..=to_s).contains(&wave.time_s(*k)));
     let squares: Vec<f64> = within.map(|(_, force)| force * force).collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }

@@ -8,7 +8,7 @@ use crumple_metrics::{ThresholdRule, peak, time_zero_by_threshold, time_zero_by_
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{
     Cfc, CfcMode, Coefficients, PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, filter_both_ways,
-    pre_event, samples_added,
+    pre_event_within, samples_added,
 };
 use crumple_testkit::reference_signals::{list, number, text, two_columns};
 use serde_json::{Value, json};
@@ -77,7 +77,7 @@ pub fn zero_and_time_zero(check: &mut Check<'_>) {
     let signal = check.signal(0);
     let window = &check.case["params"]["bias_window_s"];
     let window = PreEventWindow { from_s: number(&window[0]), to_s: number(&window[1]) };
-    let bias = pre_event(&signal, window).unwrap();
+    let bias = pre_event_within(&signal, window).unwrap();
     check.close("bias_g", bias.zero_level);
     check.equal("bias_samples", json!(bias.samples));
 
@@ -202,7 +202,7 @@ pub fn end_to_end(check: &mut Check<'_>) {
     let record = two_columns(&path, '\t');
     let window = &params["bias_window_s"];
     let window = PreEventWindow { from_s: number(&window[0]), to_s: number(&window[1]) };
-    let bias = pre_event(&record, window).unwrap().zero_level;
+    let bias = pre_event_within(&record, window).unwrap().zero_level;
     check.close("bias_g", bias / STANDARD_GRAVITY_M_PER_S2);
     let mode = mode(text(&params["filter_mode"]));
     for (key, class) in [

@@ -70,7 +70,7 @@ impl Motion {
         let (v, x) = integrate_twice(acceleration.samples(), dt, IntegrationRule::Trapezoid, v0, 0.0);
         let velocity = Signal::new(t0, dt, v).unwrap();
         let displacement = Signal::new(t0, dt, x).unwrap();
-        let events = crash_events(&velocity, &displacement, 0.0).unwrap();
+        let events = crash_events(&velocity, &displacement).unwrap();
         Self { acceleration, velocity, displacement, events, v0 }
     }
 
@@ -82,13 +82,12 @@ impl Motion {
             events: &self.events,
             impact_speed_m_per_s: Some(self.v0),
             mass_kg,
-            time_zero_s: 0.0,
         });
         Metrics(metrics.unwrap())
     }
 
     pub fn olc(&self, options: OlcOptions) -> Metric {
-        crumple_metrics::olc(&self.velocity, &self.displacement, self.v0, 0.0, options).unwrap()
+        crumple_metrics::olc(&self.velocity, &self.displacement, self.v0, options).unwrap()
     }
 }
 
@@ -199,7 +198,9 @@ pub fn vpi(check: &mut Check<'_>) {
     };
     let acceleration =
         if check.has_param("constant_decel_ms2") { check.constant_deceleration() } else { check.acceleration(0) };
-    let found = crumple_metrics::vpi(&acceleration, acceleration.t0_s(), options);
+    // Its t = 0 is the first sample.
+    let acceleration = Signal::new(0.0, acceleration.dt_s(), acceleration.samples().to_vec()).unwrap();
+    let found = crumple_metrics::vpi(&acceleration, options);
     check.metric("vpi_ms2", &found, 1.0);
     check.metric_g("vpi_g", &found);
     check.close_or_null("t_s", found.window.map(|w| w.to_s));
