@@ -1,8 +1,8 @@
 //! What a motion says about the crash: sign of the pulse, events, findings in words.
 
 use crumple_metrics::{
-    CrashEvents, EventEnd, MetricsError, centroid_time_by_moment, centroid_time_from_crush, crash_events_within,
-    largest_restitution,
+    CrashEvents, DynamicCrush, EventEnd, MetricsError, centroid_time_by_moment, centroid_time_from_crush,
+    crash_events_within, largest_restitution,
 };
 use crumple_signal::{About, Motion, Notes, Signal, UsedStart, Velocity, Weight};
 
@@ -46,8 +46,8 @@ pub fn events_within(
     Ok(CrashEvents { crush: None, rebound: None, later_zeros_s: Vec::new(), unstopped: None, ..events })
 }
 
-/// Relative gap of the two centroid times above which something does not fit: by parts they are equal, so 0.1 % is the
-/// error of the sampling or of the rule of summation.
+/// Relative gap of two centroid times that by parts are equal: 0.1 % is the error of the sampling or of the rule of
+/// summation.
 const CENTROID_GAP: f64 = 1e-3;
 
 /// What a reader of the motion should know, in words: what the record does not show, and what does not fit together.
@@ -63,8 +63,8 @@ const CENTROID_GAP: f64 = 1e-3;
 /// 7. the rebound is faster than the impact: a warning, no passive vehicle does that. A velocity that never gets below
 ///    zero is noted as a restitution of 0;
 /// 8. zeros of the velocity after the first, which are not used;
-/// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. They are equal by parts whatever v0 and the zero
-///    level are, so a gap above 0.1 % is a warning about sampling or rule, never about the inputs.
+/// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. A gap above 0.1 % that the motion itself does not
+///    have is a warning about sampling or rule; one that it has comes from the velocities at contact and at the stop.
 ///
 /// `events` are those of `motion`; times in notes are in ms from contact.
 pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64) -> Notes {
@@ -144,28 +144,40 @@ pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64
             1e3 * first
         ));
     }
-    // By parts: what velocity is left at t_m belongs to neither.
-    let left = rebound.velocity_m_per_s.max(0.0);
-    let from_crush = centroid_time_from_crush(crush.displacement_m - left * crush.time_s, impact_speed_m_per_s - left);
-    if let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, crush.time_s) {
-        let gap = (by_moment - from_crush) / from_crush;
-        let text = format!(
-            "centroid time: {:.3} ms from C/v0, {:.3} ms from the pulse, {:+.3} % apart",
-            1e3 * from_crush,
-            1e3 * by_moment,
-            1e2 * gap
-        );
-        if gap.abs() <= CENTROID_GAP {
-            notes.info(text);
-        } else {
-            notes.concern(
-                About::Motion,
-                Weight::Marked,
-                text + ": the sampling or the integration rule is crude for this pulse",
-            );
-        }
-    }
+    compare_centroid_times(motion, crush, rebound.velocity_m_per_s.max(0.0), impact_speed_m_per_s, &mut notes);
     notes
+}
+
+/// The centroid time `C/v0` beside that of the pulse. By parts, from the start t0 of the integration to t_m, the pulse has
+/// `(t_m·v(t_m) - t0·v(t0) - x(t_m) + x(t0)) / (v(t_m) - v(t0))`, whatever the inputs are: only a gap from that is one of
+/// sampling or rule. `left_m_per_s`: v(t_m).
+fn compare_centroid_times(motion: &Motion, crush: DynamicCrush, left_m_per_s: f64, v0: f64, notes: &mut Notes) {
+    let (velocity, displacement) = (&motion.velocity, &motion.displacement);
+    let from_s = velocity.t0_s();
+    let Some(by_moment) = centroid_time_by_moment(&motion.acceleration, crush.time_s) else { return };
+    let (Some(first_v), Some(first_x)) = (velocity.samples().first(), displacement.samples().first()) else { return };
+    let moment = crush.time_s * left_m_per_s - from_s * first_v - (crush.displacement_m - first_x);
+    let by_parts = moment / (left_m_per_s - first_v);
+    let from_crush = centroid_time_from_crush(crush.displacement_m, v0);
+    let gap = by_moment / from_crush - 1.0;
+    let text = format!(
+        "centroid time: {:.3} ms from C/v0, {:.3} ms from the pulse, {:+.3} % apart",
+        1e3 * from_crush,
+        1e3 * by_moment,
+        1e2 * gap
+    );
+    if (by_moment / by_parts - 1.0).abs() > CENTROID_GAP {
+        let crude = ": the sampling or the integration rule is crude for this pulse";
+        notes.concern(About::Motion, Weight::Marked, text + crude);
+    } else if gap.abs() <= CENTROID_GAP {
+        notes.info(text);
+    } else {
+        let at_contact = velocity.at(0.0).unwrap_or(*first_v);
+        notes.info(format!(
+            "{text}: the velocity is {at_contact:.3} m/s at contact and {left_m_per_s:.3} m/s at the stop, the impact \
+             speed {v0:.3} m/s"
+        ));
+    }
 }
 
 /// What a velocity says that never reaches zero.
@@ -306,6 +318,37 @@ mod tests {
         let notes = notes_of(vec![-2.0; 7]);
         assert!(notes[0].starts_with("warning: still separating"), "{notes:?}");
         assert_eq!(notes[1], "centroid time: 1000.000 ms from C/v0, 1000.000 ms from the pulse, +0.000 % apart");
+    }
+
+    /// The notes on the centroid of a half sine of 90 ms and 14 m/s, sampled at an interval, with a level before contact.
+    fn of_centroid(dt_s: f64, level_before: f64) -> Vec<String> {
+        let peak = 1.1 * 14.0 * std::f64::consts::PI / (2.0 * 0.09);
+        let at = |t: f64| match t {
+            t if t < 0.0 => level_before,
+            t if t < 0.09 => -peak * (std::f64::consts::PI * t / 0.09).sin(),
+            _ => 0.0,
+        };
+        let samples = (0..(0.25 / dt_s) as usize).map(|k| at(k as f64 * dt_s - 0.05)).collect();
+        let settings = IntegrationSettings {
+            rule: IntegrationRule::Trapezoid,
+            start: IntegrationStart::RecordStart,
+            impact_speed_m_per_s: 14.0,
+            low_pass_filtered: true,
+        };
+        let motion = integrate(&Signal::new(-0.05, dt_s, samples).unwrap(), &settings).unwrap();
+        let events = events_of(&motion, 14.0).unwrap();
+        findings(&motion, &events, 14.0).to_texts().into_iter().filter(|note| note.contains("centroid")).collect()
+    }
+
+    #[test]
+    fn a_gap_of_centroid_times_is_blamed_on_what_causes_it() {
+        let fine = of_centroid(1e-4, 0.0);
+        assert!(fine[0].ends_with("% apart"), "{fine:?}");
+        // 5 m/s² for 50 ms before contact: the vehicle arrives with 13.75 m/s, which is no fault of the sampling.
+        let early = of_centroid(1e-4, -5.0);
+        assert!(early[0].contains("the velocity is 13.750 m/s at contact"), "{early:?}");
+        let coarse = of_centroid(1e-2, 0.0);
+        assert!(coarse[0].ends_with("is crude for this pulse"), "{coarse:?}");
     }
 
     /// A half-sine of 90 ms that takes `change` off the speed.

@@ -125,7 +125,9 @@ impl Uncertainty {
     /// that goes on after its only impact, where that is more than the stated error of the zero level. A drag after the
     /// impact reads like a shift: the intervals hold both.
     pub fn with_quality(self, quality: &QualityV1, events: &CrashEvents, end_s: f64) -> Self {
-        let is_over = events.impacts.len() == 1
+        // What falls or brakes before contact does so afterwards.
+        let is_over = quality.rest_level.is_none()
+            && events.impacts.len() == 1
             && events.rebound.is_some_and(|rebound| end_s - rebound.time_s >= AFTER_REBOUND_S);
         let stated = largest_error(self.zero_level_m_per_s2);
         let shift = quality.end_level.filter(|level| is_over && level.abs() > stated);

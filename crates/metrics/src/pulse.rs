@@ -231,10 +231,10 @@ pub fn centroid_time_from_crush(dynamic_crush_m: f64, impact_speed_m_per_s: f64)
 
 /// Centroid time as the first moment of the pulse, `∫ t·a dt / ∫ a dt` from the first sample to `until_s`, s.
 ///
-/// Times count from contact, t = 0. Trapezoid with a interpolated at `until_s`, error O(T²). With a t_m
-/// from the same acceleration it equals [`centroid_time_from_crush`] by parts whatever the impact speed is: a gap above
-/// 0.1 % says that the sampling or the rule is too crude for the pulse, or that C and t_m are from elsewhere.
-/// `None` if the pulse has no area or `until_s` lies outside the record.
+/// Trapezoid with a interpolated at `until_s`, error O(T²). With a motion from the same acceleration it equals by parts
+/// what its velocities and displacements at both ends say, and [`centroid_time_from_crush`] where it begins at contact
+/// with the impact speed: a gap above 0.1 % from the former says that the sampling or the rule is too crude for the
+/// pulse. `None` if the pulse has no area or `until_s` lies outside the record.
 pub fn centroid_time_by_moment(acceleration: &Signal<Acceleration>, until_s: f64) -> Option<f64> {
     let a_end = acceleration.at(until_s)?;
     let (mut area, mut moment) = (0.0, 0.0);

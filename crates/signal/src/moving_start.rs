@@ -21,9 +21,11 @@ const QUIET: f64 = 1.5;
 /// Resolution of a record, m/s²: noise below it is none.
 const RESOLUTION_M_PER_S2: f64 = 0.02 * STANDARD_GRAVITY_M_PER_S2;
 
-/// Least deceleration that is braking, m/s²: three times the zero level's usual error of 0.05 g. Left in the zero
-/// level, so much is 5 mm of crush over 80 ms.
-const BRAKING_M_PER_S2: f64 = 0.15 * STANDARD_GRAVITY_M_PER_S2;
+/// Least deceleration that is braking, m/s²: the usual error of a zero level, 0.05 g. What is less is in its interval.
+const BRAKING_M_PER_S2: f64 = 0.05 * STANDARD_GRAVITY_M_PER_S2;
+
+/// The pulse shows its sign up to so long after contact, s: that of a frontal impact lasts longer.
+const PULSE_S: f64 = 0.02;
 
 /// What moves the body before contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +61,8 @@ pub fn moves_before_contact(acceleration: &Sampled) -> bool {
 /// The free fall or the braking before contact, if the level of an acceleration before it, `before`, is not that at
 /// rest.
 ///
-/// Braking: 0.15 g to 1 g off a steady level at the start of the record.
+/// Braking: 0.05 g to 1 g off a steady level at the start of the record. 1 g against the pulse is a fall, 1 g along it a
+/// tyre that brakes at its limit.
 ///
 /// A sensor that feels gravity reads 0 in a fall and 1 g at rest; one that was zeroed at rest reads 1 g in a fall. Of
 /// both, what the body accelerates is the reading less the level at rest. The rest is looked for at the start of the
@@ -73,12 +76,17 @@ pub fn moving_start(samples: &Sampled, before: &PreEvent) -> Option<MovingStart>
     let steady = |part: Option<(f64, f64)>| steady_level(samples, part?.0, part?.1, quiet_m_per_s2);
     let (first, last) = (steady(first), steady(last));
     let start = |by: Moving, rest_level: f64| MovingStart { by, rest_level, level: before.zero_level };
-    let falls = [first, last].into_iter().flatten().find(|level| is_gravity(level - before.zero_level));
+    let (contact, shown) = (samples.index_at_or_after(0.0), samples.index_at_or_after(PULSE_S));
+    let pulse: f64 = samples.samples()[contact..shown].iter().map(|x| x - before.zero_level).sum();
+    let is_fall = |level: &f64| is_gravity(level - before.zero_level) && (level - before.zero_level) * pulse >= 0.0;
+    let falls = [first, last].into_iter().flatten().find(is_fall);
     let brakes = || {
         // A level that stays after the event is an offset, whatever came before it.
         let stays = last.is_some_and(|level| (level - before.zero_level).abs() < BRAKING_M_PER_S2);
         let off = |level: &f64| (level - before.zero_level).abs();
-        first.filter(|level| (BRAKING_M_PER_S2..STANDARD_GRAVITY_M_PER_S2).contains(&off(level)) && !stays)
+        first.filter(|level| {
+            (BRAKING_M_PER_S2..STANDARD_GRAVITY_M_PER_S2 + SLACK_M_PER_S2).contains(&off(level)) && !stays
+        })
     };
     falls.map(|level| start(Moving::Falls, level)).or_else(|| brakes().map(|level| start(Moving::Brakes, level)))
 }
@@ -121,11 +129,18 @@ mod tests {
 
     #[test]
     fn the_level_at_rest_is_found_for_any_sign_offset_and_sensor() {
-        for (rest, fall) in [(0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0), (4.0, 5.0), (0.03, -0.99)] {
+        for (rest, fall) in [(0.0, -1.0), (1.0, 0.0), (-4.0, -5.0), (0.03, -0.99)] {
             for (rest_first, noise) in [(true, 0.0), (false, 0.0), (true, 0.05), (false, 0.05)] {
-                let found = of(&drop(rest, fall, rest_first, noise)).unwrap();
-                // A mean over 20 samples of a noise of 0.03 g.
-                assert!((found.rest_level / G - rest).abs() < 0.02, "{rest} {fall} {rest_first} {noise}: {found:?}");
+                let record = drop(rest, fall, rest_first, noise);
+                let turned = record.samples().iter().map(|a| -a).collect();
+                let turned = Sampled::new(record.t0_s(), record.dt_s(), turned).unwrap();
+                for (record, sign) in [(record, 1.0), (turned, -1.0)] {
+                    let found = of(&record).unwrap();
+                    assert_eq!(found.by, Moving::Falls);
+                    // A mean over 20 samples of a noise of 0.03 g.
+                    let off = (found.rest_level / G - sign * rest).abs();
+                    assert!(off < 0.02, "{rest} {fall} {rest_first} {noise}: {found:?}");
+                }
             }
         }
     }
@@ -144,13 +159,13 @@ mod tests {
 
     #[test]
     fn braking_is_no_zero_level_where_the_record_shows_the_rest_before_it() {
-        for (rest, level) in [(0.0, -0.8), (0.0, -0.2), (0.1, -0.6), (0.0, 0.5)] {
+        for (rest, level) in [(0.0, 0.8), (0.0, 0.07), (0.1, 0.6), (0.0, 1.0), (0.0, -0.5)] {
             let found = of(&drop(rest, level, true, 0.02)).unwrap();
             assert_eq!(found.by, Moving::Brakes);
             assert!((found.rest_level / G - rest).abs() < 0.02, "{rest} {level}: {found:?}");
         }
         // Within the error of a zero level, and a level that stays after the event.
-        assert_eq!(of(&drop(0.0, 0.1, true, 0.0)), None);
+        assert_eq!(of(&drop(0.0, 0.04, true, 0.0)), None);
         let at = |k: u32| if k < 200 { 0.0 } else { 0.5 * G };
         assert_eq!(of(&Sampled::new(-0.7, 1e-3, (0..1500).map(at).collect()).unwrap()), None);
     }

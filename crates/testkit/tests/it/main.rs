@@ -6,6 +6,7 @@ mod bad_input;
 mod book;
 mod camry;
 mod determinism;
+mod earlier_runs;
 mod first_screen;
 mod fleet;
 mod formats;
